@@ -1,0 +1,152 @@
+//! Models that answer prompts, behind one trait.
+//!
+//! In: a [`Request`], complete in itself: a model gets nothing else, neither the task's name nor the
+//! simulator's state. Out: a [`Reply`]. Reading the answer is `compiler::reply`, judging it
+//! `compiler::verify`, asking again `crate::agent`.
+
+pub mod geometric;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::sync::Arc;
+
+pub use compiler::program::ModelRole;
+pub use geometric::Geometric;
+
+/// Answers one request at a time.
+///
+/// Every implementation passes the conformance suite in `tests/suite/model_conformance.rs`.
+pub trait Model: Send + Sync {
+    /// Returns the name that reports and journals print, e.g. `geometric`.
+    fn name(&self) -> &str;
+
+    /// Returns what stands behind the name.
+    fn nature(&self) -> Nature;
+
+    /// Answers a request.
+    ///
+    /// Fails where no answer could be had; an unhelpful answer is a [`Reply`] like any other.
+    fn ask(&self, request: &Request) -> Result<Reply, ModelError>;
+}
+
+/// What stands behind a model's name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Nature {
+    /// An embedded program in a model's place; results say so.
+    StandIn,
+    /// A vision-language model.
+    Model,
+}
+
+/// Everything that is sent for one answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Request {
+    /// Which kind of model is asked.
+    pub role: ModelRole,
+    /// The conversation so far, oldest first.
+    pub messages: Vec<Message>,
+    /// Sampling temperature, where the task states one.
+    pub temperature: Option<f64>,
+    /// The longest answer, tokens, where the task states one.
+    pub max_tokens: Option<u32>,
+    /// Tells apart equal questions that want independent answers.
+    pub repetition: u32,
+}
+
+impl Request {
+    /// Returns the request's identity: SHA-256 over its JSON, in which an image stands as its own hash.
+    pub fn key(&self) -> String {
+        let bytes = serde_json::to_vec(self).expect("a request holds strings and finite numbers");
+        crate::digest::hex(&Sha256::digest(bytes))
+    }
+}
+
+/// One turn of the conversation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Message {
+    /// Who speaks.
+    pub speaker: Speaker,
+    /// Text and pictures, in order.
+    pub parts: Vec<Part>,
+}
+
+impl Message {
+    /// Makes a turn of text alone.
+    pub fn text(speaker: Speaker, text: impl Into<String>) -> Self {
+        Message { speaker, parts: vec![Part::Text(text.into())] }
+    }
+}
+
+/// Who speaks in a conversation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Speaker {
+    /// The frame of the conversation.
+    System,
+    /// fabc.
+    User,
+    /// The model.
+    Assistant,
+}
+
+/// A piece of a turn.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// Words.
+    Text(String),
+    /// A picture.
+    Image(Png),
+}
+
+/// An encoded picture; in journals it stands as the hash of its bytes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Png {
+    bytes: Arc<[u8]>,
+    sha256: String,
+}
+
+impl Png {
+    /// Wraps the bytes of a PNG file.
+    pub fn new(bytes: Vec<u8>) -> Self {
+        let sha256 = crate::digest::hex(&Sha256::digest(&bytes));
+        Png { bytes: bytes.into(), sha256 }
+    }
+
+    /// Returns the bytes of the PNG file.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Returns the SHA-256 of the bytes, hex.
+    pub fn sha256(&self) -> &str {
+        &self.sha256
+    }
+}
+
+impl Serialize for Png {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.sha256)
+    }
+}
+
+/// An answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reply {
+    /// What the model wrote.
+    pub text: String,
+}
+
+/// Why no answer could be had.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    /// The request cannot be answered by this model.
+    #[error("model `{model}` cannot answer this request: {why}")]
+    Unsupported {
+        /// The model's name.
+        model: String,
+        /// What is missing or wrong.
+        why: String,
+    },
+}
