@@ -1,1 +1,54 @@
-fn main() {}
+//! The `fabc` command: parse, run one verb, report.
+//!
+//! This package is the only place that knows the command line, prints, reads the environment, and
+//! sets exit codes. Data goes to stdout, talk to stderr.
+
+mod cli;
+mod exit;
+mod output;
+mod sources;
+
+mod check;
+mod render;
+#[cfg(feature = "runtime")]
+mod run;
+#[cfg(feature = "runtime")]
+mod subgoals;
+
+#[cfg(feature = "runtime")]
+mod setting;
+
+use clap::Parser;
+use clap::error::ErrorKind;
+use cli::{Cli, Verb};
+use exit::Exit;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let exit = match Cli::try_parse() {
+        Ok(cli) => run(cli.verb),
+        Err(error) => {
+            let shown = error.print();
+            match error.kind() {
+                ErrorKind::DisplayHelp | ErrorKind::DisplayVersion if shown.is_ok() => Exit::Done,
+                _ => Exit::Usage,
+            }
+        }
+    };
+    ExitCode::from(exit.code())
+}
+
+fn run(verb: Verb) -> Exit {
+    let done = match verb {
+        Verb::Check(arguments) => check::run(&arguments),
+        Verb::Render(arguments) => render::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Subgoals(arguments) => subgoals::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Run(arguments) => run::run(&arguments),
+    };
+    done.unwrap_or_else(|failure| {
+        output::talk(&format!("error: {failure}"));
+        failure.exit()
+    })
+}

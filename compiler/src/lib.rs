@@ -1,1 +1,83 @@
-//! .
+//! Turns `.fab` text into [`Program`]s, and says what is wrong with it.
+//!
+//! ```text
+//! text ─grammar→ tree ─ast→ File ─merge→ one task with what it inherits ─check→ Program
+//!                  └────────────── Diagnostics ──────────────────────────┘
+//! ```
+//!
+//! In: the name of a file and a [`Loader`]. Out: the programs that the file defines, and diagnostics. The
+//! crate is pure: no file, clock, network or chance is reached but through the loader, and the same
+//! texts give the same bytes. What a program's data means is defined here too: [`render`] fills its
+//! templates, [`reply`] reads answers, [`verify`] judges them. Executing it is left to others.
+
+mod ast;
+mod check;
+pub mod diag;
+mod form;
+mod load;
+mod merge;
+mod path;
+pub mod program;
+pub mod render;
+pub mod reply;
+mod source;
+pub mod verify;
+
+pub use load::{MAX_FILES, MAX_USE_DEPTH};
+pub use merge::MAX_EXTENDS_DEPTH;
+pub use source::{FileId, Source, Sources, Span, line_and_column};
+
+use diag::{Diagnostic, Report, Severity};
+use program::Program;
+
+/// Gives the compiler texts; all its access to the outside.
+pub trait Loader {
+    /// Returns the text of a file.
+    ///
+    /// `name` is the entry as the caller of [`compile`] named it, or the path of a `use`, resolved
+    /// relative to the file that uses it: `/` between folders, without `.` and with `..` only in front.
+    fn load(&self, name: &str) -> Result<String, LoadError>;
+}
+
+/// Why a file cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LoadError {
+    /// The reason, naming the file: lower case, no full stop.
+    pub message: String,
+}
+
+impl std::fmt::Display for LoadError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for LoadError {}
+
+/// What came of a compilation.
+#[derive(Clone, Debug)]
+pub struct Compiled {
+    /// The tasks of the entry file that are right and can run by themselves, in source order.
+    pub programs: Vec<Program>,
+    /// What is wrong in any file, by file and place.
+    pub diagnostics: Vec<Diagnostic>,
+    /// Every file that was read.
+    pub sources: Sources,
+}
+
+impl Compiled {
+    /// Returns whether anything keeps a task from being right.
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+}
+
+/// Compiles the file `entry` and what it uses.
+///
+/// Fails only where the entry itself cannot be loaded; all else is a diagnostic.
+pub fn compile(entry: &str, loader: &dyn Loader) -> Result<Compiled, LoadError> {
+    let mut report = Report::default();
+    let loaded = load::load(entry, loader, &mut report)?;
+    let programs = check::check(&loaded, &mut report);
+    Ok(Compiled { programs, diagnostics: report.into_sorted(), sources: loaded.sources })
+}

@@ -1,1 +1,39 @@
-//! .
+//! Executes a compiled [`Program`](compiler::program::Program).
+//!
+//! ```text
+//! World.observe → Observation → Scene → Request → Reply → Proposal → Verdict     per attempt
+//!                                          ▲                           │ reject: say why, ask again
+//!                                          └───────────────────────────┘
+//! accept → Action → World.act → Executed → step line → Report
+//! ```
+//!
+//! [`rollout::run`] is that pipeline. Two traits open it: [`world::World`] and [`model::Model`].
+//! Nothing here reads the environment, prints, or knows the command line.
+
+pub mod rollout;
+
+pub mod agent;
+pub mod action;
+pub mod scene;
+
+pub mod model;
+pub mod vision;
+pub mod world;
+
+pub mod camera;
+pub mod expert;
+pub mod interrupt;
+pub mod metrics;
+pub mod observation;
+pub mod outcome;
+pub mod picture;
+pub mod start;
+pub mod subgoals;
+
+pub mod cache;
+pub mod journal;
+pub mod sheet;
+
+mod digest;
+mod npy;
+mod store;

@@ -1,1 +1,49 @@
-//! .
+//! Position-based cloth on a table, and a top-down RGB-D camera, on the CPU.
+//!
+//! A [`Simulator`] is one cloth, one table and one picker. Steps last 0.01 s;
+//! equal starts and actions give equal bits on any machine, build and thread
+//! count. A [`TopDownCamera`] draws any positions, simulated or not.
+//!
+//! ```
+//! use sim::{Grid, Look, Params, Simulator, TopDownCamera};
+//!
+//! let grid = Grid::new(12, 12, 0.00625)?;
+//! let mut cloth = Simulator::flat(grid, &Params::default());
+//! let corner = cloth.positions()[0];
+//! let done = cloth.pick_and_place([corner[0], corner[1]], [0.0, 0.0], &|| false)?;
+//! assert_eq!(done.grasped, Some(0));
+//!
+//! let camera = TopDownCamera::new(0.65, 45f32.to_radians(), 64)?;
+//! let frame = camera.render(grid, &cloth.positions(), &Look::default());
+//! assert_eq!(frame.depth_m.len(), 64 * 64);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! World frame: right-handed, z up, origin at the table's centre, metres,
+//! seconds. Particle index: `iy * dimx + ix`, `ix` along +X and `iy` along -Y
+//! of the flat cloth. Nothing here knows of tasks, prompts or models.
+//!
+//! Read on in this order: [`Simulator`], then `picker` (the route), `solver`
+//! (the order of all passes), `springs`, `contacts`, `neighbours`, and every
+//! number in [`Params`].
+
+mod camera;
+mod contacts;
+mod digest;
+mod grid;
+mod neighbours;
+mod params;
+mod picker;
+mod planes;
+mod raster;
+mod simulator;
+mod solver;
+mod springs;
+
+pub use camera::{CameraError, Frame, Look, MAX_SIZE_PX, MIN_SIZE_PX, TopDownCamera};
+pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
+pub use params::{ALGORITHM_VERSION, Params};
+pub use simulator::{
+    MAX_START_DEPTH_M, MAX_START_STRETCH, PickAndPlace, REACH_M, RestShortcut, SimError, Simulator,
+    StartError,
+};

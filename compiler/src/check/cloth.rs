@@ -1,0 +1,76 @@
+//! `cloth grid(55, 44)`, `cloth square(250mm)`, `cloth rectangle(338mm, 269mm)`.
+
+use super::Context;
+use super::arguments::{Bound, bare, bind};
+use super::quantity::{Measure, Wanted, read, read_whole};
+use crate::ast::{Expr, ExprKind, Statement};
+use crate::diag::{Code, Diagnostic};
+use crate::program::Cloth;
+
+/// Distance between particles, metres: the grid that the paper's cloths have (protocol, section 1).
+const SPACING_M: f64 = 0.00625;
+
+/// The most particles on a side; their number grows with the square.
+const MAX_SIDE: u32 = 200;
+
+const COUNT: Wanted = Wanted { measure: Measure::Number, range: 2.0..=MAX_SIDE as f64, range_words: "a count of particles from `2` to `200`" };
+
+/// Half a spacing more and the side would round to another particle.
+const SIDE: Wanted = Wanted {
+    measure: Measure::Length,
+    range: SPACING_M..=SPACING_M * (MAX_SIDE - 1) as f64,
+    range_words: "a side from `6.25mm` to `1243.75mm`",
+};
+
+/// Builds the cloth.
+pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<Cloth> {
+    let (name, arguments) = match &statement.value.kind {
+        ExprKind::Call { name, arguments } => (name, arguments.as_slice()),
+        _ => {
+            context.push(wrong_form(&statement.value));
+            return None;
+        }
+    };
+    let parameters: &[_] = match name.text.as_str() {
+        "grid" | "rectangle" => &[bare("width"), bare("depth")],
+        "square" => &[bare("side")],
+        _ => {
+            context.unknown("cloth", name, ["grid", "rectangle", "square"]);
+            return None;
+        }
+    };
+    let bound = bind(name, arguments, parameters, context)?;
+    match name.text.as_str() {
+        "grid" => {
+            let dimx = read_whole(bound.get("width")?, &COUNT, context);
+            let dimy = read_whole(bound.get("depth")?, &COUNT, context);
+            Some(Cloth { dimx: dimx?, dimy: dimy?, spacing_m: SPACING_M })
+        }
+        "square" => measured(statement, &bound, ["side", "side"], context),
+        _ => measured(statement, &bound, ["width", "depth"], context),
+    }
+}
+
+fn wrong_form(value: &Expr) -> Diagnostic {
+    Diagnostic::new(Code::WrongForm, value.span, "expected a cloth")
+        .help("write `grid(55, 44)` for particles, `square(250mm)` or `rectangle(338mm, 269mm)` for sides")
+}
+
+fn measured(statement: &Statement, bound: &Bound<'_>, sides: [&str; 2], context: &mut Context<'_>) -> Option<Cloth> {
+    let [width_m, depth_m] = sides.map(|side| bound.get(side).and_then(|side| read(side, &SIDE, context)));
+    let (width_m, depth_m) = (width_m?, depth_m?);
+    let particles = |side_m: f64| (side_m / SPACING_M).round() as u32 + 1;
+    let cloth = Cloth { dimx: particles(width_m), dimy: particles(depth_m), spacing_m: SPACING_M };
+    let side_mm = |n_particles: u32| f64::from(n_particles - 1) * SPACING_M * 1000.0;
+    let is_exact = |side_m: f64, n_particles: u32| (side_m * 1000.0 - side_mm(n_particles)).abs() < 1e-6;
+    if !is_exact(width_m, cloth.dimx) || !is_exact(depth_m, cloth.dimy) {
+        let Cloth { dimx, dimy, .. } = cloth;
+        let message = format!(
+            "the cloth has {dimx} by {dimy} particles and so sides of {}mm and {}mm",
+            side_mm(dimx),
+            side_mm(dimy)
+        );
+        context.push(Diagnostic::new(Code::Rounded, statement.value.span, message).help(format!("`grid({dimx}, {dimy})` says the same exactly")));
+    }
+    Some(cloth)
+}

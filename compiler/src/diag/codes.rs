@@ -1,0 +1,303 @@
+//! Every code: its title, what it means, and what to do.
+//!
+//! Groups: F00 files, F01 form, F02 quantities and arguments, F03 names, F04 composition, F05 folds and
+//! goals, F06 prompts, F07 actions and checks. A code keeps its meaning for ever; the name describes
+//! the fault, not the cure.
+
+use super::Severity::{self, Error, Note, Warning};
+
+/// What is known about a code.
+#[derive(Clone, Copy, Debug)]
+pub struct CodeEntry {
+    /// The code.
+    pub code: Code,
+    /// How bad such a finding is.
+    pub severity: Severity,
+    /// One line.
+    pub title: &'static str,
+    /// What it means and what to do.
+    pub explanation: &'static str,
+}
+
+macro_rules! codes {
+    ($($number:literal $name:ident $severity:ident $title:literal $explanation:literal)*) => {
+        /// Which kind of fault.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Code {
+            $(#[doc = $title] $name,)*
+        }
+
+        /// Every code, in order.
+        pub const CODES: &[CodeEntry] = &[
+            $(CodeEntry { code: Code::$name, severity: $severity, title: $title, explanation: $explanation },)*
+        ];
+
+        impl Code {
+            /// Returns the code as it is written, such as `F0203`.
+            pub fn as_str(self) -> &'static str {
+                match self {
+                    $(Code::$name => $number,)*
+                }
+            }
+        }
+    };
+}
+
+impl Code {
+    /// Returns what is known about the code.
+    pub fn entry(self) -> &'static CodeEntry {
+        // The table and the enum are written by one macro in one order.
+        &CODES[self as usize]
+    }
+
+    /// Finds a code by its number, such as `F0203`, in either case.
+    pub fn parse(number: &str) -> Option<Code> {
+        CODES.iter().map(|entry| entry.code).find(|code| code.as_str().eq_ignore_ascii_case(number))
+    }
+}
+
+codes! {
+    "F0001" FileTooLong Error
+    "a file is too long"
+    "A file may have at most 1 MiB. Nothing in it is checked. Split it, and join the parts with `use`."
+
+    "F0002" UnreadableUse Error
+    "a file that `use` names cannot be read"
+    "The path of `use \"…\"` is relative to the file that it stands in, with `/` between folders. The message says why the file cannot be read."
+
+    "F0003" CircularUse Error
+    "files use each other in a circle"
+    "A file may not use itself, directly or through others. Move what both need into a third file."
+
+    "F0004" TooManyFiles Error
+    "too many files are used"
+    "At most 64 files take part in one compilation, each at most 16 `use`s away from the first."
+
+    "F0005" BadPath Error
+    "a path is not of the right form"
+    "Paths are relative, with `/` between folders, without `{{ … }}`, and not empty. So a task works on every machine and for every user."
+
+    "F0101" Unexpected Error
+    "something else belongs here"
+    "The marked place does not fit the form of the language. The message lists what would fit."
+
+    "F0102" UnknownWord Error
+    "a line begins with an unknown word"
+    "Each line of a block begins with one of a few words. Where one of them is near, the message suggests it."
+
+    "F0103" MissingBrace Error
+    "a brace is missing"
+    "Blocks open with `{` and close with `}`. For a missing `}` the mark is on the `{` that stays open."
+
+    "F0104" StrayBrace Error
+    "a `}` closes nothing"
+    "There is one `}` too many here, or above, where it closes a task too early."
+
+    "F0105" MissingName Error
+    "a name is missing"
+    "Tasks, stages, checks and lists of experts have a name: a letter, then letters, digits and `_`."
+
+    "F0106" SectionOutsideTask Error
+    "a section stands outside of any task"
+    "Sections such as `keypoints` belong between the braces of a `task`. Perhaps a `}` above closes it too early."
+
+    "F0107" TrailingComma Error
+    "a list ends with a comma"
+    "A comma announces another part. Remove it, or add the part."
+
+    "F0108" UnclosedText Error
+    "a text does not end"
+    "A text between `\"` ends on its own line; a longer one stands between `\"\"\"` and `\"\"\"`."
+
+    "F0109" WrongQuotes Error
+    "quotes are not of the right kind"
+    "Texts stand between straight double quotes `\"`. Word processors put curved ones instead."
+
+    "F0110" BadEscape Error
+    "a backslash escapes nothing"
+    "Between `\"`, only `\\\"` and `\\\\` are written with a backslash. Between `\"\"\"` none is needed."
+
+    "F0111" LoneBraces Error
+    "`{{` does not begin a placeholder"
+    "`{{ name }}` stands for a value. For two literal braces write `{{ \"{{\" }}`."
+
+    "F0112" NestedTooDeep Error
+    "brackets are nested too deeply"
+    "At most 64 brackets and braces may be open at once. Nothing in the file is checked."
+
+    "F0201" UnknownUnit Error
+    "a unit is unknown"
+    "Units are `mm`, `cm`, `m` (lengths on the table), `px` (lengths in a picture), `deg` and `rad` (angles) and `edge` (the cloth's longer side)."
+
+    "F0202" MissingUnit Error
+    "a number has no unit"
+    "Every length and angle states its unit, so that nobody has to guess."
+
+    "F0203" WrongQuantity Error
+    "a quantity is of the wrong kind"
+    "Lengths on the table, lengths in a picture, angles and plain numbers are different things; one cannot stand for another."
+
+    "F0204" OutOfRange Error
+    "a value is out of range"
+    "The message says which values are accepted."
+
+    "F0205" NotWhole Error
+    "a count is not a whole number"
+    "Particles, pixels of a picture's side, steps, attempts and tokens are counted; write a whole number."
+
+    "F0206" WrongArguments Error
+    "arguments do not fit"
+    "The message says which arguments there are, which are needed, and which were given."
+
+    "F0207" WrongForm Error
+    "a value is of the wrong form"
+    "The message shows the forms that this place accepts."
+
+    "F0208" Rounded Note
+    "a side is rounded to whole particles"
+    "A cloth is a grid of particles 6.25 mm apart, so that its sides are multiples of that. `grid(55, 44)` is exact."
+
+    "F0209" CameraSeesTooLittle Warning
+    "the cloth does not fit into the picture"
+    "The picture's side on the table is twice the height times the tangent of half the field of view. What lies outside is neither seen nor picked."
+
+    "F0210" MaskSeesTable Warning
+    "a mask reaches the table"
+    "The table is as far from the camera as the camera is high. A depth limit beyond that puts every pixel into the mask."
+
+    "F0301" UnknownName Error
+    "a name is unknown"
+    "Nothing of this kind has this name here. Where one is near, the message suggests it."
+
+    "F0302" DuplicateName Error
+    "a name is declared twice"
+    "Names are unique among things that can be mistaken for each other. Rename one."
+
+    "F0303" WrongKindOfName Error
+    "a name stands for something else"
+    "A mask is a set of pixels; `points` and a `point` can be offered, measured and written into a text. The message says what is needed."
+
+    "F0304" NotYetKnown Error
+    "a name is used before it is known"
+    "Stages run in order: what one reads is known to the stages after it. Action fields are known only in the messages of checks. An extractor uses only keypoints above it."
+
+    "F0401" CircularExtends Error
+    "tasks extend each other in a circle"
+    "A task may not extend itself, directly or through others."
+
+    "F0402" ExtendsTooDeep Error
+    "too many tasks extend each other"
+    "A task may have at most 16 others below it."
+
+    "F0403" Repeated Error
+    "something is stated twice"
+    "The marked part may appear once here. Keep one."
+
+    "F0404" NothingToOverride Error
+    "there is nothing to override"
+    "`override component` replaces the text of a component that an extended task declares."
+
+    "F0405" NothingToRemove Error
+    "there is nothing to leave out"
+    "`without component` leaves out a component that an extended task declares, wherever it is said."
+
+    "F0406" NotMarkedAsOverride Error
+    "a component replaces another one silently"
+    "An extended task declares a component of this name. Write `override component` to replace its text, or choose another name."
+
+    "F0407" MissingSection Error
+    "a task lacks a section"
+    "A task that asks models needs the marked section, its own or from the task that it extends."
+
+    "F0408" BaseOnly Note
+    "a task cannot run by itself"
+    "It lacks a part that every rollout needs. That is right for a task that others extend."
+
+    "F0501" NoFolds Error
+    "there are no folds"
+    "A demonstration, and a sequence of an expert, consists of at least one fold; a list of experts of at least one sequence."
+
+    "F0502" TooFewImages Error
+    "there are too few subgoal images"
+    "Each step needs a picture before and a picture after it: two images for one step, three for two."
+
+    "F0503" NothingToCompare Error
+    "the goal has nothing to compare with"
+    "`particle_distance` compares the result with those of expert folds. Name `experts`, or `demonstrate` the folds."
+
+    "F0504" HorizonTooLong Error
+    "there are more steps than subgoals"
+    "Each step shows the subgoal before and after it, so a rollout has at most as many steps as the subgoals show."
+
+    "F0505" HorizonTooShort Warning
+    "the last subgoals are never reached"
+    "The rollout ends before the last steps that the subgoals show."
+
+    "F0506" FoldGoesNowhere Error
+    "a fold goes nowhere"
+    "Pick and place name the same point of the cloth."
+
+    "F0507" MixedSubgoals Error
+    "subgoals are both demonstrated and brought"
+    "Either `demonstrate` the folds once, or list an `image` for each subgoal."
+
+    "F0601" SaidNowhere Warning
+    "a component is said nowhere"
+    "No stage's `say` or `system` names it, so that no model ever reads it."
+
+    "F0602" StageIncomplete Error
+    "a stage lacks a part"
+    "A stage has a `model`, something to `say`, and something to `read`."
+
+    "F0603" ActionReadElsewhere Error
+    "the action is not read by the last stage alone"
+    "Exactly one stage has `read action`, and it is the last one."
+
+    "F0604" PicturesForTextModel Error
+    "a text model is shown pictures"
+    "`show` needs `model vision`."
+
+    "F0605" TextTooLong Error
+    "a text is too long"
+    "One text may have at most 16 KiB, and all texts of one stage 64 KiB."
+
+    "F0606" BadPattern Error
+    "a pattern does not say where the text begins"
+    "`read NAME from \"Instructions: {NAME}\"` needs some words before `{NAME}`, and the same name."
+
+    "F0607" EmptyText Error
+    "a text is empty"
+    "A component, a question and a message say something. To leave a component of an extended task out, write `without component`."
+
+    "F0701" MissingField Error
+    "an action lacks a field"
+    "An action has a `pick` and a `place`."
+
+    "F0702" UnknownField Error
+    "an action has an unknown field"
+    "An action has a `pick` and a `place`, nothing else."
+
+    "F0703" WrongExpression Error
+    "an expression does not fit"
+    "A check is a condition: comparisons of lengths in pixels and `P within N of MASK`, joined by `and`, `or`, `not`. The message says what is expected and what is found."
+
+    "F0704" MissingMessage Error
+    "a check does not say why it refuses"
+    "After its condition a check has `else \"…\"`, which the model is told when it fails."
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_the_order_of_its_numbers_and_each_is_found_by_it() {
+        let numbers: Vec<&str> = CODES.iter().map(|entry| entry.code.as_str()).collect();
+        assert!(numbers.is_sorted_by(|before, after| before < after), "{numbers:?}");
+        for entry in CODES {
+            assert_eq!(Code::parse(&entry.code.as_str().to_lowercase()), Some(entry.code));
+            assert_eq!(entry.code.entry().title, entry.title);
+        }
+        assert_eq!(Code::parse("F9999"), None);
+    }
+}

@@ -1,0 +1,49 @@
+//! Diagnostics for tools and editors; the fields are fixed by the command line's contract.
+
+use super::Diagnostic;
+use crate::source::{Sources, Span, line_and_column};
+use serde_json::{Map, Value, json};
+
+/// Writes diagnostics as an array of objects `code, severity, message, file, start, end, labels, help, edits`.
+///
+/// `start` and `end` are `{byte, line, column}`: bytes from 0, lines and columns (characters) from 1.
+pub fn to_json(diagnostics: &[Diagnostic], sources: &Sources) -> Value {
+    diagnostics.iter().map(|diagnostic| object(diagnostic, sources)).collect()
+}
+
+fn object(diagnostic: &Diagnostic, sources: &Sources) -> Value {
+    let mut labels = Vec::with_capacity(diagnostic.labels.len() + 1);
+    if !diagnostic.label.is_empty() {
+        labels.push(with_place(diagnostic.span, sources, "text", &diagnostic.label));
+    }
+    labels.extend(diagnostic.labels.iter().map(|label| with_place(label.span, sources, "text", &label.text)));
+    let edits: Vec<Value> =
+        diagnostic.edits.iter().map(|edit| with_place(edit.span, sources, "replacement", &edit.replacement)).collect();
+    let source = sources.get(diagnostic.span.file);
+    json!({
+        "code": diagnostic.code.as_str(),
+        "severity": diagnostic.severity.as_str(),
+        "message": diagnostic.message,
+        "file": source.name,
+        "start": position(&source.text, diagnostic.span.start),
+        "end": position(&source.text, diagnostic.span.end),
+        "labels": labels,
+        "help": diagnostic.help,
+        "edits": edits,
+    })
+}
+
+fn with_place(span: Span, sources: &Sources, key: &str, text: &str) -> Value {
+    let source = sources.get(span.file);
+    let mut object = Map::new();
+    object.insert("file".to_owned(), json!(source.name));
+    object.insert("start".to_owned(), position(&source.text, span.start));
+    object.insert("end".to_owned(), position(&source.text, span.end));
+    object.insert(key.to_owned(), json!(text));
+    Value::Object(object)
+}
+
+fn position(text: &str, byte: usize) -> Value {
+    let (line, column) = line_and_column(text, byte);
+    json!({ "byte": byte, "line": line, "column": column })
+}

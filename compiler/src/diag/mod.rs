@@ -1,0 +1,159 @@
+//! What is wrong with a source, as data; text and JSON are made from it.
+//!
+//! A [`Diagnostic`] has a code, a main place, the values, other places where they matter, and what
+//! would be right. The wording is here to be read by people; programs go by the code.
+
+mod codes;
+mod json;
+mod suggest;
+mod text;
+
+pub use codes::{CODES, Code, CodeEntry};
+pub use json::to_json;
+pub use text::{Color, to_text};
+
+pub(crate) use suggest::{among, nearest};
+
+use crate::source::{FileId, Span};
+use std::collections::BTreeSet;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// The task cannot run.
+    Error,
+    /// It can run, but hardly as it is meant.
+    Warning,
+    /// Good to know.
+    Note,
+}
+
+impl Severity {
+    /// Returns the lower-case word.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+            Severity::Note => "note",
+        }
+    }
+}
+
+/// One finding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Which kind of fault.
+    pub code: Code,
+    /// How bad it is.
+    pub severity: Severity,
+    /// What is wrong, with which values: lower case, no full stop.
+    pub message: String,
+    /// The main place.
+    pub span: Span,
+    /// What the main place is marked with; may be empty.
+    pub label: String,
+    /// Other places that matter.
+    pub labels: Vec<Label>,
+    /// What would be right.
+    pub help: Vec<String>,
+    /// Changes that certainly repair it; none where there is no certainty.
+    pub edits: Vec<Edit>,
+}
+
+/// A second place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Label {
+    /// Where.
+    pub span: Span,
+    /// What is there.
+    pub text: String,
+}
+
+/// A change to a source.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Edit {
+    /// What is replaced; empty: an insertion.
+    pub span: Span,
+    /// By what.
+    pub replacement: String,
+}
+
+impl Diagnostic {
+    /// Reports a fault with its code's own severity.
+    pub(crate) fn new(code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
+        Diagnostic {
+            code,
+            severity: code.entry().severity,
+            message: message.into(),
+            span,
+            label: String::new(),
+            labels: Vec::new(),
+            help: Vec::new(),
+            edits: Vec::new(),
+        }
+    }
+
+    /// Marks the main place with words.
+    pub(crate) fn label(mut self, text: impl Into<String>) -> Diagnostic {
+        self.label = text.into();
+        self
+    }
+
+    /// Adds a second place.
+    pub(crate) fn also(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
+        self.labels.push(Label { span, text: text.into() });
+        self
+    }
+
+    /// Adds what would be right.
+    pub(crate) fn help(mut self, text: impl Into<String>) -> Diagnostic {
+        self.help.push(text.into());
+        self
+    }
+
+    /// Adds a change that certainly repairs it.
+    pub(crate) fn edit(mut self, span: Span, replacement: impl Into<String>) -> Diagnostic {
+        self.edits.push(Edit { span, replacement: replacement.into() });
+        self
+    }
+}
+
+/// Collects findings, each once.
+#[derive(Debug, Default)]
+pub(crate) struct Report {
+    found: Vec<Diagnostic>,
+    known: BTreeSet<(Span, Code, String)>,
+}
+
+impl Report {
+    /// Adds a finding, unless the same one is known: a task is checked again in each task that extends it.
+    pub(crate) fn push(&mut self, diagnostic: Diagnostic) {
+        if self.known.insert((diagnostic.span, diagnostic.code, diagnostic.message.clone())) {
+            self.found.push(diagnostic);
+        }
+    }
+
+    /// Returns how many errors there are so far.
+    pub(crate) fn errors(&self) -> usize {
+        self.found.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).count()
+    }
+
+    /// Takes over another report's findings.
+    pub(crate) fn absorb(&mut self, other: Report) {
+        for diagnostic in other.found {
+            self.push(diagnostic);
+        }
+    }
+
+    /// Returns the files in which an error's main place lies.
+    pub(crate) fn files_with_errors(&self) -> BTreeSet<FileId> {
+        let errors = self.found.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
+        errors.map(|diagnostic| diagnostic.span.file).collect()
+    }
+
+    /// Returns the findings by file and place.
+    pub(crate) fn into_sorted(mut self) -> Vec<Diagnostic> {
+        self.found.sort_by_key(|diagnostic| (diagnostic.span, diagnostic.code));
+        self.found
+    }
+}

@@ -1,0 +1,104 @@
+//! Puts faults of form into words.
+//!
+//! In: a fault that the grammar found. Out: a diagnostic with the likely repair.
+
+use crate::diag::{Code, Diagnostic, among, nearest};
+use crate::source::{FileId, Span};
+use grammar::{Fault, Problem};
+
+/// Words a fault of `text`, the whole text of `file`.
+pub(crate) fn diagnose(fault: &Fault, file: FileId, text: &str) -> Diagnostic {
+    let span = Span::new(file, fault.span.clone());
+    match &fault.problem {
+        Problem::TooLong { bytes, limit } => {
+            Diagnostic::new(Code::FileTooLong, span, format!("the file has {bytes} bytes, at most {limit} are accepted"))
+        }
+        Problem::TooDeep { limit } => {
+            Diagnostic::new(Code::NestedTooDeep, span, format!("more than {limit} brackets and braces are open"))
+        }
+        Problem::Unexpected { found, expected } => unexpected(span, found.as_deref(), expected, text),
+        Problem::UnknownWord { word, known, block } => unknown_word(span, word, known, block.as_deref()),
+        Problem::MissingOpen { block } => {
+            Diagnostic::new(Code::MissingBrace, span, format!("`{block}` has no `{{`")).label("expected `{`").edit(span, " {")
+        }
+        Problem::MissingClose { block, .. } => {
+            Diagnostic::new(Code::MissingBrace, span, format!("the `{{` of `{block}` is never closed"))
+                .label("stays open")
+                .help("add a `}` where the block ends")
+        }
+        Problem::MissingName { after } => {
+            Diagnostic::new(Code::MissingName, span, format!("`{after}` is not followed by a name"))
+                .label("expected a name")
+                .help("a name begins with a letter and has only letters without accents, digits and `_`; words of the language are no names")
+        }
+        Problem::Surplus { found } => {
+            Diagnostic::new(Code::Unexpected, span, format!("expected `{{`, found `{found}`"))
+                .help(format!("remove `{found}`"))
+        }
+        Problem::StrayClose => Diagnostic::new(Code::StrayBrace, span, "this `}` closes nothing")
+            .help("remove it, or look for a `}` too many above"),
+        Problem::OutsideTask { word } => {
+            Diagnostic::new(Code::SectionOutsideTask, span, format!("`{word}` stands outside of any task"))
+                .help("move it between the braces of a `task`; perhaps a `}` above closes the task too early")
+        }
+        Problem::TrailingComma => Diagnostic::new(Code::TrailingComma, span, "a list ends with a comma")
+            .help("remove the comma, or add another part")
+            .edit(span, ""),
+        Problem::UnclosedString => Diagnostic::new(Code::UnclosedText, span, "the text does not end on this line")
+            .help("close it with `\"`; a text of several lines stands between `\"\"\"` and `\"\"\"`"),
+        Problem::UnclosedText => Diagnostic::new(Code::UnclosedText, span, "the text that begins here does not end")
+            .help("close it with `\"\"\"`"),
+        Problem::WrongQuotes { right } => Diagnostic::new(Code::WrongQuotes, span, "these quotes are not of the right kind")
+            .help("write straight double quotes `\"`")
+            .edit(span, right.clone()),
+        Problem::BadEscape => Diagnostic::new(Code::BadEscape, span, "this `\\` escapes nothing")
+            .help("write `\\\\` for a backslash and `\\\"` for a quote; folders are separated by `/`"),
+        Problem::LoneBraces => Diagnostic::new(Code::LoneBraces, span, "expected a name and `}}` after `{{`")
+            .help("write `{{ name }}` for a value, `{{ \"{{\" }}` for two literal braces"),
+    }
+}
+
+fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) -> Diagnostic {
+    let found_words = found.map_or("the end of the line".to_owned(), |found| format!("`{found}`"));
+    let message = match expected {
+        [] => format!("unexpected {found_words}"),
+        _ => format!("expected {}, found {found_words}", listed(expected)),
+    };
+    let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
+    let expects = |words: &str| expected.contains(&words);
+    let Some(found) = found else { return diagnostic };
+    match found {
+        "=" if expects("`:`") => diagnostic.help("write `:`").edit(span, ":"),
+        ":" if expects("`=`") => diagnostic.help("write `=`").edit(span, "="),
+        "=" if expects("`)`") => diagnostic.help("an argument's name is followed by `:`").edit(span, ":"),
+        "→" | "=>" | "–>" | "—>" | "⇒" | "to" if expects("`->`") => diagnostic.help("write `->`").edit(span, "->"),
+        ":" | "=" => diagnostic.help(format!("remove the `{found}`")),
+        "}" | ")" if text[..span.start].trim_end().ends_with(',') => diagnostic.help("remove the comma before it"),
+        "“" | "”" | "'" | "‘" | "’" => diagnostic.help("write straight double quotes `\"`"),
+        _ if grammar::is_keyword(found) && expects("a name") => {
+            diagnostic.help(format!("`{found}` is a word of the language; choose another name, or remove a comma before it"))
+        }
+        _ => diagnostic,
+    }
+}
+
+fn unknown_word(span: Span, word: &str, known: &[&str], block: Option<&str>) -> Diagnostic {
+    let place = match block {
+        Some("task") => "a task has no section".to_owned(),
+        Some(block) => format!("`{block}` has no"),
+        None => "a file has no".to_owned(),
+    };
+    let diagnostic = Diagnostic::new(Code::UnknownWord, span, format!("{place} `{word}`"));
+    match nearest(word, known.iter().copied()) {
+        Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")).edit(span, meant),
+        None => diagnostic.help(format!("a line here begins with {}", among(known.iter().copied()))),
+    }
+}
+
+/// Joins expectations, which carry their own backticks.
+fn listed(expected: &[&str]) -> String {
+    match expected {
+        [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
+        _ => expected.concat(),
+    }
+}

@@ -1,0 +1,145 @@
+//! Reads the entry file and everything that it uses.
+//!
+//! In: a name and a loader. Out: every file as it is written, who reaches whom, and diagnostics of form
+//! and of `use`. Bounded by [`MAX_FILES`] and [`MAX_USE_DEPTH`].
+
+use crate::ast::{self, Text};
+use crate::diag::{Code, Diagnostic, Report};
+use crate::form;
+use crate::path;
+use crate::source::{FileId, Sources};
+use crate::{LoadError, Loader};
+use std::collections::BTreeSet;
+
+/// The most files in one compilation.
+pub const MAX_FILES: usize = 64;
+
+/// The most `use`s between the entry and a file.
+pub const MAX_USE_DEPTH: usize = 16;
+
+/// Every file of a compilation, in the order in which they were first read.
+pub(crate) struct Loaded {
+    pub sources: Sources,
+    pub files: Vec<ast::File>,
+    /// For each file, its path as seen from the entry's folder: the same wherever the folder lies.
+    pub portable_names: Vec<String>,
+    /// For each file, itself and those that it uses, directly or through others.
+    reach: Vec<BTreeSet<FileId>>,
+}
+
+impl Loaded {
+    /// Returns the files whose declarations `file` sees, in the order in which they were read.
+    pub fn visible_from(&self, file: FileId) -> impl Iterator<Item = &ast::File> {
+        self.reach[file.0].iter().map(|seen| &self.files[seen.0])
+    }
+
+    /// Returns the entry file.
+    pub fn entry(&self) -> &ast::File {
+        &self.files[0]
+    }
+}
+
+/// Reads `entry` and what it uses; fails only where the entry cannot be loaded.
+pub(crate) fn load(entry: &str, loader: &dyn Loader, report: &mut Report) -> Result<Loaded, LoadError> {
+    let text = loader.load(entry)?;
+    let loaded = Loaded { sources: Sources::default(), files: Vec::new(), portable_names: Vec::new(), reach: Vec::new() };
+    let mut reading = Reading { loader, report, loaded, keys: Vec::new(), open: Vec::new() };
+    let file = reading.add(entry.to_owned(), path::file_name(entry).to_owned(), text);
+    reading.follow(file);
+    let mut loaded = reading.loaded;
+    close(&mut loaded.reach);
+    Ok(loaded)
+}
+
+/// Adds to each file's reach what the files in it reach.
+fn close(reach: &mut [BTreeSet<FileId>]) {
+    // A circle of files is an error, but its members still see each other: repeat until nothing is new.
+    loop {
+        let mut grown = false;
+        for file in 0..reach.len() {
+            let further: BTreeSet<FileId> = reach[file].iter().flat_map(|seen| reach[seen.0].iter().copied()).collect();
+            grown |= further.len() > reach[file].len();
+            reach[file].extend(further);
+        }
+        if !grown {
+            return;
+        }
+    }
+}
+
+struct Reading<'a> {
+    loader: &'a dyn Loader,
+    report: &'a mut Report,
+    loaded: Loaded,
+    /// Each file's normalised name, by which it is known again.
+    keys: Vec<String>,
+    /// The files between the entry and the one being read.
+    open: Vec<FileId>,
+}
+
+impl Reading<'_> {
+    fn add(&mut self, name: String, portable_name: String, text: String) -> FileId {
+        let parsed = grammar::parse(&text);
+        self.keys.push(path::beside("", &name));
+        let file = self.loaded.sources.add(name, text);
+        for fault in &parsed.faults {
+            self.report.push(form::diagnose(fault, file, &self.loaded.sources.get(file).text));
+        }
+        self.loaded.files.push(ast::lower(file, &parsed.tree));
+        self.loaded.portable_names.push(portable_name);
+        self.loaded.reach.push(BTreeSet::from([file]));
+        file
+    }
+
+    /// Reads what a file uses; recursion is bounded by [`MAX_USE_DEPTH`].
+    fn follow(&mut self, file: FileId) {
+        self.open.push(file);
+        for used in self.loaded.files[file.0].uses.clone() {
+            if let Some(target) = self.reach(file, &used) {
+                self.loaded.reach[file.0].insert(target);
+            }
+        }
+        self.open.pop();
+    }
+
+    fn reach(&mut self, file: FileId, used: &Text) -> Option<FileId> {
+        let Some(written) = used.plain() else {
+            let message = "the path of a `use` has a placeholder";
+            self.report.push(Diagnostic::new(Code::BadPath, used.span, message).help("write the path itself"));
+            return None;
+        };
+        if let Some(fault) = path::fault(&written) {
+            self.report.push(Diagnostic::new(Code::BadPath, used.span, format!("the path `{written}` {fault}")));
+            return None;
+        }
+        let name = path::beside(&self.loaded.sources.get(file).name, &written);
+        if let Some(known) = self.keys.iter().position(|key| *key == name).map(FileId) {
+            if self.open.contains(&known) {
+                let message = format!("`{written}` is used in a circle");
+                let label = if known == file { "this is the file itself" } else { "leads back to this file" };
+                self.report.push(Diagnostic::new(Code::CircularUse, used.span, message).label(label));
+            }
+            return Some(known);
+        }
+        if self.keys.len() >= MAX_FILES || self.open.len() > MAX_USE_DEPTH {
+            let message = format!("`{written}` is not read: at most {MAX_FILES} files are, each at most {MAX_USE_DEPTH} `use`s deep");
+            self.report.push(Diagnostic::new(Code::TooManyFiles, used.span, message));
+            return None;
+        }
+        match self.loader.load(&name) {
+            Ok(text) => {
+                let portable_name = path::beside(&self.loaded.portable_names[file.0], &written);
+                let target = self.add(name, portable_name, text);
+                self.follow(target);
+                Some(target)
+            }
+            Err(error) => {
+                self.report.push(
+                    Diagnostic::new(Code::UnreadableUse, used.span, error.message)
+                        .help(format!("paths are relative to the file that they stand in: this one is `{name}`")),
+                );
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Paths as `use` and `image` write them: `/` between folders, relative to the file they stand in.
+
+/// Returns `path` as seen from where `file` is seen: without `.`, and with `..` only in front.
+pub(crate) fn beside(file: &str, path: &str) -> String {
+    let folder = file.rfind('/').map_or("", |at| &file[..at + 1]);
+    normalised(&format!("{folder}{path}"))
+}
+
+/// Returns the last part of a path.
+pub(crate) fn file_name(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or(path)
+}
+
+fn normalised(path: &str) -> String {
+    let root = if path.starts_with('/') { "/" } else { "" };
+    let mut parts: Vec<&str> = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "" | "." => {}
+            ".." if parts.last().is_some_and(|last| *last != "..") => {
+                parts.pop();
+            }
+            // Nothing lies above the root.
+            ".." if !root.is_empty() => {}
+            part => parts.push(part),
+        }
+    }
+    format!("{root}{}", parts.join("/"))
+}
+
+/// Says what is wrong with a path's form; None: nothing.
+pub(crate) fn fault(path: &str) -> Option<&'static str> {
+    let has_drive = path.as_bytes().get(1) == Some(&b':');
+    if path.trim().is_empty() {
+        Some("is empty")
+    } else if path.contains('\\') {
+        Some("has a `\\`; folders are separated by `/`")
+    } else if path.starts_with('/') || path.starts_with('~') || has_drive {
+        Some("is absolute; write it relative to this file")
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_relative_to_the_file_and_normalised() {
+        assert_eq!(beside("tasks/a.fab", "lib/b.fab"), "tasks/lib/b.fab");
+        assert_eq!(beside("tasks/lib/b.fab", "./../c.fab"), "tasks/c.fab");
+        assert_eq!(beside("a.fab", "../../c.fab"), "../../c.fab");
+        assert_eq!(beside("/x/a.fab", "../../c.fab"), "/c.fab");
+        assert_eq!(beside("a.fab", "b//c.fab"), "b/c.fab");
+    }
+}

@@ -1,0 +1,57 @@
+//! The camera, and the pixels that every point of a task is given in.
+
+use serde::{Deserialize, Serialize};
+
+/// A camera that looks straight down; image right is world +X, image up is world +Y.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Camera {
+    /// Height of the optical centre above the table, metres.
+    pub height_m: f64,
+    /// Field of view across the square image, radians.
+    pub fov_rad: f64,
+    /// Side of the square image, pixels.
+    pub image_px: u32,
+}
+
+/// A whole pixel of the camera image: column from the left, row from the top, written `[u, v]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(from = "[i32; 2]", into = "[i32; 2]")]
+pub struct PixelPoint {
+    /// Column.
+    pub u: i32,
+    /// Row.
+    pub v: i32,
+}
+
+impl PixelPoint {
+    /// Names a pixel by column and row.
+    pub const fn new(u: i32, v: i32) -> Self {
+        PixelPoint { u, v }
+    }
+
+    /// Returns the Euclidean distance to another pixel, pixels.
+    pub fn distance_px(self, other: PixelPoint) -> f64 {
+        let du = f64::from(self.u) - f64::from(other.u);
+        let dv = f64::from(self.v) - f64::from(other.v);
+        (du * du + dv * dv).sqrt()
+    }
+}
+
+impl From<[i32; 2]> for PixelPoint {
+    fn from([u, v]: [i32; 2]) -> Self {
+        PixelPoint { u, v }
+    }
+}
+
+impl From<PixelPoint> for [i32; 2] {
+    fn from(point: PixelPoint) -> Self {
+        [point.u, point.v]
+    }
+}
+
+impl std::fmt::Display for PixelPoint {
+    /// Writes `(u, v)`, the form that prompts use and answers are asked for in.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "({}, {})", self.u, self.v)
+    }
+}

@@ -1,0 +1,104 @@
+//! A compiled task: plain, versioned data that the runtime executes.
+//!
+//! In: nothing; [`crate::compile`] builds it. Out: JSON whose bytes depend on the source text alone.
+//! Quantities are in base units (metres, pixels, radians); pixels are those of the task's camera image,
+//! `[column, row]`, origin top-left. What the data means is defined beside it: [`crate::render`] fills
+//! the templates, [`crate::reply`] reads answers, [`crate::verify`] judges them.
+
+mod camera;
+mod checks;
+mod cloth;
+mod folds;
+mod goal;
+mod keypoints;
+mod prompts;
+mod subgoals;
+
+pub use camera::{Camera, PixelPoint};
+pub use checks::{Check, Comparison, Expr, Length, PointRef, Verify};
+pub use cloth::Cloth;
+pub use folds::{ClothPoint, Fold, Sequence};
+pub use goal::{Goal, Metric};
+pub use keypoints::{ActionField, Extractor, Keypoint, KeypointShape, Moment};
+pub use prompts::{Arrow, ModelRole, Picture, Read, Stage, Template, Which};
+pub use subgoals::{SubgoalImage, Subgoals};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// Version of the shape of [`Program`]; it changes whenever an older reader would misread the data.
+pub const PROGRAM_FORMAT: u32 = 1;
+
+/// Everything a rollout needs to know about one task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Program {
+    /// [`PROGRAM_FORMAT`] at the time of compilation.
+    pub format: u32,
+    /// Version of the compiler, e.g. `0.1.0`.
+    pub compiler: String,
+    /// The task's name as written in the file.
+    pub task: String,
+    /// The files that went in, in the order in which they were first read.
+    pub sources: Vec<SourceStamp>,
+    /// The cloth that the task is about.
+    pub cloth: Cloth,
+    /// The camera whose pixels every point is given in.
+    pub camera: Camera,
+    /// The pictures that show what to do, step by step.
+    pub subgoals: Subgoals,
+    /// Fold sequences that count as right; the score is the distance to the nearest of their results.
+    pub experts: Vec<Sequence>,
+    /// What is found in each observation, in declaration order; an extractor uses only earlier ones.
+    pub keypoints: Vec<Keypoint>,
+    /// The discretised action space, one entry per field of an answer.
+    pub actions: Vec<ActionField>,
+    /// Every piece of text that can reach a model, by name.
+    pub templates: Vec<Template>,
+    /// The questions that make up one step, in order; the last one reads the action.
+    pub stages: Vec<Stage>,
+    /// The checks that a proposed action must pass.
+    pub verify: Verify,
+    /// The most actions in one rollout.
+    pub horizon: u32,
+    /// When the task counts as reached; without one, a rollout ends at its horizon.
+    pub goal: Option<Goal>,
+}
+
+impl Program {
+    /// Returns the program's identity: the first 16 hex digits of the SHA-256 of its compact JSON.
+    pub fn hash(&self) -> String {
+        let bytes = serde_json::to_vec(self).expect("a program has string keys and finite numbers");
+        hex(&Sha256::digest(bytes))[..16].to_owned()
+    }
+
+    /// Returns the template of that name.
+    ///
+    /// The compiler only emits names that exist, so `None` means a program edited by hand.
+    pub fn template(&self, name: &str) -> Option<&Template> {
+        self.templates.iter().find(|template| template.name == name)
+    }
+
+    /// Returns the keypoint of that name.
+    pub fn keypoint(&self, name: &str) -> Option<&Keypoint> {
+        self.keypoints.iter().find(|keypoint| keypoint.name == name)
+    }
+
+    /// Returns the largest number of model calls in one step: every stage, asked as often as it may be.
+    pub fn calls_per_step(&self) -> u32 {
+        self.stages.len() as u32 * self.verify.attempts
+    }
+}
+
+/// Writes bytes as lower-case hexadecimal.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// One source file's name and content hash.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SourceStamp {
+    /// The file as the compiler was given it, or as a `use` names it.
+    pub name: String,
+    /// SHA-256 of the text, hex.
+    pub sha256: String,
+}

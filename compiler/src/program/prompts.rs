@@ -1,0 +1,95 @@
+//! The texts that reach a model, and the questions they make up.
+
+use serde::{Deserialize, Serialize};
+
+/// One piece of text in the portable Jinja subset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Template {
+    /// The component's name, `stage.say`, or `check.NAME`.
+    pub name: String,
+    /// Jinja source; every variable in it is a string.
+    pub text: String,
+    /// The variables it needs, sorted, as [`crate::render::Bindings`] names them.
+    pub variables: Vec<String>,
+    /// The file that declares it, as in [`SourceStamp::name`].
+    pub declared_in: String,
+    /// The line of its first character there, from 1.
+    pub line: u32,
+}
+
+/// One question to a model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stage {
+    /// Its name in the task.
+    pub name: String,
+    /// Which model is asked.
+    pub model: ModelRole,
+    /// Sampling temperature, where the task states one.
+    pub temperature: Option<f64>,
+    /// The longest answer, tokens, where the task states one.
+    pub max_tokens: Option<u32>,
+    /// Templates of the system message, joined by a blank line; empty: no system message.
+    pub system: Vec<String>,
+    /// Templates of the user message, joined by a blank line.
+    pub say: Vec<String>,
+    /// Pictures that follow the user message's text, in order.
+    pub show: Vec<Picture>,
+    /// What is taken from the answer.
+    pub read: Read,
+}
+
+/// The kind of model that a stage asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ModelRole {
+    /// One that sees pictures.
+    Vision,
+    /// One that reads text.
+    Text,
+}
+
+/// A picture shown to a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Picture {
+    /// Which subgoal picture.
+    pub subgoal: Which,
+    /// Whether the step's arrow is drawn on it.
+    pub arrow: Arrow,
+}
+
+/// Which of the two pictures around a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Which {
+    /// The cloth before the step.
+    Now,
+    /// The cloth after the step.
+    Next,
+}
+
+/// Whether an arrow from pick to place is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Arrow {
+    /// A ring at the pick, a line, and a tip at the place (protocol, section 6).
+    Drawn,
+    /// The bare picture.
+    Absent,
+}
+
+/// What is taken from an answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "what", rename_all = "snake_case")]
+pub enum Read {
+    /// The text between two literals, as a variable of later stages.
+    Text {
+        /// The variable.
+        name: String,
+        /// The literal before it, e.g. `Instructions:`.
+        before: String,
+        /// The literal after it; empty: to the end of the line.
+        after: String,
+    },
+    /// All fields of the action.
+    Action,
+}

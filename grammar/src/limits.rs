@@ -1,0 +1,78 @@
+//! How much text, and how deeply nested, is parsed at all.
+//!
+//! The limits are checked before parsing, by a scan that knows strings and comments, so that no input
+//! can exhaust the stack of the parser or of those who walk its tree.
+
+use crate::faults::{Fault, Problem};
+use std::ops::Range;
+
+/// The longest text that is parsed, bytes.
+pub const MAX_BYTES: usize = 1 << 20;
+
+/// The most brackets and braces that may be open at once.
+pub const MAX_NESTING: usize = 64;
+
+/// Accepts a text that is short and flat enough to be parsed.
+pub(crate) fn check(text: &str) -> Result<(), Fault> {
+    if text.len() > MAX_BYTES {
+        let problem = Problem::TooLong { bytes: text.len(), limit: MAX_BYTES };
+        return Err(Fault { span: 0..0, problem });
+    }
+    match too_deep_at(text) {
+        Some(at) => Err(too_deep(at..at + 1)),
+        None => Ok(()),
+    }
+}
+
+pub(crate) fn too_deep(span: Range<usize>) -> Fault {
+    Fault { span, problem: Problem::TooDeep { limit: MAX_NESTING } }
+}
+
+/// Returns the place of the first bracket beyond the limit.
+fn too_deep_at(text: &str) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let mut depth = 0usize;
+    let mut at = 0;
+    while at < bytes.len() {
+        match bytes[at] {
+            b'#' => at = end_of_line(bytes, at),
+            b'"' => at = end_of_text(text, at),
+            b'(' | b'{' => {
+                depth += 1;
+                if depth > MAX_NESTING {
+                    return Some(at);
+                }
+                at += 1;
+            }
+            b')' | b'}' => {
+                depth = depth.saturating_sub(1);
+                at += 1;
+            }
+            _ => at += 1,
+        }
+    }
+    None
+}
+
+fn end_of_line(bytes: &[u8], start: usize) -> usize {
+    bytes[start..].iter().position(|byte| matches!(byte, b'\n' | b'\r')).map_or(bytes.len(), |length| start + length)
+}
+
+/// Returns the end of the text that opens at `start`; an unclosed one ends with its quotes.
+fn end_of_text(text: &str, start: usize) -> usize {
+    const TRIPLE: &str = "\"\"\"";
+    if text[start..].starts_with(TRIPLE) {
+        let body = start + TRIPLE.len();
+        return text[body..].find(TRIPLE).map_or(body, |length| body + length + TRIPLE.len());
+    }
+    let bytes = text.as_bytes();
+    let mut at = start + 1;
+    while at < bytes.len() && !matches!(bytes[at], b'\n' | b'\r') {
+        match bytes[at] {
+            b'"' => return at + 1,
+            b'\\' => at += 2,
+            _ => at += 1,
+        }
+    }
+    start + 1
+}

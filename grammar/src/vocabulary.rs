@@ -1,0 +1,78 @@
+//! What the grammar's rules are called when one of them is expected.
+
+use crate::rules::{FabParser, Rule};
+use pest::Parser;
+
+/// Returns how a person would name what `rule` matches; none where it says nothing by itself.
+pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
+    let words = match rule {
+        Rule::name | Rule::label => "a name",
+        Rule::expr | Rule::conjunction | Rule::negation | Rule::relation | Rule::group | Rule::call => "a value",
+        Rule::quantity | Rule::number => "a number",
+        Rule::block_text | Rule::string | Rule::triple | Rule::quote | Rule::curly_text => "a text in quotes",
+        Rule::curly_string | Rule::single_string => "a text in quotes",
+        Rule::fold => "`fold`",
+        Rule::r#move => "a fold such as `corner(back_left) -> center`",
+        Rule::pair => "a pixel such as `(12px, 40px)`",
+        Rule::saying => "a component or a text",
+        Rule::picture => "a picture such as `subgoal(now)`",
+        Rule::setting => "a setting such as `temperature 0`",
+        Rule::argument => "an argument",
+        Rule::open => "`{`",
+        Rule::close => "`}`",
+        Rule::open_paren => "`(`",
+        Rule::close_paren => "`)`",
+        Rule::comma => "`,`",
+        Rule::colon => "`:`",
+        Rule::equals => "`=`",
+        Rule::arrow => "`->`",
+        Rule::compare => "a comparison",
+        Rule::arrow_word => "`arrow`",
+        Rule::at_word => "`at`",
+        Rule::and_word => "`and`",
+        Rule::component_word => "`component`",
+        Rule::else_word => "`else`",
+        Rule::extends_word => "`extends`",
+        Rule::from_word => "`from`",
+        Rule::of_word | Rule::margin => "`of`",
+        Rule::one_word => "`one of`",
+        Rule::or_word => "`or`",
+        Rule::with_word => "`with`",
+        Rule::within_word => "`within`",
+        _ => return None,
+    };
+    Some(words)
+}
+
+/// Returns whether `rule` only continues a value that is complete without it.
+pub(crate) fn is_continuation(rule: Rule) -> bool {
+    matches!(
+        rule,
+        Rule::and_word | Rule::or_word | Rule::compare | Rule::within_word | Rule::unit | Rule::known_unit | Rule::open_paren
+    )
+}
+
+/// The words that begin a file's items.
+pub(crate) const ITEMS: &[&str] = &["use", "task", "experts"];
+
+/// The words that begin a task's sections.
+pub(crate) const SECTIONS: &[&str] = &[
+    "cloth", "camera", "goal", "horizon", "subgoals", "experts", "keypoints", "actions", "component", "override", "without",
+    "stage", "verify",
+];
+
+/// The words that begin a line of `subgoals`.
+pub(crate) const SUBGOALS: &[&str] = &["demonstrate", "image"];
+
+/// The words that begin a line of a stage.
+pub(crate) const STAGE: &[&str] = &["model", "show", "system", "say", "read"];
+
+/// The words that begin a line of `verify`.
+pub(crate) const VERIFY: &[&str] = &["check", "attempts"];
+
+/// Returns whether a word of the language can name nothing.
+pub fn is_keyword(word: &str) -> bool {
+    word.starts_with(|character: char| character.is_ascii_alphabetic() || character == '_')
+        && word.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+        && FabParser::parse(Rule::name, word).is_err()
+}

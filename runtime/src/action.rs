@@ -1,0 +1,56 @@
+//! From the pixels that a model chose to points on the table.
+//!
+//! In: an accepted proposal, the scene and the observation it was made on. Out: an [`Action`] in
+//! pixels and in world points.
+
+use crate::camera::center_of;
+use crate::observation::Observation;
+use crate::scene::Scene;
+use crate::world::{Motion, WorldPoint};
+use compiler::program::PixelPoint;
+use compiler::reply::Proposal;
+use serde::{Deserialize, Serialize};
+
+/// A pick and a place, ready to be executed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Action {
+    /// The pixel that the model chose for the pick.
+    pub pick_px: PixelPoint,
+    /// The pixel that is really picked: the nearest one on the cloth.
+    pub pick_on_cloth_px: PixelPoint,
+    /// The pixel that the model chose for the place.
+    pub place_px: PixelPoint,
+    /// Both points on the table.
+    pub motion: Motion,
+}
+
+impl Action {
+    /// Lowers a proposal to world points.
+    ///
+    /// A pick on the background goes to the nearest cloth pixel (protocol, section 4 item 10).
+    /// Returns `None` where a proposal lacks a field or the scene has no cloth, which the verifier
+    /// has already refused, or where the camera does not look at the table.
+    pub fn lower(proposal: &Proposal, scene: &Scene, observation: &Observation) -> Option<Action> {
+        let pick_px = proposal.get("pick")?;
+        let place_px = proposal.get("place")?;
+        let pick_on_cloth_px = scene.cloth()?.nearest(pick_px)?;
+        let pick = point_on_surface(pick_on_cloth_px, observation)?;
+        let place = point_on_surface(place_px, observation)?;
+        Some(Action { pick_px, pick_on_cloth_px, place_px, motion: Motion { pick, place } })
+    }
+}
+
+/// Returns the world point that a pixel shows; without a depth reading, the point of the table there.
+///
+/// `None` where the camera does not look down at the table.
+fn point_on_surface(pixel: PixelPoint, observation: &Observation) -> Option<WorldPoint> {
+    let camera = &observation.camera;
+    let [column, row] = [pixel.u, pixel.v].map(|coordinate| u32::try_from(coordinate).unwrap_or(u32::MAX));
+    let reading = observation.depth_m.get_pixel_checked(column, row).map_or(0.0, |depth| f64::from(depth.0[0]));
+    camera.world_from_pixel(center_of(pixel), reading).or_else(|| {
+        let on_ray = camera.world_from_pixel(center_of(pixel), 1.0)?;
+        let eye = WorldPoint::from(camera.world_from_camera.translation.vector);
+        let depth_m = eye.z / (eye.z - on_ray.z);
+        camera.world_from_pixel(center_of(pixel), depth_m)
+    })
+}

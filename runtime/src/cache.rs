@@ -1,0 +1,39 @@
+//! A folder of results that are named by what they were computed from.
+//!
+//! In: a key that covers everything the result depends on. Out: the bytes, if they were kept. A lost
+//! or unwritable cache costs time, never a result.
+
+use crate::store;
+use std::fs;
+use std::path::PathBuf;
+
+/// A content-addressed store on disk, or nowhere.
+#[derive(Clone, Debug)]
+pub struct Cache {
+    folder: Option<PathBuf>,
+}
+
+impl Cache {
+    /// Keeps results in `folder`, which is made when first needed.
+    pub fn at(folder: PathBuf) -> Cache {
+        Cache { folder: Some(folder) }
+    }
+
+    /// Keeps nothing.
+    pub fn none() -> Cache {
+        Cache { folder: None }
+    }
+
+    /// Returns the bytes kept under `key`, a string of letters and digits.
+    pub fn get(&self, key: &str) -> Option<Vec<u8>> {
+        fs::read(self.folder.as_ref()?.join(key)).ok()
+    }
+
+    /// Keeps bytes under `key`; says why where they cannot be kept.
+    pub fn put(&self, key: &str, bytes: &[u8]) -> Result<(), String> {
+        let Some(folder) = &self.folder else { return Ok(()) };
+        fs::create_dir_all(folder)
+            .and_then(|()| store::write_whole(&folder.join(key), bytes))
+            .map_err(|error| format!("cannot keep a result in `{}`: {error}", folder.display()))
+    }
+}

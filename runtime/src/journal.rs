@@ -1,0 +1,206 @@
+//! The folder of one rollout: enough to re-score and re-draw it without world or model.
+//!
+//! In: facts as they happen. Out: `rollout.jsonl` (one whole, synced line per step, so that a crash
+//! loses at most the step under way) and the files that its lines name. A journal without an `end`
+//! line is of a rollout that did not end by itself.
+
+use crate::action::Action;
+use crate::agent::Attempt;
+use crate::model::{Part, Request, Speaker};
+use crate::store;
+use crate::world::Executed;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Version of the journal's lines.
+pub const JOURNAL_SCHEMA: u32 = 1;
+/// Name of the journal in a run folder.
+pub const JOURNAL_FILE: &str = "rollout.jsonl";
+
+/// A run folder that is being written.
+#[derive(Debug)]
+pub struct RunFolder {
+    path: PathBuf,
+    journal: File,
+    images: BTreeSet<String>,
+}
+
+/// Why a run cannot be kept.
+#[derive(Debug, thiserror::Error)]
+pub enum JournalError {
+    /// A file or folder cannot be written.
+    #[error("cannot write `{path}`: {why}")]
+    Unwritable {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        why: String,
+    },
+    /// The folder holds something already.
+    #[error("the run folder `{path}` is not empty; name a new one, nothing is overwritten")]
+    NotEmpty {
+        /// The folder.
+        path: PathBuf,
+    },
+}
+
+/// One line of the journal.
+#[derive(Debug, Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Line<'a> {
+    /// The first line: what was run.
+    Header(&'a Value),
+    /// One step.
+    Step(&'a StepLine),
+    /// The last line: what came of it.
+    End(&'a Value),
+}
+
+/// What is kept of one step; every file is relative to the run folder.
+#[derive(Debug, Default, Serialize)]
+pub struct StepLine {
+    /// From 1.
+    pub step: u32,
+    /// Keypoints in pixels, or null where the picture gave none.
+    pub scene: Value,
+    /// Every question of the step.
+    pub attempts: Vec<Value>,
+    /// What was to be executed, where something was.
+    pub action: Option<Action>,
+    /// What the world really did.
+    pub executed: Option<Executed>,
+    /// Why the step ended the rollout, in words.
+    pub stopped: Option<String>,
+    /// Pictures and positions by what they show.
+    pub files: serde_json::Map<String, Value>,
+    /// Wall time by what it was spent on, seconds.
+    pub seconds: serde_json::Map<String, Value>,
+}
+
+impl RunFolder {
+    /// Makes a folder for one rollout; it must not exist or be empty.
+    pub fn create(path: &Path) -> Result<RunFolder, JournalError> {
+        let unwritable = |path: &Path, error: std::io::Error| JournalError::Unwritable { path: path.to_owned(), why: error.to_string() };
+        fs::create_dir_all(path).map_err(|error| unwritable(path, error))?;
+        let mut entries = fs::read_dir(path).map_err(|error| unwritable(path, error))?;
+        if entries.next().is_some() {
+            return Err(JournalError::NotEmpty { path: path.to_owned() });
+        }
+        let file = path.join(JOURNAL_FILE);
+        let journal = OpenOptions::new().create_new(true).append(true).open(&file).map_err(|error| unwritable(&file, error))?;
+        Ok(RunFolder { path: path.to_owned(), journal, images: BTreeSet::new() })
+    }
+
+    /// Makes the first free folder `NAME-0001`, `NAME-0002`, … in `parent`.
+    pub fn create_next(parent: &Path, name: &str) -> Result<RunFolder, JournalError> {
+        let unwritable = |error: std::io::Error| JournalError::Unwritable { path: parent.to_owned(), why: error.to_string() };
+        fs::create_dir_all(parent).map_err(unwritable)?;
+        for number in 1..=9999u32 {
+            let candidate = parent.join(format!("{name}-{number:04}"));
+            match fs::create_dir(&candidate) {
+                Ok(()) => return RunFolder::create(&candidate),
+                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(unwritable(error)),
+            }
+        }
+        Err(JournalError::Unwritable { path: parent.to_owned(), why: format!("it holds 9999 runs of `{name}` already") })
+    }
+
+    /// Removes a folder in which nothing has been written yet.
+    ///
+    /// What cannot be removed stays: a folder without a header line is no rollout.
+    pub fn discard(self) {
+        let _ = fs::remove_file(self.path.join(JOURNAL_FILE));
+        let _ = fs::remove_dir(&self.path);
+    }
+
+    /// Returns the folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Appends one line and waits until it is on disk.
+    pub fn append(&mut self, line: &Line<'_>) -> Result<(), JournalError> {
+        let mut text = serde_json::to_string(line).expect("journal lines have string keys");
+        text.push('\n');
+        let written = self.journal.write_all(text.as_bytes()).and_then(|()| self.journal.sync_data());
+        written.map_err(|error| self.unwritable(JOURNAL_FILE, &error))
+    }
+
+    /// Writes a file of the run, whole or not at all, and returns its name for the journal.
+    pub fn keep(&self, name: &str, bytes: &[u8]) -> Result<String, JournalError> {
+        let path = self.path.join(name);
+        let folder = path.parent().unwrap_or(&self.path);
+        let written = fs::create_dir_all(folder).and_then(|()| store::write_whole(&path, bytes));
+        written.map_err(|error| self.unwritable(name, &error))?;
+        Ok(name.to_owned())
+    }
+
+    /// Writes the exact prompt and reply of one attempt and returns its entry for the step's line.
+    pub fn keep_attempt(&mut self, step: u32, attempt: &Attempt) -> Result<Value, JournalError> {
+        self.keep_images(&attempt.request)?;
+        let stem = format!("step_{step}/{}_{}", attempt.stage, attempt.number);
+        let request = serde_json::to_vec_pretty(&attempt.request).expect("a request holds strings and finite numbers");
+        let request_file = self.keep(&format!("{stem}.request.json"), &request)?;
+        let prompt_file = self.keep(&format!("{stem}.prompt.txt"), transcript(&attempt.request).as_bytes())?;
+        let reply_file = match &attempt.reply {
+            Some(reply) => Some(self.keep(&format!("{stem}.reply.txt"), reply.text.as_bytes())?),
+            None => None,
+        };
+        Ok(json!({
+            "stage": attempt.stage,
+            "attempt": attempt.number,
+            "request_key": attempt.request.key(),
+            "request": request_file,
+            "prompt": prompt_file,
+            "reply": reply_file,
+            "result": attempt.finding,
+            "seconds": attempt.took.as_secs_f64(),
+        }))
+    }
+
+    fn keep_images(&mut self, request: &Request) -> Result<(), JournalError> {
+        for part in request.messages.iter().flat_map(|message| &message.parts) {
+            if let Part::Image(png) = part
+                && !self.images.contains(png.sha256())
+            {
+                self.keep(&image_name(png.sha256()), png.bytes())?;
+                self.images.insert(png.sha256().to_owned());
+            }
+        }
+        Ok(())
+    }
+
+    fn unwritable(&self, name: &str, error: &std::io::Error) -> JournalError {
+        JournalError::Unwritable { path: self.path.join(name), why: error.to_string() }
+    }
+}
+
+fn image_name(sha256: &str) -> String {
+    format!("images/{sha256}.png")
+}
+
+/// Writes a request as people read it: who speaks, the words, and the pictures by file name.
+pub fn transcript(request: &Request) -> String {
+    let mut text = String::new();
+    for message in &request.messages {
+        let speaker = match message.speaker {
+            Speaker::System => "system",
+            Speaker::User => "user",
+            Speaker::Assistant => "assistant",
+        };
+        text.push_str(&format!("--- {speaker}\n"));
+        for part in &message.parts {
+            match part {
+                Part::Text(words) => text.push_str(words),
+                Part::Image(png) => text.push_str(&format!("[picture {}]", image_name(png.sha256()))),
+            }
+            text.push('\n');
+        }
+    }
+    text
+}

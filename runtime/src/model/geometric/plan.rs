@@ -1,0 +1,127 @@
+//! From words and points to a pick and a place.
+//!
+//! In: an [`Instruction`], the corners that were detected, the center. Out: pairs of listed points, best
+//! first. The words name places in the rectangle around the cloth; here that rectangle is fitted around the
+//! corners as they lie now, and each place is given to the nearest listed point.
+
+use super::frame::{self, Frame, Point};
+use super::words::{Instruction, Sides, Spot};
+use compiler::program::PixelPoint;
+use std::f64::consts::{PI, TAU};
+
+/// A pick and a place with what they are off from the words.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// A listed corner.
+    pub pick: PixelPoint,
+    /// Another listed corner, or the center.
+    pub place: PixelPoint,
+    /// Distance of both from where the words point, added, pixels.
+    pub off_px: f64,
+}
+
+/// A plan: how the cloth lies, and what could be done.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// How far the cloth is turned against the pictures, radians anti-clockwise, to about a quarter right angle.
+    pub turn: f64,
+    /// Best first; empty only if nothing is left to choose.
+    pub candidates: Vec<Candidate>,
+}
+
+/// Why there is no plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoPlan {
+    /// The listed corners lie on a line or are fewer than three.
+    #[error("the listed corners enclose no area, so I cannot tell how the cloth lies")]
+    Shapeless,
+    /// The instruction places on the center, of which the prompt says nothing.
+    #[error("the instruction speaks of the center, but no center is given")]
+    Center,
+}
+
+/// What a corner of the rectangle counts as when the words say that the cloth does not reach it, as a share
+/// of the short side: about the gap that a corner folded to the middle leaves.
+const BARE_GAP: f64 = 0.4;
+
+/// What half a turn against the words costs, in the same unit. Less than one bare corner in a wrong place,
+/// because shape tells more than compass words; enough to decide where the shape looks alike either way.
+const HALF_TURN: f64 = 0.5;
+
+/// How far anti-clockwise the balance point between two turns lies off the middle, radians (3 degrees). A square
+/// at exactly 45 degrees can be read both ways; which one is taken shall not hang on a pixel's rounding.
+const LEAN: f64 = 3.0 * PI / 180.0;
+
+/// The most picks and places that are combined.
+const MAX_CHOICES: usize = 24;
+
+/// Ranks the choices that an instruction leaves, given the listed points.
+pub fn plan(
+    instruction: &Instruction,
+    corners: &[PixelPoint],
+    center: Option<PixelPoint>,
+) -> Result<Plan, NoPlan> {
+    let hull = frame::hull(corners.iter().copied().map(up));
+    let fitted = Frame::fit(&hull).ok_or(NoPlan::Shapeless)?;
+    let (frame, turn) = turn_to(instruction, &fitted, &hull);
+    let target = |spot: Spot| match spot {
+        Spot::Center => center.map(up).ok_or(NoPlan::Center),
+        Spot::At { along, across } => {
+            Ok(frame.point_at([f64::from(along) / 8.0, f64::from(across) / 8.0]))
+        }
+    };
+    let picks = nearest(corners.iter().copied(), target(instruction.pick)?);
+    let places = nearest(corners.iter().copied().chain(center), target(instruction.place)?);
+    let mut candidates: Vec<Candidate> = Vec::new();
+    for &(pick_off, pick) in &picks {
+        let others = places.iter().filter(|&&(_, place)| place != pick);
+        candidates.extend(
+            others.map(|&(place_off, place)| Candidate { pick, place, off_px: pick_off + place_off }),
+        );
+    }
+    candidates.sort_by(|a, b| {
+        a.off_px.total_cmp(&b.off_px).then((a.pick, a.place).cmp(&(b.pick, b.place)))
+    });
+    Ok(Plan { turn, candidates })
+}
+
+/// Orders the sides of a fitted rectangle as the words do; returns the frame and its turn against them.
+fn turn_to(instruction: &Instruction, fitted: &Frame, hull: &[Point]) -> (Frame, f64) {
+    let turns: &[u32] = match instruction.sides {
+        Sides::Long => &[0, 2],
+        Sides::Equal => &[0, 1, 2, 3],
+    };
+    // For words that speak of long sides, `along` is the longer one, however small the difference.
+    let start = match instruction.sides {
+        Sides::Long => fitted.with_long_side_first(),
+        Sides::Equal => *fitted,
+    };
+    let mut best: Option<(f64, Frame, f64)> = None;
+    for &quarter_turns in turns {
+        let frame = start.turned(quarter_turns);
+        let turn = (frame.angle() - instruction.heading.angle() + PI).rem_euclid(TAU) - PI;
+        let gaps = frame.corner_gaps(hull).into_iter().zip(instruction.bare);
+        let misfit: f64 = gaps
+            .map(|(gap, is_bare)| (gap.min(BARE_GAP) - if is_bare { BARE_GAP } else { 0.0 }).abs())
+            .sum();
+        let cost = misfit + HALF_TURN * (turn + LEAN).abs() / PI;
+        if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
+            best = Some((cost, frame, turn));
+        }
+    }
+    best.map_or((*fitted, 0.0), |(_, frame, turn)| (frame, turn))
+}
+
+/// The points nearest to a target, each once, nearest first; equally near ones from the top left.
+fn nearest(points: impl Iterator<Item = PixelPoint>, target: Point) -> Vec<(f64, PixelPoint)> {
+    let mut ranked: Vec<(f64, PixelPoint)> =
+        points.map(|point| (frame::distance(up(point), target), point)).collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    ranked.dedup_by_key(|&mut (_, point)| point);
+    ranked.truncate(MAX_CHOICES);
+    ranked
+}
+
+fn up(point: PixelPoint) -> Point {
+    [f64::from(point.u), -f64::from(point.v)]
+}

@@ -1,0 +1,113 @@
+//! Reads what a planning prompt says, whatever its exact wording.
+//!
+//! In: the lines of a prompt. Out: points, the form that an answer takes. Lines are known by their content:
+//! one with `corner` and points lists the corners, one with `cent` and a point gives the center.
+
+use compiler::program::PixelPoint;
+
+/// The most points that are read from one prompt.
+const MAX_POINTS: usize = 1000;
+
+/// Returns the points of the last list of corners in a text, in order; empty if it has none.
+///
+/// A list may go on over lines that hold nothing but points.
+pub fn corners(text: &str) -> Vec<PixelPoint> {
+    let mut found = Vec::new();
+    let mut is_open = false;
+    for line in text.lines() {
+        let listed = match after_word(line, "corner") {
+            Some(rest) => {
+                is_open = !points(rest).is_empty();
+                if is_open {
+                    found.clear();
+                }
+                rest
+            }
+            None => {
+                is_open &= !line.chars().any(char::is_alphabetic);
+                line
+            }
+        };
+        if is_open {
+            found.extend(points(listed));
+        }
+    }
+    found.truncate(MAX_POINTS);
+    found
+}
+
+/// Returns the last point that a line calls the center.
+pub fn center(text: &str) -> Option<PixelPoint> {
+    let lines = text.lines().filter(|line| after_word(line, "corner").is_none());
+    lines.filter_map(|line| points(after_word(line, "cent")?).first().copied()).last()
+}
+
+/// Returns the lines that may hold the instruction, likely ones first.
+pub fn instruction_lines(text: &str) -> impl Iterator<Item = &str> {
+    let is_likely = |line: &&str| {
+        ["instruction", "folding", "method", "step"].iter().any(|word| after_word(line, word).is_some())
+    };
+    let likely = text.lines().filter(move |line| is_likely(line));
+    likely.chain(text.lines().filter(move |line| !is_likely(line)))
+}
+
+/// The line of an answer that gives one point: what stands before the point, and after it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AnswerLine {
+    before: String,
+    after: String,
+}
+
+impl AnswerLine {
+    /// Finds the line with which a prompt asks for a point, such as `Pick Point = (x, y)`.
+    ///
+    /// `field` is `pick` or `place`. Where no line asks for it, the paper's form is taken.
+    pub fn asked_for(field: &str, prompt: &str) -> AnswerLine {
+        prompt.lines().rev().find_map(|line| AnswerLine::read(field, line)).unwrap_or_else(|| {
+            let (initial, rest) = field.split_at(1);
+            let name = format!("{}{rest}", initial.to_uppercase());
+            AnswerLine { before: format!("{name} Point = ("), after: ")".to_owned() }
+        })
+    }
+
+    fn read(field: &str, line: &str) -> Option<AnswerLine> {
+        let line = line.trim();
+        after_word(line, field)?;
+        let (before, after) = line.split_once("x, y").or_else(|| line.split_once("x,y"))?;
+        let opens = before.ends_with(['(', '[']) && before.trim_end_matches(['(', '[']).contains(['=', ':']);
+        opens.then(|| AnswerLine { before: before.to_owned(), after: after.to_owned() })
+    }
+
+    /// Writes the line with a point in it.
+    pub fn with(&self, point: PixelPoint) -> String {
+        format!("{}{}, {}{}", self.before, point.u, point.v, self.after)
+    }
+}
+
+/// Returns the point that an answer gives for `field`, `pick` or `place`.
+pub fn answered(field: &str, answer: &str) -> Option<PixelPoint> {
+    answer.lines().find_map(|line| points(after_word(line, field)?).first().copied())
+}
+
+/// The rest of a line after a word or a beginning of one, in any case.
+fn after_word<'a>(line: &'a str, word: &str) -> Option<&'a str> {
+    let at = line.to_ascii_lowercase().find(word)?;
+    line.get(at + word.len()..)
+}
+
+/// Returns the points `(x, y)` or `[x, y]` of a text in order.
+pub fn points(text: &str) -> Vec<PixelPoint> {
+    let mut found = Vec::new();
+    let openings = text.match_indices(['(', '[']);
+    for (at, _) in openings {
+        let inside = text[at + 1..].split([')', ']', '(', '[']).next().unwrap_or_default();
+        let mut numbers = inside.split(',').map(|number| number.trim().parse::<i32>());
+        if let (Some(Ok(u)), Some(Ok(v)), None) = (numbers.next(), numbers.next(), numbers.next()) {
+            found.push(PixelPoint::new(u, v));
+        }
+        if found.len() == MAX_POINTS {
+            break;
+        }
+    }
+    found
+}

@@ -1,0 +1,152 @@
+//! Choosing among listed points: form of the answer, refusals, membership.
+
+use super::*;
+use proptest::prelude::*;
+
+const CORNERS: [PixelPoint; 5] = [
+    PixelPoint::new(40, 60),
+    PixelPoint::new(180, 60),
+    PixelPoint::new(180, 170),
+    PixelPoint::new(40, 170),
+    PixelPoint::new(110, 60),
+];
+const CENTER: PixelPoint = PixelPoint::new(110, 115);
+const WORDS: &str =
+    "Pick the left end of the top long side and place it on the left end of the bottom long side";
+
+fn turn(speaker: Speaker, text: &str) -> Message {
+    Message::text(speaker, text)
+}
+
+#[test]
+fn the_answer_begins_with_the_two_lines_that_the_prompt_asks_for() {
+    let system = "Begin your answer with these two lines, then give your reason:\n\
+                  PICK: [x, y]!\n  Put the Place at = (x, y)";
+    let prompt = planning_prompt(WORDS, &CORNERS, CENTER);
+    let reply = ask(
+        ModelRole::Text,
+        vec![turn(Speaker::System, system), turn(Speaker::User, &prompt)],
+    );
+    let lines: Vec<&str> = reply.lines().collect();
+    assert_eq!(lines[..2], ["PICK: [40, 60]!", "Put the Place at = (40, 170)"]);
+    assert!(lines.len() >= 3 && lines[2].contains("turned by about 0 degrees"), "{reply}");
+}
+
+#[test]
+fn plainer_words_are_understood() {
+    let lower_left = planned("pick the Upper-Left corner and place it on the bottom left corner", &CORNERS, CENTER);
+    assert_eq!(lower_left, [CORNERS[0], CORNERS[3]]);
+    let to_center = planned("Take hold: pick the top right corner, place it at the centre", &CORNERS, CENTER);
+    assert_eq!(to_center, [CORNERS[1], CENTER]);
+    let middle = planned("Pick the middle of the top side and place it on the right end of the bottom side", &CORNERS, CENTER);
+    assert_eq!(middle, [CORNERS[4], CORNERS[2]]);
+}
+
+#[test]
+fn a_list_that_goes_on_over_lines_is_read_whole() {
+    let prompt = format!(
+        "- Instruction: {WORDS}\n- Detected corners:\n  unsorted corners [180, 170], [180, 60],\n  [40, 170],\n  [40, 60]\n\
+         - Center of the cloth: [110, 115]"
+    );
+    let reply = ask(ModelRole::Text, vec![turn(Speaker::User, &prompt)]);
+    assert_eq!(points_of(&reply), [CORNERS[0], CORNERS[3]]);
+}
+
+#[test]
+fn refused_answers_are_not_repeated() {
+    let mut talk = vec![turn(Speaker::User, &planning_prompt(WORDS, &CORNERS, CENTER))];
+    let mut given = Vec::new();
+    for _ in 0..6 {
+        let reply = ask(ModelRole::Text, talk.clone());
+        let points = points_of(&reply);
+        assert!(!given.contains(&points), "{points:?} again");
+        given.push(points);
+        talk.push(turn(Speaker::Assistant, &reply));
+        talk.push(turn(Speaker::User, "That will not do. Answer anew."));
+    }
+    assert_eq!(given[0], [CORNERS[0], CORNERS[3]]);
+}
+
+#[test]
+fn a_correction_of_one_point_changes_that_point() {
+    let corrected = |correction: &str| {
+        let prompt = planning_prompt(WORDS, &CORNERS, CENTER);
+        let first = ask(ModelRole::Text, vec![turn(Speaker::User, &prompt)]);
+        let talk = vec![
+            turn(Speaker::User, &prompt),
+            turn(Speaker::Assistant, &first),
+            turn(Speaker::User, correction),
+        ];
+        points_of(&ask(ModelRole::Text, talk))
+    };
+    let [pick, place] = corrected("The pick point (40, 60) is not on the cloth.");
+    assert!(pick != CORNERS[0] && place == CORNERS[3], "{pick} {place}");
+    let [pick, place] = corrected("The place point (40, 170) is out of reach.");
+    assert!(pick == CORNERS[0] && place != CORNERS[3], "{pick} {place}");
+}
+
+#[test]
+fn when_everything_was_refused_it_says_so() {
+    let corners = &CORNERS[..3];
+    let words = "Pick the top left corner and place it on the top right corner";
+    let mut talk = vec![turn(Speaker::User, &planning_prompt(words, corners, CENTER))];
+    for round in 0..20 {
+        let reply = ask(ModelRole::Text, talk.clone());
+        if reply.contains("was refused") {
+            // Three picks with two other corners and the center each.
+            assert_eq!(round, 9, "{reply}");
+            return;
+        }
+        talk.push(turn(Speaker::Assistant, &reply));
+        talk.push(turn(Speaker::User, "No."));
+    }
+    panic!("it never ran out of nine pairs");
+}
+
+#[test]
+fn examples_in_earlier_turns_are_not_the_question() {
+    let example = planning_prompt("Pick the top right corner and place it on the center", &CORNERS[..4], CENTER);
+    let talk = vec![
+        turn(Speaker::User, &example),
+        turn(Speaker::Assistant, "Pick Point = (40, 60)\nPlace Point = (40, 170)"),
+        turn(Speaker::User, &planning_prompt(WORDS, &CORNERS, CENTER)),
+    ];
+    assert_eq!(points_of(&ask(ModelRole::Text, talk)), [CORNERS[0], CORNERS[3]]);
+}
+
+#[test]
+fn pictures_of_earlier_examples_are_not_the_question() {
+    let [first, second] = VIEW.pictures(&rectangle_fold());
+    let [other_first, other_second] = VIEW.pictures(&square_fold());
+    let talk = vec![
+        user(vec![png(&other_first), png(&other_second)]),
+        turn(Speaker::Assistant, "Instructions: something."),
+        user(vec![png(&first), png(&second)]),
+        turn(Speaker::Assistant, "I cannot."),
+        turn(Speaker::User, "Answer in the format."),
+    ];
+    let reply = ask(ModelRole::Vision, talk);
+    assert!(reply.contains(&instruction(&[first, second])), "{reply}");
+}
+
+proptest! {
+    #[test]
+    fn pick_and_place_are_always_listed_and_differ(
+        points in prop::collection::btree_set((0..224_i32, 0..224_i32), 4..20),
+        center in (0..224_i32, 0..224_i32),
+        words in prop::sample::select(vec![
+            WORDS,
+            "Pick the middle of the top side and place it on the center of the cloth",
+            "Pick the lower right end of the lower left side and place it on the point one eighth from the upper left to the lower right end of the upper right side",
+        ]),
+    ) {
+        let corners: Vec<PixelPoint> = points.iter().map(|&(u, v)| PixelPoint::new(u, v)).collect();
+        let center = PixelPoint::new(center.0, center.1);
+        let reply = ask(ModelRole::Text, vec![turn(Speaker::User, &planning_prompt(words, &corners, center))]);
+        prop_assume!(!reply.contains("enclose no area"));
+        let [pick, place] = points_of(&reply);
+        prop_assert!(corners.contains(&pick));
+        prop_assert!(corners.contains(&place) || place == center);
+        prop_assert_ne!(pick, place);
+    }
+}

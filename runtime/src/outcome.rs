@@ -1,0 +1,70 @@
+//! How a rollout can end: a closed list that scripts rely on.
+
+use serde::{Deserialize, Serialize};
+
+/// The end of a rollout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// The declared goal was met.
+    GoalReached,
+    /// Every step was done; the goal, if one is declared, was not met.
+    HorizonReached,
+    /// A step's last permitted answer was still refused by a check.
+    AttemptsExhausted,
+    /// A step's last permitted answer could not be read.
+    MalformedReply,
+    /// The detectors found no point to offer.
+    NoCandidates,
+    /// No pixel of the picture shows cloth.
+    ClothOutOfView,
+    /// The model gave no answer.
+    ModelFailed,
+    /// A cap on calls or cost stopped the rollout.
+    BudgetExhausted,
+    /// The world could not be observed or moved.
+    WorldFailed,
+    /// The user stopped the rollout.
+    Interrupted,
+}
+
+impl Outcome {
+    /// Returns the name that JSON and journals use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::GoalReached => "goal_reached",
+            Outcome::HorizonReached => "horizon_reached",
+            Outcome::AttemptsExhausted => "attempts_exhausted",
+            Outcome::MalformedReply => "malformed_reply",
+            Outcome::NoCandidates => "no_candidates",
+            Outcome::ClothOutOfView => "cloth_out_of_view",
+            Outcome::ModelFailed => "model_failed",
+            Outcome::BudgetExhausted => "budget_exhausted",
+            Outcome::WorldFailed => "world_failed",
+            Outcome::Interrupted => "interrupted",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_equal_the_serialised_form() {
+        for outcome in [
+            Outcome::GoalReached,
+            Outcome::HorizonReached,
+            Outcome::AttemptsExhausted,
+            Outcome::MalformedReply,
+            Outcome::NoCandidates,
+            Outcome::ClothOutOfView,
+            Outcome::ModelFailed,
+            Outcome::BudgetExhausted,
+            Outcome::WorldFailed,
+            Outcome::Interrupted,
+        ] {
+            assert_eq!(serde_json::json!(outcome), serde_json::json!(outcome.name()));
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! What is known about one observation: the program's keypoints, found.
+//!
+//! In: a program and an [`Observation`]. Out: a [`Scene`], a pure function of both and of the
+//! rollout's first scene. Prompts are filled from it and checks are judged on it.
+
+use crate::observation::Observation;
+use crate::vision::{self, CornerSearch, Detector, Mask, VisionError};
+use compiler::program::{Extractor, Moment, PixelPoint, Program};
+use compiler::render::Bindings;
+use compiler::verify::SceneView;
+use serde_json::{Map, Value, json};
+
+/// The keypoints of one observation, in the program's order.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    found: Vec<(String, Found)>,
+}
+
+/// What an extractor gave.
+#[derive(Clone, Debug)]
+enum Found {
+    Mask(Mask),
+    Points(Vec<PixelPoint>),
+    Point(PixelPoint),
+}
+
+/// Why a picture gives no scene.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// A mask is empty.
+    #[error("no pixel of the picture belongs to `{mask}`: the cloth is out of view")]
+    OutOfView {
+        /// The mask's name.
+        mask: String,
+    },
+    /// A detector found nothing, so that there is nothing to offer.
+    #[error("`{keypoint}` finds no point in the picture, so there is nothing to choose from")]
+    NoCandidates {
+        /// The keypoint's name.
+        keypoint: String,
+    },
+    /// The detector itself failed.
+    #[error(transparent)]
+    Vision(#[from] VisionError),
+}
+
+impl Scene {
+    /// Finds every keypoint of `program` in `observation`.
+    ///
+    /// Keypoints of the start are taken from `first`, the rollout's first scene; without one, this
+    /// scene is the first. Fails where a mask is empty, a detector finds nothing, or OpenCV fails.
+    pub fn of(program: &Program, observation: &Observation, first: Option<&Scene>) -> Result<Scene, SceneError> {
+        let mut scene = Scene { found: Vec::with_capacity(program.keypoints.len()) };
+        for keypoint in &program.keypoints {
+            let kept = first.filter(|_| keypoint.moment == Moment::Start).and_then(|first| first.get(&keypoint.name));
+            let found = match kept {
+                Some(found) => found.clone(),
+                None => scene.extract(&keypoint.name, &keypoint.extractor, observation)?,
+            };
+            scene.found.push((keypoint.name.clone(), found));
+        }
+        Ok(scene)
+    }
+
+    fn extract(&self, name: &str, extractor: &Extractor, observation: &Observation) -> Result<Found, SceneError> {
+        let corners = |mask: &str, image_px: u32, max: u32, quality: f64, spacing_px: f64, detector: Detector| {
+            let search = CornerSearch { image_px, max, quality, spacing_px, detector };
+            let points = vision::corners(&observation.depth_m, self.mask(mask)?, &search)?;
+            if points.is_empty() {
+                return Err(SceneError::NoCandidates { keypoint: name.to_owned() });
+            }
+            Ok(Found::Points(points))
+        };
+        match extractor {
+            Extractor::DepthMask { below_m } => {
+                let mask = vision::depth_mask(&observation.depth_m, *below_m);
+                if mask.is_empty() {
+                    return Err(SceneError::OutOfView { mask: name.to_owned() });
+                }
+                Ok(Found::Mask(mask))
+            }
+            Extractor::Harris { mask, image_px, max, quality, spacing_px, k } => {
+                corners(mask, *image_px, *max, *quality, *spacing_px, Detector::Harris { k: *k })
+            }
+            Extractor::ShiTomasi { mask, image_px, max, quality, spacing_px } => {
+                corners(mask, *image_px, *max, *quality, *spacing_px, Detector::ShiTomasi)
+            }
+            Extractor::Centroid { mask } => vision::centroid(self.mask(mask)?)
+                .map(Found::Point)
+                .ok_or_else(|| SceneError::OutOfView { mask: mask.clone() }),
+        }
+    }
+
+    fn get(&self, name: &str) -> Option<&Found> {
+        self.found.iter().find(|(known, _)| known == name).map(|(_, found)| found)
+    }
+
+    fn mask(&self, name: &str) -> Result<&Mask, SceneError> {
+        match self.get(name) {
+            Some(Found::Mask(mask)) => Ok(mask),
+            _ => Err(SceneError::OutOfView { mask: name.to_owned() }),
+        }
+    }
+
+    /// Returns the mask that was found first: the cloth, on which a pick must land.
+    pub fn cloth(&self) -> Option<&Mask> {
+        self.found.iter().find_map(|(_, found)| match found {
+            Found::Mask(mask) => Some(mask),
+            _ => None,
+        })
+    }
+
+    /// Returns every point as a template variable.
+    pub fn bindings(&self) -> Bindings {
+        let mut bindings = Bindings::new();
+        self.bind(&mut bindings);
+        bindings
+    }
+
+    /// Sets every point as a template variable.
+    pub fn bind(&self, bindings: &mut Bindings) {
+        for (name, found) in &self.found {
+            match found {
+                Found::Mask(_) => {}
+                Found::Points(points) => bindings.points(name, points),
+                Found::Point(point) => bindings.point(name, *point),
+            }
+        }
+    }
+
+    /// Returns the points as JSON, `{name: [[u, v], …]}`; a mask stands as its number of pixels.
+    pub fn to_json(&self) -> Value {
+        let mut object = Map::new();
+        for (name, found) in &self.found {
+            let value = match found {
+                Found::Mask(mask) => json!({ "area_px": mask.area_px() }),
+                Found::Points(points) => json!(points),
+                Found::Point(point) => json!([point]),
+            };
+            object.insert(name.clone(), value);
+        }
+        Value::Object(object)
+    }
+}
+
+impl SceneView for Scene {
+    fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
+        match self.get(keypoint)? {
+            Found::Points(points) => Some(points.clone()),
+            Found::Point(point) => Some(vec![*point]),
+            Found::Mask(_) => None,
+        }
+    }
+
+    fn distance_to_mask_px(&self, mask: &str, point: PixelPoint) -> Option<f64> {
+        match self.get(mask)? {
+            Found::Mask(mask) => Some(mask.distance_px(point)),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! The pictures that show a fold, step by step.
+//!
+//! In: a program and the folder of its file. Out: `steps + 1` pictures and the arrow of each step,
+//! from the author's files, from pinned ones, or drawn by executing `demonstrate` in a world.
+
+use crate::expert;
+use crate::interrupt::Interrupt;
+use crate::model::Png;
+use crate::picture::{self, PictureError};
+use crate::start::Start;
+use crate::store;
+use crate::vision::{self, VisionError};
+use crate::world::{World, WorldError};
+use compiler::program::{Arrow, Fold, Picture, Program, SubgoalImage, Subgoals, Which};
+use image::RgbImage;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Tail and tip of an arrow in a picture's pixels, `[column, row]`.
+pub type ArrowPx = [[f64; 2]; 2];
+
+/// The pictures of a whole task.
+#[derive(Clone, Debug)]
+pub struct SubgoalSet {
+    /// One more than there are steps.
+    pub pictures: Vec<RgbImage>,
+    /// The arrow that leaves each picture but the last; none where the picture already carries one.
+    pub arrows: Vec<Option<ArrowPx>>,
+    /// Where they come from.
+    pub origin: Origin,
+}
+
+/// Where subgoal pictures come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Origin {
+    /// Files that the author names.
+    Author,
+    /// Files that `fabc subgoals` drew earlier.
+    Pinned,
+    /// Drawn for this run, because none are pinned.
+    Drawn,
+    /// Drawn for this run, because the pinned ones show another fold, cloth or camera.
+    DrawnAnew,
+}
+
+/// The pictures around one step.
+#[derive(Clone, Debug)]
+pub struct StepPictures {
+    /// Now and next, bare.
+    bare: [RgbImage; 2],
+    /// Now and next, with the arrow of the step.
+    with_arrow: [RgbImage; 2],
+}
+
+/// Why there are no pictures.
+#[derive(Debug, thiserror::Error)]
+pub enum SubgoalError {
+    /// A picture cannot be used.
+    #[error("a subgoal picture cannot be used: {0}")]
+    Picture(#[from] PictureError),
+    /// A file cannot be written.
+    #[error("cannot write the subgoal picture `{path}`: {why}")]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        why: String,
+    },
+    /// The demonstration cannot be executed.
+    #[error("the demonstration cannot be executed: {0}")]
+    World(#[from] WorldError),
+}
+
+/// Beside the pinned pictures: what they were drawn from.
+#[derive(Serialize, Deserialize)]
+struct Pins {
+    format: u32,
+    /// Hash of cloth, camera and folds.
+    drawn_from: String,
+    /// Hash of the world's parameters.
+    params: String,
+    arrows: Vec<ArrowPx>,
+}
+
+const PINS_FORMAT: u32 = 1;
+const PINS_FILE: &str = "pins.json";
+
+impl SubgoalSet {
+    /// Returns the program's pictures; `folder` is the one that holds its file.
+    ///
+    /// `world` is used only where nothing is pinned; it is reset by it.
+    pub fn obtain(program: &Program, folder: &Path, world: &mut dyn World, interrupt: &Interrupt) -> Result<SubgoalSet, SubgoalError> {
+        match &program.subgoals {
+            Subgoals::Images { images } => load_images(images),
+            Subgoals::Demonstrate { folds } => match load_pins(program, folds, folder)? {
+                Pinned::Fitting(set) => Ok(set),
+                Pinned::Absent => draw(program, folds, Origin::Drawn, world, interrupt),
+                Pinned::OfAnotherFold => draw(program, folds, Origin::DrawnAnew, world, interrupt),
+            },
+        }
+    }
+
+    /// Draws the demonstration afresh, whatever is pinned; the author's own pictures are loaded.
+    pub fn draw(program: &Program, world: &mut dyn World, interrupt: &Interrupt) -> Result<SubgoalSet, SubgoalError> {
+        match &program.subgoals {
+            Subgoals::Images { images } => load_images(images),
+            Subgoals::Demonstrate { folds } => draw(program, folds, Origin::Drawn, world, interrupt),
+        }
+    }
+
+    /// Returns the pictures around step `number`, from 0; the last step's where there are fewer.
+    ///
+    /// Fails where the arrow cannot be drawn.
+    pub fn step(&self, number: usize) -> Result<StepPictures, VisionError> {
+        let last = self.pictures.len().saturating_sub(2);
+        let number = number.min(last);
+        let bare = [number, (number + 1).min(self.pictures.len() - 1)].map(|index| self.pictures[index].clone());
+        let mut with_arrow = bare.clone();
+        if let Some([tail, tip]) = self.arrows.get(number).copied().flatten() {
+            for picture in &mut with_arrow {
+                vision::draw_arrow(picture, tail, tip)?;
+            }
+        }
+        Ok(StepPictures { bare, with_arrow })
+    }
+
+    /// Writes the pictures where [`SubgoalSet::obtain`] looks for them, and returns the files.
+    ///
+    /// The description goes last, so that pictures of an interrupted call are not taken for whole.
+    pub fn pin(&self, program: &Program, folder: &Path, params: &str) -> Result<Vec<PathBuf>, SubgoalError> {
+        let Subgoals::Demonstrate { folds } = &program.subgoals else { return Ok(Vec::new()) };
+        let target = pin_folder(program, folder);
+        let unwritable = |path: &Path, error: std::io::Error| SubgoalError::Unwritable { path: path.to_owned(), why: error.to_string() };
+        fs::create_dir_all(&target).map_err(|error| unwritable(&target, error))?;
+        let description = target.join(PINS_FILE);
+        if description.exists() {
+            fs::remove_file(&description).map_err(|error| unwritable(&description, error))?;
+        }
+        let mut files = Vec::new();
+        for (number, picture) in self.pictures.iter().enumerate() {
+            let path = target.join(format!("{number}.png"));
+            store::write_whole(&path, &picture::encode(picture)).map_err(|error| unwritable(&path, error))?;
+            files.push(path);
+        }
+        let pins = Pins {
+            format: PINS_FORMAT,
+            drawn_from: drawn_from(program, folds),
+            params: params.to_owned(),
+            arrows: self.arrows.iter().copied().flatten().collect(),
+        };
+        let text = serde_json::to_string_pretty(&pins).expect("pins hold finite numbers") + "\n";
+        store::write_whole(&description, text.as_bytes()).map_err(|error| unwritable(&description, error))?;
+        files.push(description);
+        Ok(files)
+    }
+}
+
+impl StepPictures {
+    /// Returns one of the two pictures.
+    pub fn picture(&self, picture: Picture) -> &RgbImage {
+        let pair = match picture.arrow {
+            Arrow::Drawn => &self.with_arrow,
+            Arrow::Absent => &self.bare,
+        };
+        match picture.subgoal {
+            Which::Now => &pair[0],
+            Which::Next => &pair[1],
+        }
+    }
+
+    /// Returns one of the two pictures, encoded.
+    pub fn png(&self, picture: Picture) -> Png {
+        Png::new(picture::encode(self.picture(picture)))
+    }
+}
+
+fn load_images(images: &[SubgoalImage]) -> Result<SubgoalSet, SubgoalError> {
+    let mut set = SubgoalSet { pictures: Vec::new(), arrows: Vec::new(), origin: Origin::Author };
+    for image in images {
+        // Relative to the file that names it, so that a library's pictures may lie beside the library.
+        let path = Path::new(&image.declared_in).with_file_name("").join(&image.path);
+        set.pictures.push(picture::load(&path)?);
+        let pixel = |point: compiler::program::PixelPoint| [f64::from(point.u), f64::from(point.v)];
+        set.arrows.push(image.arrow.map(|[tail, tip]| [pixel(tail), pixel(tip)]));
+    }
+    set.arrows.truncate(images.len().saturating_sub(1));
+    Ok(set)
+}
+
+/// What is found where pinned pictures should be.
+enum Pinned {
+    Fitting(SubgoalSet),
+    OfAnotherFold,
+    Absent,
+}
+
+fn load_pins(program: &Program, folds: &[Fold], folder: &Path) -> Result<Pinned, SubgoalError> {
+    let source = pin_folder(program, folder);
+    let Ok(text) = fs::read_to_string(source.join(PINS_FILE)) else { return Ok(Pinned::Absent) };
+    let Ok(pins) = serde_json::from_str::<Pins>(&text) else { return Ok(Pinned::OfAnotherFold) };
+    if pins.format != PINS_FORMAT || pins.drawn_from != drawn_from(program, folds) || pins.arrows.len() != folds.len() {
+        return Ok(Pinned::OfAnotherFold);
+    }
+    let mut pictures = Vec::new();
+    for number in 0..=folds.len() {
+        pictures.push(picture::load(&source.join(format!("{number}.png")))?);
+    }
+    let arrows = pins.arrows.into_iter().map(Some).collect();
+    Ok(Pinned::Fitting(SubgoalSet { pictures, arrows, origin: Origin::Pinned }))
+}
+
+fn draw(program: &Program, folds: &[Fold], origin: Origin, world: &mut dyn World, interrupt: &Interrupt) -> Result<SubgoalSet, SubgoalError> {
+    let start = Start::flat(&program.cloth);
+    world.reset(&start)?;
+    let first = world.observe()?;
+    let mut set = SubgoalSet { pictures: vec![first.rgb], arrows: Vec::new(), origin };
+    for fold in folds {
+        let motion = expert::motion(fold, &start, world)?;
+        let pixels = [motion.pick, motion.place].map(|point| first.camera.pixel_from_world(point));
+        set.arrows.push(match pixels {
+            [Some(tail), Some(tip)] => Some([tail, tip]),
+            _ => None,
+        });
+        world.act(&motion, interrupt)?;
+        set.pictures.push(world.observe()?.rgb);
+    }
+    Ok(set)
+}
+
+fn pin_folder(program: &Program, folder: &Path) -> PathBuf {
+    folder.join(format!("{}.subgoals", program.task))
+}
+
+fn drawn_from(program: &Program, folds: &[Fold]) -> String {
+    let source = serde_json::json!({ "cloth": program.cloth, "camera": program.camera, "folds": folds });
+    crate::digest::hex(&Sha256::digest(source.to_string()))
+}

@@ -1,0 +1,183 @@
+//! Corners of the cloth in a depth image.
+//!
+//! In: a depth image, the cloth's mask, a [`CornerSearch`]. Out: pixels of the camera image, strongest corner
+//! first. The paper detects them on a small 8-bit picture of the cloth's depth against black (protocol,
+//! section 6); [`corners`] makes that picture, [`corners_of_gray`] is the bare detector.
+
+use super::mask::has_reading;
+use super::{DepthImage, MAX_SIDE_PX, Mask, VisionError, check_size};
+use compiler::program::PixelPoint;
+use image::imageops::{self, FilterType};
+use opencv::core::{Mat, Point2f, Vector, no_array};
+use opencv::imgproc;
+
+/// How corners are searched for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CornerSearch {
+    /// Side of the square picture that the detector sees, pixels.
+    pub image_px: u32,
+    /// The most corners kept, strongest first; 1 to 10 000.
+    pub max: u32,
+    /// Least accepted response as a fraction of the strongest, `0 < quality <= 1`.
+    pub quality: f64,
+    /// Least distance between corners, pixels of the detector's picture.
+    pub spacing_px: f64,
+    /// What counts as a strong response.
+    pub detector: Detector,
+}
+
+/// What counts as a strong response.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Detector {
+    /// Harris' measure.
+    Harris {
+        /// Its free parameter.
+        k: f64,
+    },
+    /// The smaller eigenvalue.
+    ShiTomasi,
+}
+
+/// Side of the neighbourhood whose gradients are summed, pixels; OpenCV's default, which the paper keeps.
+const BLOCK_PX: i32 = 3;
+
+/// How far a detected corner may be off the cloth and still be taken for one of its pixels, pixels of the
+/// camera image. Shrinking moves a corner by up to two camera pixels; one more for rounding.
+const SNAP_PX: f64 = 3.0;
+
+/// Grey levels per metre in the detector's picture, so 1 cm a level (protocol, section 6).
+const LEVELS_PER_METRE: f64 = 100.0;
+
+/// Finds the cloth's corners, strongest first, as pixels of the camera image.
+///
+/// The cloth's depth is scaled to `search.image_px` squared (bicubic), turned into centimetres as 8-bit
+/// levels with 0 for everything that is not cloth, and searched. A corner is scaled back by pixel centres,
+/// rounded and moved into the image. Where that leaves it off the cloth by at most 3 px, it is moved to the
+/// nearest cloth pixel; one that is farther off stays where it was found.
+///
+/// An empty mask has no corners. Fails if a picture or a setting is out of range, or the mask's size is
+/// not the image's.
+pub fn corners(
+    depth: &DepthImage,
+    mask: &Mask,
+    search: &CornerSearch,
+) -> Result<Vec<PixelPoint>, VisionError> {
+    let (width, height) = depth.dimensions();
+    check_size(width, height)?;
+    if (mask.width(), mask.height()) != (width, height) {
+        return Err(VisionError::MaskSize {
+            mask: [mask.width(), mask.height()],
+            depth: [width, height],
+        });
+    }
+    check_search(search)?;
+    if mask.is_empty() {
+        return Ok(Vec::new());
+    }
+    let found = corners_of_gray(&detector_picture(depth, mask, search.image_px), search)?;
+    let scale_back = |at: f32, side: u32| {
+        let scale = f64::from(side) / f64::from(search.image_px);
+        let pixel = ((f64::from(at) + 0.5) * scale - 0.5).round();
+        pixel.clamp(0.0, f64::from(side - 1)) as i32
+    };
+    Ok(found
+        .into_iter()
+        .map(|[x, y]| snap(PixelPoint::new(scale_back(x, width), scale_back(y, height)), mask))
+        .collect())
+}
+
+/// Finds the corners of a grey picture, strongest first, as `[x, y]` in its own pixels.
+///
+/// OpenCV's `goodFeaturesToTrack`; `search.image_px` is not used.
+pub fn corners_of_gray(
+    gray: &image::GrayImage,
+    search: &CornerSearch,
+) -> Result<Vec<[f32; 2]>, VisionError> {
+    check_size(gray.width(), gray.height())?;
+    check_search(search)?;
+    let (rows, columns) = (gray.height() as i32, gray.width() as i32);
+    let picture = Mat::new_rows_cols_with_data::<u8>(rows, columns, gray.as_raw())?;
+    let (is_harris, k) = match search.detector {
+        Detector::Harris { k } => (true, k),
+        Detector::ShiTomasi => (false, 0.0),
+    };
+    let mut found = Vector::<Point2f>::new();
+    imgproc::good_features_to_track(
+        &picture,
+        &mut found,
+        search.max as i32,
+        search.quality,
+        search.spacing_px,
+        &no_array(),
+        BLOCK_PX,
+        is_harris,
+        k,
+    )?;
+    Ok(found.iter().map(|point| [point.x, point.y]).collect())
+}
+
+/// Refuses settings that OpenCV would misread; to it, no corners at most means no limit.
+fn check_search(search: &CornerSearch) -> Result<(), VisionError> {
+    let side = f64::from(search.image_px);
+    let harris_k = match search.detector {
+        Detector::Harris { k } => k,
+        Detector::ShiTomasi => 0.0,
+    };
+    let limits = [
+        ("image", side, (1..=MAX_SIDE_PX).contains(&search.image_px), "1 to 8192"),
+        ("max", f64::from(search.max), (1..=10_000).contains(&search.max), "1 to 10000"),
+        (
+            "quality",
+            search.quality,
+            search.quality > 0.0 && search.quality <= 1.0,
+            "above 0 and at most 1",
+        ),
+        ("spacing", search.spacing_px, (0.0..=1e4).contains(&search.spacing_px), "0 to 10000"),
+        ("k", harris_k, (0.0..=1.0).contains(&harris_k), "0 to 1"),
+    ];
+    match limits.into_iter().find(|&(_, _, holds, _)| !holds) {
+        Some((name, value, _, range)) => Err(VisionError::Setting { name, value, range }),
+        None => Ok(()),
+    }
+}
+
+/// Makes the 8-bit picture that the detector sees: the cloth's depth in centimetres, 0 elsewhere.
+///
+/// Depth is averaged over cloth pixels alone, so that neither the table nor missing readings bend the
+/// cloth's rim; a pixel is cloth where at least half of what it stands for is.
+fn detector_picture(depth: &DepthImage, mask: &Mask, side_px: u32) -> image::GrayImage {
+    let reading = |column, row| {
+        let inside = mask.contains(PixelPoint::new(column as i32, row as i32));
+        let depth_m = depth.get_pixel(column, row).0[0];
+        (inside && has_reading(depth_m)).then_some(depth_m)
+    };
+    let (width, height) = depth.dimensions();
+    let share = DepthImage::from_fn(width, height, |column, row| {
+        image::Luma([if reading(column, row).is_some() { 1.0 } else { 0.0 }])
+    });
+    // `resize` keeps floats within 0 and 1, so depths travel as fractions of the farthest one.
+    let farthest_m =
+        depth.pixels().map(|pixel| pixel.0[0]).filter(|&d| has_reading(d)).fold(0.0, f32::max);
+    let weighted = DepthImage::from_fn(width, height, |column, row| {
+        image::Luma([reading(column, row).map_or(0.0, |depth_m| depth_m / farthest_m)])
+    });
+    let shrink = |picture| imageops::resize(picture, side_px, side_px, FilterType::CatmullRom);
+    let (share, weighted) = (shrink(&share), shrink(&weighted));
+    image::GrayImage::from_fn(side_px, side_px, |column, row| {
+        let share = f64::from(share.get_pixel(column, row).0[0]);
+        if share < 0.5 {
+            return image::Luma([0]);
+        }
+        let fraction = f64::from(weighted.get_pixel(column, row).0[0]) / share;
+        let level = (fraction * f64::from(farthest_m) * LEVELS_PER_METRE).round();
+        // At least 1: cloth stays apart from the background however near the camera is.
+        image::Luma([level.clamp(1.0, 255.0) as u8])
+    })
+}
+
+fn snap(corner: PixelPoint, mask: &Mask) -> PixelPoint {
+    match mask.nearest(corner) {
+        Some(nearest) if corner.distance_px(nearest) <= SNAP_PX => nearest,
+        _ => corner,
+    }
+}

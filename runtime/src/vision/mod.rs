@@ -1,0 +1,72 @@
+//! Pictures in, points out; and points drawn back into pictures.
+//!
+//! In: depth images and RGB pictures. Out: the cloth's [`Mask`], corners, centre, drawings. Everything is a
+//! pure function of its input. This is the only folder that names OpenCV: its detectors and drawing
+//! routines are the ones whose results the paper recorded. Which detector a task wants, and what its
+//! points are called, is decided elsewhere.
+
+mod corners;
+mod draw;
+mod mask;
+#[cfg(test)]
+mod tests;
+
+pub use corners::{CornerSearch, Detector, corners, corners_of_gray};
+pub use draw::{draw_action, draw_arrow, draw_label, draw_points};
+pub use mask::{Mask, centroid, depth_mask};
+
+/// Distances to the nearest surface, metres along the optical axis, `[width, height]`.
+///
+/// A value that is not a positive finite number means "no reading".
+pub type DepthImage = image::ImageBuffer<image::Luma<f32>, Vec<f32>>;
+
+/// The longest side of a picture that this folder works on, pixels.
+pub const MAX_SIDE_PX: u32 = 8192;
+
+/// Why a picture could not be worked on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum VisionError {
+    /// A picture has no pixels, or more than can be worked on.
+    #[error("a picture of {width} x {height} px cannot be used: each side has 1 to {MAX_SIDE_PX} px")]
+    Size {
+        /// Pixels from left to right.
+        width: u32,
+        /// Pixels from top to bottom.
+        height: u32,
+    },
+    /// A mask belongs to a picture of another size.
+    #[error(
+        "the mask has {} x {} px, the depth image {} x {} px", mask[0], mask[1], depth[0], depth[1]
+    )]
+    MaskSize {
+        /// Width and height of the mask.
+        mask: [u32; 2],
+        /// Width and height of the depth image.
+        depth: [u32; 2],
+    },
+    /// A setting of the corner search is outside its range.
+    #[error("`{name}` of a corner search is {value}; it must be {range}")]
+    Setting {
+        /// The setting's name.
+        name: &'static str,
+        /// What it is.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// OpenCV refused, in its words.
+    #[error("OpenCV failed: {0}")]
+    OpenCv(String),
+}
+
+impl From<opencv::Error> for VisionError {
+    fn from(error: opencv::Error) -> Self {
+        VisionError::OpenCv(error.message)
+    }
+}
+
+/// Refuses pictures that are empty or larger than [`MAX_SIDE_PX`].
+fn check_size(width: u32, height: u32) -> Result<(), VisionError> {
+    let fits = |side: u32| (1..=MAX_SIDE_PX).contains(&side);
+    if fits(width) && fits(height) { Ok(()) } else { Err(VisionError::Size { width, height }) }
+}

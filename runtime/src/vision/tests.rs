@@ -1,0 +1,299 @@
+//! Tests of masks, corners and drawings, some against recorded results of the original pipeline.
+#![allow(clippy::unwrap_used)]
+
+use super::*;
+use compiler::program::PixelPoint;
+use image::{Luma, Rgb, RgbImage};
+use proptest::prelude::*;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Table at 0.65 m, cloth from column 20 to 39 and row 30 to 59 at 0.645 m.
+fn rectangle() -> DepthImage {
+    DepthImage::from_fn(100, 80, |column, row| {
+        let is_cloth = (20..40).contains(&column) && (30..60).contains(&row);
+        Luma([if is_cloth { 0.645 } else { 0.65 }])
+    })
+}
+
+fn harris() -> CornerSearch {
+    CornerSearch {
+        image_px: 128,
+        max: 27,
+        quality: 0.04,
+        spacing_px: 10.0,
+        detector: Detector::Harris { k: 0.04 },
+    }
+}
+
+#[test]
+fn a_mask_holds_the_pixels_above_the_table() {
+    let mask = depth_mask(&rectangle(), 0.646);
+    assert_eq!(mask.area_px(), 20 * 30);
+    assert!(mask.contains(PixelPoint::new(20, 30)) && mask.contains(PixelPoint::new(39, 59)));
+    assert!(!mask.contains(PixelPoint::new(19, 30)) && !mask.contains(PixelPoint::new(20, 60)));
+    assert!(!mask.contains(PixelPoint::new(-1, 30)) && !mask.contains(PixelPoint::new(100, 30)));
+}
+
+#[test]
+fn the_depth_limit_itself_is_background() {
+    let depth = DepthImage::from_pixel(3, 3, Luma([0.5]));
+    assert!(depth_mask(&depth, 0.5).is_empty());
+    assert_eq!(depth_mask(&depth, 0.500001).area_px(), 9);
+}
+
+#[test]
+fn pixels_without_a_reading_are_background() {
+    for nothing in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        let depth = DepthImage::from_pixel(4, 4, Luma([nothing]));
+        assert!(depth_mask(&depth, 0.6).is_empty(), "{nothing}");
+    }
+}
+
+#[test]
+fn the_nearest_pixel_of_an_equal_pair_is_the_upper_then_the_left_one() {
+    let square = Mask::from_fn(9, 9, |column, row| [2, 6].contains(&column) && [2, 6].contains(&row));
+    assert_eq!(square.nearest(PixelPoint::new(4, 4)), Some(PixelPoint::new(2, 2)));
+    assert_eq!(square.nearest(PixelPoint::new(4, 8)), Some(PixelPoint::new(2, 6)));
+    assert_eq!(square.nearest(PixelPoint::new(2, 4)), Some(PixelPoint::new(2, 2)));
+}
+
+#[test]
+fn an_empty_mask_answers_with_nothing() {
+    let empty = Mask::from_fn(5, 5, |_, _| false);
+    assert_eq!(empty.nearest(PixelPoint::new(2, 2)), None);
+    assert_eq!(empty.distance_px(PixelPoint::new(2, 2)), f64::INFINITY);
+    assert_eq!(centroid(&empty), None);
+    let depth = DepthImage::from_pixel(5, 5, Luma([0.65]));
+    assert_eq!(corners(&depth, &empty, &harris()).unwrap(), []);
+}
+
+#[test]
+fn the_centroid_is_cut_off_to_whole_pixels() {
+    assert_eq!(centroid(&depth_mask(&rectangle(), 0.646)), Some(PixelPoint::new(29, 44)));
+}
+
+#[test]
+fn the_corners_of_a_rectangle_are_its_corners() {
+    let depth = rectangle();
+    let mask = depth_mask(&depth, 0.646);
+    let found = corners(&depth, &mask, &harris()).unwrap();
+    assert_eq!(found.len(), 4, "{found:?}");
+    for expected in [(20, 30), (39, 30), (20, 59), (39, 59)].map(|(u, v)| PixelPoint::new(u, v)) {
+        assert!(found.iter().any(|c| c.distance_px(expected) <= 2.0), "{expected} in {found:?}");
+    }
+    assert!(found.iter().all(|&corner| mask.contains(corner)), "{found:?}");
+}
+
+#[test]
+fn missing_readings_and_the_tables_depth_do_not_move_corners() {
+    let plain = rectangle();
+    let mask = depth_mask(&plain, 0.646);
+    let mut patchy = plain.clone();
+    for (column, row, pixel) in patchy.enumerate_pixels_mut() {
+        if !mask.contains(PixelPoint::new(column as i32, row as i32)) {
+            pixel.0[0] = if (column + row) % 3 == 0 { f32::NAN } else { 0.9 };
+        }
+    }
+    let expected = corners(&plain, &mask, &harris()).unwrap();
+    assert_eq!(corners(&patchy, &depth_mask(&patchy, 0.646), &harris()).unwrap(), expected);
+}
+
+#[test]
+fn settings_and_sizes_out_of_range_are_refused() {
+    let depth = rectangle();
+    let mask = depth_mask(&depth, 0.646);
+    let faulty = [
+        ("max", CornerSearch { max: 0, ..harris() }),
+        ("image", CornerSearch { image_px: 0, ..harris() }),
+        ("image", CornerSearch { image_px: MAX_SIDE_PX + 1, ..harris() }),
+        ("quality", CornerSearch { quality: f64::NAN, ..harris() }),
+        ("quality", CornerSearch { quality: 0.0, ..harris() }),
+        ("spacing", CornerSearch { spacing_px: -1.0, ..harris() }),
+        ("k", CornerSearch { detector: Detector::Harris { k: f64::NAN }, ..harris() }),
+    ];
+    for (setting, search) in faulty {
+        match corners(&depth, &mask, &search) {
+            Err(VisionError::Setting { name, .. }) => assert_eq!(name, setting),
+            other => panic!("{setting}: {other:?}"),
+        }
+    }
+    let other_mask = Mask::from_fn(99, 80, |_, _| true);
+    assert!(matches!(corners(&depth, &other_mask, &harris()), Err(VisionError::MaskSize { .. })));
+    let nothing = DepthImage::new(0, 0);
+    let no_mask = depth_mask(&nothing, 1.0);
+    assert!(matches!(corners(&nothing, &no_mask, &harris()), Err(VisionError::Size { .. })));
+    assert!(matches!(
+        draw_arrow(&mut RgbImage::new(0, 4), [0.0; 2], [1.0; 2]),
+        Err(VisionError::Size { .. })
+    ));
+}
+
+#[test]
+fn arrows_that_are_not_finite_are_left_out_and_far_ones_cut_off() {
+    let mut picture = RgbImage::from_pixel(64, 64, Rgb([200; 3]));
+    draw_arrow(&mut picture, [f64::NAN, 3.0], [40.0, 40.0]).unwrap();
+    assert!(picture.pixels().all(|pixel| pixel.0 == [200; 3]));
+    draw_arrow(&mut picture, [32.0, 32.0], [f64::INFINITY, 32.0]).unwrap();
+    assert_eq!(picture.get_pixel(63, 32).0, [0; 3]);
+    let far = PixelPoint::new(i32::MIN, i32::MAX);
+    draw_action(&mut picture, far, PixelPoint::new(10, 10)).unwrap();
+    draw_points(&mut picture, &[far], [255, 0, 0], u32::MAX).unwrap();
+}
+
+#[test]
+fn an_action_has_a_green_pick_and_a_purple_place() {
+    let mut picture = RgbImage::from_pixel(100, 100, Rgb([255; 3]));
+    draw_action(&mut picture, PixelPoint::new(20, 50), PixelPoint::new(80, 50)).unwrap();
+    assert_eq!(picture.get_pixel(15, 50).0, [0, 255, 0]);
+    assert_eq!(picture.get_pixel(50, 50).0, [0, 255, 0]);
+    assert_eq!(picture.get_pixel(85, 50).0, [128, 0, 128]);
+}
+
+#[test]
+fn points_and_labels_appear_in_their_colour() {
+    let mut picture = RgbImage::new(200, 40);
+    draw_points(&mut picture, &[PixelPoint::new(5, 6)], [10, 20, 30], 0).unwrap();
+    assert_eq!(picture.pixels().filter(|pixel| pixel.0 == [10, 20, 30]).count(), 1);
+    assert_eq!(picture.get_pixel(5, 6).0, [10, 20, 30]);
+    draw_label(&mut picture, "pick é 1", PixelPoint::new(10, 30), [250, 0, 0], 14).unwrap();
+    let written = picture.enumerate_pixels().filter(|(_, _, pixel)| pixel.0[0] > 100);
+    let (top, bottom) = written.fold((40, 0), |(top, bottom), (_, row, _)| (row.min(top), row.max(bottom)));
+    assert!((14..=18).contains(&top) && (28..=36).contains(&bottom), "rows {top} to {bottom}");
+}
+
+proptest! {
+    #[test]
+    fn the_nearest_pixel_is_never_beaten(
+        pixels in prop::collection::btree_set((0..30_i32, 0..20_i32), 1..40),
+        u in -10..40_i32,
+        v in -10..30_i32,
+    ) {
+        let mask = Mask::from_fn(30, 20, |column, row| pixels.contains(&(column as i32, row as i32)));
+        let point = PixelPoint::new(u, v);
+        let nearest = mask.nearest(point).unwrap();
+        prop_assert!(mask.contains(nearest));
+        let least = pixels.iter().map(|&(u, v)| point.distance_px(PixelPoint::new(u, v)));
+        prop_assert_eq!(point.distance_px(nearest), least.fold(f64::INFINITY, f64::min));
+    }
+}
+
+fn reference() -> Option<PathBuf> {
+    std::env::var_os("FABC_REFERENCE_DATA").map(PathBuf::from)
+}
+
+fn manifest(folder: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(folder.join("manifest.json")).unwrap()).unwrap()
+}
+
+fn gray(path: impl AsRef<Path>) -> image::GrayImage {
+    image::open(path).unwrap().into_luma8()
+}
+
+fn recorded_points(list: &Value) -> Vec<[i64; 2]> {
+    let point = |point: &Value| [point[0].as_i64().unwrap(), point[1].as_i64().unwrap()];
+    list.as_array().unwrap().iter().map(point).collect()
+}
+
+/// Cuts coordinates off, as the recordings do.
+fn truncated(found: Vec<[f32; 2]>) -> Vec<[i64; 2]> {
+    found.into_iter().map(|point| point.map(|value| value as i64)).collect()
+}
+
+#[test]
+fn harris_corners_match_the_recorded_lists_in_order() {
+    let Some(root) = reference() else { return };
+    let mut n_pictures = 0;
+    for fixture in manifest(&root.join("vision/harris128"))["fixtures"].as_array().unwrap() {
+        let path = root.join(fixture["file"].as_str().unwrap());
+        // Held-out pictures are listed too, but may be absent.
+        if !path.exists() {
+            continue;
+        }
+        let found = truncated(corners_of_gray(&gray(&path), &harris()).unwrap());
+        assert_eq!(found, recorded_points(&fixture["corners"]), "{}", path.display());
+        n_pictures += 1;
+    }
+    assert!(n_pictures >= 100, "{n_pictures} pictures");
+}
+
+#[test]
+fn shi_tomasi_corners_match_the_recorded_lists_in_order() {
+    let Some(root) = reference() else { return };
+    let fixtures = manifest(&root.join("vision/shi_tomasi"));
+    let mut n_pictures = 0;
+    for fixture in fixtures["fixtures"].as_array().unwrap() {
+        let path = root.join(fixture["dir"].as_str().unwrap()).join("gray.png");
+        if !path.exists() {
+            continue;
+        }
+        let search = CornerSearch {
+            image_px: 720,
+            max: fixture["corner_limit"].as_u64().unwrap() as u32,
+            quality: 0.1,
+            spacing_px: 20.0,
+            detector: Detector::ShiTomasi,
+        };
+        let found = truncated(corners_of_gray(&gray(&path), &search).unwrap());
+        assert_eq!(found, recorded_points(&fixture["recorded_corners"]), "{}", path.display());
+        n_pictures += 1;
+    }
+    assert!(n_pictures >= 10, "{n_pictures} pictures");
+}
+
+#[test]
+fn every_recorded_pick_is_near_a_detected_corner() {
+    let Some(root) = reference() else { return };
+    let (mut worst_px, mut n_steps) = (0.0_f64, 0);
+    for entry in manifest(&root.join("folding120"))["entries"].as_array().unwrap() {
+        let folder = root.join(entry["dir"].as_str().unwrap());
+        if !folder.exists() {
+            continue;
+        }
+        for step in entry["steps"].as_array().unwrap() {
+            let levels = gray(folder.join(format!("depth_{}.png", step["step"])));
+            let depth = DepthImage::from_fn(levels.width(), levels.height(), |column, row| {
+                Luma([f32::from(levels.get_pixel(column, row).0[0]) / 255.0])
+            });
+            let mask = depth_mask(&depth, 0.646);
+            let found = corners(&depth, &mask, &harris()).unwrap();
+            assert!(found.len() <= 27, "{}", folder.display());
+            assert!(found.iter().all(|&corner| mask.contains(corner)), "{}", folder.display());
+            let pick = [0, 1].map(|axis| step["pick_px"][axis].as_f64().unwrap() - 0.5);
+            let off = |corner: &PixelPoint| {
+                (f64::from(corner.u) - pick[0]).hypot(f64::from(corner.v) - pick[1])
+            };
+            worst_px = found.iter().map(off).fold(f64::INFINITY, f64::min).max(worst_px);
+            n_steps += 1;
+        }
+    }
+    println!("worst of {n_steps} steps: {worst_px:.1} px");
+    assert!(n_steps >= 200, "{n_steps} steps");
+    assert!(worst_px <= 5.0, "{worst_px} px");
+}
+
+#[test]
+fn subgoal_arrows_are_drawn_as_recorded_pixel_for_pixel() {
+    let Some(root) = reference() else { return };
+    let subgoals = manifest(&root.join("subgoals"));
+    let mut n_pictures = 0;
+    for (task, entry) in subgoals.as_object().unwrap() {
+        // One task's recorded drawings are turned against its pictures.
+        if entry["rgbviz_orientation"] != "same as rgb" {
+            continue;
+        }
+        for step in 0..entry["num_steps"].as_u64().unwrap() as usize {
+            let point = |list: &str| Some([entry[list][step][0].as_f64()?, entry[list][step][1].as_f64()?]);
+            let (Some(tail), Some(tip)) = (point("pick_px"), point("place_px")) else { continue };
+            let picture = |kind: &str| {
+                let path = root.join(format!("subgoals/{task}/{kind}_{step}.png"));
+                image::open(path).unwrap().into_rgb8()
+            };
+            let mut drawn = picture("rgb");
+            draw_arrow(&mut drawn, tail, tip).unwrap();
+            assert_eq!(drawn, picture("rgbviz"), "{task} step {step}");
+            n_pictures += 1;
+        }
+    }
+    assert!(n_pictures >= 8, "{n_pictures} pictures");
+}

@@ -1,0 +1,106 @@
+//! Worlds in which actions are executed, behind one trait.
+//!
+//! In: a [`Start`] and [`Motion`]s in metres. Out: [`Observation`]s and what really happened. A world
+//! knows nothing of prompts, models or checks.
+
+pub mod simulated;
+
+use crate::interrupt::Interrupt;
+use crate::observation::Observation;
+use crate::start::Start;
+use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
+
+pub use simulated::SimulatedWorld;
+
+/// A point in the world frame: right-handed, z up, origin at the table's centre, metres.
+pub type WorldPoint = Point3<f64>;
+
+/// A cloth on a table under a camera, and something that picks and places.
+///
+/// Every implementation passes the conformance suite in `tests/suite/world_conformance.rs`.
+pub trait World {
+    /// Returns the world's name as reports print it, e.g. `sim`.
+    fn name(&self) -> &str;
+
+    /// Returns the hash of every parameter that changes results.
+    fn parameters(&self) -> String;
+
+    /// Lays the cloth as `start` says and sets the clock to zero.
+    fn reset(&mut self, start: &Start) -> Result<(), WorldError>;
+
+    /// Takes a picture. Two pictures without an action between them are equal.
+    fn observe(&mut self) -> Result<Observation, WorldError>;
+
+    /// Picks at one point, carries the cloth to another and releases it.
+    ///
+    /// Returns what was really done, which may differ from what was asked. Ends early with
+    /// [`WorldError::Interrupted`] when `interrupt` is raised.
+    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError>;
+
+    /// Returns the position of every particle, or `None` where the world cannot know.
+    ///
+    /// Shape `[dimy * dimx]`, index `iy * dimx + ix`, world frame, metres.
+    fn particles(&self) -> Option<Vec<[f32; 3]>>;
+}
+
+/// A pick and a place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// Where the cloth is taken.
+    pub pick: WorldPoint,
+    /// Where it is released.
+    pub place: WorldPoint,
+}
+
+/// What a world really did.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Executed {
+    /// The motion as executed; a world with limits may have clipped it.
+    pub motion: Motion,
+    /// What was held between pick and place.
+    pub grasp: Grasp,
+    /// Duration in the world, seconds.
+    pub duration_s: f64,
+}
+
+/// What was held between pick and place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Grasp {
+    /// The particle of this index.
+    Particle(u32),
+    /// Nothing: the cloth was out of reach of the gripper.
+    Missed,
+}
+
+/// Why a world failed.
+#[derive(Debug, thiserror::Error)]
+pub enum WorldError {
+    /// The start cannot be laid.
+    #[error("the start `{start}` cannot be laid on the table: {why}")]
+    Start {
+        /// The start's name.
+        start: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The camera cannot be set up.
+    #[error("the camera cannot be set up: {why}")]
+    Camera {
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The world was used before its first reset.
+    #[error("no cloth has been laid yet")]
+    NotReset,
+    /// The motion left what the world can represent.
+    #[error("the motion failed: {why}")]
+    Motion {
+        /// What went wrong.
+        why: String,
+    },
+    /// Somebody asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}

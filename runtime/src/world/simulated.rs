@@ -1,0 +1,97 @@
+//! The bundled cloth simulator as a [`World`]; the only file that names the simulator's crate.
+
+use super::{Executed, Grasp, Motion, World, WorldError};
+use crate::camera::Camera;
+use crate::interrupt::Interrupt;
+use crate::observation::Observation;
+use crate::start::Start;
+use crate::vision::DepthImage;
+use compiler::program;
+use image::RgbImage;
+use sim::{Grid, Look, Params, SimError, Simulator, TopDownCamera};
+
+/// A simulated cloth under a simulated camera.
+pub struct SimulatedWorld {
+    parameters: Params,
+    look: Look,
+    lens: TopDownCamera,
+    camera: Camera,
+    cloth: Option<Simulator>,
+}
+
+impl SimulatedWorld {
+    /// Sets up table and camera with the default physics.
+    ///
+    /// Fails where the camera's numbers are outside what the renderer accepts.
+    pub fn new(camera: &program::Camera) -> Result<SimulatedWorld, WorldError> {
+        let lens = TopDownCamera::new(camera.height_m as f32, camera.fov_rad as f32, camera.image_px)
+            .map_err(|error| WorldError::Camera { why: error.to_string() })?;
+        Ok(SimulatedWorld {
+            parameters: Params::default(),
+            look: Look::default(),
+            lens,
+            camera: Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px),
+            cloth: None,
+        })
+    }
+
+    /// Changes the colours of cloth and table.
+    pub fn with_look(self, look: Look) -> SimulatedWorld {
+        SimulatedWorld { look, ..self }
+    }
+
+    fn cloth(&self) -> Result<&Simulator, WorldError> {
+        self.cloth.as_ref().ok_or(WorldError::NotReset)
+    }
+}
+
+impl World for SimulatedWorld {
+    fn name(&self) -> &str {
+        "sim"
+    }
+
+    fn parameters(&self) -> String {
+        self.parameters.hash()
+    }
+
+    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
+        let wrong = |why: String| WorldError::Start { start: start.name.clone(), why };
+        let grid = Grid::new(start.grid.dimx as usize, start.grid.dimy as usize, start.grid.spacing_m as f32)
+            .map_err(|error| wrong(error.to_string()))?;
+        let cloth = Simulator::from_positions(grid, &start.positions, &self.parameters);
+        self.cloth = Some(cloth.map_err(|error| wrong(error.to_string()))?);
+        Ok(())
+    }
+
+    fn observe(&mut self) -> Result<Observation, WorldError> {
+        let cloth = self.cloth()?;
+        let frame = self.lens.render(cloth.grid(), &cloth.positions(), &self.look);
+        const INVARIANT: &str = "a frame holds width * height pixels";
+        Ok(Observation {
+            rgb: RgbImage::from_raw(frame.width, frame.height, frame.rgb).expect(INVARIANT),
+            depth_m: DepthImage::from_raw(frame.width, frame.height, frame.depth_m).expect(INVARIANT),
+            camera: self.camera.clone(),
+            time_s: cloth.time_s(),
+        })
+    }
+
+    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+        let cloth = self.cloth.as_mut().ok_or(WorldError::NotReset)?;
+        let on_table = |point: &super::WorldPoint| [point.x as f32, point.y as f32];
+        let done = cloth
+            .pick_and_place(on_table(&motion.pick), on_table(&motion.place), &|| interrupt.is_raised())
+            .map_err(|error| match error {
+                SimError::Interrupted { .. } => WorldError::Interrupted,
+                other => WorldError::Motion { why: other.to_string() },
+            })?;
+        Ok(Executed {
+            motion: *motion,
+            grasp: done.grasped.map_or(Grasp::Missed, |particle| Grasp::Particle(particle as u32)),
+            duration_s: done.time_s,
+        })
+    }
+
+    fn particles(&self) -> Option<Vec<[f32; 3]>> {
+        self.cloth.as_ref().map(Simulator::positions)
+    }
+}

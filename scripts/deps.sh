@@ -1,0 +1,207 @@
+#!/bin/sh
+# Makes sure that a build has what it needs, and installs what is missing where it may.
+#
+# In: the machine, and FABC_NO_INSTALL=1 for "only tell me". Out: exit 0 and silence when
+# nothing is missing; else the installation (Debian and Ubuntu as root or by sudo, macOS by
+# Homebrew, a Rust release by rustup); else exit 2 and one line that names each missing
+# thing and its command. rustup, git and make are the user's own to install.
+set -u
+here=$(dirname "$0")
+
+# --- What there is to install with -------------------------------------------------------
+
+if [ "$(uname -s)" = Darwin ]; then
+    installer=brew
+elif [ -f /etc/debian_version ] && command -v apt-get >/dev/null; then
+    installer=apt
+elif command -v dnf >/dev/null; then
+    installer=dnf
+elif command -v pacman >/dev/null; then
+    installer=pacman
+else
+    installer=none
+fi
+
+sudo="sudo "
+[ "$(id -u)" != 0 ] || sudo=
+
+# Prints this system's packages for a thing: package_of THING
+package_of() {
+    case $installer-$1 in
+    apt-linker) echo "gcc libc6-dev" ;;
+    apt-cxx) echo g++ ;;
+    apt-clang) echo clang ;;
+    apt-libclang) echo libclang1 ;;
+    apt-opencv) echo "libopencv-core-dev libopencv-imgproc-dev" ;;
+    brew-clang | brew-libclang) echo llvm ;;
+    brew-opencv) echo opencv ;;
+    dnf-linker) echo gcc ;;
+    dnf-cxx) echo gcc-c++ ;;
+    dnf-clang) echo clang ;;
+    dnf-libclang) echo clang-libs ;;
+    dnf-opencv) echo opencv-devel ;;
+    pacman-linker | pacman-cxx) echo gcc ;;
+    pacman-clang | pacman-libclang) echo clang ;;
+    pacman-opencv) echo opencv ;;
+    esac
+}
+
+# Prints the command that a user types to get a thing: command_for THING
+command_for() {
+    case $installer-$1 in
+    apt-*) echo "${sudo}apt-get install -y --no-install-recommends $(package_of "$1")" ;;
+    brew-linker | brew-cxx) echo "xcode-select --install" ;;
+    brew-*) echo "brew install $(package_of "$1")" ;;
+    dnf-*) echo "${sudo}dnf install $(package_of "$1")" ;;
+    pacman-*) echo "${sudo}pacman -S $(package_of "$1")" ;;
+    *) echo "install it with this system's package manager" ;;
+    esac
+}
+
+# --- What is missing ---------------------------------------------------------------------
+
+missing_line=  # "thing: command; thing: command"
+packages=      # what `installer` is to install
+rust_release=  # what rustup is to install
+user_must_act= # something that no installer here provides
+
+# Notes a missing thing: note NAME COMMAND
+note() {
+    missing_line="$missing_line${missing_line:+; }$1: $2"
+}
+
+# Notes a missing thing that a package provides: note_package THING NAME
+note_package() {
+    note "$2" "$(command_for "$1")"
+    package=$(package_of "$1")
+    packages="$packages${packages:+ }$package"
+    [ -n "$package" ] || user_must_act=yes
+}
+
+has() {
+    command -v "$1" >/dev/null
+}
+
+# Looks where the build itself looks: LIBCLANG_PATH, then the system's folders.
+has_libclang() {
+    for file in ${LIBCLANG_PATH:+"$LIBCLANG_PATH" "$LIBCLANG_PATH"/libclang*} \
+        /usr/lib*/libclang[.-]* /usr/lib*/*/libclang[.-]* /usr/lib*/*/*/libclang[.-]* \
+        /usr/local/lib*/libclang[.-]* /usr/local/lib*/*/libclang[.-]* \
+        /usr/local/llvm*/lib*/libclang[.-]* /usr/local/opt/llvm*/lib/libclang[.-]* \
+        /Library/Developer/CommandLineTools/usr/lib/libclang[.-]* \
+        /Applications/Xcode.app/Contents/Developer/Toolchains/XcodeDefault.xctoolchain/usr/lib/libclang[.-]*; do
+        # The static part and the C++ interface do not serve; a folder from LIBCLANG_PATH alone neither.
+        case $file in
+        *libclang-cpp* | *.a) continue ;;
+        esac
+        [ ! -f "$file" ] || return 0
+    done
+    has llvm-config && [ -n "$(ls "$(llvm-config --prefix)"/lib*/libclang[.-]* 2>/dev/null)" ]
+}
+
+# Whether the `opencv` crate will find OpenCV, by variables, pkg-config or CMake.
+has_opencv() {
+    if [ -n "${OpenCV_DIR:-}" ]; then return 0; fi
+    if [ -n "${OPENCV_LINK_LIBS:-}" ] && [ -n "${OPENCV_LINK_PATHS:-}" ] \
+        && [ -n "${OPENCV_INCLUDE_PATHS:-}" ]; then return 0; fi
+    if has pkg-config && pkg-config --exists opencv4; then return 0; fi
+    has cmake && [ -n "$(ls -d /usr/lib*/cmake/opencv4 /usr/lib/*/cmake/opencv4 \
+        /usr/local/lib*/cmake/opencv4 2>/dev/null)" ]
+}
+
+find_missing() {
+    eval "$(sh "$here/toolchain-env.sh")"
+    eval "$(sh "$here/opencv-env.sh")"
+
+    pinned=$(sed -n 's/^channel *= *"\(.*\)"/\1/p' "$here/../rust-toolchain.toml")
+    if has rustup; then
+        # `rustup which` would install; the folder alone tells whether the release is there.
+        if [ -z "${RUSTUP_TOOLCHAIN:-}" ] \
+            && [ -z "$(ls -d "${RUSTUP_HOME:-${HOME:-}/.rustup}/toolchains/$pinned"* 2>/dev/null)" ]; then
+            rust_release=$pinned
+            note "Rust $pinned" "rustup toolchain install $pinned --profile minimal --component rustfmt --component clippy"
+        fi
+    elif has cargo; then
+        : # A cargo without rustup: Cargo.toml's rust-version decides whether it will do.
+    elif [ -x "${CARGO_HOME:-${HOME:-}/.cargo}/bin/cargo" ]; then
+        note "cargo on PATH" ". \"\$HOME/.cargo/env\""
+        user_must_act=yes
+    else
+        note rustup "curl --proto '=https' --tlsv1.2 -sSf https://sh.rustup.rs | sh"
+        user_must_act=yes
+    fi
+
+    # Without the C library's start files a compiler is there, but cannot link.
+    if ! has cc || { [ "$installer" != brew ] && [ ! -e "$(cc -print-file-name=Scrt1.o)" ]; }; then
+        note_package linker "a C compiler and linker (cc)"
+    fi
+    if ! has clang; then
+        note_package clang clang
+    else
+        CXX=${CXX:-c++}
+        # Debian's clang brings libclang and serves as C++ compiler, so only ask where it is there.
+        has "${CXX%% *}" || note_package cxx "a C++ compiler (c++)"
+        has_libclang || note_package libclang libclang
+    fi
+    has_opencv || note_package opencv "OpenCV's core and imgproc development files"
+}
+
+# --- Installing --------------------------------------------------------------------------
+
+# Says what is missing, in one line, and ends.
+give_up() {
+    echo "fabc: missing: $missing_line" >&2
+    exit 2
+}
+
+# Installs `packages` by apt; the first argument is empty for root, or `sudo`.
+install_by_apt() {
+    # The list may be absent (fresh images) or older than the mirror.
+    if ! ls /var/lib/apt/lists/*Packages* >/dev/null 2>&1; then
+        $1 apt-get update || return
+    fi
+    # shellcheck disable=SC2086  # `packages` is a list, `$1` may be nothing
+    $1 env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $packages && return
+    $1 apt-get update || return
+    # shellcheck disable=SC2086
+    $1 env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $packages
+}
+
+# Whether `packages` can be installed from here, perhaps by asking for a password.
+may_install() {
+    case $installer in
+    apt) [ -z "$sudo" ] || { has sudo && { sudo -n true 2>/dev/null || [ -t 0 ]; }; } ;;
+    brew) has brew ;;
+    *) false ;;
+    esac
+}
+
+install_packages() {
+    # shellcheck disable=SC2086
+    case $installer in
+    apt) install_by_apt "${sudo% }" ;;
+    brew) brew install $packages ;;
+    esac
+}
+
+find_missing
+[ -n "$missing_line" ] || exit 0
+case ${FABC_NO_INSTALL:-0} in
+0) ;;
+*) give_up ;;
+esac
+# What a user has to do first comes first: no system is changed for a build that cannot start.
+[ -z "$user_must_act" ] || give_up
+[ -z "$packages" ] || may_install || give_up
+
+echo "fabc: installing ${packages}${rust_release:+ Rust $rust_release} (FABC_NO_INSTALL=1 only names what is missing)" >&2
+{
+    if [ -n "$packages" ]; then install_packages || give_up; fi
+    if [ -n "$rust_release" ]; then
+        rustup toolchain install "$rust_release" --profile minimal \
+            --component rustfmt --component clippy --no-self-update || give_up
+    fi
+} >&2 # stdout belongs to the command that called this script
+
+# A second look, in a shell that has forgotten the first one's findings.
+FABC_NO_INSTALL=1 exec sh "$0"

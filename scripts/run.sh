@@ -1,0 +1,22 @@
+#!/bin/sh
+# Builds fabc for speed and runs one task with it: run.sh FILE [ARGUMENT...]
+#
+# Ends with fabc's own exit code, and says what it means, because make turns every
+# failure into its own 2. A failed build ends with cargo's 101.
+set -u
+
+cargo build --release --locked || exit
+cargo run --release --locked --quiet -- run "$@"
+code=$?
+
+case $code in
+0) exit 0 ;;
+1) meaning="the .fab file is wrong" ;;
+2) meaning="the environment failed: a file, the network, a model or a robot" ;;
+3) meaning="the run ended without reaching its goal, or a cap stopped it" ;;
+64) meaning="wrong usage" ;;
+130) meaning="interrupted" ;;
+*) meaning="not one of fabc's own codes" ;;
+esac
+echo "fabc exit code: $code ($meaning)" >&2
+exit "$code"

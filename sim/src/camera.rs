@@ -1,0 +1,266 @@
+//! The camera over the table: what it is, what it sees, and where points land in its image.
+//!
+//! In: particle positions in grid order, colours. Out: a colour and a depth
+//! image. The camera looks straight down from above the table's centre, image
+//! right = +X, image up = +Y. Drawing triangles is `raster`'s business.
+
+use crate::grid::Grid;
+use crate::raster::{Raster, Shade, Vertex};
+
+/// Smallest image side, pixels.
+pub const MIN_SIZE_PX: u32 = 16;
+/// Largest image side, pixels.
+pub const MAX_SIZE_PX: u32 = 2048;
+// Surfaces nearer to the camera than this are not drawn, metres (PyFleX: 0.01).
+const NEAR_M: f32 = 0.01;
+// Colour samples along a pixel's side. The recorded images were rendered at 720 pixels and reduced to 224.
+const SAMPLES_A_SIDE: usize = 3;
+
+/// A pinhole camera above the table's centre, looking down.
+///
+/// Focal length in pixels: `f = size / (2 tan(fov / 2))`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TopDownCamera {
+    /// Height above the table, metres.
+    pub height_m: f32,
+    /// Field of view across the image, radians.
+    pub fov_rad: f32,
+    /// Side of the square image, pixels; rendering limits it to `MIN_SIZE_PX..=MAX_SIZE_PX`.
+    pub size_px: u32,
+}
+
+/// Says why a camera cannot exist.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CameraError {
+    /// The camera is at or below the table, or out of sight.
+    #[error("a camera `{0}` m above the table is outside `0.05` to `10` m")]
+    Height(f32),
+    /// The field of view is no angle of a pinhole camera.
+    #[error("a field of view of `{0}` rad is outside `0.05` to `2.8` rad")]
+    FieldOfView(f32),
+    /// The image is too small or too large.
+    #[error("an image side of `{0}` pixels is outside `{MIN_SIZE_PX}` to `{MAX_SIZE_PX}`")]
+    Size(u32),
+}
+
+/// Colours of the scene, RGB.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// Side of the cloth that faces up when it lies flat as started.
+    pub top: [u8; 3],
+    /// The other side.
+    pub underside: [u8; 3],
+    /// The two colours of the checkered table; the first lies where X and Y are positive.
+    pub tiles: [[u8; 3]; 2],
+    /// Side of a tile, metres; a corner of four tiles lies at the table's centre.
+    pub tile_m: f32,
+    /// How much darker a vertical surface is than one facing up, 0 to 1.
+    pub shading: f32,
+}
+
+impl Default for Look {
+    /// The recorded images' colours. No recorded view shows a tile's far edge, so they are larger than 0.41 m.
+    fn default() -> Look {
+        Look {
+            top: [255, 113, 0],
+            underside: [248, 145, 201],
+            tiles: [[246, 243, 243], [216, 213, 213]],
+            tile_m: 0.5,
+            shading: 0.3,
+        }
+    }
+}
+
+/// A colour and a depth image of the same size, row by row from the top left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue of each pixel: `[height * width * 3]`.
+    pub rgb: Vec<u8>,
+    /// Distance from the camera's plane to the surface at each pixel's centre, along the optical axis,
+    /// table included, metres: `[height * width]`.
+    pub depth_m: Vec<f32>,
+}
+
+impl TopDownCamera {
+    /// Checks the numbers and builds the camera.
+    pub fn new(height_m: f32, fov_rad: f32, size_px: u32) -> Result<TopDownCamera, CameraError> {
+        if !(0.05..=10.0).contains(&height_m) {
+            return Err(CameraError::Height(height_m));
+        }
+        if !(0.05..=2.8).contains(&fov_rad) {
+            return Err(CameraError::FieldOfView(fov_rad));
+        }
+        if !(MIN_SIZE_PX..=MAX_SIZE_PX).contains(&size_px) {
+            return Err(CameraError::Size(size_px));
+        }
+        Ok(TopDownCamera {
+            height_m,
+            fov_rad,
+            size_px,
+        })
+    }
+
+    /// Returns the focal length, pixels.
+    pub fn focal_px(&self) -> f32 {
+        self.size_px as f32 / (2.0 * (0.5 * self.fov_rad).tan())
+    }
+
+    /// Projects a point of the world frame, metres, to `[column, row]` in pixels.
+    ///
+    /// Pixel `[c, r]` covers columns `c` to `c + 1`, so its centre is at `c + 0.5`. The point must be
+    /// below the camera.
+    pub fn project(&self, point: [f32; 3]) -> [f32; 2] {
+        let scale = self.focal_px() / (self.height_m - point[2]);
+        let centre = 0.5 * self.size_px as f32;
+        [centre + scale * point[0], centre - scale * point[1]]
+    }
+
+    /// Draws the table and the cloth.
+    ///
+    /// - `positions`: `[n_particles]` points in grid order, world frame, metres. Cells with a missing or
+    ///   non-finite corner are left out.
+    ///
+    /// Colour is the mean of 3 x 3 samples a pixel; depth is that of the pixel's centre alone, so no
+    /// depth lies between two surfaces.
+    pub fn render(&self, grid: Grid, positions: &[[f32; 3]], look: &Look) -> Frame {
+        let camera = TopDownCamera {
+            size_px: self.size_px.clamp(MIN_SIZE_PX, MAX_SIZE_PX),
+            ..*self
+        };
+        let size = camera.size_px as usize;
+        let triangles = camera.triangles(grid, positions, look);
+        let mut raster = Raster::new(size, 1.0 / camera.height_m);
+        let mut sums = vec![0u16; size * size * 3];
+        let mut depth_m = Vec::new();
+        for sample in 0..SAMPLES_A_SIDE * SAMPLES_A_SIDE {
+            let offset = [sample % SAMPLES_A_SIDE, sample / SAMPLES_A_SIDE]
+                .map(|step| (step as f32 + 0.5) / SAMPLES_A_SIDE as f32);
+            raster.clear(offset);
+            for triangle in &triangles {
+                raster.draw(triangle);
+            }
+            camera.add_colours(&raster, look, offset, &mut sums);
+            if offset == [0.5, 0.5] {
+                depth_m = raster
+                    .inverse_depth()
+                    .iter()
+                    .map(|inverse| 1.0 / inverse)
+                    .collect();
+            }
+        }
+        let samples = (SAMPLES_A_SIDE * SAMPLES_A_SIDE) as u16;
+        Frame {
+            width: camera.size_px,
+            height: camera.size_px,
+            rgb: sums
+                .iter()
+                .map(|sum| ((sum + samples / 2) / samples) as u8)
+                .collect(),
+            depth_m,
+        }
+    }
+
+    /// Adds one sample of every pixel's colour to the sums.
+    fn add_colours(&self, raster: &Raster, look: &Look, offset: [f32; 2], sums: &mut [u16]) {
+        let size = self.size_px as usize;
+        let metres_a_pixel = self.height_m / self.focal_px();
+        // A tile's index along one axis, from a pixel's column (or, with Y = -row, its row).
+        let tile = |pixel: usize, offset: f32| {
+            let from_centre = pixel as f32 + offset - 0.5 * size as f32;
+            (from_centre * metres_a_pixel / look.tile_m).floor() as i32
+        };
+        let columns: Vec<i32> = (0..size).map(|column| tile(column, offset[0])).collect();
+        for row in 0..size {
+            let row_tile = -1 - tile(row, offset[1]);
+            for (column, column_tile) in columns.iter().enumerate() {
+                let pixel = row * size + column;
+                let colour = raster
+                    .colour(pixel)
+                    .unwrap_or_else(|| look.tiles[(column_tile + row_tile).rem_euclid(2) as usize]);
+                for channel in 0..3 {
+                    sums[3 * pixel + channel] += u16::from(colour[channel]);
+                }
+            }
+        }
+    }
+
+    /// Cuts the cloth into triangles, two a cell, with diagonals that alternate like a chessboard.
+    fn triangles(&self, grid: Grid, positions: &[[f32; 3]], look: &Look) -> Vec<[Vertex; 3]> {
+        let vertices = self.vertices(grid, positions, look);
+        let mut triangles = Vec::with_capacity(2 * vertices.len());
+        for iy in 0..grid.dimy.saturating_sub(1) {
+            for ix in 0..grid.dimx.saturating_sub(1) {
+                let back_left = iy * grid.dimx + ix;
+                let corners = [
+                    back_left,
+                    back_left + 1,
+                    back_left + grid.dimx + 1,
+                    back_left + grid.dimx,
+                ]
+                .map(|index| vertices.get(index).copied().flatten());
+                let [Some(a), Some(b), Some(c), Some(d)] = corners else {
+                    continue;
+                };
+                if (ix + iy) % 2 == 0 {
+                    triangles.extend([[a, b, c], [a, c, d]]);
+                } else {
+                    triangles.extend([[a, b, d], [b, c, d]]);
+                }
+            }
+        }
+        triangles
+    }
+
+    /// Projects and shades every particle; `None` for those that cannot be drawn.
+    fn vertices(&self, grid: Grid, positions: &[[f32; 3]], look: &Look) -> Vec<Option<Vertex>> {
+        let shade_of = |upright: f32| {
+            let brightness = 1.0 - look.shading.clamp(0.0, 1.0) * (1.0 - upright);
+            let paint = |colour: [u8; 3]| colour.map(|c| f32::from(c) * brightness);
+            Shade {
+                top: paint(look.top),
+                underside: paint(look.underside),
+            }
+        };
+        (0..positions.len().min(grid.particle_count()))
+            .map(|index| {
+                let point = positions[index];
+                let below_m = self.height_m - point[2];
+                let [column, row] = self.project(point);
+                let drawable = below_m >= NEAR_M && column.is_finite() && row.is_finite();
+                drawable.then(|| Vertex {
+                    column,
+                    row,
+                    inverse_depth: 1.0 / below_m,
+                    shade: shade_of(upright(grid, positions, index)),
+                })
+            })
+            .collect()
+    }
+}
+
+/// Returns how much the surface at a particle faces up or down: 1 lying, 0 standing.
+fn upright(grid: Grid, positions: &[[f32; 3]], index: usize) -> f32 {
+    let (ix, iy) = (index % grid.dimx, index / grid.dimx);
+    let at = |ix: usize, iy: usize| {
+        let index = iy.min(grid.dimy - 1) * grid.dimx + ix.min(grid.dimx - 1);
+        positions.get(index).copied().unwrap_or_default()
+    };
+    let between = |a: [f32; 3], b: [f32; 3]| [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+    let u = between(at(ix.saturating_sub(1), iy), at(ix + 1, iy));
+    let v = between(at(ix, iy.saturating_sub(1)), at(ix, iy + 1));
+    let normal = [
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    ];
+    let length = (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]).sqrt();
+    if length > 0.0 {
+        normal[2].abs() / length
+    } else {
+        1.0
+    }
+}

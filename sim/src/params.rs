@@ -1,0 +1,112 @@
+//! Every number of the solver, the contacts and the picker, in one struct.
+//!
+//! The defaults are those of the PyFleX scene that the paper's folding data
+//! comes from, where such a number exists; the others were chosen by replaying
+//! recorded demonstrations (`examples/replay.rs`) and say so.
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// Names the solver's arithmetic. Raise it whenever a change of code changes results.
+pub const ALGORITHM_VERSION: u32 = 1;
+
+/// Numbers that decide how the cloth and the picker move.
+///
+/// "PyFleX" marks a value of the scene behind the recorded data; "trial" marks
+/// one chosen by replaying recorded demonstrations.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Params {
+    /// Length of one step, seconds. PyFleX: 0.01.
+    pub step_secs: f32,
+    /// Substeps per step; more make contacts and the sleeping rule sharper. PyFleX: 4.
+    pub substeps: u32,
+    /// Gauss-Seidel sweeps over all springs per substep. Fewer leave the cloth slack, more make it too
+    /// stiff to drape; PyFleX runs 30 slower-converging Jacobi passes. Trial: 7.
+    pub sweeps: u32,
+    /// Downward acceleration, m/s^2. PyFleX: 9.8.
+    pub gravity_m_s2: f32,
+    /// Share of the velocity lost per second. PyFleX: 1.0.
+    pub damping_per_s: f32,
+    /// Largest change of velocity, m/s^2; softens the pop of a compressed stack at release. PyFleX: 100.
+    pub max_acceleration_m_s2: f32,
+    /// Particles slower than this at the end of a substep go back to where it began, m/s. It stands for
+    /// static friction, and lets a settled cloth become exactly still. PyFleX: 0.02.
+    pub sleep_speed_m_s: f32,
+    /// A cloth that nothing touches, and of which no particle moves faster than this over a whole step,
+    /// stays exactly where it is, m/s. Small enough to stop only rounding noise and the slowest creep.
+    pub rest_speed_m_s: f32,
+    /// Share of a stretch spring's error removed per sweep (neighbours along a side). PyFleX: 2.0, clamped to 1.
+    pub stretch: f32,
+    /// Share of a shear spring's error removed per sweep (both diagonals of each cell). PyFleX: 1.0.
+    pub shear: f32,
+    /// Share of a bend spring's error removed per sweep (particles two apart along a side). PyFleX: 0.5.
+    pub bend: f32,
+    /// Height of a particle resting on the table, metres. PyFleX: 0.005 (collision distance).
+    pub table_contact_m: f32,
+    /// Coulomb friction of the table and of the picker's sphere. PyFleX: 0.75.
+    pub table_friction: f32,
+    /// Distance kept between particles that are not neighbours at rest, metres; makes the layer gap.
+    /// Pairs that are closer than this in the flat cloth never collide. PyFleX: 0.01125.
+    pub self_contact_m: f32,
+    /// Share of a self-contact's penetration removed per sweep. Hard contacts (1.0) throw a folded
+    /// stack open when it is released. Trial: 0.15.
+    pub self_contact_softness: f32,
+    /// Coulomb friction between layers. PyFleX: 1.0.
+    pub self_friction: f32,
+    /// Radius of the picker's sphere, metres. SoftGym's folding environment: 0.05.
+    pub picker_radius_m: f32,
+    /// Gap between the sphere's surface and a particle in contact with it, metres. PyFleX: 0.005.
+    pub picker_skin_m: f32,
+    /// How far from the sphere's centre a particle can be grasped, metres.
+    /// SoftGym: radius + threshold 0.005 + particle radius 0.00625.
+    pub picker_capture_m: f32,
+    /// Travel of the picker per step, metres. Foldsformer: 0.005, which is 0.5 m/s.
+    pub picker_travel_m: f32,
+    /// Height of the sphere's centre when it grasps and when it releases, metres. Foldsformer: 0.05.
+    pub picker_grasp_height_m: f32,
+    /// Height of the sphere's centre while it carries, metres. The held particle keeps its offset, so it
+    /// rises by the difference to the grasp height only. Foldsformer: 0.1.
+    pub picker_lift_height_m: f32,
+    /// Where the sphere waits between actions, world frame, metres. Foldsformer: (0.5, 0.5, 0.5), y up.
+    pub picker_home_m: [f32; 3],
+}
+
+impl Default for Params {
+    fn default() -> Params {
+        Params {
+            step_secs: 0.01,
+            substeps: 4,
+            sweeps: 7,
+            gravity_m_s2: 9.8,
+            damping_per_s: 1.0,
+            max_acceleration_m_s2: 100.0,
+            sleep_speed_m_s: 0.02,
+            rest_speed_m_s: 0.007,
+            stretch: 1.0,
+            shear: 1.0,
+            bend: 0.5,
+            table_contact_m: 0.005,
+            table_friction: 0.75,
+            self_contact_m: 0.01125,
+            self_contact_softness: 0.15,
+            self_friction: 1.0,
+            picker_radius_m: 0.05,
+            picker_skin_m: 0.005,
+            picker_capture_m: 0.06125,
+            picker_travel_m: 0.005,
+            picker_grasp_height_m: 0.05,
+            picker_lift_height_m: 0.1,
+            picker_home_m: [0.5, -0.5, 0.5],
+        }
+    }
+}
+
+impl Params {
+    /// Returns 16 hex digits that change with any parameter and with the solver's arithmetic.
+    pub fn hash(&self) -> String {
+        let json = serde_json::to_string(self).expect("a struct of numbers always has a JSON text");
+        let digest = Sha256::digest(format!("{ALGORITHM_VERSION} {json}"));
+        crate::digest::hex(&digest[..8])
+    }
+}

@@ -1,0 +1,217 @@
+//! Moves the cloth through one step: the order of all passes.
+//!
+//! In: positions, velocities, which particle is held, where the sphere goes.
+//! Out: the same, one step later. Each substep predicts free flight, then
+//! alternates spring sweeps and contact passes, then derives velocities from
+//! what really moved (position-based dynamics, Müller et al. 2007). Who moves
+//! the sphere is the picker's business.
+
+use crate::contacts::{Contacts, Sphere};
+use crate::grid::Grid;
+use crate::neighbours::Neighbours;
+use crate::params::Params;
+use crate::planes::Planes;
+use crate::springs::{Direction, Springs};
+
+// A sphere that stays farther than this from the cloth's bounding box for a whole step is left out of the
+// step. No particle moves as far in 0.01 s unless it flies at 2 m/s.
+const SPHERE_MARGIN_M: f32 = 0.02;
+
+/// Tells whether a step changed anything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Outcome {
+    /// The cloth moved, or the sphere was in play.
+    Moved,
+    /// Every position and velocity is as before, bit for bit, and the sphere was out of play; the next
+    /// such step would do the same.
+    Still,
+}
+
+/// The cloth's state and the room to advance it.
+#[derive(Clone, Debug)]
+pub(crate) struct Solver {
+    pub positions: Planes,
+    pub velocities: Planes,
+    inverse_mass: Vec<f32>,
+    params: Params,
+    springs: Springs,
+    contacts: Contacts,
+    neighbours: Neighbours,
+    /// Positions when the substep began.
+    began: Planes,
+    /// State when the step began.
+    before: Planes,
+    velocities_before: Planes,
+}
+
+impl Solver {
+    /// Puts a cloth at the given positions, at rest.
+    pub fn new(grid: Grid, positions: Planes, params: &Params) -> Solver {
+        let n = grid.particle_count();
+        Solver {
+            velocities: Planes::zeros(n),
+            inverse_mass: vec![1.0; n],
+            params: params.clone(),
+            springs: Springs::new(grid, params),
+            contacts: Contacts::new(n),
+            neighbours: Neighbours::new(grid, params.self_contact_m),
+            began: positions.clone(),
+            before: positions.clone(),
+            velocities_before: Planes::zeros(n),
+            positions,
+        }
+    }
+
+    /// Fixes a particle in space (`Some`), or lets all move freely.
+    pub fn hold(&mut self, particle: Option<usize>) {
+        self.inverse_mass.fill(1.0);
+        if let Some(particle) = particle {
+            self.inverse_mass[particle] = 0.0;
+            self.velocities.set(particle, [0.0; 3]);
+        }
+        self.springs.set_inverse_mass(&self.inverse_mass);
+    }
+
+    /// Advances by one step while the sphere's centre goes straight from `from` to `to`.
+    ///
+    /// A step in which nothing touches the cloth and no particle outruns the rest speed is undone. A
+    /// settled cloth so becomes exactly still, instead of trembling on by rounding errors.
+    pub fn step(&mut self, from: [f32; 3], to: [f32; 3]) -> Outcome {
+        let sphere_in_play = self.sphere_may_touch(from, to);
+        self.before.clone_from(&self.positions);
+        self.velocities_before.clone_from(&self.velocities);
+        for substep in 0..self.params.substeps {
+            let sphere = sphere_in_play.then(|| self.sphere_at(from, to, substep));
+            self.substep(substep, sphere);
+        }
+        let rest_m = self.params.rest_speed_m_s * self.params.step_secs;
+        if sphere_in_play || self.positions.differs_beyond(&self.before, rest_m) {
+            return Outcome::Moved;
+        }
+        self.positions.clone_from(&self.before);
+        self.velocities.clone_from(&self.velocities_before);
+        Outcome::Still
+    }
+
+    /// Tells whether a step with this motion of the sphere would leave it out of play.
+    pub fn sphere_may_touch(&self, from: [f32; 3], to: [f32; 3]) -> bool {
+        let reach = self.params.picker_radius_m + self.params.picker_skin_m + SPHERE_MARGIN_M;
+        let planes = [&self.positions.x, &self.positions.y, &self.positions.z];
+        (0..3).all(|axis| {
+            let low = from[axis].min(to[axis]) - reach;
+            let high = from[axis].max(to[axis]) + reach;
+            let (mut above, mut below) = (false, false);
+            for &value in planes[axis] {
+                above |= value >= low;
+                below |= value <= high;
+            }
+            above && below
+        })
+    }
+
+    /// Returns the first particle with a coordinate that is not a number.
+    pub fn first_non_finite(&self) -> Option<usize> {
+        let all_finite = |plane: &[f32]| plane.iter().fold(true, |all, v| all & v.is_finite());
+        let planes = [&self.positions, &self.velocities];
+        if planes
+            .iter()
+            .all(|p| all_finite(&p.x) && all_finite(&p.y) && all_finite(&p.z))
+        {
+            return None;
+        }
+        (0..self.positions.len()).find(|&i| {
+            planes
+                .iter()
+                .any(|p| p.get(i).iter().any(|v| !v.is_finite()))
+        })
+    }
+
+    fn sphere_at(&self, from: [f32; 3], to: [f32; 3], substep: u32) -> Sphere {
+        let share = 1.0 / self.params.substeps as f32;
+        let done = (substep + 1) as f32 * share;
+        let way = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
+        Sphere {
+            centre: [0, 1, 2].map(|axis| from[axis] + done * way[axis]),
+            motion: way.map(|w| w * share),
+        }
+    }
+
+    fn substep(&mut self, substep: u32, sphere: Option<Sphere>) {
+        let dt = self.params.step_secs / self.params.substeps as f32;
+        self.began.clone_from(&self.positions);
+        self.predict(dt);
+        let pairs = self.neighbours.find(&self.positions);
+        for sweep in 0..self.params.sweeps {
+            let direction = match (sweep + substep) % 2 {
+                0 => Direction::Forward,
+                _ => Direction::Backward,
+            };
+            self.springs
+                .sweep(&mut self.positions, &self.inverse_mass, direction);
+            self.contacts.resolve(
+                &mut self.positions,
+                &self.began,
+                &self.inverse_mass,
+                pairs,
+                sphere,
+                &self.params,
+            );
+        }
+        self.finish(dt);
+    }
+
+    /// Moves free particles as if nothing touched them.
+    fn predict(&mut self, dt: f32) {
+        let keep = 1.0 - self.params.damping_per_s * dt;
+        let fall = self.params.gravity_m_s2 * dt;
+        let n = self.positions.len();
+        let weight = &self.inverse_mass[..n];
+        let advance = |position: &mut [f32], velocity: &[f32], gain: f32| {
+            let (position, velocity) = (&mut position[..n], &velocity[..n]);
+            for i in 0..n {
+                position[i] += weight[i] * dt * (keep * velocity[i] + gain);
+            }
+        };
+        advance(&mut self.positions.x, &self.velocities.x, 0.0);
+        advance(&mut self.positions.y, &self.velocities.y, 0.0);
+        advance(&mut self.positions.z, &self.velocities.z, -fall);
+    }
+
+    /// Derives velocities from the substep's displacement, limits their change, and puts slow particles to sleep.
+    fn finish(&mut self, dt: f32) {
+        let per_dt = 1.0 / dt;
+        let max_change = self.params.max_acceleration_m_s2 * dt;
+        let sleep_2 = self.params.sleep_speed_m_s * self.params.sleep_speed_m_s;
+        let n = self.positions.len();
+        let Planes { x, y, z } = &mut self.positions;
+        let (x, y, z) = (&mut x[..n], &mut y[..n], &mut z[..n]);
+        let (x0, y0, z0) = (&self.began.x[..n], &self.began.y[..n], &self.began.z[..n]);
+        let Planes {
+            x: vx,
+            y: vy,
+            z: vz,
+        } = &mut self.velocities;
+        let (vx, vy, vz) = (&mut vx[..n], &mut vy[..n], &mut vz[..n]);
+        for i in 0..n {
+            let ux = (x[i] - x0[i]) * per_dt - vx[i];
+            let uy = (y[i] - y0[i]) * per_dt - vy[i];
+            let uz = (z[i] - z0[i]) * per_dt - vz[i];
+            let change = (ux * ux + uy * uy + uz * uz).sqrt();
+            let share = if change > max_change {
+                max_change / change
+            } else {
+                1.0
+            };
+            let wx = vx[i] + share * ux;
+            let wy = vy[i] + share * uy;
+            let wz = vz[i] + share * uz;
+            let sleeps = wx * wx + wy * wy + wz * wz < sleep_2;
+            x[i] = if sleeps { x0[i] } else { x[i] };
+            y[i] = if sleeps { y0[i] } else { y[i] };
+            z[i] = if sleeps { z0[i] } else { z[i] };
+            vx[i] = if sleeps { 0.0 } else { wx };
+            vy[i] = if sleeps { 0.0 } else { wy };
+            vz[i] = if sleeps { 0.0 } else { wz };
+        }
+    }
+}

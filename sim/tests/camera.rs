@@ -1,0 +1,153 @@
+//! The camera: geometry, sides, and recorded depth images of the same cloths.
+#![allow(clippy::unwrap_used)]
+
+mod recorded;
+
+use recorded::Demonstration;
+use sim::{CameraError, Frame, Grid, Look, Params, Simulator, TopDownCamera};
+
+fn folding_camera(size_px: u32) -> TopDownCamera {
+    TopDownCamera::new(0.65, 45f32.to_radians(), size_px).unwrap()
+}
+
+fn pixel(frame: &Frame, column: usize, row: usize) -> [u8; 3] {
+    let at = 3 * (row * frame.width as usize + column);
+    [frame.rgb[at], frame.rgb[at + 1], frame.rgb[at + 2]]
+}
+
+#[test]
+fn points_right_and_up_in_the_world_are_right_and_up_in_the_image() {
+    let camera = folding_camera(224);
+    assert_eq!(camera.project([0.0, 0.0, 0.0]), [112.0, 112.0]);
+    let [column, row] = camera.project([0.13, 0.065, 0.0]);
+    // 270.3919 pixels focal length: 112 + 0.2 f and 112 - 0.1 f.
+    assert!((column - 166.078).abs() < 1e-2, "{column}");
+    assert!((row - 84.961).abs() < 1e-2, "{row}");
+    let [nearer, _] = camera.project([0.13, 0.065, 0.325]);
+    assert!((nearer - 220.157).abs() < 1e-2, "{nearer}");
+}
+
+#[test]
+fn cameras_outside_the_bounds_are_refused() {
+    let fov = 45f32.to_radians();
+    assert_eq!(TopDownCamera::new(0.65, fov, 15), Err(CameraError::Size(15)));
+    assert_eq!(TopDownCamera::new(0.65, fov, 2049), Err(CameraError::Size(2049)));
+    assert_eq!(TopDownCamera::new(0.0, fov, 224), Err(CameraError::Height(0.0)));
+    assert!(TopDownCamera::new(0.65, f32::NAN, 224).is_err());
+}
+
+#[test]
+fn a_flat_cloth_shows_its_top_and_a_turned_one_its_underside() {
+    let grid = Grid::new(20, 20, 0.00625).unwrap();
+    let look = Look::default();
+    let flat = grid.flat_positions(&Params::default());
+    let turned: Vec<[f32; 3]> = flat.iter().map(|p| [-p[0], p[1], p[2]]).collect();
+    let camera = folding_camera(64);
+    assert_eq!(pixel(&camera.render(grid, &flat, &look), 32, 32), look.top);
+    assert_eq!(pixel(&camera.render(grid, &turned, &look), 32, 32), look.underside);
+}
+
+#[test]
+fn the_upper_layer_hides_the_lower_one_and_tiles_alternate() {
+    let grid = Grid::new(20, 20, 0.00625).unwrap();
+    let mut points = grid.flat_positions(&Params::default());
+    // Folds the left half over the right half.
+    for point in &mut points {
+        if point[0] < 0.0 {
+            *point = [-point[0], point[1], 0.02];
+        }
+    }
+    let look = Look::default();
+    let frame = folding_camera(64).render(grid, &points, &look);
+    assert_eq!(pixel(&frame, 35, 32), look.underside);
+    assert!((frame.depth_m[32 * 64 + 35] - 0.63).abs() < 1e-4);
+    assert_eq!(pixel(&frame, 60, 3), look.tiles[0]);
+    assert_eq!(pixel(&frame, 3, 3), look.tiles[1]);
+    assert_eq!(pixel(&frame, 3, 60), look.tiles[0]);
+    assert_eq!(pixel(&frame, 60, 60), look.tiles[1]);
+}
+
+#[test]
+fn every_depth_is_that_of_the_table_or_of_the_cloth() {
+    let grid = Grid::new(20, 20, 0.00625).unwrap();
+    let frame = folding_camera(97).render(grid, &grid.flat_positions(&Params::default()), &Look::default());
+    let cloth = frame.depth_m.iter().filter(|d| (*d - 0.645).abs() < 1e-5).count();
+    let table = frame.depth_m.iter().filter(|d| (*d - 0.65).abs() < 1e-5).count();
+    assert_eq!(cloth + table, 97 * 97);
+    // 19 spacings of 6.25 mm at 117.1 pixels focal length and 0.645 m distance.
+    let side = (cloth as f32).sqrt();
+    assert!((side - 21.56).abs() < 0.6, "{side}");
+}
+
+#[test]
+fn broken_positions_are_left_out_without_a_panic() {
+    let grid = Grid::new(20, 20, 0.00625).unwrap();
+    let mut points = grid.flat_positions(&Params::default());
+    points[50] = [f32::NAN, 0.0, 0.0];
+    points[100] = [0.0, 0.0, 0.65];
+    points[150] = [1e30, -1e30, 0.1];
+    points.truncate(300);
+    let frame = folding_camera(64).render(grid, &points, &Look::default());
+    assert_eq!(frame.rgb.len(), 64 * 64 * 3);
+    assert!(frame.depth_m.iter().all(|depth| depth.is_finite()));
+}
+
+#[test]
+fn a_fold_shows_both_sides() {
+    let grid = Grid::new(20, 20, 0.00625).unwrap();
+    let mut cloth = Simulator::flat(grid, &Params::default());
+    let [x, y, _] = cloth.positions()[0];
+    cloth.pick_and_place([x, y], [0.0, 0.0], &|| false).unwrap();
+    let frame = folding_camera(128).render(grid, &cloth.positions(), &Look::default());
+    // Shading changes a colour's brightness, so sides are told apart by blue: none on top.
+    let blue = |minimum: u8| {
+        let cloth = |p: &[u8]| p[0] > 150 && p[1] < 160;
+        frame.rgb.chunks(3).filter(|p| cloth(p) && p[2] >= minimum).count()
+    };
+    let (all, underside) = (blue(0), blue(100));
+    assert!(underside > 50 && all - underside > 300, "{underside} of {all}");
+}
+
+/// Reads a recorded 8-bit grey PNG and returns its cloth mask.
+fn recorded_mask(demo: &Demonstration, image: usize) -> Vec<bool> {
+    let file = std::fs::File::open(demo.folder.join(format!("depth_{image}.png"))).unwrap();
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    assert_eq!((info.width, info.height), (224, 224));
+    // Recorded levels are floor(255 depth); the table is 165.
+    bytes[..224 * 224].iter().map(|&level| level <= 164).collect()
+}
+
+#[test]
+fn recorded_starts_and_ends_cover_the_recorded_pixels() {
+    let Some(demos) = recorded::demonstrations() else {
+        return;
+    };
+    let camera = folding_camera(224);
+    for task in ["AllCornersInward", "CornersEdgesInward", "DoubleStraight"] {
+        for moment in ["start", "end"] {
+            let mut overlaps = Vec::new();
+            for demo in demos.iter().filter(|demo| demo.task == task) {
+                let (points, image) = match moment {
+                    "start" => (&demo.start, 0),
+                    _ => (&demo.end, demo.actions.len()),
+                };
+                let frame = camera.render(demo.grid, points, &Look::default());
+                let drawn = frame.depth_m.iter().map(|depth| (255.0 * depth).floor() <= 164.0);
+                let (mut both, mut either) = (0, 0);
+                for (drawn, recorded) in drawn.zip(recorded_mask(demo, image)) {
+                    both += usize::from(drawn && recorded);
+                    either += usize::from(drawn || recorded);
+                }
+                let overlap = both as f64 / either as f64;
+                assert!(overlap >= 0.98, "{task} {} {moment}: IoU {overlap:.4}", demo.id);
+                overlaps.push(overlap);
+            }
+            let mean = overlaps.iter().sum::<f64>() / overlaps.len() as f64;
+            let min = overlaps.iter().fold(1.0, |a: f64, &b| a.min(b));
+            println!("{task} {moment}: IoU mean {mean:.4}, min {min:.4}, n {}", overlaps.len());
+            assert!(mean >= 0.99, "{task} {moment}: mean IoU {mean:.4}");
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! `fabc check`: what is wrong with files, and how often a model can be asked at most.
+
+use crate::cli::CheckArguments;
+use crate::exit::{Exit, Failure};
+use crate::{output, sources};
+use compiler::diag;
+use serde_json::{Value, json};
+
+/// Checks every file, whatever the others hold.
+pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
+    let mut exit = Exit::Done;
+    let mut diagnostics = Vec::new();
+    let mut tasks = Vec::new();
+    for file in &arguments.files {
+        let compiled = match sources::compile(file) {
+            Ok(compiled) => compiled,
+            Err(failure) => {
+                output::talk(&format!("error: {failure}"));
+                exit = Exit::Environment;
+                continue;
+            }
+        };
+        if compiled.has_errors() && exit == Exit::Done {
+            exit = Exit::Author;
+        }
+        if arguments.json {
+            if let Value::Array(found) = diag::to_json(&compiled.diagnostics, &compiled.sources) {
+                diagnostics.extend(found);
+            }
+        } else if !compiled.diagnostics.is_empty() {
+            output::data(diag::to_text(&compiled.diagnostics, &compiled.sources, output::data_color()).trim_end());
+        }
+        for program in &compiled.programs {
+            let per_step = program.calls_per_step();
+            let calls = u64::from(per_step) * u64::from(program.horizon);
+            if !arguments.json {
+                output::data(&format!(
+                    "{file}: task `{}` is right; at most {per_step} model calls per step, {calls} in {} steps",
+                    program.task, program.horizon
+                ));
+            }
+            tasks.push(json!({
+                "task": program.task,
+                "file": file,
+                "program": program.hash(),
+                "horizon": program.horizon,
+                "max_calls_per_step": per_step,
+                "max_calls": calls,
+            }));
+        }
+        if !arguments.json && compiled.programs.is_empty() && !compiled.has_errors() {
+            output::data(&format!("{file}: right, and declares no task that can run by itself"));
+        }
+    }
+    if arguments.json {
+        output::json(&json!({ "diagnostics": diagnostics, "tasks": tasks }));
+    }
+    Ok(exit)
+}

@@ -1,0 +1,130 @@
+//! The command line.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+const EXIT_CODES: &str = "Exit codes: 0 done (and the goal reached), 1 the .fab file is wrong, 2 the environment failed, \
+3 ended without reaching the goal, 64 wrong usage, 130 interrupted.";
+
+/// Compiles cloth-manipulation tasks (.fab) to prompts and a verifier, and runs them.
+#[derive(Parser)]
+#[command(name = "fabc", version, after_help = EXIT_CODES)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+/// What to do.
+#[derive(Subcommand)]
+pub enum Verb {
+    /// Says what is wrong with .fab files.
+    Check(CheckArguments),
+    /// Prints the exact messages that a model gets, without asking one.
+    Render(RenderArguments),
+    /// Draws the subgoal pictures of a task from its demonstration and pins them beside the file.
+    #[cfg(feature = "runtime")]
+    Subgoals(SubgoalsArguments),
+    /// Runs one rollout of a task.
+    #[cfg(feature = "runtime")]
+    Run(RunArguments),
+}
+
+/// Arguments of `check`.
+#[derive(Args)]
+pub struct CheckArguments {
+    /// The files to check.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<String>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `render`.
+#[derive(Args)]
+pub struct RenderArguments {
+    /// The file that declares the task.
+    #[arg(value_name = "FILE")]
+    pub file: String,
+    /// The task, where the file declares several.
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// Only this stage.
+    #[arg(long, value_name = "NAME")]
+    pub stage: Option<String>,
+    /// The step whose prompts are shown; earlier steps are executed as demonstrated.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub step: u32,
+    /// Points by keypoint name, as JSON: `{"corners": [[u, v], …], "center": [[u, v]]}`, instead of a camera's.
+    #[arg(long, value_name = "FILE.json")]
+    pub scene: Option<PathBuf>,
+    #[cfg(feature = "runtime")]
+    #[command(flatten)]
+    pub start: StartArguments,
+    /// Write the messages and the pictures into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Where the cloth lies at first.
+#[cfg(feature = "runtime")]
+#[derive(Args)]
+pub struct StartArguments {
+    /// Particle positions (.npy), or a seed that turns the flat cloth; default: flat and straight.
+    #[arg(long, value_name = "FILE.npy|SEED")]
+    pub start: Option<String>,
+    /// Grid of the start file, where nothing beside it says: particles along its x and its other side.
+    #[arg(long, value_name = "55x44", requires = "up")]
+    pub dims: Option<String>,
+    /// Axis of the start file that points up, where nothing beside it says.
+    #[arg(long, value_name = "AXIS", requires = "dims", value_parser = ["y", "z"])]
+    pub up: Option<String>,
+}
+
+/// Arguments of `subgoals`.
+#[cfg(feature = "runtime")]
+#[derive(Args)]
+pub struct SubgoalsArguments {
+    /// The file that declares the task.
+    #[arg(value_name = "FILE")]
+    pub file: String,
+    /// The task, where the file declares several.
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// Also draw all pictures with their arrows on one sheet.
+    #[arg(long, value_name = "PNG")]
+    pub sheet: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `run`.
+#[cfg(feature = "runtime")]
+#[derive(Args)]
+pub struct RunArguments {
+    /// The file that declares the task.
+    #[arg(value_name = "FILE")]
+    pub file: String,
+    /// The task, where the file declares several.
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// Who answers; `geometric` is an embedded stand-in that needs no key and no network.
+    #[arg(long, value_name = "MODEL", default_value = "geometric")]
+    pub model: String,
+    /// Where actions are executed.
+    #[arg(long, value_name = "WORLD", default_value = "sim", value_parser = ["sim"])]
+    pub world: String,
+    #[command(flatten)]
+    pub start: StartArguments,
+    /// The run folder; default: the next free `runs/TASK-NNNN`.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}

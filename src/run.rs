@@ -1,0 +1,150 @@
+//! `fabc run`: one rollout, with a line of progress per step.
+
+use crate::cli::RunArguments;
+use crate::exit::{Exit, Failure};
+use crate::{output, setting, sources};
+use compiler::program::Program;
+use compiler::verify::Verdict;
+use runtime::agent::{Attempt, Finding, Models};
+use runtime::expert::MakeWorld;
+use runtime::interrupt::Interrupt;
+use runtime::journal::RunFolder;
+use runtime::outcome::Outcome;
+use runtime::rollout::{self, Event, Job, RolloutReport};
+use runtime::subgoals::{Origin, SubgoalError, SubgoalSet};
+use runtime::start::Start;
+use runtime::world::{Grasp, WorldError};
+use std::path::Path;
+
+/// Runs one rollout and reports it.
+pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
+    let program = sources::compile_task(&arguments.file, arguments.task.as_deref())?;
+    let model = setting::model(&arguments.model)?;
+    let start = setting::start(&program, &arguments.start)?;
+    let folder = match &arguments.out {
+        Some(path) => RunFolder::create(path),
+        None => RunFolder::create_next(Path::new("runs"), &program.task),
+    };
+    let folder = folder.map_err(Failure::environment)?;
+    let interrupt = setting::interrupt()?;
+    let make_world = || setting::world(&program);
+    let beside = setting::folder_of(&arguments.file);
+    let subgoals = match prepare(&program, &start, &beside, &make_world, &interrupt) {
+        Ok(Some(subgoals)) => subgoals,
+        Ok(None) => {
+            folder.discard();
+            return Ok(Exit::Interrupted);
+        }
+        Err(failure) => {
+            folder.discard();
+            return Err(failure);
+        }
+    };
+    say_origin(subgoals.origin, &arguments.file);
+    let stand_in = if model.nature() == runtime::model::Nature::StandIn { " (a stand-in, no vision-language model)" } else { "" };
+    output::talk(&format!("{}: start {}, model {}{stand_in}", program.task, start.name, model.name()));
+    let job = Job {
+        program: &program,
+        start: &start,
+        subgoals: &subgoals,
+        models: Models { vision: model.as_ref(), text: model.as_ref() },
+        make_world: &make_world,
+        cache: &setting::cache(),
+        interrupt: &interrupt,
+    };
+    let report = rollout::run(&job, folder, &mut show).map_err(Failure::environment)?;
+    if arguments.json {
+        output::json(&serde_json::to_value(&report).expect("a report has string keys and finite numbers"));
+    } else {
+        output::data(&summary(&report, program.goal.as_ref().map(|goal| goal.below_m * 1000.0)));
+    }
+    Ok(exit_of(&report))
+}
+
+/// Tries the start and gets the pictures; `None` where the user stopped it.
+fn prepare(
+    program: &Program,
+    start: &Start,
+    beside: &Path,
+    make_world: &MakeWorld<'_>,
+    interrupt: &Interrupt,
+) -> Result<Option<SubgoalSet>, Failure> {
+    let mut world = make_world().map_err(Failure::environment)?;
+    world.reset(start).map_err(Failure::environment)?;
+    match SubgoalSet::obtain(program, beside, world.as_mut(), interrupt) {
+        Err(SubgoalError::World(WorldError::Interrupted)) => Ok(None),
+        obtained => Ok(Some(obtained.map_err(Failure::environment)?)),
+    }
+}
+
+fn say_origin(origin: Origin, file: &str) {
+    match origin {
+        Origin::Author | Origin::Pinned => {}
+        Origin::Drawn => output::talk(&format!("no subgoal pictures are pinned: drawn for this run; `fabc subgoals {file}` pins them")),
+        Origin::DrawnAnew => output::talk(&format!(
+            "warning: the pinned subgoal pictures show another fold, cloth or camera: drawn anew for this run; `fabc subgoals {file}` pins them"
+        )),
+    }
+}
+
+/// Shows one event on stderr.
+fn show(event: Event<'_>) {
+    match event {
+        Event::Asked { step, attempt } => {
+            if let Some(refusal) = refusal(attempt) {
+                output::talk(&format!("  step {step}, {} attempt {}: {refusal}", attempt.stage, attempt.number));
+            }
+        }
+        Event::Stepped { step, horizon, action, grasp, seconds } => {
+            let moved = if action.pick_px == action.pick_on_cloth_px { String::new() } else { format!(", taken at {} on the cloth", action.pick_on_cloth_px) };
+            let missed = if grasp == Grasp::Missed { ", nothing grasped" } else { "" };
+            output::talk(&format!("step {step}/{horizon}: pick {}{moved}, place {}{missed}   {seconds:.1} s", action.pick_px, action.place_px));
+        }
+        Event::SimulatingExperts { missing, total } => {
+            output::talk(&format!("simulating {missing} of {total} expert results to score against; they are kept for the next run"));
+        }
+        Event::Note(note) => output::talk(&format!("note: {note}")),
+    }
+}
+
+/// Returns why an attempt led to nothing, where it did.
+fn refusal(attempt: &Attempt) -> Option<String> {
+    match &attempt.finding {
+        Finding::Action { verdict: Verdict::Reject { check, message, .. }, .. } => Some(format!("refused by `{check}`: {message}")),
+        Finding::Malformed { message, .. } => Some(format!("not readable: {message}")),
+        Finding::Failed { why } => Some(why.clone()),
+        Finding::Text { .. } | Finding::Action { verdict: Verdict::Accept, .. } => None,
+    }
+}
+
+fn summary(report: &RolloutReport, goal_mm: Option<f64>) -> String {
+    let mut lines = vec![format!("outcome: {}", report.outcome.name())];
+    if let Some(mm) = report.mean_particle_distance_mm {
+        let goal = goal_mm.map_or(String::new(), |goal| format!(" (goal: below {goal:.0} mm)"));
+        lines.push(format!("mean particle distance to the nearest expert result: {mm:.1} mm{goal}"));
+    }
+    let stand_in = if report.model_is_stand_in { ", a stand-in and no vision-language model" } else { "" };
+    lines.push(format!("model: {}{stand_in}", report.model));
+    let seconds = report.seconds.iter().filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
+    lines.push(format!("seconds: {}, in all {:.1}", seconds.collect::<Vec<_>>().join(", "), report.wall_s));
+    if report.experts_simulated > 0 {
+        lines.push(format!("of that, {} expert results were simulated for the first time", report.experts_simulated));
+    }
+    lines.push(format!("run folder: {} (contact sheet: sheet.png)", report.run_dir));
+    lines.join("\n")
+}
+
+fn exit_of(report: &RolloutReport) -> Exit {
+    match report.outcome {
+        Outcome::GoalReached => Exit::Done,
+        Outcome::HorizonReached if report.goal_reached.is_none() => Exit::Done,
+        Outcome::ModelFailed | Outcome::WorldFailed => Exit::Environment,
+        Outcome::Interrupted => Exit::Interrupted,
+        Outcome::HorizonReached
+        | Outcome::AttemptsExhausted
+        | Outcome::MalformedReply
+        | Outcome::NoCandidates
+        | Outcome::ClothOutOfView
+        | Outcome::BudgetExhausted => Exit::Unreached,
+    }
+}

@@ -1,0 +1,85 @@
+//! What a verb needs around a program: a world, a start, a cache, a way to be stopped.
+
+use crate::cli::StartArguments;
+use crate::exit::Failure;
+use compiler::program::Program;
+use runtime::cache::Cache;
+use runtime::interrupt::Interrupt;
+use runtime::model::{Geometric, Model};
+use runtime::start::{Grid, Start, StartFrame, Up};
+use runtime::world::{SimulatedWorld, World, WorldError};
+use std::path::{Path, PathBuf};
+
+/// The models that this build knows.
+const MODELS: &str = "`geometric` (an embedded stand-in)";
+
+/// Makes a simulated world for a program.
+pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
+    Ok(Box::new(SimulatedWorld::new(&program.camera)?))
+}
+
+/// Finds the model of that name.
+pub fn model(name: &str) -> Result<Box<dyn Model>, Failure> {
+    match name {
+        "geometric" => Ok(Box::new(Geometric)),
+        _ => Err(Failure::usage(format!("there is no model `{name}`; there is {MODELS}"))),
+    }
+}
+
+/// Lays the cloth as the command line says.
+pub fn start(program: &Program, arguments: &StartArguments) -> Result<Start, Failure> {
+    let Some(text) = &arguments.start else {
+        return match arguments.dims {
+            Some(_) => Err(Failure::usage("`--dims` and `--up` describe a start file; name it with `--start FILE.npy`")),
+            None => Ok(Start::flat(&program.cloth)),
+        };
+    };
+    if text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty() {
+        let seed = text.parse().map_err(|_| Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX)))?;
+        return Ok(Start::seeded(&program.cloth, seed));
+    }
+    let stated = match (&arguments.dims, &arguments.up) {
+        (Some(dims), Some(up)) => Some(stated_frame(dims, up, program.cloth.spacing_m)?),
+        _ => None,
+    };
+    Start::load(Path::new(text), stated).map_err(Failure::environment)
+}
+
+fn stated_frame(dims: &str, up: &str, spacing_m: f64) -> Result<StartFrame, Failure> {
+    let sides = dims.split_once('x').and_then(|(x, y)| Some((x.parse::<u32>().ok()?, y.parse::<u32>().ok()?)));
+    let Some((dimx, dimy)) = sides.filter(|(dimx, dimy)| *dimx >= 2 && *dimy >= 2) else {
+        return Err(Failure::usage(format!("`--dims {dims}` is no grid; write two counts of at least 2, such as `55x44`")));
+    };
+    let up = if up == "y" { Up::Y } else { Up::Z };
+    Ok(StartFrame { grid: Grid { dimx, dimy, spacing_m }, up })
+}
+
+/// Returns the folder that holds a file, for what lies beside it.
+pub fn folder_of(file: &str) -> PathBuf {
+    Path::new(file).parent().map(Path::to_owned).unwrap_or_default()
+}
+
+/// Opens the user's cache; `FABC_CACHE_DIR` names another place.
+pub fn cache() -> Cache {
+    let named = std::env::var_os("FABC_CACHE_DIR").filter(|value| !value.is_empty()).map(PathBuf::from);
+    match named.or_else(|| dirs::cache_dir().map(|folder| folder.join("fabc"))) {
+        Some(folder) => Cache::at(folder.join("experts")),
+        None => Cache::none(),
+    }
+}
+
+/// Lets SIGINT stop work between two of its steps.
+///
+/// A second SIGINT ends the process at once.
+pub fn interrupt() -> Result<Interrupt, Failure> {
+    let interrupt = Interrupt::default();
+    let raised = interrupt.clone();
+    ctrlc::set_handler(move || {
+        if raised.is_raised() {
+            std::process::exit(i32::from(crate::exit::Exit::Interrupted.code()));
+        }
+        raised.raise();
+    })
+    .map_err(|error| Failure::environment(format!("cannot listen for interrupts: {error}")))?;
+    Ok(interrupt)
+}

@@ -1,0 +1,172 @@
+//! The agent loop under scripted models: what ends it, what it asks again, what it never does.
+
+use super::support::{self, Scripted};
+use compiler::program::Program;
+use compiler::verify::Verdict;
+use runtime::agent::{Finding, Models};
+use runtime::cache::Cache;
+use runtime::interrupt::Interrupt;
+use runtime::journal::RunFolder;
+use runtime::model::{Part, Request, Speaker};
+use runtime::outcome::Outcome;
+use runtime::rollout::{self, Event, Job, RolloutReport};
+use runtime::start::Start;
+use runtime::subgoals::SubgoalSet;
+
+const WORDS: &str = "Instructions: fold the back left corner onto the front left corner.\nExplanation: the arrow says so.";
+
+/// What a rollout under scripted replies came to.
+struct Played {
+    report: RolloutReport,
+    seen: Vec<Request>,
+    said: Vec<Request>,
+    findings: Vec<Finding>,
+}
+
+/// Plays one step of the small task.
+fn play(vision: &[&str], text: &[&str]) -> Played {
+    play_task(&Program { horizon: 1, ..support::small_task() }, vision, text, &Interrupt::default())
+}
+
+fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Interrupt) -> Played {
+    let folder = tempfile::tempdir().unwrap();
+    let start = Start::flat(&program.cloth);
+    let (vision, text) = (Scripted::new(vision), Scripted::new(text));
+    let make_world = || support::world(program);
+    let blank = image::RgbImage::new(32, 32);
+    let steps = program.subgoals.steps();
+    let subgoals = SubgoalSet { pictures: vec![blank; steps + 1], arrows: vec![None; steps], origin: runtime::subgoals::Origin::Author };
+    let job = Job {
+        program,
+        start: &start,
+        subgoals: &subgoals,
+        models: Models { vision: &vision, text: &text },
+        make_world: &make_world,
+        cache: &Cache::none(),
+        interrupt,
+    };
+    let mut findings = Vec::new();
+    let mut watch = |event: Event<'_>| {
+        if let Event::Asked { attempt, .. } = event {
+            findings.push(attempt.finding.clone());
+        }
+    };
+    let report = rollout::run(&job, RunFolder::create(&folder.path().join("run")).unwrap(), &mut watch).unwrap();
+    Played { report, seen: vision.asked.into_inner().unwrap(), said: text.asked.into_inner().unwrap(), findings }
+}
+
+/// The corners that the prompt of stage two offers, as it writes them.
+fn offered_corners() -> Vec<String> {
+    let played = play(&[WORDS], &["nothing", "nothing", "nothing"]);
+    let Part::Text(prompt) = &played.said[0].messages[1].parts[0] else { panic!("stage two has no words") };
+    let line = prompt.lines().find(|line| line.contains("corners")).unwrap();
+    let list = &line[line.find('(').unwrap()..];
+    list.split_inclusive(')').map(|point| point.trim_start_matches([',', ' ']).to_owned()).filter(|point| point.ends_with(')')).collect()
+}
+
+fn answer(pick: &str, place: &str) -> String {
+    format!("Pick Point = {pick}\nPlace Point = {place}")
+}
+
+#[test]
+fn a_good_answer_is_executed_after_two_questions() {
+    let corners = offered_corners();
+    let played = play(&[WORDS], &[&answer(&corners[0], &corners[1])]);
+    assert_eq!(played.report.outcome, Outcome::HorizonReached);
+    assert_eq!((played.report.steps, played.seen.len(), played.said.len()), (1, 1, 1));
+    let Part::Text(prompt) = &played.said[0].messages[1].parts[0] else { panic!("stage two has no words") };
+    assert!(prompt.contains("fold the back left corner onto the front left corner"), "{prompt}");
+}
+
+#[test]
+fn stage_one_sees_two_pictures_and_stage_two_sees_none() {
+    let played = play(&[WORDS], &["no", "no", "no"]);
+    let pictures = |request: &Request| request.messages.iter().flat_map(|message| &message.parts).filter(|part| matches!(part, Part::Image(_))).count();
+    assert_eq!(pictures(&played.seen[0]), 2);
+    assert!(played.said.iter().all(|request| pictures(request) == 0));
+}
+
+#[test]
+fn a_refused_answer_is_asked_again_with_the_reason_and_at_most_three_times() {
+    let corners = offered_corners();
+    let nowhere = answer("(1, 2)", &corners[1]);
+    let played = play(&[WORDS], &[&nowhere, &nowhere, &nowhere, &nowhere]);
+    assert_eq!(played.report.outcome, Outcome::AttemptsExhausted);
+    assert_eq!((played.said.len(), played.report.steps), (3, 0));
+    for (finding, _) in played.findings.iter().skip(1).zip(0..3) {
+        let Finding::Action { verdict: Verdict::Reject { check, message, .. }, .. } = finding else { panic!("{finding:?}") };
+        assert_eq!(check, "offered");
+        assert!(message.contains("(1, 2)") && message.contains(&corners[0]), "{message}");
+    }
+    let last = &played.said[2].messages;
+    let speakers: Vec<Speaker> = last.iter().map(|message| message.speaker).collect();
+    use Speaker::{Assistant, System, User};
+    assert_eq!(speakers, [System, User, Assistant, User, Assistant, User]);
+}
+
+#[test]
+fn a_correction_is_taken_to_heart() {
+    let corners = offered_corners();
+    let still = answer(&corners[0], &corners[0]);
+    let played = play(&[WORDS], &[&still, &answer(&corners[0], &corners[1])]);
+    let Finding::Action { verdict: Verdict::Reject { check, .. }, .. } = &played.findings[1] else { panic!("{:?}", played.findings) };
+    assert_eq!(check, "moves");
+    assert_eq!((played.report.outcome, played.report.steps), (Outcome::HorizonReached, 1));
+}
+
+#[test]
+fn answers_that_cannot_be_read_end_with_their_own_outcome() {
+    let played = play(&["I see a cloth.", "Still a cloth.", "A cloth."], &[]);
+    assert_eq!(played.report.outcome, Outcome::MalformedReply);
+    assert_eq!((played.seen.len(), played.said.len()), (3, 0));
+    let played = play(&[WORDS], &["left", "right", "up"]);
+    assert_eq!(played.report.outcome, Outcome::MalformedReply);
+}
+
+#[test]
+fn the_last_answer_decides_between_malformed_and_refused() {
+    let corners = offered_corners();
+    let nowhere = answer("(1, 2)", &corners[1]);
+    assert_eq!(play(&[WORDS], &["?", "?", &nowhere]).report.outcome, Outcome::AttemptsExhausted);
+    assert_eq!(play(&[WORDS], &[&nowhere, &nowhere, "?"]).report.outcome, Outcome::MalformedReply);
+}
+
+#[test]
+fn a_model_without_an_answer_ends_the_rollout() {
+    assert_eq!(play(&[], &[]).report.outcome, Outcome::ModelFailed);
+    assert_eq!(play(&[WORDS], &[]).report.outcome, Outcome::ModelFailed);
+}
+
+#[test]
+fn a_cloth_outside_the_picture_is_a_named_outcome() {
+    let mut program = support::small_task();
+    for keypoint in &mut program.keypoints {
+        if let compiler::program::Extractor::DepthMask { below_m } = &mut keypoint.extractor {
+            *below_m = 0.5;
+        }
+    }
+    let played = play_task(&program, &[], &[], &Interrupt::default());
+    assert_eq!(played.report.outcome, Outcome::ClothOutOfView);
+    assert_eq!(played.seen.len(), 0);
+}
+
+#[test]
+fn a_detector_without_a_corner_is_a_named_outcome() {
+    let mut program = support::small_task();
+    for keypoint in &mut program.keypoints {
+        if let compiler::program::Extractor::Harris { k, .. } = &mut keypoint.extractor {
+            // With k = 1/4 Harris' response is nowhere above zero.
+            *k = 0.25;
+        }
+    }
+    let played = play_task(&program, &[], &[], &Interrupt::default());
+    assert_eq!(played.report.outcome, Outcome::NoCandidates);
+}
+
+#[test]
+fn an_interrupt_before_a_step_asks_nobody() {
+    let interrupt = Interrupt::default();
+    interrupt.raise();
+    let played = play_task(&support::small_task(), &[WORDS], &[], &interrupt);
+    assert_eq!((played.report.outcome, played.seen.len()), (Outcome::Interrupted, 0));
+}

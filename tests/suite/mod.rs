@@ -1,0 +1,15 @@
+//! One module per subject; `support` holds what they share.
+
+mod support;
+
+mod agent_loop;
+mod bad_input;
+mod faults;
+mod journal;
+mod model_conformance;
+mod peers;
+mod prompts;
+mod recorded_starts;
+mod tidy;
+mod verbs;
+mod world_conformance;

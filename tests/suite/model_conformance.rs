@@ -1,0 +1,81 @@
+//! What every [`Model`] must do; a new model adds one line at the end.
+
+use super::support::{self, Scripted};
+use compiler::program::ModelRole;
+use runtime::model::{Geometric, Message, Model, Part, Png, Request, Speaker};
+
+/// Fails with the name of the promise that a model breaks.
+fn conforms(make: &dyn Fn() -> Box<dyn Model>) {
+    let model = make();
+    assert!(!model.name().is_empty());
+    for request in requests() {
+        let first = make().ask(&request);
+        let again = make().ask(&request);
+        match (first, again) {
+            (Ok(first), Ok(again)) => assert_eq!(first, again, "equal requests have different replies at repetition 0"),
+            (Err(first), Err(again)) => assert_eq!(first.to_string(), again.to_string()),
+            (first, again) => panic!("answers once and fails once: {first:?}, {again:?}"),
+        }
+    }
+}
+
+/// Questions good and bad; none may make a model panic.
+fn requests() -> Vec<Request> {
+    let text = |words: &str| Part::Text(words.to_owned());
+    let user = |parts: Vec<Part>| vec![Message { speaker: Speaker::User, parts }];
+    let noise = Part::Image(Png::new(vec![7; 300]));
+    let blank = Part::Image(Png::new(runtime::picture::encode(&image::RgbImage::new(32, 32))));
+    let conversations = vec![
+        Vec::new(),
+        user(Vec::new()),
+        user(vec![text("")]),
+        user(vec![text("fold it"), noise.clone()]),
+        user(vec![text("fold it"), blank.clone(), blank.clone()]),
+        user(vec![blank.clone(), noise, blank]),
+        user(vec![text("- Cloth corners: (999999999999, -4), (NaN, 3)\n- Cloth center: ()")]),
+        user(vec![text("- Method of folding: pick the left corner\n- Cloth corners: (1, 2)\n- Cloth center: (1, 2)")]),
+        user(vec![text(&"(1, 2), ".repeat(20_000))]),
+        vec![Message::text(Speaker::Assistant, "Pick Point = (1, 2)")],
+    ];
+    let request = |(role, messages)| Request { role, messages, temperature: None, max_tokens: None, repetition: 0 };
+    let both = conversations.into_iter().flat_map(|messages| [(ModelRole::Vision, messages.clone()), (ModelRole::Text, messages)]);
+    both.map(request).collect()
+}
+
+#[test]
+fn the_geometric_stand_in_conforms() {
+    conforms(&|| Box::new(Geometric));
+}
+
+#[test]
+fn the_scripted_double_conforms() {
+    conforms(&|| Box::new(Scripted::new(&["one answer"])));
+}
+
+#[test]
+fn the_stand_in_is_called_one() {
+    assert_eq!(Geometric.nature(), runtime::model::Nature::StandIn);
+    assert_eq!(support::task("double_straight").stages.len(), 2);
+}
+
+#[test]
+fn a_requests_key_covers_every_part_of_it() {
+    let base = requests().remove(9);
+    let mut keys = vec![base.key()];
+    let mut change = |change: &dyn Fn(&mut Request)| {
+        let mut changed = base.clone();
+        change(&mut changed);
+        keys.push(changed.key());
+    };
+    change(&|request| request.role = if request.role == ModelRole::Text { ModelRole::Vision } else { ModelRole::Text });
+    change(&|request| request.temperature = Some(0.0));
+    change(&|request| request.max_tokens = Some(5));
+    change(&|request| request.repetition = 1);
+    change(&|request| request.messages.push(Message::text(Speaker::User, "")));
+    change(&|request| request.messages[0].parts.push(Part::Image(Png::new(vec![1]))));
+    change(&|request| request.messages[0].parts.push(Part::Image(Png::new(vec![2]))));
+    let count = keys.len();
+    keys.sort();
+    keys.dedup();
+    assert_eq!(keys.len(), count, "two different requests have one key");
+}
