@@ -166,6 +166,7 @@ impl<'a> Merged<'a> {
                 }
                 Declares::Override if !is_inherited && !self.is_broken => {
                     report.push(absent(Code::NothingToOverride, "override", name, &inherited));
+                    continue;
                 }
                 Declares::New | Declares::Override => {}
             }

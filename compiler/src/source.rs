@@ -41,16 +41,6 @@ impl Span {
     pub fn range(self) -> Range<usize> {
         self.start..self.end
     }
-
-    /// Returns the place that reaches from this one's start to the other's end, both in one file.
-    pub(crate) fn to(self, end: Span) -> Span {
-        Span { end: end.end, ..self }
-    }
-
-    /// Returns the empty place right behind this one.
-    pub(crate) fn behind(self) -> Span {
-        Span { start: self.end, ..self }
-    }
 }
 
 impl Sources {

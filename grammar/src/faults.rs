@@ -103,7 +103,7 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
     for parent in tree.nodes() {
         let mut previous: Option<Node<'_>> = None;
         for child in parent.children() {
-            if matches!(child.kind(), Kind::Space | Kind::Comment) {
+            if child.kind().is_trivia() {
                 continue;
             }
             faults.extend(judge(tree, parent, previous, child));
@@ -223,10 +223,7 @@ fn junk(tree: &Tree, parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_
         return Some(Fault { span, problem: Problem::TrailingComma });
     }
     // A remainder is measured together with the statement before it: that knows what may follow.
-    let continued = previous.filter(|before| {
-        let apart = &tree.text()[before.span().end..span.start];
-        is_statement(before.kind()) && !apart.contains(['\n', '\r'])
-    });
+    let continued = previous.filter(|before| is_statement(before.kind()) && before.is_cut());
     let start = continued.map_or(span.start, |before| before.span().start);
     if let Some(fault) = measure(tree, rule, start..span.end)
         && fault.span.start > start
@@ -237,7 +234,7 @@ fn junk(tree: &Tree, parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_
         let problem = Problem::UnknownWord { word: first.to_owned(), known, block: Some(block_word(parent)) };
         return Some(Fault { span: span.start..span.start + first.len(), problem });
     }
-    let expected = if is_word(first) || !known.is_empty() { Vec::new() } else { vec!["a name"] };
+    let expected = if known.is_empty() { vec!["a name"] } else { Vec::new() };
     Some(unexpected(tree, span.start, span.end, expected))
 }
 
@@ -251,7 +248,7 @@ fn measure(tree: &Tree, rule: Rule, span: Range<usize>) -> Option<Fault> {
     let ErrorVariant::ParsingError { positives, .. } = error.variant else { return None };
     let firm = positives.iter().any(|rule| !vocabulary::is_continuation(*rule) && vocabulary::expectation(*rule).is_some());
     let mut expected = Vec::new();
-    for rule in positives.into_iter().filter(|rule| !(firm && vocabulary::is_continuation(*rule))) {
+    for rule in positives.into_iter().filter(|rule| firm && !vocabulary::is_continuation(*rule)) {
         if let Some(words) = vocabulary::expectation(rule)
             && !expected.contains(&words)
         {

@@ -43,6 +43,11 @@ macro_rules! kinds {
         }
 
         impl Kind {
+            /// Returns whether it says nothing: blanks and comments.
+            pub fn is_trivia(self) -> bool {
+                matches!(self, Kind::Space | Kind::Comment)
+            }
+
             fn of(rule: Rule) -> Kind {
                 match rule {
                     $(Rule::$rule => Kind::$kind,)*
@@ -174,12 +179,23 @@ impl Tree {
                         tree.fill(cursor..pos.pos());
                     }
                     cursor = pos.pos();
-                    tree.entries[index].span.end = cursor;
-                    tree.entries[index].next = tree.entries.len();
+                    tree.close(index, cursor);
                 }
             }
         }
         tree
+    }
+
+    /// Ends a node; blanks and comments at its end become its neighbours, so that a span ends with a word.
+    fn close(&mut self, index: usize, mut end: usize) {
+        let mut next = self.entries.len();
+        let is_file = self.entries[index].kind == Kind::File;
+        while !is_file && next > index + 1 && self.entries[next - 1].kind.is_trivia() {
+            next -= 1;
+            end = self.entries[next].span.start;
+        }
+        self.entries[index].span.end = end;
+        self.entries[index].next = next;
     }
 
     fn fill(&mut self, gap: Range<usize>) {
@@ -235,6 +251,15 @@ impl<'t> Node<'t> {
     /// Returns its text.
     pub fn text(self) -> &'t str {
         &self.tree.text[self.span()]
+    }
+
+    /// Returns whether something that does not fit follows on the same line, so that the node is only a part of what was meant.
+    pub fn is_cut(self) -> bool {
+        let following = self.tree.entries[self.entry().next..].iter().find(|entry| !entry.kind.is_trivia());
+        following.is_some_and(|entry| {
+            let apart = &self.tree.text[self.span().end..entry.span.start];
+            matches!(entry.kind, Kind::Junk | Kind::JunkSection) && !apart.contains(['\n', '\r'])
+        })
     }
 
     /// Returns its children in source order, blanks and comments included.

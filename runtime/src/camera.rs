@@ -31,7 +31,11 @@ impl Camera {
             UnitQuaternion::from_rotation_matrix(&half_turn),
         );
         let focal_px = f64::from(image_px) / (2.0 * (fov_rad / 2.0).tan());
-        Camera { world_from_camera, focal_px, size_px: [image_px; 2] }
+        Camera {
+            world_from_camera,
+            focal_px,
+            size_px: [image_px; 2],
+        }
     }
 
     /// Projects a world point into the image, `[column, row]`.
@@ -92,7 +96,9 @@ mod tests {
         let camera = folding();
         let [middle_u, middle_v] = camera.pixel_from_world(Point3::origin()).unwrap();
         assert!((middle_u - 112.0).abs() < 1e-9 && (middle_v - 112.0).abs() < 1e-9);
-        let [u, v] = camera.pixel_from_world(Point3::new(0.1, 0.05, 0.15)).unwrap();
+        let [u, v] = camera
+            .pixel_from_world(Point3::new(0.1, 0.05, 0.15))
+            .unwrap();
         let focal_px = 112.0 / 22.5_f64.to_radians().tan();
         assert!((u - (112.0 + focal_px * 0.1 / 0.5)).abs() < 1e-9, "{u}");
         assert!((v - (112.0 - focal_px * 0.05 / 0.5)).abs() < 1e-9, "{v}");
@@ -100,7 +106,10 @@ mod tests {
 
     #[test]
     fn the_middle_of_an_image_that_is_not_square_is_half_its_sides() {
-        let camera = Camera { size_px: [640, 480], ..folding() };
+        let camera = Camera {
+            size_px: [640, 480],
+            ..folding()
+        };
         let [u, v] = camera.pixel_from_world(Point3::origin()).unwrap();
         assert!((u - 320.0).abs() < 1e-9 && (v - 240.0).abs() < 1e-9);
     }
@@ -109,7 +118,11 @@ mod tests {
     fn points_that_are_not_in_front_of_the_camera_have_no_pixel() {
         let camera = folding();
         for z in [0.65, 0.7, f64::NAN, f64::INFINITY] {
-            assert_eq!(camera.pixel_from_world(Point3::new(0.0, 0.1, z)), None, "z = {z}");
+            assert_eq!(
+                camera.pixel_from_world(Point3::new(0.0, 0.1, z)),
+                None,
+                "z = {z}"
+            );
         }
     }
 
@@ -117,7 +130,11 @@ mod tests {
     fn a_depth_without_a_reading_has_no_world_point() {
         let camera = folding();
         for depth_m in [0.0, -0.1, f64::NAN, f64::INFINITY] {
-            assert_eq!(camera.world_from_pixel([10.0, 10.0], depth_m), None, "depth {depth_m}");
+            assert_eq!(
+                camera.world_from_pixel([10.0, 10.0], depth_m),
+                None,
+                "depth {depth_m}"
+            );
         }
         assert_eq!(camera.world_from_pixel([f64::NAN, 10.0], 0.5), None);
         assert!(camera.world_from_pixel([10.0, 10.0], 0.5).is_some());
@@ -125,7 +142,9 @@ mod tests {
 
     #[test]
     fn recorded_pick_pixels_are_reproduced() {
-        let Some(root) = std::env::var_os("FABC_REFERENCE_DATA") else { return };
+        let Some(root) = std::env::var_os("FABC_REFERENCE_DATA") else {
+            return;
+        };
         let path = std::path::Path::new(&root).join("folding120/manifest.json");
         let manifest: serde_json::Value =
             serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();

@@ -19,8 +19,17 @@ fn reference() -> Option<PathBuf> {
 }
 
 fn ask(role: ModelRole, parts: Vec<Part>) -> String {
-    let messages = vec![Message { speaker: Speaker::User, parts }];
-    let request = Request { role, messages, temperature: None, max_tokens: None, repetition: 0 };
+    let messages = vec![Message {
+        speaker: Speaker::User,
+        parts,
+    }];
+    let request = Request {
+        role,
+        messages,
+        temperature: None,
+        max_tokens: None,
+        repetition: 0,
+    };
     Geometric.ask(&request).unwrap().text
 }
 
@@ -36,8 +45,12 @@ fn instruction(root: &Path, task: &str, step: usize) -> String {
         picture(format!("rgb_{}.png", step + 1)),
     ];
     let reply = ask(ModelRole::Vision, parts);
-    let line = reply.lines().find_map(|line| line.strip_prefix("Instructions: "));
-    line.unwrap_or_else(|| panic!("{task} {step}: {reply}")).trim_end_matches('.').to_owned()
+    let line = reply
+        .lines()
+        .find_map(|line| line.strip_prefix("Instructions: "));
+    line.unwrap_or_else(|| panic!("{task} {step}: {reply}"))
+        .trim_end_matches('.')
+        .to_owned()
 }
 
 /// Lets the stand-in choose a pick and a place; pixel centres.
@@ -49,15 +62,20 @@ fn planned(instruction: &str, corners: &[PixelPoint], center: PixelPoint) -> [[f
     );
     let reply = ask(ModelRole::Text, vec![Part::Text(text)]);
     ["Pick Point = (", "Place Point = ("].map(|label| {
-        let line = reply.lines().find_map(|line| line.strip_prefix(label)?.strip_suffix(')'));
-        let (u, v) =
-            line.and_then(|point| point.split_once(", ")).unwrap_or_else(|| panic!("{reply}"));
+        let line = reply
+            .lines()
+            .find_map(|line| line.strip_prefix(label)?.strip_suffix(')'));
+        let (u, v) = line
+            .and_then(|point| point.split_once(", "))
+            .unwrap_or_else(|| panic!("{reply}"));
         [u, v].map(|number| number.parse::<f64>().unwrap() + 0.5)
     })
 }
 
 fn levels(folder: &Path, step: usize) -> GrayImage {
-    image::open(folder.join(format!("depth_{step}.png"))).unwrap().into_luma8()
+    image::open(folder.join(format!("depth_{step}.png")))
+        .unwrap()
+        .into_luma8()
 }
 
 /// The corners and the centre of the cloth in a recorded depth image, 8-bit levels of 1/255 m.
@@ -73,7 +91,10 @@ fn observed(levels: &GrayImage) -> (Vec<PixelPoint>, PixelPoint) {
         spacing_px: 10.0,
         detector: Detector::Harris { k: 0.04 },
     };
-    (corners(&depth, &mask, &search).unwrap(), centroid(&mask).unwrap())
+    (
+        corners(&depth, &mask, &search).unwrap(),
+        centroid(&mask).unwrap(),
+    )
 }
 
 /// Turns an image about its middle, clockwise as seen, without blending depths.
@@ -84,7 +105,10 @@ fn turned(levels: &GrayImage, degrees: f64) -> GrayImage {
         if u < 0.0 || v < 0.0 {
             return table;
         }
-        levels.get_pixel_checked(u as u32, v as u32).copied().unwrap_or(table)
+        levels
+            .get_pixel_checked(u as u32, v as u32)
+            .copied()
+            .unwrap_or(table)
     })
 }
 
@@ -92,7 +116,10 @@ fn turned(levels: &GrayImage, degrees: f64) -> GrayImage {
 fn turned_point([u, v]: [f64; 2], degrees: f64) -> [f64; 2] {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let (right, down) = (u - 112.0, v - 112.0);
-    [112.0 + right * cos - down * sin, 112.0 + right * sin + down * cos]
+    [
+        112.0 + right * cos - down * sin,
+        112.0 + right * sin + down * cos,
+    ]
 }
 
 fn distance([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
@@ -134,8 +161,9 @@ fn recorded_steps(root: &Path, task: &str) -> Vec<Step> {
 #[test]
 fn straight_folds_are_planned_as_the_expert_did_them() {
     let Some(root) = reference() else { return };
-    let said: Vec<String> =
-        (0..3).map(|step| instruction(&root, "DoubleStraight", step)).collect();
+    let said: Vec<String> = (0..3)
+        .map(|step| instruction(&root, "DoubleStraight", step))
+        .collect();
     let steps = recorded_steps(&root, "DoubleStraight");
     assert!(steps.len() >= 60, "{} steps", steps.len());
     let mut worst = 0.0_f64;
@@ -145,7 +173,11 @@ fn straight_folds_are_planned_as_the_expert_did_them() {
         let [pick, place] = planned(&said[step.index], &listed, center);
         let off = [distance(pick, step.pick), distance(place, step.place)];
         let name = step.folder.display();
-        assert!(off.iter().all(|&off| off <= NEAR_PX), "{name} step {}: {off:?}", step.index);
+        assert!(
+            off.iter().all(|&off| off <= NEAR_PX),
+            "{name} step {}: {off:?}",
+            step.index
+        );
         worst = worst.max(off[0]).max(off[1]);
     }
     println!("worst of {} steps: {worst:.1} px", steps.len());
@@ -156,8 +188,9 @@ fn straight_folds_are_planned_as_the_expert_did_them() {
 #[test]
 fn straight_folds_are_planned_alike_when_the_recorded_cloth_is_turned() {
     let Some(root) = reference() else { return };
-    let said: Vec<String> =
-        (0..3).map(|step| instruction(&root, "DoubleStraight", step)).collect();
+    let said: Vec<String> = (0..3)
+        .map(|step| instruction(&root, "DoubleStraight", step))
+        .collect();
     let (mut worst, mut n_listed) = (0.0_f64, 0);
     let steps = recorded_steps(&root, "DoubleStraight");
     for step in steps.iter().filter(|step| step.rotation_deg == 0.0) {
@@ -171,19 +204,26 @@ fn straight_folds_are_planned_alike_when_the_recorded_cloth_is_turned() {
                 distance(place, turned_point(step.place, degrees)),
             ];
             let name = step.folder.display();
-            assert!(off.iter().all(|&off| off <= NEAR_PX), "{name} by {degrees}: {off:?}");
+            assert!(
+                off.iter().all(|&off| off <= NEAR_PX),
+                "{name} by {degrees}: {off:?}"
+            );
             worst = worst.max(off[0]).max(off[1]);
         }
     }
-    assert!(n_listed > 6, "turned edges should bring more than the corners: {n_listed}");
+    assert!(
+        n_listed > 6,
+        "turned edges should bring more than the corners: {n_listed}"
+    );
     println!("worst: {worst:.1} px; up to {n_listed} listed corners");
 }
 
 #[test]
 fn folds_to_the_center_are_planned_as_the_expert_did_them() {
     let Some(root) = reference() else { return };
-    let said: Vec<String> =
-        (0..4).map(|step| instruction(&root, "AllCornersInward", step)).collect();
+    let said: Vec<String> = (0..4)
+        .map(|step| instruction(&root, "AllCornersInward", step))
+        .collect();
     let steps = recorded_steps(&root, "AllCornersInward");
     assert!(steps.len() >= 80, "{} steps", steps.len());
     let mut worst = [0.0_f64; 2];
@@ -198,8 +238,14 @@ fn folds_to_the_center_are_planned_as_the_expert_did_them() {
         // The recorded expert stops a tenth of the way before the center.
         worst[1] = worst[1].max(distance(place, step.place));
     }
-    println!("worst pick {:.1} px, worst place {:.1} px", worst[0], worst[1]);
-    assert!(worst[0] <= NEAR_PX && worst[1] <= 2.0 * NEAR_PX, "{worst:?}");
+    println!(
+        "worst pick {:.1} px, worst place {:.1} px",
+        worst[0], worst[1]
+    );
+    assert!(
+        worst[0] <= NEAR_PX && worst[1] <= 2.0 * NEAR_PX,
+        "{worst:?}"
+    );
 }
 
 #[test]

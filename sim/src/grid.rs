@@ -5,7 +5,7 @@
 //! folding camera's image, when the cloth lies flat and unrotated.
 
 use crate::params::Params;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Fewest particles along a side.
 pub const MIN_DIM: usize = 2;
@@ -17,7 +17,10 @@ pub const MIN_SPACING_M: f32 = 0.001;
 pub const MAX_SPACING_M: f32 = 0.1;
 
 /// Numbers of particles along the sides, and the distance between neighbours at rest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+///
+/// Only [`Grid::new`] builds one, so its numbers are always within bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Grid {
     /// Particles along X.
     pub dimx: usize,

@@ -299,13 +299,6 @@ impl Simulator {
 
     /// Advances by one step while the sphere moves to `next`, with the held particle.
     fn step_to(&mut self, next: [f32; 3]) -> Result<(), SimError> {
-        if let Some(particle) = self.held {
-            // The whole move at once, before the first substep, keeping the offset to the sphere.
-            let at = self.solver.positions.get(particle);
-            let carried = [0, 1, 2].map(|axis| at[axis] + (next[axis] - self.sphere[axis]));
-            self.solver.positions.set(particle, carried);
-            self.at_rest &= next == self.sphere;
-        }
         self.steps += 1;
         let skip = self.shortcut == RestShortcut::Skip
             && self.at_rest

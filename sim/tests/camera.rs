@@ -30,9 +30,18 @@ fn points_right_and_up_in_the_world_are_right_and_up_in_the_image() {
 #[test]
 fn cameras_outside_the_bounds_are_refused() {
     let fov = 45f32.to_radians();
-    assert_eq!(TopDownCamera::new(0.65, fov, 15), Err(CameraError::Size(15)));
-    assert_eq!(TopDownCamera::new(0.65, fov, 2049), Err(CameraError::Size(2049)));
-    assert_eq!(TopDownCamera::new(0.0, fov, 224), Err(CameraError::Height(0.0)));
+    assert_eq!(
+        TopDownCamera::new(0.65, fov, 15),
+        Err(CameraError::Size(15))
+    );
+    assert_eq!(
+        TopDownCamera::new(0.65, fov, 2049),
+        Err(CameraError::Size(2049))
+    );
+    assert_eq!(
+        TopDownCamera::new(0.0, fov, 224),
+        Err(CameraError::Height(0.0))
+    );
     assert!(TopDownCamera::new(0.65, f32::NAN, 224).is_err());
 }
 
@@ -44,7 +53,10 @@ fn a_flat_cloth_shows_its_top_and_a_turned_one_its_underside() {
     let turned: Vec<[f32; 3]> = flat.iter().map(|p| [-p[0], p[1], p[2]]).collect();
     let camera = folding_camera(64);
     assert_eq!(pixel(&camera.render(grid, &flat, &look), 32, 32), look.top);
-    assert_eq!(pixel(&camera.render(grid, &turned, &look), 32, 32), look.underside);
+    assert_eq!(
+        pixel(&camera.render(grid, &turned, &look), 32, 32),
+        look.underside
+    );
 }
 
 #[test]
@@ -70,9 +82,21 @@ fn the_upper_layer_hides_the_lower_one_and_tiles_alternate() {
 #[test]
 fn every_depth_is_that_of_the_table_or_of_the_cloth() {
     let grid = Grid::new(20, 20, 0.00625).unwrap();
-    let frame = folding_camera(97).render(grid, &grid.flat_positions(&Params::default()), &Look::default());
-    let cloth = frame.depth_m.iter().filter(|d| (*d - 0.645).abs() < 1e-5).count();
-    let table = frame.depth_m.iter().filter(|d| (*d - 0.65).abs() < 1e-5).count();
+    let frame = folding_camera(97).render(
+        grid,
+        &grid.flat_positions(&Params::default()),
+        &Look::default(),
+    );
+    let cloth = frame
+        .depth_m
+        .iter()
+        .filter(|d| (*d - 0.645).abs() < 1e-5)
+        .count();
+    let table = frame
+        .depth_m
+        .iter()
+        .filter(|d| (*d - 0.65).abs() < 1e-5)
+        .count();
     assert_eq!(cloth + table, 97 * 97);
     // 19 spacings of 6.25 mm at 117.1 pixels focal length and 0.645 m distance.
     let side = (cloth as f32).sqrt();
@@ -102,21 +126,33 @@ fn a_fold_shows_both_sides() {
     // Shading changes a colour's brightness, so sides are told apart by blue: none on top.
     let blue = |minimum: u8| {
         let cloth = |p: &[u8]| p[0] > 150 && p[1] < 160;
-        frame.rgb.chunks(3).filter(|p| cloth(p) && p[2] >= minimum).count()
+        frame
+            .rgb
+            .chunks(3)
+            .filter(|p| cloth(p) && p[2] >= minimum)
+            .count()
     };
     let (all, underside) = (blue(0), blue(100));
-    assert!(underside > 50 && all - underside > 300, "{underside} of {all}");
+    assert!(
+        underside > 50 && all - underside > 300,
+        "{underside} of {all}"
+    );
 }
 
 /// Reads a recorded 8-bit grey PNG and returns its cloth mask.
 fn recorded_mask(demo: &Demonstration, image: usize) -> Vec<bool> {
     let file = std::fs::File::open(demo.folder.join(format!("depth_{image}.png"))).unwrap();
-    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file))
+        .read_info()
+        .unwrap();
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut bytes).unwrap();
     assert_eq!((info.width, info.height), (224, 224));
     // Recorded levels are floor(255 depth); the table is 165.
-    bytes[..224 * 224].iter().map(|&level| level <= 164).collect()
+    bytes[..224 * 224]
+        .iter()
+        .map(|&level| level <= 164)
+        .collect()
 }
 
 #[test]
@@ -134,19 +170,29 @@ fn recorded_starts_and_ends_cover_the_recorded_pixels() {
                     _ => (&demo.end, demo.actions.len()),
                 };
                 let frame = camera.render(demo.grid, points, &Look::default());
-                let drawn = frame.depth_m.iter().map(|depth| (255.0 * depth).floor() <= 164.0);
+                let drawn = frame
+                    .depth_m
+                    .iter()
+                    .map(|depth| (255.0 * depth).floor() <= 164.0);
                 let (mut both, mut either) = (0, 0);
                 for (drawn, recorded) in drawn.zip(recorded_mask(demo, image)) {
                     both += usize::from(drawn && recorded);
                     either += usize::from(drawn || recorded);
                 }
                 let overlap = both as f64 / either as f64;
-                assert!(overlap >= 0.98, "{task} {} {moment}: IoU {overlap:.4}", demo.id);
+                assert!(
+                    overlap >= 0.98,
+                    "{task} {} {moment}: IoU {overlap:.4}",
+                    demo.id
+                );
                 overlaps.push(overlap);
             }
             let mean = overlaps.iter().sum::<f64>() / overlaps.len() as f64;
             let min = overlaps.iter().fold(1.0, |a: f64, &b| a.min(b));
-            println!("{task} {moment}: IoU mean {mean:.4}, min {min:.4}, n {}", overlaps.len());
+            println!(
+                "{task} {moment}: IoU mean {mean:.4}, min {min:.4}, n {}",
+                overlaps.len()
+            );
             assert!(mean >= 0.99, "{task} {moment}: mean IoU {mean:.4}");
         }
     }

@@ -13,7 +13,7 @@ pub(crate) struct Expr {
 
 #[derive(Clone, Debug)]
 pub(crate) enum ExprKind {
-    Quantity { value: f64, number: Span, unit: Option<Ident> },
+    Quantity { value: f64, unit: Option<Ident> },
     Name(String),
     Call { name: Ident, arguments: Vec<Argument> },
     Compare { left: Box<Expr>, sign: Ident, right: Box<Expr> },
@@ -100,7 +100,7 @@ fn quantity(file: FileId, node: Node<'_>) -> Option<ExprKind> {
     // The grammar's numbers are digits, so parsing cannot fail; too many digits give infinity, which no range accepts.
     let value = number.text().parse().ok()?;
     let unit = node.child(Kind::Unit).or(node.child(Kind::KnownUnit)).map(|unit| ident(file, unit));
-    Some(ExprKind::Quantity { value, number: Span::new(file, number.span()), unit })
+    Some(ExprKind::Quantity { value, unit })
 }
 
 fn argument(file: FileId, node: Node<'_>) -> Option<Argument> {

@@ -12,7 +12,7 @@ use grammar::{Kind, Node, Tree};
 pub(crate) fn lower(file: FileId, tree: &Tree) -> File {
     let root = tree.root();
     let reader = Reader { file };
-    let junk = tree.nodes().filter(|node| is_junk(node.kind()));
+    let junk = tree.nodes().filter(|node| is_junk(node.kind()) || is_half(*node));
     let words = |node: Node<'_>| -> Vec<String> {
         node.text().split(|character: char| !character.is_alphanumeric() && character != '_').map(str::to_owned).collect()
     };
@@ -27,6 +27,17 @@ pub(crate) fn lower(file: FileId, tree: &Tree) -> File {
 
 fn is_junk(kind: Kind) -> bool {
     matches!(kind, Kind::Junk | Kind::JunkSection | Kind::JunkCondition | Kind::Stray | Kind::Surplus)
+}
+
+/// Returns whether a statement is cut off by what does not fit; a whole block before such a thing is kept.
+fn is_half(node: Node<'_>) -> bool {
+    let is_block = node.child(Kind::Close).is_some() && node.kind() != Kind::Check;
+    !is_block && node.is_cut()
+}
+
+/// Returns the whole statements of a kind.
+fn whole<'t>(block: Node<'t>, kind: Kind) -> impl Iterator<Item = Node<'t>> {
+    block.all(kind).filter(|node| !is_half(*node))
 }
 
 /// Returns whether something directly in a block does not fit.
@@ -68,7 +79,7 @@ impl Reader {
     }
 
     fn folds(&self, node: Node<'_>) -> Folds {
-        let moves = node.all(Kind::Fold).flat_map(|fold| fold.all(Kind::Move)).filter_map(|part| self.r#move(part));
+        let moves = whole(node, Kind::Fold).flat_map(|fold| fold.all(Kind::Move)).filter_map(|part| self.r#move(part));
         Folds { span: self.head(node), moves: moves.collect(), has_faults: has_faults(node) }
     }
 
@@ -86,11 +97,11 @@ impl Reader {
             goal: self.statements(node, Kind::Goal),
             horizon: self.statements(node, Kind::Horizon),
             subgoals: node.all(Kind::Subgoals).map(|part| self.subgoals(part)).collect(),
-            experts: node.all(Kind::ExpertsUsed).filter_map(|part| self.reference(part)).collect(),
+            experts: whole(node, Kind::ExpertsUsed).filter_map(|part| self.reference(part)).collect(),
             keypoints: node.all(Kind::Keypoints).map(|part| self.keypoints(part)).collect(),
             actions: node.all(Kind::Actions).map(|part| self.actions(part)).collect(),
-            components: node.children().filter_map(|part| self.component(part)).collect(),
-            without: node.all(Kind::Without).flat_map(|part| self.names(part)).collect(),
+            components: node.children().filter(|part| !is_half(*part)).filter_map(|part| self.component(part)).collect(),
+            without: whole(node, Kind::Without).flat_map(|part| self.names(part)).collect(),
             stages: node.all(Kind::Stage).filter_map(|part| self.stage(part)).collect(),
             verify: node.all(Kind::Verify).map(|part| self.verify(part)).collect(),
             has_faults: has_faults(node),
@@ -99,7 +110,7 @@ impl Reader {
 
     fn statements(&self, node: Node<'_>, kind: Kind) -> Vec<Statement> {
         let statement = |part| Some(Statement { span: self.span(part), value: expr::first(self.file, part)? });
-        node.all(kind).filter_map(statement).collect()
+        whole(node, kind).filter_map(statement).collect()
     }
 
     fn reference(&self, node: Node<'_>) -> Option<Reference> {
@@ -110,7 +121,7 @@ impl Reader {
         Subgoals {
             span: self.head(node),
             demonstrate: node.all(Kind::Demonstrate).map(|part| self.folds(part)).collect(),
-            images: node.all(Kind::Image).filter_map(|part| self.image(part)).collect(),
+            images: whole(node, Kind::Image).filter_map(|part| self.image(part)).collect(),
             has_faults: has_faults(node),
         }
     }
@@ -123,7 +134,7 @@ impl Reader {
 
     fn keypoints(&self, node: Node<'_>) -> Keypoints {
         let keypoint = |part| Some(Keypoint { name: self.name(part)?, value: last_expr(self.file, part)? });
-        Keypoints { span: self.head(node), list: node.all(Kind::Keypoint).filter_map(keypoint).collect() }
+        Keypoints { span: self.head(node), list: whole(node, Kind::Keypoint).filter_map(keypoint).collect() }
     }
 
     fn actions(&self, node: Node<'_>) -> Actions {
@@ -132,7 +143,7 @@ impl Reader {
             let one_of = names.split_off(1.min(names.len()));
             Some(Field { name: names.pop()?, one_of })
         };
-        Actions { span: self.head(node), fields: node.all(Kind::Field).filter_map(field).collect(), has_faults: has_faults(node) }
+        Actions { span: self.head(node), fields: whole(node, Kind::Field).filter_map(field).collect(), has_faults: has_faults(node) }
     }
 
     fn component(&self, node: Node<'_>) -> Option<Component> {
@@ -145,14 +156,14 @@ impl Reader {
     }
 
     fn stage(&self, node: Node<'_>) -> Option<Stage> {
-        let sayings = |kind| node.all(kind).map(|part| self.sayings(part)).collect();
+        let sayings = |kind| whole(node, kind).map(|part| self.sayings(part)).collect();
         Some(Stage {
             name: self.name(node.child(Kind::StageHead)?)?,
-            model: node.all(Kind::Model).map(|part| self.settings(part)).collect(),
-            show: node.all(Kind::Show).map(|part| self.pictures(part)).collect(),
+            model: whole(node, Kind::Model).map(|part| self.settings(part)).collect(),
+            show: whole(node, Kind::Show).map(|part| self.pictures(part)).collect(),
             say: sayings(Kind::Say),
             system: sayings(Kind::System),
-            read: node.all(Kind::Read).filter_map(|part| self.read(part)).collect(),
+            read: whole(node, Kind::Read).filter_map(|part| self.read(part)).collect(),
             has_faults: has_faults(node),
         })
     }
@@ -185,7 +196,7 @@ impl Reader {
     fn verify(&self, node: Node<'_>) -> Verify {
         Verify {
             span: self.head(node),
-            checks: node.all(Kind::Check).filter_map(|part| self.check(part)).collect(),
+            checks: whole(node, Kind::Check).filter_map(|part| self.check(part)).collect(),
             attempts: self.statements(node, Kind::Attempts),
         }
     }

@@ -65,7 +65,8 @@ pub(super) fn text(file: FileId, node: Node<'_>) -> Option<Text> {
         Kind::CurlyText | Kind::CurlyString | Kind::SingleString => vec![Piece::Literal(node.text().to_owned())],
         _ => return None,
     };
-    Some(Text { span, start: span.start + 1, pieces })
+    let quote = node.text().chars().next().map_or(0, char::len_utf8);
+    Some(Text { span, start: span.start + quote, pieces })
 }
 
 fn line(file: FileId, node: Node<'_>) -> Vec<Piece> {

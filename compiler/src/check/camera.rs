@@ -38,7 +38,7 @@ pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<
 }
 
 /// Warns where the flat cloth, however it is turned, does not fit into the picture.
-pub(crate) fn compare(cloth: &Cloth, camera: &Camera, statement: &Statement, context: &mut Context<'_>) {
+pub(crate) fn compare(cloth: &Cloth, laid: &Statement, camera: &Camera, seen: &Statement, context: &mut Context<'_>) {
     let view_m = 2.0 * camera.height_m * (camera.fov_rad / 2.0).tan();
     let side_m = |n_particles: u32| f64::from(n_particles - 1) * cloth.spacing_m;
     let diagonal_m = side_m(cloth.dimx).hypot(side_m(cloth.dimy));
@@ -49,7 +49,7 @@ pub(crate) fn compare(cloth: &Cloth, camera: &Camera, statement: &Statement, con
             diagonal_m * 1000.0
         );
         context.push(
-            Diagnostic::new(Code::CameraSeesTooLittle, statement.value.span, message).help("raise the camera, or widen its field of view"),
+            Diagnostic::new(Code::CameraSeesTooLittle, laid.value.span, message).also(seen.value.span, "the camera").help("raise the camera, or widen its field of view"),
         );
     }
 }

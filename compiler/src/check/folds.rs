@@ -108,7 +108,7 @@ fn point(expr: &Expr, context: &mut Context<'_>) -> Option<ClothPoint> {
             });
         }
         _ => {
-            let found = context.loaded.sources.text(expr.span);
+            let found = context.written(expr.span);
             context.push(Diagnostic::new(Code::WrongForm, expr.span, format!("expected a point of the cloth, found `{found}`")).help(FORMS));
         }
     }

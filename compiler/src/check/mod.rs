@@ -24,6 +24,7 @@ use crate::diag::{Code, Diagnostic, Report, among, nearest};
 use crate::load::Loaded;
 use crate::merge::{self, Merged};
 use crate::program::{PROGRAM_FORMAT, Program, SourceStamp, hex};
+use crate::source::Span;
 use names::Names;
 use sha2::{Digest, Sha256};
 
@@ -35,6 +36,13 @@ pub(crate) struct Context<'a> {
 }
 
 impl Context<'_> {
+    /// Returns what stands at a place, cut to a length that fits a message.
+    pub fn written(&self, span: Span) -> String {
+        const MOST: usize = 40;
+        let text = self.loaded.sources.text(span);
+        if text.chars().count() <= MOST { text.to_owned() } else { text.chars().take(MOST).chain(['…']).collect() }
+    }
+
     pub fn push(&mut self, diagnostic: Diagnostic) {
         self.report.push(diagnostic);
     }
@@ -84,8 +92,8 @@ fn task(task: &Task, loaded: &Loaded, report: &mut Report) -> Option<Program> {
     let mut context = Context { loaded, report, names };
     let cloth = merged.cloth.and_then(|statement| cloth::check(statement, &mut context));
     let camera = merged.camera.and_then(|statement| camera::check(statement, &mut context));
-    if let (Some(cloth), Some(camera), Some(statement)) = (&cloth, &camera, merged.camera) {
-        camera::compare(cloth, camera, statement, &mut context);
+    if let (Some(cloth), Some(laid), Some(camera), Some(seen)) = (&cloth, merged.cloth, &camera, merged.camera) {
+        camera::compare(cloth, laid, camera, seen, &mut context);
     }
     let keypoints = keypoints::check(&merged, camera.as_ref(), &mut context);
     let actions = merged.actions.map_or(Vec::new(), |part| actions::check(part, &mut context));

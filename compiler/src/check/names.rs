@@ -2,6 +2,7 @@
 //!
 //! Keypoints, texts that stages read, and action fields share one space: all can be written in a text.
 
+use super::actions::FIELDS;
 use crate::ast::{ExprKind, Ident};
 use crate::load::Loaded;
 use crate::merge::Merged;
@@ -36,6 +37,10 @@ impl<'a> Names<'a> {
             for read in part.read.iter().filter(|read| read.name.text != "action") {
                 known.entry(read.name.text.as_str()).or_insert(Meaning::Text { stage });
             }
+        }
+        // A field that is missing or misspelt is reported where the action is declared.
+        if merged.actions.is_some() {
+            known.extend(FIELDS.map(|field| (field, Meaning::Field)));
         }
         for field in merged.actions.iter().flat_map(|part| &part.fields) {
             known.insert(&field.name.text, Meaning::Field);

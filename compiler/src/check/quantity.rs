@@ -119,7 +119,7 @@ pub(crate) fn read_whole(expr: &Expr, wanted: &Wanted, context: &mut Context<'_>
 }
 
 fn written(expr: &Expr, context: &Context<'_>) -> String {
-    context.loaded.sources.text(expr.span).to_owned()
+    context.written(expr.span)
 }
 
 fn measured(expr: &Expr, wanted: Measure, context: &mut Context<'_>) -> Option<f64> {

@@ -82,7 +82,12 @@ pub fn corners(
     };
     Ok(found
         .into_iter()
-        .map(|[x, y]| snap(PixelPoint::new(scale_back(x, width), scale_back(y, height)), mask))
+        .map(|[x, y]| {
+            snap(
+                PixelPoint::new(scale_back(x, width), scale_back(y, height)),
+                mask,
+            )
+        })
         .collect())
 }
 
@@ -124,15 +129,30 @@ fn check_search(search: &CornerSearch) -> Result<(), VisionError> {
         Detector::ShiTomasi => 0.0,
     };
     let limits = [
-        ("image", side, (1..=MAX_SIDE_PX).contains(&search.image_px), "1 to 8192"),
-        ("max", f64::from(search.max), (1..=10_000).contains(&search.max), "1 to 10000"),
+        (
+            "image",
+            side,
+            (1..=MAX_SIDE_PX).contains(&search.image_px),
+            "1 to 8192",
+        ),
+        (
+            "max",
+            f64::from(search.max),
+            (1..=10_000).contains(&search.max),
+            "1 to 10000",
+        ),
         (
             "quality",
             search.quality,
             search.quality > 0.0 && search.quality <= 1.0,
             "above 0 and at most 1",
         ),
-        ("spacing", search.spacing_px, (0.0..=1e4).contains(&search.spacing_px), "0 to 10000"),
+        (
+            "spacing",
+            search.spacing_px,
+            (0.0..=1e4).contains(&search.spacing_px),
+            "0 to 10000",
+        ),
         ("k", harris_k, (0.0..=1.0).contains(&harris_k), "0 to 1"),
     ];
     match limits.into_iter().find(|&(_, _, holds, _)| !holds) {
@@ -153,11 +173,18 @@ fn detector_picture(depth: &DepthImage, mask: &Mask, side_px: u32) -> image::Gra
     };
     let (width, height) = depth.dimensions();
     let share = DepthImage::from_fn(width, height, |column, row| {
-        image::Luma([if reading(column, row).is_some() { 1.0 } else { 0.0 }])
+        image::Luma([if reading(column, row).is_some() {
+            1.0
+        } else {
+            0.0
+        }])
     });
     // `resize` keeps floats within 0 and 1, so depths travel as fractions of the farthest one.
-    let farthest_m =
-        depth.pixels().map(|pixel| pixel.0[0]).filter(|&d| has_reading(d)).fold(0.0, f32::max);
+    let farthest_m = depth
+        .pixels()
+        .map(|pixel| pixel.0[0])
+        .filter(|&d| has_reading(d))
+        .fold(0.0, f32::max);
     let weighted = DepthImage::from_fn(width, height, |column, row| {
         image::Luma([reading(column, row).map_or(0.0, |depth_m| depth_m / farthest_m)])
     });

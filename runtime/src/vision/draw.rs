@@ -28,18 +28,23 @@ const MAX_LABEL: usize = 200;
 /// Draws the black arrow of a subgoal picture: a ring at the tail, a line, a head at the tip.
 ///
 /// `tail` and `tip` are `[column, row]`, cut off to whole pixels. At 224 px the ring has radius 3 and all
-/// strokes are 2 px wide (protocol, section 6); in other pictures both grow with the longer side.
+/// strokes are 2 px wide (protocol, section 6); in larger pictures both grow with the longer side, in smaller
+/// ones they stay, or the ring would close up.
 pub fn draw_arrow(
     picture: &mut RgbImage,
     tail: [f64; 2],
     tip: [f64; 2],
 ) -> Result<(), VisionError> {
-    let scale = f64::from(picture.width().max(picture.height())) / ARROW_DRAWN_AT_PX;
-    let scaled = |size_px: f64| (size_px * scale).round().max(1.0) as i32;
-    let (Some(tail), Some(tip)) = (whole(tail), whole(tip)) else { return Ok(()) };
+    let side_px = f64::from(picture.width().max(picture.height()));
+    let scale = (side_px / ARROW_DRAWN_AT_PX).max(1.0);
+    // Widths are cut off rather than rounded, so that the inside of the ring stays open.
+    let (radius_px, stroke_px) = ((3.0 * scale).round() as i32, (2.0 * scale) as i32);
+    let (Some(tail), Some(tip)) = (whole(tail), whole(tip)) else {
+        return Ok(());
+    };
     let mut canvas = canvas(picture)?;
-    ring(&mut canvas, tail, scaled(3.0), scaled(2.0), BLACK)?;
-    arrow(&mut canvas, tail, tip, scaled(2.0), BLACK)
+    ring(&mut canvas, tail, radius_px, stroke_px, BLACK)?;
+    arrow(&mut canvas, tail, tip, stroke_px, BLACK)
 }
 
 /// Draws a proposed action: a green ring at the pick, a green arrow, a purple ring at the place.
@@ -85,7 +90,13 @@ pub fn draw_label(
 ) -> Result<(), VisionError> {
     // Capitals of this font are 21 px high at scale 1.
     let scale = f64::from(height_px.clamp(4, 100)) / 21.0;
-    let printable = |c: char| if c.is_ascii() && !c.is_ascii_control() { c } else { '?' };
+    let printable = |c: char| {
+        if c.is_ascii() && !c.is_ascii_control() {
+            c
+        } else {
+            '?'
+        }
+    };
     let text: String = text.chars().take(MAX_LABEL).map(printable).collect();
     let thickness = scale.round().max(1.0) as i32;
     imgproc::put_text(
@@ -106,7 +117,11 @@ pub fn draw_label(
 fn canvas(picture: &mut RgbImage) -> Result<opencv::boxed_ref::BoxedRefMut<'_, Mat>, VisionError> {
     let (width, height) = picture.dimensions();
     check_size(width, height)?;
-    Ok(Mat::new_rows_cols_with_bytes_mut::<Vec3b>(height as i32, width as i32, picture)?)
+    Ok(Mat::new_rows_cols_with_bytes_mut::<Vec3b>(
+        height as i32,
+        width as i32,
+        picture,
+    )?)
 }
 
 fn ring(
@@ -117,7 +132,15 @@ fn ring(
     rgb: Rgb,
 ) -> Result<(), VisionError> {
     let color = scalar(rgb);
-    imgproc::circle(canvas, center, radius_px, color, thickness_px, imgproc::LINE_8, 0)?;
+    imgproc::circle(
+        canvas,
+        center,
+        radius_px,
+        color,
+        thickness_px,
+        imgproc::LINE_8,
+        0,
+    )?;
     Ok(())
 }
 
@@ -130,7 +153,16 @@ fn arrow(
 ) -> Result<(), VisionError> {
     let color = scalar(rgb);
     let style = imgproc::LINE_8;
-    imgproc::arrowed_line(canvas, tail, tip, color, thickness_px, style, 0, HEAD_FRACTION)?;
+    imgproc::arrowed_line(
+        canvas,
+        tail,
+        tip,
+        color,
+        thickness_px,
+        style,
+        0,
+        HEAD_FRACTION,
+    )?;
     Ok(())
 }
 
@@ -149,5 +181,8 @@ fn whole(at: [f64; 2]) -> Option<Point> {
 }
 
 fn bounded(point: PixelPoint) -> Point {
-    Point::new(point.u.clamp(-FAR_PX, FAR_PX), point.v.clamp(-FAR_PX, FAR_PX))
+    Point::new(
+        point.u.clamp(-FAR_PX, FAR_PX),
+        point.v.clamp(-FAR_PX, FAR_PX),
+    )
 }

@@ -24,7 +24,12 @@ impl Mask {
             inside.extend((0..width).map(|column| is_inside(column, row)));
         }
         let area_px = inside.iter().filter(|&&pixel| pixel).count();
-        Mask { width, height, inside, area_px }
+        Mask {
+            width,
+            height,
+            inside,
+            area_px,
+        }
     }
 
     /// Returns the picture's width, pixels.
@@ -86,7 +91,8 @@ impl Mask {
     ///
     /// Zero on the set, infinite if the set is empty.
     pub fn distance_px(&self, point: PixelPoint) -> f64 {
-        self.nearest(point).map_or(f64::INFINITY, |nearest| point.distance_px(nearest))
+        self.nearest(point)
+            .map_or(f64::INFINITY, |nearest| point.distance_px(nearest))
     }
 
     /// Returns the pixels of the set, row by row from the top, each row from the left.

@@ -27,7 +27,9 @@ pub const MAX_SIDE_PX: u32 = 8192;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VisionError {
     /// A picture has no pixels, or more than can be worked on.
-    #[error("a picture of {width} x {height} px cannot be used: each side has 1 to {MAX_SIDE_PX} px")]
+    #[error(
+        "a picture of {width} x {height} px cannot be used: each side has 1 to {MAX_SIDE_PX} px"
+    )]
     Size {
         /// Pixels from left to right.
         width: u32,
@@ -68,5 +70,9 @@ impl From<opencv::Error> for VisionError {
 /// Refuses pictures that are empty or larger than [`MAX_SIDE_PX`].
 fn check_size(width: u32, height: u32) -> Result<(), VisionError> {
     let fits = |side: u32| (1..=MAX_SIDE_PX).contains(&side);
-    if fits(width) && fits(height) { Ok(()) } else { Err(VisionError::Size { width, height }) }
+    if fits(width) && fits(height) {
+        Ok(())
+    } else {
+        Err(VisionError::Size { width, height })
+    }
 }

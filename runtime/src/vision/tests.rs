@@ -52,10 +52,21 @@ fn pixels_without_a_reading_are_background() {
 
 #[test]
 fn the_nearest_pixel_of_an_equal_pair_is_the_upper_then_the_left_one() {
-    let square = Mask::from_fn(9, 9, |column, row| [2, 6].contains(&column) && [2, 6].contains(&row));
-    assert_eq!(square.nearest(PixelPoint::new(4, 4)), Some(PixelPoint::new(2, 2)));
-    assert_eq!(square.nearest(PixelPoint::new(4, 8)), Some(PixelPoint::new(2, 6)));
-    assert_eq!(square.nearest(PixelPoint::new(2, 4)), Some(PixelPoint::new(2, 2)));
+    let square = Mask::from_fn(9, 9, |column, row| {
+        [2, 6].contains(&column) && [2, 6].contains(&row)
+    });
+    assert_eq!(
+        square.nearest(PixelPoint::new(4, 4)),
+        Some(PixelPoint::new(2, 2))
+    );
+    assert_eq!(
+        square.nearest(PixelPoint::new(4, 8)),
+        Some(PixelPoint::new(2, 6))
+    );
+    assert_eq!(
+        square.nearest(PixelPoint::new(2, 4)),
+        Some(PixelPoint::new(2, 2))
+    );
 }
 
 #[test]
@@ -70,7 +81,10 @@ fn an_empty_mask_answers_with_nothing() {
 
 #[test]
 fn the_centroid_is_cut_off_to_whole_pixels() {
-    assert_eq!(centroid(&depth_mask(&rectangle(), 0.646)), Some(PixelPoint::new(29, 44)));
+    assert_eq!(
+        centroid(&depth_mask(&rectangle(), 0.646)),
+        Some(PixelPoint::new(29, 44))
+    );
 }
 
 #[test]
@@ -80,9 +94,15 @@ fn the_corners_of_a_rectangle_are_its_corners() {
     let found = corners(&depth, &mask, &harris()).unwrap();
     assert_eq!(found.len(), 4, "{found:?}");
     for expected in [(20, 30), (39, 30), (20, 59), (39, 59)].map(|(u, v)| PixelPoint::new(u, v)) {
-        assert!(found.iter().any(|c| c.distance_px(expected) <= 2.0), "{expected} in {found:?}");
+        assert!(
+            found.iter().any(|c| c.distance_px(expected) <= 2.0),
+            "{expected} in {found:?}"
+        );
     }
-    assert!(found.iter().all(|&corner| mask.contains(corner)), "{found:?}");
+    assert!(
+        found.iter().all(|&corner| mask.contains(corner)),
+        "{found:?}"
+    );
 }
 
 #[test]
@@ -92,11 +112,18 @@ fn missing_readings_and_the_tables_depth_do_not_move_corners() {
     let mut patchy = plain.clone();
     for (column, row, pixel) in patchy.enumerate_pixels_mut() {
         if !mask.contains(PixelPoint::new(column as i32, row as i32)) {
-            pixel.0[0] = if (column + row) % 3 == 0 { f32::NAN } else { 0.9 };
+            pixel.0[0] = if (column + row) % 3 == 0 {
+                f32::NAN
+            } else {
+                0.9
+            };
         }
     }
     let expected = corners(&plain, &mask, &harris()).unwrap();
-    assert_eq!(corners(&patchy, &depth_mask(&patchy, 0.646), &harris()).unwrap(), expected);
+    assert_eq!(
+        corners(&patchy, &depth_mask(&patchy, 0.646), &harris()).unwrap(),
+        expected
+    );
 }
 
 #[test]
@@ -105,12 +132,48 @@ fn settings_and_sizes_out_of_range_are_refused() {
     let mask = depth_mask(&depth, 0.646);
     let faulty = [
         ("max", CornerSearch { max: 0, ..harris() }),
-        ("image", CornerSearch { image_px: 0, ..harris() }),
-        ("image", CornerSearch { image_px: MAX_SIDE_PX + 1, ..harris() }),
-        ("quality", CornerSearch { quality: f64::NAN, ..harris() }),
-        ("quality", CornerSearch { quality: 0.0, ..harris() }),
-        ("spacing", CornerSearch { spacing_px: -1.0, ..harris() }),
-        ("k", CornerSearch { detector: Detector::Harris { k: f64::NAN }, ..harris() }),
+        (
+            "image",
+            CornerSearch {
+                image_px: 0,
+                ..harris()
+            },
+        ),
+        (
+            "image",
+            CornerSearch {
+                image_px: MAX_SIDE_PX + 1,
+                ..harris()
+            },
+        ),
+        (
+            "quality",
+            CornerSearch {
+                quality: f64::NAN,
+                ..harris()
+            },
+        ),
+        (
+            "quality",
+            CornerSearch {
+                quality: 0.0,
+                ..harris()
+            },
+        ),
+        (
+            "spacing",
+            CornerSearch {
+                spacing_px: -1.0,
+                ..harris()
+            },
+        ),
+        (
+            "k",
+            CornerSearch {
+                detector: Detector::Harris { k: f64::NAN },
+                ..harris()
+            },
+        ),
     ];
     for (setting, search) in faulty {
         match corners(&depth, &mask, &search) {
@@ -119,10 +182,16 @@ fn settings_and_sizes_out_of_range_are_refused() {
         }
     }
     let other_mask = Mask::from_fn(99, 80, |_, _| true);
-    assert!(matches!(corners(&depth, &other_mask, &harris()), Err(VisionError::MaskSize { .. })));
+    assert!(matches!(
+        corners(&depth, &other_mask, &harris()),
+        Err(VisionError::MaskSize { .. })
+    ));
     let nothing = DepthImage::new(0, 0);
     let no_mask = depth_mask(&nothing, 1.0);
-    assert!(matches!(corners(&nothing, &no_mask, &harris()), Err(VisionError::Size { .. })));
+    assert!(matches!(
+        corners(&nothing, &no_mask, &harris()),
+        Err(VisionError::Size { .. })
+    ));
     assert!(matches!(
         draw_arrow(&mut RgbImage::new(0, 4), [0.0; 2], [1.0; 2]),
         Err(VisionError::Size { .. })
@@ -144,7 +213,12 @@ fn arrows_that_are_not_finite_are_left_out_and_far_ones_cut_off() {
 #[test]
 fn an_action_has_a_green_pick_and_a_purple_place() {
     let mut picture = RgbImage::from_pixel(100, 100, Rgb([255; 3]));
-    draw_action(&mut picture, PixelPoint::new(20, 50), PixelPoint::new(80, 50)).unwrap();
+    draw_action(
+        &mut picture,
+        PixelPoint::new(20, 50),
+        PixelPoint::new(80, 50),
+    )
+    .unwrap();
     assert_eq!(picture.get_pixel(15, 50).0, [0, 255, 0]);
     assert_eq!(picture.get_pixel(50, 50).0, [0, 255, 0]);
     assert_eq!(picture.get_pixel(85, 50).0, [128, 0, 128]);
@@ -154,12 +228,32 @@ fn an_action_has_a_green_pick_and_a_purple_place() {
 fn points_and_labels_appear_in_their_colour() {
     let mut picture = RgbImage::new(200, 40);
     draw_points(&mut picture, &[PixelPoint::new(5, 6)], [10, 20, 30], 0).unwrap();
-    assert_eq!(picture.pixels().filter(|pixel| pixel.0 == [10, 20, 30]).count(), 1);
+    assert_eq!(
+        picture
+            .pixels()
+            .filter(|pixel| pixel.0 == [10, 20, 30])
+            .count(),
+        1
+    );
     assert_eq!(picture.get_pixel(5, 6).0, [10, 20, 30]);
-    draw_label(&mut picture, "pick é 1", PixelPoint::new(10, 30), [250, 0, 0], 14).unwrap();
-    let written = picture.enumerate_pixels().filter(|(_, _, pixel)| pixel.0[0] > 100);
-    let (top, bottom) = written.fold((40, 0), |(top, bottom), (_, row, _)| (row.min(top), row.max(bottom)));
-    assert!((14..=18).contains(&top) && (28..=36).contains(&bottom), "rows {top} to {bottom}");
+    draw_label(
+        &mut picture,
+        "pick é 1",
+        PixelPoint::new(10, 30),
+        [250, 0, 0],
+        14,
+    )
+    .unwrap();
+    let written = picture
+        .enumerate_pixels()
+        .filter(|(_, _, pixel)| pixel.0[0] > 100);
+    let (top, bottom) = written.fold((40, 0), |(top, bottom), (_, row, _)| {
+        (row.min(top), row.max(bottom))
+    });
+    assert!(
+        (14..=18).contains(&top) && (28..=36).contains(&bottom),
+        "rows {top} to {bottom}"
+    );
 }
 
 proptest! {
@@ -197,21 +291,32 @@ fn recorded_points(list: &Value) -> Vec<[i64; 2]> {
 
 /// Cuts coordinates off, as the recordings do.
 fn truncated(found: Vec<[f32; 2]>) -> Vec<[i64; 2]> {
-    found.into_iter().map(|point| point.map(|value| value as i64)).collect()
+    found
+        .into_iter()
+        .map(|point| point.map(|value| value as i64))
+        .collect()
 }
 
 #[test]
 fn harris_corners_match_the_recorded_lists_in_order() {
     let Some(root) = reference() else { return };
     let mut n_pictures = 0;
-    for fixture in manifest(&root.join("vision/harris128"))["fixtures"].as_array().unwrap() {
+    for fixture in manifest(&root.join("vision/harris128"))["fixtures"]
+        .as_array()
+        .unwrap()
+    {
         let path = root.join(fixture["file"].as_str().unwrap());
         // Held-out pictures are listed too, but may be absent.
         if !path.exists() {
             continue;
         }
         let found = truncated(corners_of_gray(&gray(&path), &harris()).unwrap());
-        assert_eq!(found, recorded_points(&fixture["corners"]), "{}", path.display());
+        assert_eq!(
+            found,
+            recorded_points(&fixture["corners"]),
+            "{}",
+            path.display()
+        );
         n_pictures += 1;
     }
     assert!(n_pictures >= 100, "{n_pictures} pictures");
@@ -235,7 +340,12 @@ fn shi_tomasi_corners_match_the_recorded_lists_in_order() {
             detector: Detector::ShiTomasi,
         };
         let found = truncated(corners_of_gray(&gray(&path), &search).unwrap());
-        assert_eq!(found, recorded_points(&fixture["recorded_corners"]), "{}", path.display());
+        assert_eq!(
+            found,
+            recorded_points(&fixture["recorded_corners"]),
+            "{}",
+            path.display()
+        );
         n_pictures += 1;
     }
     assert!(n_pictures >= 10, "{n_pictures} pictures");
@@ -245,7 +355,10 @@ fn shi_tomasi_corners_match_the_recorded_lists_in_order() {
 fn every_recorded_pick_is_near_a_detected_corner() {
     let Some(root) = reference() else { return };
     let (mut worst_px, mut n_steps) = (0.0_f64, 0);
-    for entry in manifest(&root.join("folding120"))["entries"].as_array().unwrap() {
+    for entry in manifest(&root.join("folding120"))["entries"]
+        .as_array()
+        .unwrap()
+    {
         let folder = root.join(entry["dir"].as_str().unwrap());
         if !folder.exists() {
             continue;
@@ -258,12 +371,20 @@ fn every_recorded_pick_is_near_a_detected_corner() {
             let mask = depth_mask(&depth, 0.646);
             let found = corners(&depth, &mask, &harris()).unwrap();
             assert!(found.len() <= 27, "{}", folder.display());
-            assert!(found.iter().all(|&corner| mask.contains(corner)), "{}", folder.display());
+            assert!(
+                found.iter().all(|&corner| mask.contains(corner)),
+                "{}",
+                folder.display()
+            );
             let pick = [0, 1].map(|axis| step["pick_px"][axis].as_f64().unwrap() - 0.5);
             let off = |corner: &PixelPoint| {
                 (f64::from(corner.u) - pick[0]).hypot(f64::from(corner.v) - pick[1])
             };
-            worst_px = found.iter().map(off).fold(f64::INFINITY, f64::min).max(worst_px);
+            worst_px = found
+                .iter()
+                .map(off)
+                .fold(f64::INFINITY, f64::min)
+                .max(worst_px);
             n_steps += 1;
         }
     }
@@ -283,8 +404,15 @@ fn subgoal_arrows_are_drawn_as_recorded_pixel_for_pixel() {
             continue;
         }
         for step in 0..entry["num_steps"].as_u64().unwrap() as usize {
-            let point = |list: &str| Some([entry[list][step][0].as_f64()?, entry[list][step][1].as_f64()?]);
-            let (Some(tail), Some(tip)) = (point("pick_px"), point("place_px")) else { continue };
+            let point = |list: &str| {
+                Some([
+                    entry[list][step][0].as_f64()?,
+                    entry[list][step][1].as_f64()?,
+                ])
+            };
+            let (Some(tail), Some(tip)) = (point("pick_px"), point("place_px")) else {
+                continue;
+            };
             let picture = |kind: &str| {
                 let path = root.join(format!("subgoals/{task}/{kind}_{step}.png"));
                 image::open(path).unwrap().into_rgb8()

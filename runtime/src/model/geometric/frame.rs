@@ -36,14 +36,26 @@ impl Frame {
     /// `along` is the direction of the longer side, else of the side that is nearer to the picture's right;
     /// of its two senses, the one that points right (or straight up).
     pub fn fit(hull: &[Point]) -> Option<Frame> {
-        let fits: Vec<Frame> = edges(hull).filter_map(|(a, b)| flush_with(hull, a, b)).collect();
+        let fits: Vec<Frame> = edges(hull)
+            .filter_map(|(a, b)| flush_with(hull, a, b))
+            .collect();
         let smallest = fits.iter().copied().reduce(|best, frame| {
-            if frame.area() < best.area() { frame } else { best }
+            if frame.area() < best.area() {
+                frame
+            } else {
+                best
+            }
         })?;
         let slimmest = fits
             .into_iter()
             .filter(|frame| frame.area() < smallest.area() * EQUAL_AREA)
-            .reduce(|best, frame| if frame.aspect() > best.aspect() { frame } else { best })
+            .reduce(|best, frame| {
+                if frame.aspect() > best.aspect() {
+                    frame
+                } else {
+                    best
+                }
+            })
             .filter(|frame| frame.aspect() > smallest.aspect() * CLEARLY_SLIMMER);
         let frame = slimmest.unwrap_or(smallest);
         (frame.half[0].min(frame.half[1]) > 0.0).then(|| frame.in_reading_order())
@@ -89,7 +101,10 @@ impl Frame {
     /// Returns the point at a share of the way along and across.
     pub fn point_at(&self, [along, across]: [f64; 2]) -> Point {
         let across_axis = quarter_turn(self.along);
-        let (s, t) = ((2.0 * along - 1.0) * self.half[0], (2.0 * across - 1.0) * self.half[1]);
+        let (s, t) = (
+            (2.0 * along - 1.0) * self.half[0],
+            (2.0 * across - 1.0) * self.half[1],
+        );
         [
             self.center[0] + s * self.along[0] + t * across_axis[0],
             self.center[1] + s * self.along[1] + t * across_axis[1],
@@ -108,16 +123,30 @@ impl Frame {
     }
 
     fn aspect(&self) -> f64 {
-        let (short, long) = (self.half[0].min(self.half[1]), self.half[0].max(self.half[1]));
-        if short > 0.0 { long / short } else { f64::INFINITY }
+        let (short, long) = (
+            self.half[0].min(self.half[1]),
+            self.half[0].max(self.half[1]),
+        );
+        if short > 0.0 {
+            long / short
+        } else {
+            f64::INFINITY
+        }
     }
 
     fn in_reading_order(self) -> Frame {
         let turns = (0..4).map(|turns| self.turned(turns));
         let rightness = |frame: &Frame| frame.along[0] + frame.along[1] * 1e-6;
-        let candidates = turns.filter(|frame| !self.has_long_sides() || frame.half[0] > frame.half[1]);
+        let candidates =
+            turns.filter(|frame| !self.has_long_sides() || frame.half[0] > frame.half[1]);
         candidates
-            .reduce(|best, frame| if rightness(&frame) > rightness(&best) { frame } else { best })
+            .reduce(|best, frame| {
+                if rightness(&frame) > rightness(&best) {
+                    frame
+                } else {
+                    best
+                }
+            })
             .unwrap_or(self)
     }
 }
@@ -129,8 +158,10 @@ pub const CORNERS: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.
 ///
 /// Fewer than three points remain where the points have no area. The order of the input does not matter.
 pub fn hull(points: impl IntoIterator<Item = Point>) -> Vec<Point> {
-    let mut sorted: Vec<Point> =
-        points.into_iter().filter(|point| point.iter().all(|value| value.is_finite())).collect();
+    let mut sorted: Vec<Point> = points
+        .into_iter()
+        .filter(|point| point.iter().all(|value| value.is_finite()))
+        .collect();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     sorted.dedup();
     if sorted.len() < 3 {
@@ -159,7 +190,9 @@ fn half_hull(sorted: impl Iterator<Item = Point>) -> Vec<Point> {
 
 /// Returns the distance from a point to the rim of a hull, on either side of it; infinite for an empty hull.
 pub fn distance_to_outline(hull: &[Point], point: Point) -> f64 {
-    edges(hull).map(|(a, b)| distance_to_segment(point, a, b)).fold(f64::INFINITY, f64::min)
+    edges(hull)
+        .map(|(a, b)| distance_to_segment(point, a, b))
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// Tells whether a point lies in a hull or on its rim.
@@ -174,13 +207,19 @@ pub fn distance(a: Point, b: Point) -> f64 {
 }
 
 fn edges(hull: &[Point]) -> impl Iterator<Item = (Point, Point)> {
-    hull.iter().copied().zip(hull.iter().copied().cycle().skip(1))
+    hull.iter()
+        .copied()
+        .zip(hull.iter().copied().cycle().skip(1))
 }
 
 fn distance_to_segment(point: Point, a: Point, b: Point) -> f64 {
     let (run, offset) = (minus(b, a), minus(point, a));
     let squared = dot(run, run);
-    let share = if squared > 0.0 { (dot(offset, run) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    let share = if squared > 0.0 {
+        (dot(offset, run) / squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     distance(offset, [run[0] * share, run[1] * share])
 }
 
@@ -196,7 +235,9 @@ fn flush_with(hull: &[Point], a: Point, b: Point) -> Option<Frame> {
         let span = (f64::INFINITY, f64::NEG_INFINITY);
         hull.iter()
             .map(|&point| dot(point, axis))
-            .fold(span, |(least, most), value| (value.min(least), value.max(most)))
+            .fold(span, |(least, most), value| {
+                (value.min(least), value.max(most))
+            })
     };
     let ((left, right), (low, high)) = (extent(along), extent(across));
     let (s, t) = ((left + right) / 2.0, (low + high) / 2.0);

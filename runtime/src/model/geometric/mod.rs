@@ -59,17 +59,27 @@ fn describe(messages: &[Message]) -> Option<String> {
         });
         bytes.collect::<Vec<_>>()
     };
-    let users = messages.iter().filter(|message| message.speaker == Speaker::User);
-    let shown = users.map(pictures).filter(|pictures| !pictures.is_empty()).last()?;
+    let users = messages
+        .iter()
+        .filter(|message| message.speaker == Speaker::User);
+    let shown = users
+        .map(pictures)
+        .filter(|pictures| !pictures.is_empty())
+        .last()?;
     let encoded: Vec<&[u8]> = shown.iter().map(super::Png::bytes).collect();
-    Some(match see::see(&encoded).map_err(|unseen| unseen.to_string()).and_then(put_into_words) {
-        Ok((instruction, sides)) => format!(
-            "Instructions: {instruction}.\n\
+    Some(
+        match see::see(&encoded)
+            .map_err(|unseen| unseen.to_string())
+            .and_then(put_into_words)
+        {
+            Ok((instruction, sides)) => format!(
+                "Instructions: {instruction}.\n\
              Explanation: The black arrow on the first picture runs from the first of these points to the \
              second; the cloth there has {sides}, and on the second picture it has left the arrow's tail."
-        ),
-        Err(why) => format!("I cannot describe this step: {why}."),
-    })
+            ),
+            Err(why) => format!("I cannot describe this step: {why}."),
+        },
+    )
 }
 
 /// Corners of the rectangle that the cloth misses by this share of the short side are worth a word.
@@ -111,7 +121,16 @@ fn put_into_words(seen: Sighting) -> Result<(Instruction, &'static str), String>
         (Sides::Equal, "sides of about the same length")
     };
     let bare = frame.corner_gaps(&seen.outline).map(|gap| gap >= BARE_FROM);
-    Ok((Instruction { pick, place, heading, sides, bare }, sides_in_words))
+    Ok((
+        Instruction {
+            pick,
+            place,
+            heading,
+            sides,
+            bare,
+        },
+        sides_in_words,
+    ))
 }
 
 /// Picks two points by the last prompt that lists corners.
@@ -128,7 +147,10 @@ fn choice(messages: &[Message]) -> Result<String, String> {
         let instruction = prompt::instruction_lines(&text).find_map(Instruction::read)?;
         (message.speaker == Speaker::User).then_some((text, instruction))
     };
-    let found = messages.iter().enumerate().filter_map(|(at, message)| Some((at, asked(message)?)));
+    let found = messages
+        .iter()
+        .enumerate()
+        .filter_map(|(at, message)| Some((at, asked(message)?)));
     let (at, (text, instruction)) = found
         .last()
         .ok_or("no line names a point of the cloth to pick and one to place it on")?;
@@ -136,8 +158,8 @@ fn choice(messages: &[Message]) -> Result<String, String> {
     if corners.is_empty() {
         return Err("no corners are listed".to_owned());
     }
-    let plan = plan::plan(&instruction, &corners, prompt::center(&text))
-        .map_err(|why| why.to_string())?;
+    let plan =
+        plan::plan(&instruction, &corners, prompt::center(&text)).map_err(|why| why.to_string())?;
     let refused = Refused::read(&messages[at..]);
     let chosen = plan
         .candidates
@@ -145,8 +167,13 @@ fn choice(messages: &[Message]) -> Result<String, String> {
         .find(|candidate| refused.leaves(candidate))
         .ok_or("every likely pair of listed points was refused")?;
     let whole: Vec<String> = messages.iter().map(spoken).collect();
-    let [pick, place] = ["pick", "place"].map(|field| AnswerLine::asked_for(field, &whole.join("\n")));
-    let again = if refused.is_empty() { "" } else { " that was not refused" };
+    let [pick, place] =
+        ["pick", "place"].map(|field| AnswerLine::asked_for(field, &whole.join("\n")));
+    let again = if refused.is_empty() {
+        ""
+    } else {
+        " that was not refused"
+    };
     Ok(format!(
         "{}\n{}\nThe rectangle around the listed corners lies turned by about {:.0} degrees against the words; \
          in it, these are the listed points nearest to the two that the words name{again}.",
@@ -198,7 +225,11 @@ impl Refused {
                 _ => Blamed::Pair,
             };
             let pick = prompt::answered("pick", &answer)?;
-            Some(Refusal { pick, place: prompt::answered("place", &answer)?, blamed })
+            Some(Refusal {
+                pick,
+                place: prompt::answered("place", &answer)?,
+                blamed,
+            })
         });
         Refused(refusals.collect())
     }

@@ -71,16 +71,23 @@ pub fn plan(
         }
     };
     let picks = nearest(corners.iter().copied(), target(instruction.pick)?);
-    let places = nearest(corners.iter().copied().chain(center), target(instruction.place)?);
+    let places = nearest(
+        corners.iter().copied().chain(center),
+        target(instruction.place)?,
+    );
     let mut candidates: Vec<Candidate> = Vec::new();
     for &(pick_off, pick) in &picks {
         let others = places.iter().filter(|&&(_, place)| place != pick);
-        candidates.extend(
-            others.map(|&(place_off, place)| Candidate { pick, place, off_px: pick_off + place_off }),
-        );
+        candidates.extend(others.map(|&(place_off, place)| Candidate {
+            pick,
+            place,
+            off_px: pick_off + place_off,
+        }));
     }
     candidates.sort_by(|a, b| {
-        a.off_px.total_cmp(&b.off_px).then((a.pick, a.place).cmp(&(b.pick, b.place)))
+        a.off_px
+            .total_cmp(&b.off_px)
+            .then((a.pick, a.place).cmp(&(b.pick, b.place)))
     });
     Ok(Plan { turn, candidates })
 }
@@ -114,8 +121,9 @@ fn turn_to(instruction: &Instruction, fitted: &Frame, hull: &[Point]) -> (Frame,
 
 /// The points nearest to a target, each once, nearest first; equally near ones from the top left.
 fn nearest(points: impl Iterator<Item = PixelPoint>, target: Point) -> Vec<(f64, PixelPoint)> {
-    let mut ranked: Vec<(f64, PixelPoint)> =
-        points.map(|point| (frame::distance(up(point), target), point)).collect();
+    let mut ranked: Vec<(f64, PixelPoint)> = points
+        .map(|point| (frame::distance(up(point), target), point))
+        .collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     ranked.dedup_by_key(|&mut (_, point)| point);
     ranked.truncate(MAX_CHOICES);

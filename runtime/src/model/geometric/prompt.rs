@@ -38,14 +38,20 @@ pub fn corners(text: &str) -> Vec<PixelPoint> {
 
 /// Returns the last point that a line calls the center.
 pub fn center(text: &str) -> Option<PixelPoint> {
-    let lines = text.lines().filter(|line| after_word(line, "corner").is_none());
-    lines.filter_map(|line| points(after_word(line, "cent")?).first().copied()).last()
+    let lines = text
+        .lines()
+        .filter(|line| after_word(line, "corner").is_none());
+    lines
+        .filter_map(|line| points(after_word(line, "cent")?).first().copied())
+        .last()
 }
 
 /// Returns the lines that may hold the instruction, likely ones first.
 pub fn instruction_lines(text: &str) -> impl Iterator<Item = &str> {
     let is_likely = |line: &&str| {
-        ["instruction", "folding", "method", "step"].iter().any(|word| after_word(line, word).is_some())
+        ["instruction", "folding", "method", "step"]
+            .iter()
+            .any(|word| after_word(line, word).is_some())
     };
     let likely = text.lines().filter(move |line| is_likely(line));
     likely.chain(text.lines().filter(move |line| !is_likely(line)))
@@ -63,19 +69,30 @@ impl AnswerLine {
     ///
     /// `field` is `pick` or `place`. Where no line asks for it, the paper's form is taken.
     pub fn asked_for(field: &str, prompt: &str) -> AnswerLine {
-        prompt.lines().rev().find_map(|line| AnswerLine::read(field, line)).unwrap_or_else(|| {
-            let (initial, rest) = field.split_at(1);
-            let name = format!("{}{rest}", initial.to_uppercase());
-            AnswerLine { before: format!("{name} Point = ("), after: ")".to_owned() }
-        })
+        prompt
+            .lines()
+            .rev()
+            .find_map(|line| AnswerLine::read(field, line))
+            .unwrap_or_else(|| {
+                let (initial, rest) = field.split_at(1);
+                let name = format!("{}{rest}", initial.to_uppercase());
+                AnswerLine {
+                    before: format!("{name} Point = ("),
+                    after: ")".to_owned(),
+                }
+            })
     }
 
     fn read(field: &str, line: &str) -> Option<AnswerLine> {
         let line = line.trim();
         after_word(line, field)?;
         let (before, after) = line.split_once("x, y").or_else(|| line.split_once("x,y"))?;
-        let opens = before.ends_with(['(', '[']) && before.trim_end_matches(['(', '[']).contains(['=', ':']);
-        opens.then(|| AnswerLine { before: before.to_owned(), after: after.to_owned() })
+        let opens = before.ends_with(['(', '['])
+            && before.trim_end_matches(['(', '[']).contains(['=', ':']);
+        opens.then(|| AnswerLine {
+            before: before.to_owned(),
+            after: after.to_owned(),
+        })
     }
 
     /// Writes the line with a point in it.
@@ -86,7 +103,9 @@ impl AnswerLine {
 
 /// Returns the point that an answer gives for `field`, `pick` or `place`.
 pub fn answered(field: &str, answer: &str) -> Option<PixelPoint> {
-    answer.lines().find_map(|line| points(after_word(line, field)?).first().copied())
+    answer
+        .lines()
+        .find_map(|line| points(after_word(line, field)?).first().copied())
 }
 
 /// The rest of a line after a word or a beginning of one, in any case.
@@ -100,7 +119,10 @@ pub fn points(text: &str) -> Vec<PixelPoint> {
     let mut found = Vec::new();
     let openings = text.match_indices(['(', '[']);
     for (at, _) in openings {
-        let inside = text[at + 1..].split([')', ']', '(', '[']).next().unwrap_or_default();
+        let inside = text[at + 1..]
+            .split([')', ']', '(', '['])
+            .next()
+            .unwrap_or_default();
         let mut numbers = inside.split(',').map(|number| number.trim().parse::<i32>());
         if let (Some(Ok(u)), Some(Ok(v)), None) = (numbers.next(), numbers.next(), numbers.next()) {
             found.push(PixelPoint::new(u, v));

@@ -16,7 +16,11 @@ pub struct Grid {
 impl Grid {
     /// Makes the empty set.
     pub fn new(width: u32, height: u32) -> Grid {
-        Grid { width, height, inside: vec![false; width as usize * height as usize] }
+        Grid {
+            width,
+            height,
+            inside: vec![false; width as usize * height as usize],
+        }
     }
 
     /// Collects the pixels for which `is_inside(column, row)` holds.
@@ -76,10 +80,61 @@ impl Grid {
     }
 }
 
-/// Splits a set into its patches of pixels that touch, corners included, each as (column, row).
+/// Pixels that hang together, as (column, row).
+pub type Patch = Vec<(u32, u32)>;
+
+/// Splits a set into its patches of pixels that touch, corners included.
 ///
 /// The patches are in the order of their topmost, then leftmost pixel.
-pub fn components(set: &Grid) -> Vec<Vec<(u32, u32)>> {
+pub fn components(set: &Grid) -> Vec<Patch> {
+    split(
+        set,
+        &[
+            (-1, -1),
+            (0, -1),
+            (1, -1),
+            (-1, 0),
+            (1, 0),
+            (-1, 1),
+            (0, 1),
+            (1, 1),
+        ],
+    )
+}
+
+/// Returns the patches of pixels that a patch encloses, in the order of their topmost, then leftmost pixel.
+///
+/// Where two of its pixels touch at a corner, a patch is closed.
+pub fn holes(patch: &Patch) -> Vec<Patch> {
+    let columns = || patch.iter().map(|&(column, _)| column);
+    let rows = || patch.iter().map(|&(_, row)| row);
+    let (Some(left), Some(right)) = (columns().min(), columns().max()) else {
+        return Vec::new();
+    };
+    let (Some(top), Some(bottom)) = (rows().min(), rows().max()) else {
+        return Vec::new();
+    };
+    // One pixel of margin all round, so that everything outside hangs together.
+    let mut own = Grid::new(right - left + 3, bottom - top + 3);
+    for &(column, row) in patch {
+        own.insert(column - left + 1, row - top + 1);
+    }
+    let gaps = Grid::from_fn(own.width, own.height, |column, row| {
+        !own.contains(column, row)
+    });
+    let mut holes = split(&gaps, &[(0, -1), (-1, 0), (1, 0), (0, 1)]);
+    // The outside is the first, since it holds the top left pixel.
+    holes.remove(0);
+    for hole in &mut holes {
+        for (column, row) in hole {
+            (*column, *row) = (*column + left - 1, *row + top - 1);
+        }
+    }
+    holes
+}
+
+/// Splits a set into patches whose pixels are connected by the given steps, (columns, rows).
+fn split(set: &Grid, steps: &[(i32, i32)]) -> Vec<Patch> {
     let mut seen = Grid::new(set.width, set.height);
     let mut patches = Vec::new();
     for start in set.points() {
@@ -91,13 +146,17 @@ pub fn components(set: &Grid) -> Vec<Vec<(u32, u32)>> {
         let mut next = 0;
         while let Some(&(column, row)) = patch.get(next) {
             next += 1;
-            for near_row in row.saturating_sub(1)..=row + 1 {
-                for near_column in column.saturating_sub(1)..=column + 1 {
-                    if set.contains(near_column, near_row) && !seen.contains(near_column, near_row)
-                    {
-                        seen.insert(near_column, near_row);
-                        patch.push((near_column, near_row));
-                    }
+            for &(right, down) in steps {
+                let near = (
+                    column.checked_add_signed(right),
+                    row.checked_add_signed(down),
+                );
+                let (Some(column), Some(row)) = near else {
+                    continue;
+                };
+                if set.contains(column, row) && !seen.contains(column, row) {
+                    seen.insert(column, row);
+                    patch.push((column, row));
                 }
             }
         }
@@ -132,8 +191,12 @@ pub fn border_colours(pictures: &[&RgbImage]) -> Vec<[f64; 3]> {
             n_pixels += 1;
         }
     }
-    let frequent = bins.into_values().filter(|&(_, count)| count * LEAST_SHARE >= n_pixels);
-    frequent.map(|(sum, count)| sum.map(|total| total / count as f64)).collect()
+    let frequent = bins
+        .into_values()
+        .filter(|&(_, count)| count * LEAST_SHARE >= n_pixels);
+    frequent
+        .map(|(sum, count)| sum.map(|total| total / count as f64))
+        .collect()
 }
 
 /// How dark and how bright a table colour may appear, as factors. A fold's soft shadow dims the recorded

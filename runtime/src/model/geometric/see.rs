@@ -26,7 +26,9 @@ pub struct Sighting {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unseen {
     /// There are not two pictures.
-    #[error("I need two pictures, the cloth before the step and after it, and I was given {n_pictures}")]
+    #[error(
+        "I need two pictures, the cloth before the step and after it, and I was given {n_pictures}"
+    )]
     Count {
         /// How many there are.
         n_pictures: usize,
@@ -99,14 +101,17 @@ const LEAST_CHANGE: f64 = 0.005;
 /// Reads a step from exactly two pictures.
 pub fn see(pictures: &[&[u8]]) -> Result<Sighting, Unseen> {
     let [first, second] = pictures else {
-        return Err(Unseen::Count { n_pictures: pictures.len() });
+        return Err(Unseen::Count {
+            n_pictures: pictures.len(),
+        });
     };
     let first = decode(first, Which::First)?;
     let second = decode(second, Which::Second)?;
     if first.dimensions() != second.dimensions() {
         return Err(Unseen::SizesDiffer);
     }
-    let scale = f64::from(first.width().max(first.height())) / 224.0;
+    // Smaller pictures have arrows of the same size, for legibility.
+    let scale = (f64::from(first.width().max(first.height())) / 224.0).max(1.0);
     let ink = arrow::near_black(&first);
     let drawn = arrow::find(&ink, scale).map_err(|fault| match fault {
         ArrowFault::Many => Unseen::Arrows,
@@ -122,7 +127,11 @@ pub fn see(pictures: &[&[u8]]) -> Result<Sighting, Unseen> {
     let outline = outline_with_arrow(&before, &drawn, scale)?;
     check_change(&before, &after, &drawn)?;
     let up = |[column, row]: [f64; 2]| [column, f64::from(first.height()) - row];
-    Ok(Sighting { outline, tail: up(drawn.tail), tip: up(drawn.tip) })
+    Ok(Sighting {
+        outline,
+        tail: up(drawn.tail),
+        tip: up(drawn.tip),
+    })
 }
 
 fn decode(bytes: &[u8], which: Which) -> Result<RgbImage, Unseen> {
@@ -149,10 +158,11 @@ fn decode(bytes: &[u8], which: Which) -> Result<RgbImage, Unseen> {
 fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Grid) -> Option<Grid> {
     // With the stroke in, or an arrow across the cloth would cut it in two.
     let patch = Grid::from_fn(picture.width(), picture.height(), |column, row| {
-        stroke.contains(column, row)
-            || !regions::is_table(picture.get_pixel(column, row).0, table)
+        stroke.contains(column, row) || !regions::is_table(picture.get_pixel(column, row).0, table)
     });
-    let mut largest = regions::components(&patch).into_iter().max_by_key(Vec::len)?;
+    let mut largest = regions::components(&patch)
+        .into_iter()
+        .max_by_key(Vec::len)?;
     // A stroke that was softened by scaling has grey rims that are neither table nor cloth.
     largest.retain(|&(column, row)| !stroke.touches(column, row));
     let least = LEAST_CLOTH * f64::from(picture.width()) * f64::from(picture.height());
@@ -174,7 +184,9 @@ fn outline_with_arrow(cloth: &Grid, arrow: &Arrow, scale: f64) -> Result<Vec<Poi
     let rims = (0..cloth.height()).flat_map(|row| {
         let columns = (0..cloth.width()).filter(move |&column| cloth.contains(column, row));
         let (least, most) = columns.fold((u32::MAX, 0), |(l, m), c| (l.min(c), m.max(c + 1)));
-        [(least, row), (least, row + 1), (most, row), (most, row + 1)].into_iter().filter(move |_| least < most)
+        [(least, row), (least, row + 1), (most, row), (most, row + 1)]
+            .into_iter()
+            .filter(move |_| least < most)
     });
     let rim_points = rims.map(|(column, row)| up([f64::from(column), f64::from(row)]));
     let bare = frame::hull(rim_points);
@@ -187,7 +199,9 @@ fn outline_with_arrow(cloth: &Grid, arrow: &Arrow, scale: f64) -> Result<Vec<Poi
         return Err(Unseen::TailBesideCloth);
     }
     let ends = [Some(tail), Some(tip).filter(|&tip| is_near(tip))];
-    Ok(frame::hull(bare.iter().copied().chain(ends.into_iter().flatten())))
+    Ok(frame::hull(
+        bare.iter().copied().chain(ends.into_iter().flatten()),
+    ))
 }
 
 /// Refuses pairs whose second picture does not follow from the first by the arrow.
@@ -199,7 +213,11 @@ fn check_change(before: &Grid, after: &Grid, arrow: &Arrow) -> Result<(), Unseen
         .map(|(column, row)| [f64::from(column), f64::from(row)])
         .collect();
     // The first picture's stroke hides cloth, which must not count as growth.
-    let hidden = arrow.stroke.points().filter(|&(column, row)| after.contains(column, row)).count();
+    let hidden = arrow
+        .stroke
+        .points()
+        .filter(|&(column, row)| after.contains(column, row))
+        .count();
     if after.len() as f64 > (area + 2.0 * hidden as f64) * GROWTH {
         return Err(Unseen::Backwards);
     }

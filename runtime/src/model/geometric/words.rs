@@ -10,8 +10,16 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Compass(u8);
 
-const COMPASS: [&str; 8] =
-    ["right", "upper right", "top", "upper left", "left", "lower left", "bottom", "lower right"];
+const COMPASS: [&str; 8] = [
+    "right",
+    "upper right",
+    "top",
+    "upper left",
+    "left",
+    "lower left",
+    "bottom",
+    "lower right",
+];
 
 impl Compass {
     /// Returns the direction nearest to an angle, radians anti-clockwise from the right.
@@ -87,7 +95,12 @@ pub struct Instruction {
 impl fmt::Display for Instruction {
     /// Writes one sentence without a full stop.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Pick {} and place it on {}", self.spot(self.pick), self.spot(self.place))?;
+        write!(
+            f,
+            "Pick {} and place it on {}",
+            self.spot(self.pick),
+            self.spot(self.place)
+        )?;
         let corners = [(0, 0), (8, 0), (8, 8), (0, 8)];
         let bare: Vec<String> = corners
             .into_iter()
@@ -113,7 +126,10 @@ const EIGHTHS: [(u8, &str); 6] = [
 ];
 
 fn eighths_in_words(count: u8) -> &'static str {
-    EIGHTHS.iter().find(|&&(eighths, _)| eighths == count).map_or("the whole", |&(_, words)| words)
+    EIGHTHS
+        .iter()
+        .find(|&&(eighths, _)| eighths == count)
+        .map_or("the whole", |&(_, words)| words)
 }
 
 impl Instruction {
@@ -164,8 +180,12 @@ impl Instruction {
         let heading = spots.iter().chain(&bare).find_map(Told::heading)?;
         let mut is_bare = [false; 4];
         for told in &bare {
-            let Spot::At { along, across } = told.spot(heading)? else { return None };
-            let corner = [(0, 0), (8, 0), (8, 8), (0, 8)].iter().position(|&c| c == (along, across))?;
+            let Spot::At { along, across } = told.spot(heading)? else {
+                return None;
+            };
+            let corner = [(0, 0), (8, 0), (8, 8), (0, 8)]
+                .iter()
+                .position(|&c| c == (along, across))?;
             is_bare[corner] = true;
         }
         let is_long = fold.contains("long side") || fold.contains("longer side");
@@ -185,7 +205,10 @@ enum Told {
     Center,
     /// The corner that lies in that direction from the middle.
     Corner(Compass),
-    Crossing { along: Way, across: Way },
+    Crossing {
+        along: Way,
+        across: Way,
+    },
 }
 
 /// A share of the way from one side of the frame to the opposite one.
@@ -198,12 +221,24 @@ struct Way {
 
 impl Told {
     fn read(phrase: &str) -> Option<Told> {
-        if let Some((point, line)) = phrase.split_once("end of").or(phrase.split_once("middle of")) {
-            let along = if phrase.contains("end of") { Way::read(point)? } else { Way::MIDDLE };
-            return Some(Told::Crossing { along, across: Way::read(line)? });
+        if let Some((point, line)) = phrase
+            .split_once("end of")
+            .or(phrase.split_once("middle of"))
+        {
+            let along = if phrase.contains("end of") {
+                Way::read(point)?
+            } else {
+                Way::MIDDLE
+            };
+            return Some(Told::Crossing {
+                along,
+                across: Way::read(line)?,
+            });
         }
         if phrase.contains("corner") {
-            return directions(phrase).first().map(|&corner| Told::Corner(corner));
+            return directions(phrase)
+                .first()
+                .map(|&corner| Told::Corner(corner));
         }
         (phrase.contains("center") || phrase.contains("centre") || phrase.contains("middle"))
             .then_some(Told::Center)
@@ -226,7 +261,11 @@ impl Told {
             Told::Corner(_) if matches!(heading.0, 2 | 3 | 6) => heading.turned(6),
             _ => heading,
         };
-        Some(if heading.is_in_reading_order() { heading } else { heading.opposite() })
+        Some(if heading.is_in_reading_order() {
+            heading
+        } else {
+            heading.opposite()
+        })
     }
 
     fn spot(&self, heading: Compass) -> Option<Spot> {
@@ -251,20 +290,30 @@ impl Told {
 }
 
 impl Way {
-    const MIDDLE: Way = Way { towards: None, eighths: 4 };
+    const MIDDLE: Way = Way {
+        towards: None,
+        eighths: 4,
+    };
 
     /// Reads `the left`, `the top long side`, `the line one quarter from the left to the right side`.
     fn read(phrase: &str) -> Option<Way> {
         let named = directions(phrase);
         if phrase.contains("middle") {
-            return Some(Way { towards: named.get(1).copied(), eighths: 4 });
+            return Some(Way {
+                towards: named.get(1).copied(),
+                eighths: 4,
+            });
         }
         let fraction = EIGHTHS.iter().find(|(_, words)| phrase.contains(words));
         match (fraction, named.as_slice()) {
-            (Some(&(eighths, _)), [_, towards, ..]) => {
-                Some(Way { towards: Some(*towards), eighths })
-            }
-            (None, [towards, ..]) => Some(Way { towards: Some(*towards), eighths: 8 }),
+            (Some(&(eighths, _)), [_, towards, ..]) => Some(Way {
+                towards: Some(*towards),
+                eighths,
+            }),
+            (None, [towards, ..]) => Some(Way {
+                towards: Some(*towards),
+                eighths: 8,
+            }),
             _ => None,
         }
     }
@@ -284,11 +333,18 @@ impl Way {
 fn directions(phrase: &str) -> Vec<Compass> {
     let mut found = Vec::new();
     let mut upright: Option<Compass> = None;
-    for word in phrase.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()) {
+    for word in phrase
+        .split(|c: char| !c.is_alphanumeric())
+        .filter(|word| !word.is_empty())
+    {
         let level = match word {
             "top" | "upper" | "bottom" | "lower" => {
                 found.extend(upright.take());
-                upright = Some(Compass(if matches!(word, "top" | "upper") { 2 } else { 6 }));
+                upright = Some(Compass(if matches!(word, "top" | "upper") {
+                    2
+                } else {
+                    6
+                }));
                 continue;
             }
             "right" => Some(Compass(0)),

@@ -13,28 +13,46 @@ fn assert_says(pictures: &[RgbImage], why: &str) {
 #[test]
 fn an_erased_arrow_is_named() {
     let fold = rectangle_fold();
-    assert_says(&[VIEW.paint(&fold.before), VIEW.paint(&fold.after)], "I see no arrow on the first picture.");
+    assert_says(
+        &[VIEW.paint(&fold.before), VIEW.paint(&fold.after)],
+        "I see no arrow on the first picture.",
+    );
 }
 
 #[test]
 fn swapped_pictures_are_named() {
     let [first, second] = VIEW.pictures(&rectangle_fold());
-    assert_says(&[second, first], "one on the second, as if they were swapped");
+    assert_says(
+        &[second, first],
+        "one on the second, as if they were swapped",
+    );
 }
 
 #[test]
 fn an_arrow_against_the_change_is_named() {
     let fold = rectangle_fold();
-    let grown = Fold { before: fold.after.clone(), after: fold.before.clone(), tail: [-0.5, 0.0], ..rectangle_fold() };
+    let grown = Fold {
+        before: fold.after.clone(),
+        after: fold.before.clone(),
+        tail: [-0.5, 0.0],
+        ..rectangle_fold()
+    };
     assert_says(&VIEW.pictures(&grown), "does not fit the arrow");
-    let reversed = Fold { tail: fold.tip, tip: fold.tail, ..rectangle_fold() };
+    let reversed = Fold {
+        tail: fold.tip,
+        tip: fold.tail,
+        ..rectangle_fold()
+    };
     assert_says(&VIEW.pictures(&reversed), "does not fit the arrow");
 }
 
 #[test]
 fn equal_pictures_are_named() {
     let [first, _] = VIEW.pictures(&rectangle_fold());
-    assert_says(&[first, VIEW.paint(&rectangle_fold().before)], "shows no change");
+    assert_says(
+        &[first, VIEW.paint(&rectangle_fold().before)],
+        "shows no change",
+    );
 }
 
 #[test]
@@ -60,7 +78,10 @@ fn a_line_without_a_ring_is_no_arrow() {
 
 #[test]
 fn an_arrow_that_starts_beside_the_cloth_is_named() {
-    let fold = Fold { tail: [-0.7, 0.6], ..rectangle_fold() };
+    let fold = Fold {
+        tail: [-0.7, 0.6],
+        ..rectangle_fold()
+    };
     assert_says(&VIEW.pictures(&fold), "does not start on the cloth");
 }
 
@@ -74,15 +95,36 @@ fn missing_and_additional_pictures_are_named() {
 #[test]
 fn pictures_that_cannot_be_compared_are_named() {
     let [first, second] = VIEW.pictures(&rectangle_fold());
-    let other = View { side_px: 225, ..VIEW }.paint(&rectangle_fold().after);
+    let other = View {
+        side_px: 225,
+        ..VIEW
+    }
+    .paint(&rectangle_fold().after);
     assert_says(&[first.clone(), other], "different sizes");
-    assert_says(&[RgbImage::new(8, 8), second.clone()], "first picture is shorter than 32");
-    assert_says(&[first.clone(), RgbImage::new(4097, 40)], "longer than 4096");
-    let bare = View { cloth: LIGHT_TILES[0], tiles: [LIGHT_TILES[0]; 2], ..VIEW }.paint(&[]);
+    assert_says(
+        &[RgbImage::new(8, 8), second.clone()],
+        "first picture is shorter than 32",
+    );
+    assert_says(
+        &[first.clone(), RgbImage::new(4097, 40)],
+        "longer than 4096",
+    );
+    let bare = View {
+        cloth: LIGHT_TILES[0],
+        tiles: [LIGHT_TILES[0]; 2],
+        ..VIEW
+    }
+    .paint(&[]);
     assert_says(&[first.clone(), bare], "no cloth on the second picture");
-    let parts = vec![png(&first), Part::Image(Png::new(b"not a picture".to_vec()))];
+    let parts = vec![
+        png(&first),
+        Part::Image(Png::new(b"not a picture".to_vec())),
+    ];
     let reply = ask(ModelRole::Vision, vec![user(parts)]);
-    assert_eq!(reply, "I cannot describe this step: the second picture cannot be read.");
+    assert_eq!(
+        reply,
+        "I cannot describe this step: the second picture cannot be read."
+    );
 }
 
 #[test]
@@ -92,14 +134,29 @@ fn prompts_that_lack_something_are_answered_without_points() {
     for (prompt, why) in [
         ("Hello.".to_owned(), "no line names a point"),
         (String::new(), "no line names a point"),
-        (format!("- Instruction: fold it\n- Corners: {square}"), "no line names a point"),
+        (
+            format!("- Instruction: fold it\n- Corners: {square}"),
+            "no line names a point",
+        ),
         (words.to_owned(), "no corners are listed"),
-        (format!("{words}\n- Corners: {square}"), "no center is given"),
-        (format!("{words}\n- Corners: (1, 1), (2, 2), (3, 3)\n- Center: (2, 2)"), "enclose no area"),
-        (format!("{words}\n- Corners: (1, 1)\n- Center: (2, 2)"), "enclose no area"),
+        (
+            format!("{words}\n- Corners: {square}"),
+            "no center is given",
+        ),
+        (
+            format!("{words}\n- Corners: (1, 1), (2, 2), (3, 3)\n- Center: (2, 2)"),
+            "enclose no area",
+        ),
+        (
+            format!("{words}\n- Corners: (1, 1)\n- Center: (2, 2)"),
+            "enclose no area",
+        ),
     ] {
         let reply = ask(ModelRole::Text, vec![Message::text(Speaker::User, prompt)]);
-        assert!(reply.starts_with("I cannot choose points") && reply.contains(why), "{reply}");
+        assert!(
+            reply.starts_with("I cannot choose points") && reply.contains(why),
+            "{reply}"
+        );
         assert!(!reply.contains('('), "{reply}");
     }
     assert!(ask(ModelRole::Text, Vec::new()).contains("no line names a point"));

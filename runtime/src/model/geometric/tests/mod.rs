@@ -3,6 +3,7 @@
 //! This file paints cloths and carries questions; the tests are in the files beside it.
 #![allow(clippy::unwrap_used)]
 
+mod arrows;
 mod missing;
 mod planning;
 mod shortcuts;
@@ -88,7 +89,11 @@ const VIEW: View = View {
 impl View {
     /// Where a cloth point appears, `[column, row]`.
     fn pixel(&self, [right, up]: Point) -> [f64; 2] {
-        let right = if self.handedness == Handedness::Mirrored { -right } else { right };
+        let right = if self.handedness == Handedness::Mirrored {
+            -right
+        } else {
+            right
+        };
         let (sin, cos) = self.turn_deg.to_radians().sin_cos();
         let middle = f64::from(self.side_px) / 2.0;
         [
@@ -131,33 +136,49 @@ fn encloses(outline: &[Point], [x, y]: Point) -> bool {
 
 fn png(picture: &RgbImage) -> Part {
     let mut bytes = std::io::Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    picture
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .unwrap();
     Part::Image(Png::new(bytes.into_inner()))
 }
 
 fn user(parts: Vec<Part>) -> Message {
-    Message { speaker: Speaker::User, parts }
+    Message {
+        speaker: Speaker::User,
+        parts,
+    }
 }
 
 fn ask(role: ModelRole, messages: Vec<Message>) -> String {
-    let request =
-        Request { role, messages, temperature: None, max_tokens: None, repetition: 0 };
+    let request = Request {
+        role,
+        messages,
+        temperature: None,
+        max_tokens: None,
+        repetition: 0,
+    };
     Geometric.ask(&request).unwrap().text
 }
 
 /// Asks for the step between pictures in words.
 fn described(pictures: &[RgbImage]) -> String {
     let text = Part::Text("What is done here?".to_owned());
-    let parts = std::iter::once(text).chain(pictures.iter().map(png)).collect();
+    let parts = std::iter::once(text)
+        .chain(pictures.iter().map(png))
+        .collect();
     ask(ModelRole::Vision, vec![user(parts)])
 }
 
 /// The instruction that pictures lead to.
 fn instruction(pictures: &[RgbImage]) -> String {
     let reply = described(pictures);
-    let line = reply.lines().find_map(|line| line.strip_prefix("Instructions: "));
+    let line = reply
+        .lines()
+        .find_map(|line| line.strip_prefix("Instructions: "));
     let sentence = line.and_then(|line| line.strip_suffix('.'));
-    sentence.unwrap_or_else(|| panic!("no instruction in: {reply}")).to_owned()
+    sentence
+        .unwrap_or_else(|| panic!("no instruction in: {reply}"))
+        .to_owned()
 }
 
 /// A planning prompt in the wording of the task library.
@@ -180,5 +201,8 @@ fn points_of(reply: &str) -> [PixelPoint; 2] {
 /// The pick and the place that an instruction leads to on listed points.
 fn planned(instruction: &str, corners: &[PixelPoint], center: PixelPoint) -> [PixelPoint; 2] {
     let text = planning_prompt(instruction, corners, center);
-    points_of(&ask(ModelRole::Text, vec![Message::text(Speaker::User, text)]))
+    points_of(&ask(
+        ModelRole::Text,
+        vec![Message::text(Speaker::User, text)],
+    ))
 }

@@ -28,17 +28,35 @@ fn the_answer_begins_with_the_two_lines_that_the_prompt_asks_for() {
         vec![turn(Speaker::System, system), turn(Speaker::User, &prompt)],
     );
     let lines: Vec<&str> = reply.lines().collect();
-    assert_eq!(lines[..2], ["PICK: [40, 60]!", "Put the Place at = (40, 170)"]);
-    assert!(lines.len() >= 3 && lines[2].contains("turned by about 0 degrees"), "{reply}");
+    assert_eq!(
+        lines[..2],
+        ["PICK: [40, 60]!", "Put the Place at = (40, 170)"]
+    );
+    assert!(
+        lines.len() >= 3 && lines[2].contains("turned by about 0 degrees"),
+        "{reply}"
+    );
 }
 
 #[test]
 fn plainer_words_are_understood() {
-    let lower_left = planned("pick the Upper-Left corner and place it on the bottom left corner", &CORNERS, CENTER);
+    let lower_left = planned(
+        "pick the Upper-Left corner and place it on the bottom left corner",
+        &CORNERS,
+        CENTER,
+    );
     assert_eq!(lower_left, [CORNERS[0], CORNERS[3]]);
-    let to_center = planned("Take hold: pick the top right corner, place it at the centre", &CORNERS, CENTER);
+    let to_center = planned(
+        "Take hold: pick the top right corner, place it at the centre",
+        &CORNERS,
+        CENTER,
+    );
     assert_eq!(to_center, [CORNERS[1], CENTER]);
-    let middle = planned("Pick the middle of the top side and place it on the right end of the bottom side", &CORNERS, CENTER);
+    let middle = planned(
+        "Pick the middle of the top side and place it on the right end of the bottom side",
+        &CORNERS,
+        CENTER,
+    );
     assert_eq!(middle, [CORNERS[4], CORNERS[2]]);
 }
 
@@ -54,7 +72,10 @@ fn a_list_that_goes_on_over_lines_is_read_whole() {
 
 #[test]
 fn refused_answers_are_not_repeated() {
-    let mut talk = vec![turn(Speaker::User, &planning_prompt(WORDS, &CORNERS, CENTER))];
+    let mut talk = vec![turn(
+        Speaker::User,
+        &planning_prompt(WORDS, &CORNERS, CENTER),
+    )];
     let mut given = Vec::new();
     for _ in 0..6 {
         let reply = ask(ModelRole::Text, talk.clone());
@@ -89,7 +110,10 @@ fn a_correction_of_one_point_changes_that_point() {
 fn when_everything_was_refused_it_says_so() {
     let corners = &CORNERS[..3];
     let words = "Pick the top left corner and place it on the top right corner";
-    let mut talk = vec![turn(Speaker::User, &planning_prompt(words, corners, CENTER))];
+    let mut talk = vec![turn(
+        Speaker::User,
+        &planning_prompt(words, corners, CENTER),
+    )];
     for round in 0..20 {
         let reply = ask(ModelRole::Text, talk.clone());
         if reply.contains("was refused") {
@@ -105,13 +129,23 @@ fn when_everything_was_refused_it_says_so() {
 
 #[test]
 fn examples_in_earlier_turns_are_not_the_question() {
-    let example = planning_prompt("Pick the top right corner and place it on the center", &CORNERS[..4], CENTER);
+    let example = planning_prompt(
+        "Pick the top right corner and place it on the center",
+        &CORNERS[..4],
+        CENTER,
+    );
     let talk = vec![
         turn(Speaker::User, &example),
-        turn(Speaker::Assistant, "Pick Point = (40, 60)\nPlace Point = (40, 170)"),
+        turn(
+            Speaker::Assistant,
+            "Pick Point = (40, 60)\nPlace Point = (40, 170)",
+        ),
         turn(Speaker::User, &planning_prompt(WORDS, &CORNERS, CENTER)),
     ];
-    assert_eq!(points_of(&ask(ModelRole::Text, talk)), [CORNERS[0], CORNERS[3]]);
+    assert_eq!(
+        points_of(&ask(ModelRole::Text, talk)),
+        [CORNERS[0], CORNERS[3]]
+    );
 }
 
 #[test]

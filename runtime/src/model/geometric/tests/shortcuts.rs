@@ -6,7 +6,10 @@ use proptest::prelude::*;
 
 /// The corners of a fold's cloth as they appear in a view.
 fn corners(view: &View, fold: &Fold) -> Vec<PixelPoint> {
-    fold.before.iter().map(|&corner| view.whole_pixel(corner)).collect()
+    fold.before
+        .iter()
+        .map(|&corner| view.whole_pixel(corner))
+        .collect()
 }
 
 fn center(view: &View) -> PixelPoint {
@@ -35,10 +38,23 @@ fn the_words_name_the_arrows_ends() {
 
 #[test]
 fn an_arrow_to_the_middle_is_placed_on_the_center() {
-    let after = vec![[-0.5, -0.5], [0.5, -0.5], [0.5, 0.0], [0.0, 0.5], [-0.5, 0.5]];
-    let fold = Fold { tip: [0.05, 0.05], after, ..square_fold() };
+    let after = vec![
+        [-0.5, -0.5],
+        [0.5, -0.5],
+        [0.5, 0.0],
+        [0.0, 0.5],
+        [-0.5, 0.5],
+    ];
+    let fold = Fold {
+        tip: [0.05, 0.05],
+        after,
+        ..square_fold()
+    };
     let words = instruction(&VIEW.pictures(&fold));
-    assert!(words.ends_with("and place it on the center of the cloth"), "{words}");
+    assert!(
+        words.ends_with("and place it on the center of the cloth"),
+        "{words}"
+    );
     let [pick, place] = planned(&words, &corners(&VIEW, &fold), center(&VIEW));
     assert_eq!((pick, place), (VIEW.whole_pixel([0.5, 0.5]), center(&VIEW)));
 }
@@ -46,7 +62,13 @@ fn an_arrow_to_the_middle_is_placed_on_the_center() {
 #[test]
 fn words_hold_no_digits() {
     for fold in [rectangle_fold(), square_fold(), triangle_fold()] {
-        let words = described(&View { turn_deg: 20.0, ..VIEW }.pictures(&fold));
+        let words = described(
+            &View {
+                turn_deg: 20.0,
+                ..VIEW
+            }
+            .pictures(&fold),
+        );
         assert!(!words.contains(|c: char| c.is_ascii_digit()), "{words}");
     }
 }
@@ -58,7 +80,10 @@ fn the_tasks_name_does_not_matter() {
         let parts = vec![Part::Text(text.to_owned()), png(&first), png(&second)];
         ask(ModelRole::Vision, vec![user(parts)])
     };
-    assert_eq!(asked("Task: fold the towel in half"), asked("Task: xyzzy, all corners to the middle"));
+    assert_eq!(
+        asked("Task: fold the towel in half"),
+        asked("Task: xyzzy, all corners to the middle")
+    );
     let words = instruction(&[first, second]);
     let prompt = planning_prompt(&words, &corners(&VIEW, &rectangle_fold()), center(&VIEW));
     let planned = |task: &str| {
@@ -81,7 +106,11 @@ fn other_cloth_and_table_colours_give_the_same_words() {
         ([250, 250, 250], dark_tiles),
         ([255, 145, 200], plain),
     ] {
-        let view = View { cloth, tiles, ..VIEW };
+        let view = View {
+            cloth,
+            tiles,
+            ..VIEW
+        };
         let words = instruction(&view.pictures(&rectangle_fold()));
         assert_eq!(words, expected, "{cloth:?} on {tiles:?}");
     }
@@ -90,12 +119,20 @@ fn other_cloth_and_table_colours_give_the_same_words() {
 #[test]
 fn a_cloth_in_two_colours_with_shadows_beside_it_gives_the_same_words() {
     let fold = rectangle_fold();
-    let [mut first, second] = View { cloth: [250, 145, 200], ..VIEW }.pictures(&fold);
+    let [mut first, second] = View {
+        cloth: [250, 145, 200],
+        ..VIEW
+    }
+    .pictures(&fold);
     let expected = instruction(&VIEW.pictures(&fold));
     for (column, row, pixel) in first.enumerate_pixels_mut() {
         if pixel.0 == [250, 145, 200] && column < 90 {
             pixel.0 = ORANGE;
-        } else if LIGHT_TILES.contains(&pixel.0) && (40..180).contains(&column) && row < 55 && row > 30 {
+        } else if LIGHT_TILES.contains(&pixel.0)
+            && (40..180).contains(&column)
+            && row < 55
+            && row > 30
+        {
             pixel.0 = pixel.0.map(|level| (f64::from(level) * 0.72) as u8);
         }
     }
@@ -106,8 +143,16 @@ fn a_cloth_in_two_colours_with_shadows_beside_it_gives_the_same_words() {
 fn another_camera_height_gives_the_same_words() {
     let expected = instruction(&VIEW.pictures(&rectangle_fold()));
     for (side_px, cloth_px) in [(224, 90.0), (224, 180.0), (128, 80.0), (720, 430.0)] {
-        let view = View { side_px, cloth_px, ..VIEW };
-        assert_eq!(instruction(&view.pictures(&rectangle_fold())), expected, "{cloth_px} in {side_px}");
+        let view = View {
+            side_px,
+            cloth_px,
+            ..VIEW
+        };
+        assert_eq!(
+            instruction(&view.pictures(&rectangle_fold())),
+            expected,
+            "{cloth_px} in {side_px}"
+        );
         assert_carried_over(&rectangle_fold(), &VIEW, &view);
     }
 }
@@ -117,9 +162,18 @@ fn pictures_turned_by_right_angles_change_the_words_and_not_the_cloth_point() {
     let [first, second] = VIEW.pictures(&rectangle_fold());
     let upright = instruction(&[first.clone(), second.clone()]);
     let turned = [
-        (-90.0, [imageops::rotate90(&first), imageops::rotate90(&second)]),
-        (180.0, [imageops::rotate180(&first), imageops::rotate180(&second)]),
-        (90.0, [imageops::rotate270(&first), imageops::rotate270(&second)]),
+        (
+            -90.0,
+            [imageops::rotate90(&first), imageops::rotate90(&second)],
+        ),
+        (
+            180.0,
+            [imageops::rotate180(&first), imageops::rotate180(&second)],
+        ),
+        (
+            90.0,
+            [imageops::rotate270(&first), imageops::rotate270(&second)],
+        ),
     ];
     for (turn_deg, pictures) in turned {
         let words = instruction(&pictures);
@@ -135,13 +189,23 @@ fn pictures_turned_by_right_angles_change_the_words_and_not_the_cloth_point() {
 fn mirrored_pictures_change_the_words_and_the_cloth_point() {
     for fold in [rectangle_fold(), square_fold(), triangle_fold()] {
         let pictures = VIEW.pictures(&fold);
-        let mirrored = [imageops::flip_horizontal(&pictures[0]), imageops::flip_horizontal(&pictures[1])];
+        let mirrored = [
+            imageops::flip_horizontal(&pictures[0]),
+            imageops::flip_horizontal(&pictures[1]),
+        ];
         let words = instruction(&mirrored);
         assert_ne!(words, instruction(&pictures));
-        let view = View { handedness: Handedness::Mirrored, ..VIEW };
+        let view = View {
+            handedness: Handedness::Mirrored,
+            ..VIEW
+        };
         assert_carried_over(&fold, &view, &view);
         let [pick, place] = planned(&words, &corners(&view, &fold), center(&view));
-        assert_eq!([pick, place], [fold.tail, fold.tip].map(|point| view.whole_pixel(point)), "{words}");
+        assert_eq!(
+            [pick, place],
+            [fold.tail, fold.tip].map(|point| view.whole_pixel(point)),
+            "{words}"
+        );
     }
 }
 
@@ -150,12 +214,21 @@ fn an_arrow_that_leaves_the_cloth_keeps_its_ends() {
     // From the upper left corner of a narrow strip to far below it.
     let fold = Fold {
         before: vec![[-0.5, -0.1], [0.5, -0.1], [0.5, 0.1], [-0.5, 0.1]],
-        after: vec![[-0.1, -0.3], [0.1, -0.1], [0.5, -0.1], [0.5, 0.1], [0.0, 0.1]],
+        after: vec![
+            [-0.1, -0.3],
+            [0.1, -0.1],
+            [0.5, -0.1],
+            [0.5, 0.1],
+            [0.0, 0.1],
+        ],
         tail: [-0.5, 0.1],
         tip: [-0.2, -0.5],
     };
     let words = instruction(&VIEW.pictures(&fold));
-    assert!(words.starts_with("Pick the left end of the top long side and place it on "), "{words}");
+    assert!(
+        words.starts_with("Pick the left end of the top long side and place it on "),
+        "{words}"
+    );
     assert!(words.contains("of the bottom long side"), "{words}");
 }
 
@@ -173,13 +246,18 @@ fn the_two_folds_of_a_square_fit_each_other_at_any_turn() {
         let real = View { turn_deg, ..VIEW };
         let first = instruction(&VIEW.pictures(&square_fold()));
         let [pick, place] = planned(&first, &corners(&real, &square_fold()), center(&real));
-        let triangle: Vec<PixelPoint> =
-            corners(&real, &square_fold()).into_iter().filter(|&corner| corner != pick).collect();
+        let triangle: Vec<PixelPoint> = corners(&real, &square_fold())
+            .into_iter()
+            .filter(|&corner| corner != pick)
+            .collect();
         assert_eq!(triangle.len(), 3, "turned by {turn_deg}: picked {pick}");
         let second = instruction(&VIEW.pictures(&triangle_fold()));
         let [next_pick, next_place] = planned(&second, &triangle, center(&real));
         let ends = [next_pick, next_place];
-        assert!(!ends.contains(&place), "turned by {turn_deg}: {ends:?} with the right angle at {place}");
+        assert!(
+            !ends.contains(&place),
+            "turned by {turn_deg}: {ends:?} with the right angle at {place}"
+        );
     }
 }
 

@@ -46,11 +46,38 @@ fn directions_that_contradict_each_other_are_not_understood() {
 fn two_compass_words_side_by_side_are_one_direction() {
     let read = |sentence: &str| Instruction::read(sentence).unwrap();
     let diamond = read("Pick the top corner and place it on the right corner");
-    assert_eq!(diamond.pick, Spot::At { along: 8, across: 8 });
-    assert_eq!(diamond.place, Spot::At { along: 8, across: 0 });
-    assert_eq!(diamond.heading, Compass::nearest(std::f64::consts::FRAC_PI_4));
+    assert_eq!(
+        diamond.pick,
+        Spot::At {
+            along: 8,
+            across: 8
+        }
+    );
+    assert_eq!(
+        diamond.place,
+        Spot::At {
+            along: 8,
+            across: 0
+        }
+    );
+    assert_eq!(
+        diamond.heading,
+        Compass::nearest(std::f64::consts::FRAC_PI_4)
+    );
     let upright = read("Pick the top-right corner and place it on the lower left corner");
-    assert_eq!(upright.pick, Spot::At { along: 8, across: 8 });
-    assert_eq!(upright.place, Spot::At { along: 0, across: 0 });
+    assert_eq!(
+        upright.pick,
+        Spot::At {
+            along: 8,
+            across: 8
+        }
+    );
+    assert_eq!(
+        upright.place,
+        Spot::At {
+            along: 0,
+            across: 0
+        }
+    );
     assert_eq!(upright.heading, Compass::nearest(0.0));
 }

@@ -1,0 +1,64 @@
+//! A place in an answer that moves forward as pieces are recognised.
+
+/// A text and how far it is read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cursor<'t> {
+    pub text: &'t str,
+    pub at: usize,
+}
+
+impl<'t> Cursor<'t> {
+    pub fn new(text: &'t str, at: usize) -> Cursor<'t> {
+        Cursor { text, at }
+    }
+
+    pub fn rest(&self) -> &'t str {
+        &self.text[self.at..]
+    }
+
+    pub fn peek(&self) -> Option<char> {
+        self.rest().chars().next()
+    }
+
+    /// Moves over one character.
+    pub fn step(&mut self) {
+        self.at += self.peek().map_or(0, char::len_utf8);
+    }
+
+    /// Moves over all characters that are wanted, and returns them.
+    pub fn skip(&mut self, wanted: impl Fn(char) -> bool) -> &'t str {
+        let rest = self.rest();
+        let length = rest.find(|character| !wanted(character)).unwrap_or(rest.len());
+        self.at += length;
+        &rest[..length]
+    }
+
+    /// Moves over one character if it is wanted.
+    pub fn eat(&mut self, wanted: char) -> bool {
+        let is_there = self.peek() == Some(wanted);
+        if is_there {
+            self.step();
+        }
+        is_there
+    }
+
+    /// Moves over a word in any case, if it stands here whole.
+    pub fn eat_word(&mut self, word: &str) -> bool {
+        let is_there = starts_with_word(self.rest(), word);
+        if is_there {
+            self.at += word.len();
+        }
+        is_there
+    }
+}
+
+/// Returns whether `text` begins with an ASCII word in any case, and not with a longer one.
+pub(super) fn starts_with_word(text: &str, word: &str) -> bool {
+    let Some(start) = text.get(..word.len()) else { return false };
+    start.eq_ignore_ascii_case(word) && !text[word.len()..].starts_with(|next: char| next.is_alphanumeric())
+}
+
+/// Returns whether a character only decorates: markdown, quotes, LaTeX, escapes.
+pub(super) fn decorates(character: char) -> bool {
+    matches!(character, '*' | '_' | '`' | '"' | '\'' | '“' | '”' | '$' | '\\' | '~')
+}

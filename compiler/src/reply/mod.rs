@@ -1,0 +1,88 @@
+//! Reads the answers of models, as the task's declarations say.
+//!
+//! In: an answer. Out: what it says, with every tolerated deviation named, or what is wrong with it in
+//! words for the model. An answer that states one thing in two ways is never guessed at. Whether the
+//! points are allowed is judged by [`crate::verify`].
+
+mod action;
+mod cursor;
+mod pixel;
+mod schema;
+mod text;
+
+pub use action::read_action;
+pub use schema::schema;
+pub use text::read_text;
+
+use crate::program::{ActionField, PixelPoint, Program};
+
+/// The longest answer that is read, bytes.
+pub const MAX_REPLY_BYTES: usize = 64 << 10;
+
+/// The longest text that is taken from an answer, characters.
+pub const MAX_TEXT_CHARS: usize = 2_000;
+
+/// An action as a model states it, not yet judged.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Proposal {
+    /// Each field's point, in the order of the declaration.
+    pub fields: Vec<(String, PixelPoint)>,
+}
+
+impl Proposal {
+    /// Returns a field's point.
+    pub fn get(&self, field: &str) -> Option<PixelPoint> {
+        self.fields.iter().find(|(name, _)| name == field).map(|(_, point)| *point)
+    }
+}
+
+/// What was read, and what had to be tolerated.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reading<T> {
+    /// What the answer says.
+    pub value: T,
+    /// Each deviation from the asked format, in words; empty where there is none.
+    pub repairs: Vec<String>,
+}
+
+/// Why an answer cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Malformed {
+    /// What was looked for: a field of the action, or the words before a text.
+    pub field: String,
+    /// What the model is told: what is missing or ambiguous, and the format that is wanted.
+    pub message: String,
+}
+
+/// Returns the lines in which an answer states an action; what `{{ actions.format }}` becomes.
+pub fn answer_format(program: &Program) -> String {
+    format_of(&program.actions)
+}
+
+pub(crate) fn format_of(actions: &[ActionField]) -> String {
+    let lines: Vec<String> = actions.iter().map(|field| statement(&field.name, "(x, y)")).collect();
+    lines.join("\n")
+}
+
+/// Writes a field and its value as the format asks for them.
+fn statement(field: &str, value: &str) -> String {
+    let mut letters = field.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_uppercase());
+    format!("{}{} Point = {value}", first.map(String::from).unwrap_or_default(), letters.as_str())
+}
+
+/// Refuses an answer that is too long to be read.
+fn bounded(field: &str, reply: &str) -> Result<(), Malformed> {
+    if reply.len() <= MAX_REPLY_BYTES {
+        return Ok(());
+    }
+    let message = format!("Your answer has {} characters. Answer again in less than {MAX_REPLY_BYTES}, in the format asked for.", reply.chars().count());
+    Err(Malformed { field: field.to_owned(), message })
+}
+
+/// Shortens what is quoted from an answer.
+fn quoted(text: &str) -> String {
+    const MOST: usize = 60;
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    if line.chars().count() <= MOST { line } else { line.chars().take(MOST).chain(['…']).collect() }
+}

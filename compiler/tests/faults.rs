@@ -1,0 +1,3 @@
+//! dev
+#[path = "../../tests/suite/faults.rs"]
+mod faults;

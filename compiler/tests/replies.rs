@@ -1,0 +1,128 @@
+//! Reads every reply of `tests/fixtures/replies`, and holds what comes out against what stands above it.
+//!
+//! A new file is found by itself. Above `---` stand, one a line: `action`, or `text BEFORE | AFTER`; then
+//! `is VALUE` and `repair WORDS`, or `malformed FIELD: MESSAGE`, of which the first line counts.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use compiler::program::PixelPoint;
+use compiler::reply::{self, MAX_REPLY_BYTES, MAX_TEXT_CHARS, Malformed};
+use proptest::prelude::*;
+use std::fs;
+
+#[test]
+fn every_reply_is_read_as_its_fixture_says() {
+    let program = common::program("task.fab", common::TASK);
+    let folder = common::workspace().join("tests/fixtures/replies");
+    let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let mut wrong = Vec::new();
+    for file in &files {
+        let text = fs::read_to_string(file).unwrap();
+        let (head, reply) = text.split_once("---\n").unwrap();
+        let (kind, expected) = head.split_once('\n').unwrap();
+        let found = match kind.strip_prefix("text ") {
+            None => described(reply::read_action(&program, reply).map(|reading| (points(&reading.value), reading.repairs))),
+            Some(pattern) => {
+                let (before, after) = pattern.split_once('|').unwrap();
+                described(reply::read_text(before.trim(), after.trim(), reply).map(|reading| (reading.value, reading.repairs)))
+            }
+        };
+        if found != expected {
+            wrong.push(format!("{}\nexpected\n{expected}found\n{found}", file.display()));
+        }
+    }
+    assert!(files.len() > 50, "only {} replies were found", files.len());
+    assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
+}
+
+fn points(proposal: &reply::Proposal) -> String {
+    let fields: Vec<String> = proposal.fields.iter().map(|(name, point)| format!("{name} {point}")).collect();
+    fields.join(", ")
+}
+
+fn described(outcome: Result<(String, Vec<String>), Malformed>) -> String {
+    match outcome {
+        Ok((value, repairs)) => {
+            let repairs: String = repairs.iter().map(|repair| format!("repair {repair}\n")).collect();
+            format!("is {value}\n{repairs}")
+        }
+        Err(Malformed { field, message }) => format!("malformed {field}: {}\n", message.lines().next().unwrap()),
+    }
+}
+
+proptest! {
+    #[test]
+    fn any_answer_is_read_or_refused(reply in any::<String>()) {
+        let program = common::program("task.fab", common::TASK);
+        let _ = reply::read_action(&program, &reply);
+        let _ = reply::read_text("Instructions:", ".", &reply);
+    }
+
+    #[test]
+    fn answers_of_likely_pieces_are_read_or_refused(
+        pieces in prop::collection::vec(prop::sample::select(vec![
+            "pick", "Pick Point", "place", "Place Point", " = ", ": ", "(", ")", "[", "]", "{", "}", "10", "-3.5", ", ",
+            "\"", "x", "y", "**", "\n", "not ", "is ", "px", "é", "，", "Instructions:", "Instructions", "- ", "1. ", "\\", "$",
+        ]), 0..40)
+    ) {
+        let program = common::program("task.fab", common::TASK);
+        let reply = pieces.concat();
+        if let Ok(reading) = reply::read_action(&program, &reply) {
+            prop_assert_eq!(reading.value.fields.len(), 2);
+        }
+        if let Ok(reading) = reply::read_text("Instructions:", "", &reply) {
+            prop_assert!(!reading.value.is_empty());
+        }
+    }
+
+    #[test]
+    fn every_pixel_is_read_back_from_each_form(u in -3000i32..3000, v in -3000i32..3000) {
+        let program = common::program("task.fab", common::TASK);
+        let (pick, place) = (PixelPoint::new(u, v), PixelPoint::new(v, u));
+        let asked = reply::answer_format(&program).replacen("(x, y)", &pick.to_string(), 1).replacen("(x, y)", &place.to_string(), 1);
+        let reading = reply::read_action(&program, &asked).unwrap();
+        prop_assert!(reading.repairs.is_empty(), "{:?}", reading.repairs);
+        prop_assert_eq!((reading.value.get("pick"), reading.value.get("place")), (Some(pick), Some(place)));
+        let schema = reply::schema(&program, &[("pick".to_owned(), vec![pick]), ("place".to_owned(), vec![place])]);
+        let choice = |field: &str| schema["properties"][field]["enum"][0].clone();
+        let structured = serde_json::json!({ "pick": choice("pick"), "place": choice("place") });
+        for text in [structured.to_string(), serde_json::to_string_pretty(&structured).unwrap()] {
+            let reading = reply::read_action(&program, &text).unwrap();
+            prop_assert_eq!((reading.value.get("pick"), reading.value.get("place")), (Some(pick), Some(place)));
+        }
+    }
+}
+
+#[test]
+fn long_answers_and_texts_are_refused() {
+    let program = common::program("task.fab", common::TASK);
+    let right = "Pick Point = (1, 2)\nPlace Point = (3, 4)\n";
+    let padded = |length: usize| format!("{right}{}", " ".repeat(length - right.len()));
+    assert!(reply::read_action(&program, &padded(MAX_REPLY_BYTES)).is_ok());
+    assert!(reply::read_action(&program, &padded(MAX_REPLY_BYTES + 1)).is_err());
+    let text = |length: usize| format!("Instructions: {}", "x".repeat(length));
+    assert!(reply::read_text("Instructions:", "", &text(MAX_TEXT_CHARS)).is_ok());
+    assert!(reply::read_text("Instructions:", "", &text(MAX_TEXT_CHARS + 1)).is_err());
+    assert!(reply::read_text("Instructions:", "", &text(MAX_REPLY_BYTES)).is_err());
+}
+
+#[test]
+fn a_refusal_tells_the_model_the_format() {
+    let program = common::program("task.fab", common::TASK);
+    let refused = reply::read_action(&program, "I do not know.").unwrap_err();
+    assert!(refused.message.ends_with(&reply::answer_format(&program)), "{}", refused.message);
+    assert_eq!(reply::answer_format(&program), "Pick Point = (x, y)\nPlace Point = (x, y)");
+}
+
+#[test]
+fn the_schema_offers_each_field_its_own_points() {
+    let program = common::program("task.fab", common::TASK);
+    let schema = reply::schema(&program, &[("pick".to_owned(), vec![PixelPoint::new(1, 2)])]);
+    assert_eq!(schema["properties"]["pick"]["enum"], serde_json::json!(["(1, 2)"]));
+    assert_eq!(schema["properties"]["place"]["enum"], serde_json::json!([]));
+    assert_eq!(schema["required"], serde_json::json!(["pick", "place"]));
+    assert_eq!(schema["additionalProperties"], false);
+}

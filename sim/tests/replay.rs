@@ -1,0 +1,82 @@
+//! Recorded folding demonstrations, replayed open loop: the cloth has to end near where PyFleX's ended.
+#![allow(clippy::unwrap_used)]
+
+mod recorded;
+
+use recorded::{mean_distance_mm, replay};
+use sim::{Params, RestShortcut};
+
+/// Replays the demonstrations of a task with the given ids (all if empty); returns the errors, millimetres.
+fn errors_mm(task: &str, ids: &[u64]) -> Option<Vec<f64>> {
+    let demos = recorded::demonstrations()?;
+    let wanted = demos
+        .iter()
+        .filter(|demo| demo.task == task && (ids.is_empty() || ids.contains(&demo.id)));
+    let errors: Vec<f64> = wanted
+        .map(|demo| {
+            let (cloth, grasped) = replay(demo, &Params::default(), RestShortcut::Skip);
+            assert!(
+                grasped.iter().all(Option::is_some),
+                "{task} {} missed a grasp",
+                demo.id
+            );
+            mean_distance_mm(&cloth.positions(), &demo.end)
+        })
+        .collect();
+    println!("{task}: {errors:.2?} mm");
+    Some(errors)
+}
+
+fn mean(errors: &[f64]) -> f64 {
+    errors.iter().sum::<f64>() / errors.len() as f64
+}
+
+fn max(errors: &[f64]) -> f64 {
+    errors.iter().fold(0.0, |a, &b| a.max(b))
+}
+
+#[test]
+fn one_demonstration_of_each_task_ends_near_the_recorded_end() {
+    for (task, limit_mm) in [
+        ("AllCornersInward", 3.0),
+        ("CornersEdgesInward", 5.0),
+        ("DoubleStraight", 35.0),
+    ] {
+        let Some(errors) = errors_mm(task, &[10]) else {
+            return;
+        };
+        assert_eq!(errors.len(), 1);
+        assert!(errors[0] < limit_mm, "{task}: {} mm", errors[0]);
+    }
+}
+
+#[test]
+fn skipping_resting_steps_changes_no_bit_of_a_replay() {
+    let Some(demos) = recorded::demonstrations() else {
+        return;
+    };
+    let demo = demos
+        .iter()
+        .find(|demo| demo.task == "CornersEdgesInward")
+        .unwrap();
+    let [skipped, computed] = [RestShortcut::Skip, RestShortcut::Compute]
+        .map(|shortcut| replay(demo, &Params::default(), shortcut).0.digest());
+    assert_eq!(skipped, computed);
+}
+
+#[test]
+#[ignore = "replays all 60 demonstrations, about three minutes"]
+fn all_demonstrations_end_near_the_recorded_ends() {
+    for (task, mean_mm, max_mm) in [
+        ("AllCornersInward", 2.0, 4.0),
+        ("CornersEdgesInward", 3.6, 6.0),
+        ("DoubleStraight", 27.0, 50.0),
+    ] {
+        let Some(errors) = errors_mm(task, &[]) else {
+            return;
+        };
+        assert_eq!(errors.len(), 20);
+        assert!(mean(&errors) < mean_mm, "{task}: mean {} mm", mean(&errors));
+        assert!(max(&errors) < max_mm, "{task}: max {} mm", max(&errors));
+    }
+}

@@ -1,0 +1,188 @@
+//! Holds every diagnostic to its fixture.
+//!
+//! In: the `.fab` files of `tests/fixtures/faults`; a new one is found by itself. What the compiler must say
+//! stands in comments under the line it is about:
+//!
+//! ```text
+//!     goal particle_distance < 40deg
+//!     #                        ^^^^^ error[F0203]: expected a length on the table, found an angle
+//! ```
+//!
+//! The carets mark the columns; an empty place has one caret. For a place inside a text, over several lines,
+//! or in another file, a comment anywhere says `# at FILE:LINE:COLUMN error[…]: …` instead. All findings
+//! must be expected, and all expectations found.
+
+use compiler::diag::{self, CODES, Color, Diagnostic};
+use compiler::{Compiled, LoadError, Loader, line_and_column};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::PathBuf;
+
+/// Codes that need more input than a fixture should hold; the compiler's own tests show them.
+const TOO_LARGE_FOR_A_FIXTURE: [&str; 2] = ["F0001", "F0004"];
+
+#[test]
+fn every_fault_is_reported_as_its_fixture_says() {
+    let mut wrong = Vec::new();
+    for name in fixtures() {
+        let text = Fixtures.load(&name).expect("a listed fixture can be read");
+        let compiled = compiler::compile(&name, &Fixtures).expect("a listed fixture can be read");
+        let expected = expectations(&name, &text);
+        let found: BTreeSet<Finding> = compiled.diagnostics.iter().map(|it| finding(it, &compiled)).collect();
+        let missing = expected.difference(&found).map(|finding| format!("  expected {finding:?}"));
+        let surplus = found.difference(&expected).map(|finding| format!("  found    {finding:?}"));
+        let differences: Vec<String> = missing.chain(surplus).collect();
+        if !differences.is_empty() {
+            let shown = diag::to_text(&compiled.diagnostics, &compiled.sources, Color::Plain);
+            wrong.push(format!("{name}:\n{}\n{shown}", differences.join("\n")));
+        }
+    }
+    assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_code_has_a_fixture() {
+    let shown: BTreeSet<String> = fixtures()
+        .iter()
+        .flat_map(|name| expectations(name, &Fixtures.load(name).expect("a listed fixture can be read")))
+        .map(|finding| finding.code)
+        .collect();
+    let all = CODES.iter().map(|entry| entry.code.as_str());
+    let lacking: Vec<&str> = all.filter(|code| !shown.contains(*code) && !TOO_LARGE_FOR_A_FIXTURE.contains(code)).collect();
+    assert!(lacking.is_empty(), "no fixture shows {lacking:?}");
+    let known: Vec<&str> = TOO_LARGE_FOR_A_FIXTURE.into_iter().filter(|code| shown.contains(*code)).collect();
+    assert!(known.is_empty(), "{known:?} have fixtures after all");
+}
+
+#[test]
+fn an_edit_repairs_what_it_is_offered_for() {
+    for name in fixtures() {
+        let compiled = compiler::compile(&name, &Fixtures).expect("a listed fixture can be read");
+        for (number, diagnostic) in compiled.diagnostics.iter().enumerate().filter(|(_, it)| !it.edits.is_empty()) {
+            let mut text = compiled.sources.get(diagnostic.span.file).text.clone();
+            for edit in diagnostic.edits.iter().rev() {
+                text.replace_range(edit.span.range(), &edit.replacement);
+            }
+            let edited_name = compiled.sources.get(diagnostic.span.file).name.clone();
+            let edited = Edited { name: edited_name, text };
+            let again = compiler::compile(&name, &edited).expect("a listed fixture can be read");
+            let is_there = again.diagnostics.iter().any(|it| (it.code, it.span.start, &it.message) == (diagnostic.code, diagnostic.span.start, &diagnostic.message));
+            assert!(!is_there, "{name}: finding {number} stays after its edit: {}", diagnostic.message);
+        }
+    }
+}
+
+/// One finding, as a fixture can state it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Finding {
+    file: String,
+    line: usize,
+    column: usize,
+    /// 0 where the fixture states only the beginning.
+    width: usize,
+    severity: String,
+    code: String,
+    message: String,
+}
+
+fn finding(diagnostic: &Diagnostic, compiled: &Compiled) -> Finding {
+    let source = compiled.sources.get(diagnostic.span.file);
+    let (line, column) = line_and_column(&source.text, diagnostic.span.start);
+    let marked = &source.text[diagnostic.span.range()];
+    // What a comment cannot mark is stated by its beginning alone.
+    let is_markable = !marked.contains('\n') && !is_inside_text(&source.text, diagnostic.span.start);
+    Finding {
+        file: source.name.clone(),
+        line,
+        column,
+        width: if is_markable { marked.chars().count().max(1) } else { 0 },
+        severity: diagnostic.severity.as_str().to_owned(),
+        code: diagnostic.code.as_str().to_owned(),
+        message: diagnostic.message.clone(),
+    }
+}
+
+/// Reads the expectations of a fixture.
+fn expectations(name: &str, text: &str) -> BTreeSet<Finding> {
+    let mut found = BTreeSet::new();
+    let mut judged = 0;
+    for (index, line) in text.lines().enumerate() {
+        let number = index + 1;
+        let Some(comment) = line.trim_start().strip_prefix('#') else {
+            judged = number;
+            continue;
+        };
+        let comment = comment.trim_start();
+        if let Some(placed) = comment.strip_prefix("at ") {
+            found.extend(placed_expectation(placed));
+        } else if comment.starts_with('^') {
+            let carets = comment.chars().take_while(|character| *character == '^').count();
+            let column = line.chars().take_while(|character| *character != '^').count() + 1;
+            let stated = stated(comment[carets..].trim()).unwrap_or_else(|| panic!("{name}:{number}: not an expectation"));
+            let (severity, code, message) = stated;
+            found.insert(Finding { file: name.to_owned(), line: judged, column, width: carets, severity, code, message });
+        }
+    }
+    found
+}
+
+/// Reads `FILE:LINE:COLUMN error[F0111]: …`.
+fn placed_expectation(text: &str) -> Option<Finding> {
+    let (place, rest) = text.split_once(' ')?;
+    let mut parts = place.split(':');
+    let (file, line, column) = (parts.next()?, parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
+    let (severity, code, message) = stated(rest)?;
+    Some(Finding { file: file.to_owned(), line, column, width: 0, severity, code, message })
+}
+
+/// Reads `error[F0203]: message`.
+fn stated(text: &str) -> Option<(String, String, String)> {
+    let (head, message) = text.split_once("]: ")?;
+    let (severity, code) = head.split_once('[')?;
+    Some((severity.to_owned(), code.to_owned(), message.to_owned()))
+}
+
+/// Returns whether a byte lies between triple quotes, where a comment would be a part of the text.
+fn is_inside_text(text: &str, at: usize) -> bool {
+    text[..at].matches("\"\"\"").count() % 2 == 1
+}
+
+fn fixtures() -> Vec<String> {
+    let folder = folder();
+    let entries = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.expect("the folder can be listed").file_name().into_string().expect("names are UTF-8"))
+        .filter(|name| name.ends_with(".fab"))
+        .collect();
+    names.sort();
+    assert!(!names.is_empty(), "there is no fixture");
+    names
+}
+
+/// Finds the fixtures from the package at the root and from one of its crates.
+fn folder() -> PathBuf {
+    let package = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let below = |root: &std::path::Path| root.join("tests/fixtures/faults");
+    let own = below(&package);
+    if own.is_dir() { own } else { below(package.parent().expect("a crate lies in the workspace")) }
+}
+
+struct Fixtures;
+
+impl Loader for Fixtures {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        fs::read_to_string(folder().join(name)).map_err(|_| LoadError { message: format!("there is no file `{name}`") })
+    }
+}
+
+/// The fixtures with one of them changed.
+struct Edited {
+    name: String,
+    text: String,
+}
+
+impl Loader for Edited {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        if name == self.name { Ok(self.text.clone()) } else { Fixtures.load(name) }
+    }
+}
