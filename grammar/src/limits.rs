@@ -10,7 +10,7 @@ use std::ops::Range;
 pub const MAX_BYTES: usize = 1 << 20;
 
 /// The most brackets and braces that may be open at once.
-pub const MAX_NESTING: usize = 64;
+pub const MAX_NESTING: usize = 32;
 
 /// Accepts a text that is short and flat enough to be parsed.
 pub(crate) fn check(text: &str) -> Result<(), Fault> {

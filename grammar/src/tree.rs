@@ -255,11 +255,13 @@ impl<'t> Node<'t> {
 
     /// Returns whether something that does not fit follows on the same line, so that the node is only a part of what was meant.
     pub fn is_cut(self) -> bool {
-        let following = self.tree.entries[self.entry().next..].iter().find(|entry| !entry.kind.is_trivia());
-        following.is_some_and(|entry| {
-            let apart = &self.tree.text[self.span().end..entry.span.start];
-            matches!(entry.kind, Kind::Junk | Kind::JunkSection) && !apart.contains(['\n', '\r'])
-        })
+        for entry in &self.tree.entries[self.entry().next..] {
+            let ends_line = entry.kind.is_trivia() && self.tree.text[entry.span.clone()].contains(['\n', '\r']);
+            if ends_line || !entry.kind.is_trivia() {
+                return matches!(entry.kind, Kind::Junk | Kind::JunkSection);
+            }
+        }
+        false
     }
 
     /// Returns its children in source order, blanks and comments included.

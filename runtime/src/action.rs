@@ -27,30 +27,33 @@ pub struct Action {
 impl Action {
     /// Lowers a proposal to world points.
     ///
-    /// A pick on the background goes to the nearest cloth pixel (protocol, section 4 item 10).
+    /// A detected corner is taken where it was located, any other pixel at its centre. A pick on the background goes to the nearest cloth pixel (protocol, section 4 item 10).
     /// Returns `None` where a proposal lacks a field or the scene has no cloth, which the verifier
     /// has already refused, or where the camera does not look at the table.
     pub fn lower(proposal: &Proposal, scene: &Scene, observation: &Observation) -> Option<Action> {
         let pick_px = proposal.get("pick")?;
         let place_px = proposal.get("place")?;
         let pick_on_cloth_px = scene.cloth()?.nearest(pick_px)?;
-        let pick = point_on_surface(pick_on_cloth_px, observation)?;
-        let place = point_on_surface(place_px, observation)?;
+        let at = |pixel: PixelPoint| scene.located(pixel).unwrap_or_else(|| center_of(pixel));
+        let pick_at = if scene.located(pick_px).is_some() { at(pick_px) } else { center_of(pick_on_cloth_px) };
+        let pick = point_on_surface(pick_on_cloth_px, pick_at, observation)?;
+        let place = point_on_surface(place_px, at(place_px), observation)?;
         Some(Action { pick_px, pick_on_cloth_px, place_px, motion: Motion { pick, place } })
     }
 }
 
-/// Returns the world point that a pixel shows; without a depth reading, the point of the table there.
+/// Returns the world point at `at`, at the depth that `pixel` shows; without a depth reading, the point of
+/// the table there.
 ///
 /// `None` where the camera does not look down at the table.
-fn point_on_surface(pixel: PixelPoint, observation: &Observation) -> Option<WorldPoint> {
+fn point_on_surface(pixel: PixelPoint, at: [f64; 2], observation: &Observation) -> Option<WorldPoint> {
     let camera = &observation.camera;
     let [column, row] = [pixel.u, pixel.v].map(|coordinate| u32::try_from(coordinate).unwrap_or(u32::MAX));
     let reading = observation.depth_m.get_pixel_checked(column, row).map_or(0.0, |depth| f64::from(depth.0[0]));
-    camera.world_from_pixel(center_of(pixel), reading).or_else(|| {
-        let on_ray = camera.world_from_pixel(center_of(pixel), 1.0)?;
+    camera.world_from_pixel(at, reading).or_else(|| {
+        let on_ray = camera.world_from_pixel(at, 1.0)?;
         let eye = WorldPoint::from(camera.world_from_camera.translation.vector);
         let depth_m = eye.z / (eye.z - on_ray.z);
-        camera.world_from_pixel(center_of(pixel), depth_m)
+        camera.world_from_pixel(at, depth_m)
     })
 }

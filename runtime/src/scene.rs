@@ -4,7 +4,7 @@
 //! rollout's first scene. Prompts are filled from it and checks are judged on it.
 
 use crate::observation::Observation;
-use crate::vision::{self, CornerSearch, Detector, Mask, VisionError};
+use crate::vision::{self, Corner, CornerSearch, Detector, Mask, VisionError};
 use compiler::program::{Extractor, Moment, PixelPoint, Program};
 use compiler::render::Bindings;
 use compiler::verify::SceneView;
@@ -20,7 +20,7 @@ pub struct Scene {
 #[derive(Clone, Debug)]
 enum Found {
     Mask(Mask),
-    Points(Vec<PixelPoint>),
+    Points(Vec<Corner>),
     Point(PixelPoint),
 }
 
@@ -110,6 +110,17 @@ impl Scene {
         })
     }
 
+    /// Returns where the detected corner lies that a pixel stands for, `[column, row]`, pixels.
+    ///
+    /// Prompts name a corner by its whole pixel; an answer that names it means the corner.
+    pub fn located(&self, pixel: PixelPoint) -> Option<[f64; 2]> {
+        let corners = self.found.iter().filter_map(|(_, found)| match found {
+            Found::Points(corners) => Some(corners),
+            _ => None,
+        });
+        corners.flatten().find(|corner| corner.pixel == pixel).map(|corner| corner.at)
+    }
+
     /// Returns every point as a template variable.
     pub fn bindings(&self) -> Bindings {
         let mut bindings = Bindings::new();
@@ -122,7 +133,7 @@ impl Scene {
         for (name, found) in &self.found {
             match found {
                 Found::Mask(_) => {}
-                Found::Points(points) => bindings.points(name, points),
+                Found::Points(corners) => bindings.points(name, &pixels(corners)),
                 Found::Point(point) => bindings.point(name, *point),
             }
         }
@@ -134,7 +145,7 @@ impl Scene {
         for (name, found) in &self.found {
             let value = match found {
                 Found::Mask(mask) => json!({ "area_px": mask.area_px() }),
-                Found::Points(points) => json!(points),
+                Found::Points(corners) => json!(pixels(corners)),
                 Found::Point(point) => json!([point]),
             };
             object.insert(name.clone(), value);
@@ -143,10 +154,14 @@ impl Scene {
     }
 }
 
+fn pixels(corners: &[Corner]) -> Vec<PixelPoint> {
+    corners.iter().map(|corner| corner.pixel).collect()
+}
+
 impl SceneView for Scene {
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
         match self.get(keypoint)? {
-            Found::Points(points) => Some(points.clone()),
+            Found::Points(corners) => Some(pixels(corners)),
             Found::Point(point) => Some(vec![*point]),
             Found::Mask(_) => None,
         }

@@ -78,11 +78,16 @@ fn levels(folder: &Path, step: usize) -> GrayImage {
         .into_luma8()
 }
 
-/// The corners and the centre of the cloth in a recorded depth image, 8-bit levels of 1/255 m.
-fn observed(levels: &GrayImage) -> (Vec<PixelPoint>, PixelPoint) {
-    let depth = DepthImage::from_fn(levels.width(), levels.height(), |column, row| {
+/// A recorded depth image, 8-bit levels of 1/255 m, as metres.
+fn depth(levels: &GrayImage) -> DepthImage {
+    DepthImage::from_fn(levels.width(), levels.height(), |column, row| {
         Luma([f32::from(levels.get_pixel(column, row).0[0]) / 255.0])
-    });
+    })
+}
+
+/// The corners of the cloth in a recorded depth image.
+fn corners_in(levels: &GrayImage) -> Vec<PixelPoint> {
+    let depth = depth(levels);
     let mask = depth_mask(&depth, 0.646);
     let search = CornerSearch {
         image_px: 128,
@@ -91,10 +96,12 @@ fn observed(levels: &GrayImage) -> (Vec<PixelPoint>, PixelPoint) {
         spacing_px: 10.0,
         detector: Detector::Harris { k: 0.04 },
     };
-    (
-        corners(&depth, &mask, &search).unwrap(),
-        centroid(&mask).unwrap(),
-    )
+    corners(&depth, &mask, &search).unwrap()
+}
+
+/// The centre of the cloth in a recorded depth image.
+fn center_in(levels: &GrayImage) -> PixelPoint {
+    centroid(&depth_mask(&depth(levels), 0.646)).unwrap()
 }
 
 /// Turns an image about its middle, clockwise as seen, without blending depths.
@@ -168,8 +175,8 @@ fn straight_folds_are_planned_as_the_expert_did_them() {
     assert!(steps.len() >= 60, "{} steps", steps.len());
     let mut worst = 0.0_f64;
     for step in &steps {
-        let (listed, _) = observed(&levels(&step.folder, step.index));
-        let (_, center) = observed(&levels(&step.folder, 0));
+        let listed = corners_in(&levels(&step.folder, step.index));
+        let center = center_in(&levels(&step.folder, 0));
         let [pick, place] = planned(&said[step.index], &listed, center);
         let off = [distance(pick, step.pick), distance(place, step.place)];
         let name = step.folder.display();
@@ -195,8 +202,8 @@ fn straight_folds_are_planned_alike_when_the_recorded_cloth_is_turned() {
     let steps = recorded_steps(&root, "DoubleStraight");
     for step in steps.iter().filter(|step| step.rotation_deg == 0.0) {
         for degrees in [-60.0, -30.0, 30.0, 60.0] {
-            let (listed, _) = observed(&turned(&levels(&step.folder, step.index), degrees));
-            let (_, center) = observed(&turned(&levels(&step.folder, 0), degrees));
+            let listed = corners_in(&turned(&levels(&step.folder, step.index), degrees));
+            let center = center_in(&turned(&levels(&step.folder, 0), degrees));
             n_listed = n_listed.max(listed.len());
             let [pick, place] = planned(&said[step.index], &listed, center);
             let off = [
@@ -228,8 +235,8 @@ fn folds_to_the_center_are_planned_as_the_expert_did_them() {
     assert!(steps.len() >= 80, "{} steps", steps.len());
     let mut worst = [0.0_f64; 2];
     for step in &steps {
-        let (listed, _) = observed(&levels(&step.folder, step.index));
-        let (_, center) = observed(&levels(&step.folder, 0));
+        let listed = corners_in(&levels(&step.folder, step.index));
+        let center = center_in(&levels(&step.folder, 0));
         let [pick, place] = planned(&said[step.index], &listed, center);
         // A square turned by more than 45 degrees starts with another, equally right corner.
         if step.rotation_deg <= 45.0 {
@@ -252,7 +259,8 @@ fn folds_to_the_center_are_planned_as_the_expert_did_them() {
 fn the_second_fold_of_a_triangle_joins_its_sharp_corners() {
     let Some(root) = reference() else { return };
     let said = instruction(&root, "DoubleTriangle", 1);
-    let (listed, center) = observed(&levels(&root.join("subgoals/DoubleTriangle"), 1));
+    let seen = levels(&root.join("subgoals/DoubleTriangle"), 1);
+    let (listed, center) = (corners_in(&seen), center_in(&seen));
     let [pick, place] = planned(&said, &listed, center);
     // The arrow drawn on the recorded picture runs along the long side, from lower right to upper left.
     assert!(distance(pick, [182.0, 183.0]) <= NEAR_PX, "{pick:?}");

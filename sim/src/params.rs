@@ -36,7 +36,7 @@ pub struct Params {
     /// A cloth with the picker away, and of which no particle moves faster than this over a whole step,
     /// stays exactly where it is, m/s. Just above the hop of a lone particle at the sleep speed (0.02 m/s
     /// for one substep of four), which otherwise never ends. Trial: 0.007 halves the time of a replay and
-    /// leaves its errors as they are (18 recordings, mean within 0.3 mm).
+    /// leaves its errors as they are (18 recordings, means within 0.4 mm).
     pub rest_speed_m_s: f32,
     /// Share of a stretch spring's error removed per sweep (neighbours along a side). PyFleX: 2.0, clamped to 1.
     pub stretch: f32,

@@ -94,7 +94,7 @@ impl Solver {
             if let Some(held) = self.held {
                 // It keeps its offset to the centre. PyFleX moves it the whole way before the first
                 // substep; going along with the sphere keeps replays of Double Straight together
-                // (20 recordings: 20.9 mm, at worst 26, instead of 25.5 mm, at worst 57).
+                // (20 recordings: 21.0 mm, at worst 27, instead of 25.5 mm, at worst 57).
                 let at = self.before.get(held);
                 let carried = [0, 1, 2].map(|axis| at[axis] + (sphere.centre[axis] - from[axis]));
                 self.positions.set(held, carried);

@@ -135,6 +135,28 @@ fn a_crumpled_cloth_in_free_fall_keeps_its_sideways_momentum() {
 }
 
 #[test]
+fn no_particle_accelerates_beyond_the_limit() {
+    let params = Params {
+        gravity_m_s2: 0.0,
+        ..Params::default()
+    };
+    let grid = grid(12, 12);
+    let stretched: Vec<[f32; 3]> = at_height(grid, 0.5)
+        .iter()
+        .map(|p| [1.5 * p[0], 1.5 * p[1], p[2]])
+        .collect();
+    let mut cloth = Simulator::from_positions(grid, &stretched, &params).unwrap();
+    cloth.step().unwrap();
+    let speeds = cloth
+        .velocities()
+        .into_iter()
+        .map(|v| distance(v, [0.0; 3]));
+    let fastest = speeds.fold(0.0, f32::max);
+    // 100 m/s^2 for 10 ms.
+    assert!((0.01..1.001).contains(&fastest), "{fastest} m/s");
+}
+
+#[test]
 fn a_flat_cloth_at_rest_stays_bitwise_at_rest() {
     let mut cloth = flat(55, 44);
     let start = cloth.digest();

@@ -123,7 +123,7 @@ codes! {
 
     "F0112" NestedTooDeep Error
     "brackets are nested too deeply"
-    "At most 64 brackets and braces may be open at once. Nothing in the file is checked."
+    "At most 32 brackets and braces may be open at once. Nothing in the file is checked."
 
     "F0201" UnknownUnit Error
     "a unit is unknown"

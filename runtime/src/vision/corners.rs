@@ -8,7 +8,7 @@ use super::mask::has_reading;
 use super::{DepthImage, MAX_SIDE_PX, Mask, VisionError, check_size};
 use compiler::program::PixelPoint;
 use image::imageops::{self, FilterType};
-use opencv::core::{Mat, Point2f, Vector, no_array};
+use opencv::core::{Mat, Point2f, Size, TermCriteria, TermCriteria_Type, Vector, no_array};
 use opencv::imgproc;
 
 /// How corners are searched for.
@@ -48,11 +48,22 @@ const SNAP_PX: f64 = 3.0;
 /// Grey levels per metre in the detector's picture, so 1 cm a level (protocol, section 6).
 const LEVELS_PER_METRE: f64 = 100.0;
 
-/// Finds the cloth's corners, strongest first, as pixels of the camera image.
+/// A corner of the cloth in the camera image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corner {
+    /// The whole pixel that stands for it in prompts and answers.
+    pub pixel: PixelPoint,
+    /// Where it was located, `[column, row]` in the camera's pixels; a pixel's centre is at one half.
+    pub at: [f64; 2],
+}
+
+/// Finds the cloth's corners, strongest first.
 ///
 /// The cloth's depth is scaled to `search.image_px` squared (bicubic), turned into centimetres as 8-bit
-/// levels with 0 for everything that is not cloth, and searched. A corner is scaled back by pixel centres,
-/// rounded and moved into the image. Where that leaves it off the cloth by at most 3 px, it is moved to the
+/// levels with 0 for everything that is not cloth, and searched. A corner is scaled back by pixel centres. On
+/// a smaller picture that is known to one pixel of it only, and a rounded response lies inside the cloth, so
+/// the corner is then located on the camera's own picture: where the outline's edges around it meet. Its pixel
+/// is rounded and moved into the image. Where that leaves it off the cloth by at most 3 px, it is moved to the
 /// nearest cloth pixel; one that is farther off stays where it was found.
 ///
 /// An empty mask has no corners. Fails if a picture or a setting is out of range, or the mask's size is
@@ -61,7 +72,7 @@ pub fn corners(
     depth: &DepthImage,
     mask: &Mask,
     search: &CornerSearch,
-) -> Result<Vec<PixelPoint>, VisionError> {
+) -> Result<Vec<Corner>, VisionError> {
     let (width, height) = depth.dimensions();
     check_size(width, height)?;
     if (mask.width(), mask.height()) != (width, height) {
@@ -77,16 +88,64 @@ pub fn corners(
     let found = corners_of_gray(&detector_picture(depth, mask, search.image_px), search)?;
     let scale_back = |at: f32, side: u32| {
         let scale = f64::from(side) / f64::from(search.image_px);
-        let pixel = ((f64::from(at) + 0.5) * scale - 0.5).round();
-        pixel.clamp(0.0, f64::from(side - 1)) as i32
+        ((f64::from(at) + 0.5) * scale - 0.5) as f32
     };
-    Ok(found
+    let scaled: Vec<[f32; 2]> = found
         .into_iter()
-        .map(|[x, y]| {
-            snap(
-                PixelPoint::new(scale_back(x, width), scale_back(y, height)),
-                mask,
-            )
+        .map(|[x, y]| [scale_back(x, width), scale_back(y, height)])
+        .collect();
+    let coarseness_px = (f64::from(width.max(height)) / f64::from(search.image_px)).ceil();
+    let located = if coarseness_px > 1.0 {
+        locate(scaled, mask, coarseness_px)?
+    } else {
+        scaled
+    };
+    let whole = |at: f32, side: u32| f64::from(at).round().clamp(0.0, f64::from(side - 1)) as i32;
+    let corner = |[x, y]: [f32; 2]| Corner {
+        pixel: snap(PixelPoint::new(whole(x, width), whole(y, height)), mask),
+        at: [x, y].map(|at| f64::from(at) + 0.5),
+    };
+    Ok(located.into_iter().map(corner).collect())
+}
+
+/// Moves corners to where the mask's edges around them meet (OpenCV's `cornerSubPix`).
+///
+/// `coarseness_px` is how many pixels of the mask one pixel of the detector's picture spans. A corner that
+/// would leave its window, as on a straight edge, stays where it was.
+fn locate(
+    corners: Vec<[f32; 2]>,
+    mask: &Mask,
+    coarseness_px: f64,
+) -> Result<Vec<[f32; 2]>, VisionError> {
+    // A detected corner is off by up to two pixels of its picture (see SNAP_PX); the window covers that.
+    let window_px = 2 * coarseness_px as i32;
+    let picture = image::GrayImage::from_fn(mask.width(), mask.height(), |column, row| {
+        let inside = mask.contains(PixelPoint::new(column as i32, row as i32));
+        image::Luma([if inside { 255 } else { 0 }])
+    });
+    let (rows, columns) = (picture.height() as i32, picture.width() as i32);
+    if rows <= 2 * window_px + 5 || columns <= 2 * window_px + 5 || corners.is_empty() {
+        return Ok(corners);
+    }
+    let view = Mat::new_rows_cols_with_data::<u8>(rows, columns, picture.as_raw())?;
+    let mut moved: Vector<Point2f> = corners.iter().map(|&[x, y]| Point2f::new(x, y)).collect();
+    let until = TermCriteria::new(
+        TermCriteria_Type::COUNT as i32 | TermCriteria_Type::EPS as i32,
+        30,
+        0.01,
+    )?;
+    let window = Size::new(window_px, window_px);
+    imgproc::corner_sub_pix(&view, &mut moved, window, Size::new(-1, -1), until)?;
+    let near = |at: f32, to: f32| (at - to).abs() <= window_px as f32;
+    Ok(corners
+        .into_iter()
+        .zip(moved)
+        .map(|([x, y], to)| {
+            if near(x, to.x) && near(y, to.y) {
+                [to.x, to.y]
+            } else {
+                [x, y]
+            }
         })
         .collect())
 }
@@ -165,7 +224,7 @@ fn check_search(search: &CornerSearch) -> Result<(), VisionError> {
 ///
 /// Depth is averaged over cloth pixels alone, so that neither the table nor missing readings bend the
 /// cloth's rim; a pixel is cloth where at least half of what it stands for is.
-fn detector_picture(depth: &DepthImage, mask: &Mask, side_px: u32) -> image::GrayImage {
+pub(super) fn detector_picture(depth: &DepthImage, mask: &Mask, side_px: u32) -> image::GrayImage {
     let reading = |column, row| {
         let inside = mask.contains(PixelPoint::new(column as i32, row as i32));
         let depth_m = depth.get_pixel(column, row).0[0];

@@ -1,12 +1,12 @@
-//! Tests of masks, corners and drawings, some against recorded results of the original pipeline.
+//! Tests of masks, corners and drawings.
 #![allow(clippy::unwrap_used)]
+
+mod recorded;
 
 use super::*;
 use compiler::program::PixelPoint;
 use image::{Luma, Rgb, RgbImage};
 use proptest::prelude::*;
-use serde_json::Value;
-use std::path::{Path, PathBuf};
 
 /// Table at 0.65 m, cloth from column 20 to 39 and row 30 to 59 at 0.645 m.
 fn rectangle() -> DepthImage {
@@ -95,13 +95,44 @@ fn the_corners_of_a_rectangle_are_its_corners() {
     assert_eq!(found.len(), 4, "{found:?}");
     for expected in [(20, 30), (39, 30), (20, 59), (39, 59)].map(|(u, v)| PixelPoint::new(u, v)) {
         assert!(
-            found.iter().any(|c| c.distance_px(expected) <= 2.0),
+            found.iter().any(|c| c.pixel.distance_px(expected) <= 2.0),
             "{expected} in {found:?}"
         );
     }
     assert!(
-        found.iter().all(|&corner| mask.contains(corner)),
+        found.iter().all(|corner| mask.contains(corner.pixel)),
         "{found:?}"
+    );
+}
+
+#[test]
+fn the_detectors_picture_is_the_cloths_depth_in_centimetres_where_half_a_pixel_is_cloth() {
+    // Four pixels become one; the cloth begins a quarter of one before the middle, and three quarters below.
+    let depth = DepthImage::from_fn(64, 64, |column, row| {
+        Luma([if column >= 31 && row >= 29 { 0.3 } else { 0.65 }])
+    });
+    let picture = super::corners::detector_picture(&depth, &depth_mask(&depth, 0.6), 16);
+    let first_column = (0..16).find(|&column| picture.get_pixel(column, 12).0[0] > 0);
+    let first_row = (0..16).find(|&row| picture.get_pixel(12, row).0[0] > 0);
+    assert_eq!((first_column, first_row), (Some(8), Some(7)));
+    assert_eq!(picture.get_pixel(12, 12).0, [30]);
+    assert_eq!(picture.get_pixel(8, 7).0, [30]);
+}
+
+#[test]
+fn corners_are_scaled_back_without_a_drift() {
+    let depth = DepthImage::from_fn(224, 224, |column, row| {
+        let is_cloth = (52..172).contains(&column) && (52..172).contains(&row);
+        Luma([if is_cloth { 0.645 } else { 0.65 }])
+    });
+    let found = corners(&depth, &depth_mask(&depth, 0.646), &harris()).unwrap();
+    assert_eq!(found.len(), 4, "{found:?}");
+    let mean =
+        |of: fn(PixelPoint) -> i32| found.iter().map(|c| f64::from(of(c.pixel))).sum::<f64>() / 4.0;
+    let (u, v) = (mean(|corner| corner.u), mean(|corner| corner.v));
+    assert!(
+        (u - 111.5).abs() < 0.3 && (v - 111.5).abs() < 0.3,
+        "{u} {v}: {found:?}"
     );
 }
 
@@ -270,158 +301,4 @@ proptest! {
         let least = pixels.iter().map(|&(u, v)| point.distance_px(PixelPoint::new(u, v)));
         prop_assert_eq!(point.distance_px(nearest), least.fold(f64::INFINITY, f64::min));
     }
-}
-
-fn reference() -> Option<PathBuf> {
-    std::env::var_os("FABC_REFERENCE_DATA").map(PathBuf::from)
-}
-
-fn manifest(folder: &Path) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(folder.join("manifest.json")).unwrap()).unwrap()
-}
-
-fn gray(path: impl AsRef<Path>) -> image::GrayImage {
-    image::open(path).unwrap().into_luma8()
-}
-
-fn recorded_points(list: &Value) -> Vec<[i64; 2]> {
-    let point = |point: &Value| [point[0].as_i64().unwrap(), point[1].as_i64().unwrap()];
-    list.as_array().unwrap().iter().map(point).collect()
-}
-
-/// Cuts coordinates off, as the recordings do.
-fn truncated(found: Vec<[f32; 2]>) -> Vec<[i64; 2]> {
-    found
-        .into_iter()
-        .map(|point| point.map(|value| value as i64))
-        .collect()
-}
-
-#[test]
-fn harris_corners_match_the_recorded_lists_in_order() {
-    let Some(root) = reference() else { return };
-    let mut n_pictures = 0;
-    for fixture in manifest(&root.join("vision/harris128"))["fixtures"]
-        .as_array()
-        .unwrap()
-    {
-        let path = root.join(fixture["file"].as_str().unwrap());
-        // Held-out pictures are listed too, but may be absent.
-        if !path.exists() {
-            continue;
-        }
-        let found = truncated(corners_of_gray(&gray(&path), &harris()).unwrap());
-        assert_eq!(
-            found,
-            recorded_points(&fixture["corners"]),
-            "{}",
-            path.display()
-        );
-        n_pictures += 1;
-    }
-    assert!(n_pictures >= 100, "{n_pictures} pictures");
-}
-
-#[test]
-fn shi_tomasi_corners_match_the_recorded_lists_in_order() {
-    let Some(root) = reference() else { return };
-    let fixtures = manifest(&root.join("vision/shi_tomasi"));
-    let mut n_pictures = 0;
-    for fixture in fixtures["fixtures"].as_array().unwrap() {
-        let path = root.join(fixture["dir"].as_str().unwrap()).join("gray.png");
-        if !path.exists() {
-            continue;
-        }
-        let search = CornerSearch {
-            image_px: 720,
-            max: fixture["corner_limit"].as_u64().unwrap() as u32,
-            quality: 0.1,
-            spacing_px: 20.0,
-            detector: Detector::ShiTomasi,
-        };
-        let found = truncated(corners_of_gray(&gray(&path), &search).unwrap());
-        assert_eq!(
-            found,
-            recorded_points(&fixture["recorded_corners"]),
-            "{}",
-            path.display()
-        );
-        n_pictures += 1;
-    }
-    assert!(n_pictures >= 10, "{n_pictures} pictures");
-}
-
-#[test]
-fn every_recorded_pick_is_near_a_detected_corner() {
-    let Some(root) = reference() else { return };
-    let (mut worst_px, mut n_steps) = (0.0_f64, 0);
-    for entry in manifest(&root.join("folding120"))["entries"]
-        .as_array()
-        .unwrap()
-    {
-        let folder = root.join(entry["dir"].as_str().unwrap());
-        if !folder.exists() {
-            continue;
-        }
-        for step in entry["steps"].as_array().unwrap() {
-            let levels = gray(folder.join(format!("depth_{}.png", step["step"])));
-            let depth = DepthImage::from_fn(levels.width(), levels.height(), |column, row| {
-                Luma([f32::from(levels.get_pixel(column, row).0[0]) / 255.0])
-            });
-            let mask = depth_mask(&depth, 0.646);
-            let found = corners(&depth, &mask, &harris()).unwrap();
-            assert!(found.len() <= 27, "{}", folder.display());
-            assert!(
-                found.iter().all(|&corner| mask.contains(corner)),
-                "{}",
-                folder.display()
-            );
-            let pick = [0, 1].map(|axis| step["pick_px"][axis].as_f64().unwrap() - 0.5);
-            let off = |corner: &PixelPoint| {
-                (f64::from(corner.u) - pick[0]).hypot(f64::from(corner.v) - pick[1])
-            };
-            worst_px = found
-                .iter()
-                .map(off)
-                .fold(f64::INFINITY, f64::min)
-                .max(worst_px);
-            n_steps += 1;
-        }
-    }
-    println!("worst of {n_steps} steps: {worst_px:.1} px");
-    assert!(n_steps >= 200, "{n_steps} steps");
-    assert!(worst_px <= 5.0, "{worst_px} px");
-}
-
-#[test]
-fn subgoal_arrows_are_drawn_as_recorded_pixel_for_pixel() {
-    let Some(root) = reference() else { return };
-    let subgoals = manifest(&root.join("subgoals"));
-    let mut n_pictures = 0;
-    for (task, entry) in subgoals.as_object().unwrap() {
-        // One task's recorded drawings are turned against its pictures.
-        if entry["rgbviz_orientation"] != "same as rgb" {
-            continue;
-        }
-        for step in 0..entry["num_steps"].as_u64().unwrap() as usize {
-            let point = |list: &str| {
-                Some([
-                    entry[list][step][0].as_f64()?,
-                    entry[list][step][1].as_f64()?,
-                ])
-            };
-            let (Some(tail), Some(tip)) = (point("pick_px"), point("place_px")) else {
-                continue;
-            };
-            let picture = |kind: &str| {
-                let path = root.join(format!("subgoals/{task}/{kind}_{step}.png"));
-                image::open(path).unwrap().into_rgb8()
-            };
-            let mut drawn = picture("rgb");
-            draw_arrow(&mut drawn, tail, tip).unwrap();
-            assert_eq!(drawn, picture("rgbviz"), "{task} step {step}");
-            n_pictures += 1;
-        }
-    }
-    assert!(n_pictures >= 8, "{n_pictures} pictures");
 }

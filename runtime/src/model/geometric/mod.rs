@@ -62,10 +62,7 @@ fn describe(messages: &[Message]) -> Option<String> {
     let users = messages
         .iter()
         .filter(|message| message.speaker == Speaker::User);
-    let shown = users
-        .map(pictures)
-        .filter(|pictures| !pictures.is_empty())
-        .last()?;
+    let shown = users.map(pictures).rfind(|pictures| !pictures.is_empty())?;
     let encoded: Vec<&[u8]> = shown.iter().map(super::Png::bytes).collect();
     Some(
         match see::see(&encoded)
@@ -147,12 +144,12 @@ fn choice(messages: &[Message]) -> Result<String, String> {
         let instruction = prompt::instruction_lines(&text).find_map(Instruction::read)?;
         (message.speaker == Speaker::User).then_some((text, instruction))
     };
-    let found = messages
+    let mut found = messages
         .iter()
         .enumerate()
         .filter_map(|(at, message)| Some((at, asked(message)?)));
     let (at, (text, instruction)) = found
-        .last()
+        .next_back()
         .ok_or("no line names a point of the cloth to pick and one to place it on")?;
     let corners = prompt::corners(&text);
     if corners.is_empty() {

@@ -43,7 +43,7 @@ pub fn center(text: &str) -> Option<PixelPoint> {
         .filter(|line| after_word(line, "corner").is_none());
     lines
         .filter_map(|line| points(after_word(line, "cent")?).first().copied())
-        .last()
+        .next_back()
 }
 
 /// Returns the lines that may hold the instruction, likely ones first.

@@ -10,7 +10,7 @@ fn found(picture: &RgbImage, scale: f64) -> Result<[Point; 2], ArrowFault> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn every_drawn_arrow_is_found_where_it_is(

@@ -262,7 +262,7 @@ fn the_two_folds_of_a_square_fit_each_other_at_any_turn() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
     fn words_hold_for_a_cloth_turned_by_up_to_sixty_degrees(

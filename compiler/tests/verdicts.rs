@@ -1,0 +1,121 @@
+//! Which actions may run, and what a model is told about those that may not.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{TASK, program};
+use compiler::program::{PixelPoint, Program};
+use compiler::render::Bindings;
+use compiler::reply::Proposal;
+use compiler::verify::{self, SceneView, Verdict};
+
+/// A scene whose cloth is everything with a column below 100.
+struct Table;
+
+impl SceneView for Table {
+    fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
+        match keypoint {
+            "corners" => Some([(10, 10), (90, 10), (105, 50), (120, 50), (90, 10)].map(|(u, v)| PixelPoint::new(u, v)).to_vec()),
+            "center" => Some(vec![PixelPoint::new(95, 14)]),
+            _ => None,
+        }
+    }
+
+    fn distance_to_mask_px(&self, mask: &str, point: PixelPoint) -> Option<f64> {
+        (mask == "cloth").then(|| f64::from((point.u - 99).max(0)))
+    }
+}
+
+fn judge(program: &Program, pick: (i32, i32), place: (i32, i32)) -> Verdict {
+    let point = |(u, v)| PixelPoint::new(u, v);
+    let proposal = Proposal { fields: vec![("pick".to_owned(), point(pick)), ("place".to_owned(), point(place))] };
+    verify::verdict(program, &Table, &proposal, &Bindings::new()).unwrap()
+}
+
+fn with_condition(condition: &str) -> Program {
+    program("task.fab", &TASK.replace("distance(pick, place) > 10px", condition))
+}
+
+#[test]
+fn an_offered_action_that_passes_every_check_runs() {
+    let program = program("task.fab", TASK);
+    assert_eq!(judge(&program, (10, 10), (90, 10)), Verdict::Accept);
+    assert_eq!(judge(&program, (105, 50), (10, 10)), Verdict::Accept, "6 px beside the cloth are within 8 px of it");
+}
+
+#[test]
+fn points_that_were_not_offered_are_refused_with_the_choices() {
+    let refused = judge(&program("task.fab", TASK), (95, 14), (10, 10));
+    let Verdict::Reject { check, values, message } = refused else { panic!("the center is offered for the place alone") };
+    assert_eq!(check, verify::OFFERED);
+    assert_eq!(values[0], ("pick".to_owned(), "(95, 14)".to_owned()));
+    assert_eq!(
+        message,
+        "The pick point (95, 14) is not one of the offered points. Choose one of these: (10, 10), (90, 10), (105, 50), (120, 50)."
+    );
+}
+
+#[test]
+fn picks_outside_the_mask_are_refused_by_name() {
+    let refused = judge(&program("task.fab", TASK), (120, 50), (10, 10));
+    let Verdict::Reject { check, values, message } = refused else { panic!("21 px beside the cloth are too far") };
+    assert_eq!(check, "on_cloth");
+    assert_eq!(values, [("pick".to_owned(), "(120, 50)".to_owned()), ("distance to cloth".to_owned(), "21.0 px".to_owned())]);
+    assert_eq!(message, "(120, 50) is off the cloth.");
+}
+
+#[test]
+fn the_first_check_that_fails_speaks() {
+    let Verdict::Reject { check, values, .. } = judge(&program("task.fab", TASK), (90, 10), (95, 14)) else { panic!("too near") };
+    assert_eq!((check.as_str(), values), ("moves", vec![("distance(pick, place)".to_owned(), "6.4 px".to_owned())]));
+}
+
+#[test]
+fn conditions_mean_what_they_say() {
+    // From (10, 10) to (90, 10): 80 px apart, both on the cloth.
+    for (condition, holds) in [
+        ("distance(pick, place) > 80px", false),
+        ("distance(pick, place) >= 80px", true),
+        ("distance(pick, place) < 80px", false),
+        ("distance(pick, place) <= 80px", true),
+        ("80px <= distance(pick, place)", true),
+        ("not distance(pick, place) > 80px", true),
+        ("not not distance(pick, place) > 80px", false),
+        ("pick within cloth and place within cloth", true),
+        ("pick within cloth and distance(pick, place) > 80px", false),
+        ("pick within cloth or distance(pick, place) > 80px", true),
+        ("not (pick within cloth or distance(pick, place) > 80px)", false),
+        ("distance(pick, place) > 80px and pick within cloth or place within cloth", true),
+        ("distance(pick, place) > 80px and (pick within cloth or place within cloth)", false),
+        ("distance(place, center) < distance(pick, center)", true),
+        ("center within 8px of cloth", true),
+    ] {
+        let verdict = judge(&with_condition(condition), (10, 10), (90, 10));
+        assert_eq!(verdict == Verdict::Accept, holds, "{condition}");
+    }
+}
+
+#[test]
+fn an_empty_or_unknown_mask_is_infinitely_far() {
+    struct Bare;
+    impl SceneView for Bare {
+        fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
+            Table.points(keypoint)
+        }
+        fn distance_to_mask_px(&self, _: &str, _: PixelPoint) -> Option<f64> {
+            None
+        }
+    }
+    let program = program("task.fab", TASK);
+    let proposal = Proposal { fields: vec![("pick".to_owned(), PixelPoint::new(10, 10)), ("place".to_owned(), PixelPoint::new(90, 10))] };
+    let verdict = verify::verdict(&program, &Bare, &proposal, &Bindings::new()).unwrap();
+    assert!(matches!(verdict, Verdict::Reject { check, .. } if check == "on_cloth"));
+}
+
+#[test]
+fn a_verdict_survives_json() {
+    let refused = judge(&program("task.fab", TASK), (120, 50), (10, 10));
+    let again: Verdict = serde_json::from_str(&serde_json::to_string(&refused).unwrap()).unwrap();
+    assert_eq!(again, refused);
+}
