@@ -59,25 +59,35 @@ pub(crate) fn diagnose(fault: &Fault, file: FileId, text: &str) -> Diagnostic {
 }
 
 fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) -> Diagnostic {
-    let found_words = found.map_or("the end of the line".to_owned(), |found| format!("`{found}`"));
+    let found_words = found.map_or("the end of the line".to_owned(), |found| {
+        format!("`{found}`")
+    });
     let message = match expected {
         [] => format!("unexpected {found_words}"),
         _ => format!("expected {}, found {found_words}", listed(expected)),
     };
     let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
     let expects = |words: &str| expected.contains(&words);
-    let Some(found) = found else { return diagnostic };
+    let Some(found) = found else {
+        return diagnostic;
+    };
     match found {
         "=" if expects("`:`") => diagnostic.help("write `:`").edit(span, ":"),
         ":" if expects("`=`") => diagnostic.help("write `=`").edit(span, "="),
-        "=" if expects("`)`") => diagnostic.help("an argument's name is followed by `:`").edit(span, ":"),
-        "→" | "=>" | "–>" | "—>" | "⇒" | "to" if expects("`->`") => diagnostic.help("write `->`").edit(span, "->"),
-        ":" | "=" => diagnostic.help(format!("remove the `{found}`")),
-        "}" | ")" if text[..span.start].trim_end().ends_with(',') => diagnostic.help("remove the comma before it"),
-        "“" | "”" | "'" | "‘" | "’" => diagnostic.help("write straight double quotes `\"`"),
-        _ if grammar::is_keyword(found) && expects("a name") => {
-            diagnostic.help(format!("`{found}` is a word of the language; choose another name, or remove a comma before it"))
+        "=" if expects("`)`") => diagnostic
+            .help("an argument's name is followed by `:`")
+            .edit(span, ":"),
+        "→" | "=>" | "–>" | "—>" | "⇒" | "to" if expects("`->`") => {
+            diagnostic.help("write `->`").edit(span, "->")
         }
+        ":" | "=" => diagnostic.help(format!("remove the `{found}`")),
+        "}" | ")" if text[..span.start].trim_end().ends_with(',') => {
+            diagnostic.help("remove the comma before it")
+        }
+        "“" | "”" | "'" | "‘" | "’" => diagnostic.help("write straight double quotes `\"`"),
+        _ if grammar::is_keyword(found) && expects("a name") => diagnostic.help(format!(
+            "`{found}` is a word of the language; choose another name, or remove a comma before it"
+        )),
         _ => diagnostic,
     }
 }
@@ -90,8 +100,13 @@ fn unknown_word(span: Span, word: &str, known: &[&str], block: Option<&str>) -> 
     };
     let diagnostic = Diagnostic::new(Code::UnknownWord, span, format!("{place} `{word}`"));
     match nearest(word, known.iter().copied()) {
-        Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")).edit(span, meant),
-        None => diagnostic.help(format!("a line here begins with {}", among(known.iter().copied()))),
+        Some(meant) => diagnostic
+            .help(format!("did you mean `{meant}`?"))
+            .edit(span, meant),
+        None => diagnostic.help(format!(
+            "a line here begins with {}",
+            among(known.iter().copied())
+        )),
     }
 }
 

@@ -68,7 +68,9 @@ pub struct Compiled {
 impl Compiled {
     /// Returns whether anything keeps a task from being right.
     pub fn has_errors(&self) -> bool {
-        self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+        self.diagnostics
+            .iter()
+            .any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 }
 
@@ -79,5 +81,9 @@ pub fn compile(entry: &str, loader: &dyn Loader) -> Result<Compiled, LoadError> 
     let mut report = Report::default();
     let loaded = load::load(entry, loader, &mut report)?;
     let programs = check::check(&loaded, &mut report);
-    Ok(Compiled { programs, diagnostics: report.into_sorted(), sources: loaded.sources })
+    Ok(Compiled {
+        programs,
+        diagnostics: report.into_sorted(),
+        sources: loaded.sources,
+    })
 }

@@ -40,10 +40,25 @@ impl Loaded {
 }
 
 /// Reads `entry` and what it uses; fails only where the entry cannot be loaded.
-pub(crate) fn load(entry: &str, loader: &dyn Loader, report: &mut Report) -> Result<Loaded, LoadError> {
+pub(crate) fn load(
+    entry: &str,
+    loader: &dyn Loader,
+    report: &mut Report,
+) -> Result<Loaded, LoadError> {
     let text = loader.load(entry)?;
-    let loaded = Loaded { sources: Sources::default(), files: Vec::new(), portable_names: Vec::new(), reach: Vec::new() };
-    let mut reading = Reading { loader, report, loaded, keys: Vec::new(), open: Vec::new() };
+    let loaded = Loaded {
+        sources: Sources::default(),
+        files: Vec::new(),
+        portable_names: Vec::new(),
+        reach: Vec::new(),
+    };
+    let mut reading = Reading {
+        loader,
+        report,
+        loaded,
+        keys: Vec::new(),
+        open: Vec::new(),
+    };
     let file = reading.add(entry.to_owned(), path::file_name(entry).to_owned(), text);
     reading.follow(file);
     let mut loaded = reading.loaded;
@@ -57,7 +72,10 @@ fn close(reach: &mut [BTreeSet<FileId>]) {
     loop {
         let mut grown = false;
         for file in 0..reach.len() {
-            let further: BTreeSet<FileId> = reach[file].iter().flat_map(|seen| reach[seen.0].iter().copied()).collect();
+            let further: BTreeSet<FileId> = reach[file]
+                .iter()
+                .flat_map(|seen| reach[seen.0].iter().copied())
+                .collect();
             grown |= further.len() > reach[file].len();
             reach[file].extend(further);
         }
@@ -83,7 +101,11 @@ impl Reading<'_> {
         self.keys.push(path::beside("", &name));
         let file = self.loaded.sources.add(name, text);
         for fault in &parsed.faults {
-            self.report.push(form::diagnose(fault, file, &self.loaded.sources.get(file).text));
+            self.report.push(form::diagnose(
+                fault,
+                file,
+                &self.loaded.sources.get(file).text,
+            ));
         }
         self.loaded.files.push(ast::lower(file, &parsed.tree));
         self.loaded.portable_names.push(portable_name);
@@ -105,25 +127,39 @@ impl Reading<'_> {
     fn reach(&mut self, file: FileId, used: &Text) -> Option<FileId> {
         let Some(written) = used.plain() else {
             let message = "the path of a `use` has a placeholder";
-            self.report.push(Diagnostic::new(Code::BadPath, used.span, message).help("write the path itself"));
+            self.report.push(
+                Diagnostic::new(Code::BadPath, used.span, message).help("write the path itself"),
+            );
             return None;
         };
         if let Some(fault) = path::fault(&written) {
-            self.report.push(Diagnostic::new(Code::BadPath, used.span, format!("the path `{written}` {fault}")));
+            self.report.push(Diagnostic::new(
+                Code::BadPath,
+                used.span,
+                format!("the path `{written}` {fault}"),
+            ));
             return None;
         }
         let name = path::beside(&self.loaded.sources.get(file).name, &written);
         if let Some(known) = self.keys.iter().position(|key| *key == name).map(FileId) {
             if self.open.contains(&known) {
                 let message = format!("`{written}` is used in a circle");
-                let label = if known == file { "this is the file itself" } else { "leads back to this file" };
-                self.report.push(Diagnostic::new(Code::CircularUse, used.span, message).label(label));
+                let label = if known == file {
+                    "this is the file itself"
+                } else {
+                    "leads back to this file"
+                };
+                self.report
+                    .push(Diagnostic::new(Code::CircularUse, used.span, message).label(label));
             }
             return Some(known);
         }
         if self.keys.len() >= MAX_FILES || self.open.len() > MAX_USE_DEPTH {
-            let message = format!("`{written}` is not read: at most {MAX_FILES} files are, each at most {MAX_USE_DEPTH} `use`s deep");
-            self.report.push(Diagnostic::new(Code::TooManyFiles, used.span, message));
+            let message = format!(
+                "`{written}` is not read: at most {MAX_FILES} files are, each at most {MAX_USE_DEPTH} `use`s deep"
+            );
+            self.report
+                .push(Diagnostic::new(Code::TooManyFiles, used.span, message));
             return None;
         }
         match self.loader.load(&name) {
@@ -135,8 +171,9 @@ impl Reading<'_> {
             }
             Err(error) => {
                 self.report.push(
-                    Diagnostic::new(Code::UnreadableUse, used.span, error.message)
-                        .help(format!("paths are relative to the file that they stand in: this one is `{name}`")),
+                    Diagnostic::new(Code::UnreadableUse, used.span, error.message).help(format!(
+                        "paths are relative to the file that they stand in: this one is `{name}`"
+                    )),
                 );
                 None
             }

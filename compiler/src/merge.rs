@@ -4,7 +4,10 @@
 //! or a stage of the same name takes the old one's place, others come after; a component is replaced
 //! with `override`, added without, and left out with `without`.
 
-use crate::ast::{Actions, Component, Declares, Ident, Keypoint, Reference, Stage, Statement, Subgoals, Task, Verify};
+use crate::ast::{
+    Actions, Component, Declares, Ident, Keypoint, Reference, Stage, Statement, Subgoals, Task,
+    Verify,
+};
 use crate::diag::{Code, Diagnostic, Report, among, nearest};
 use crate::load::Loaded;
 use crate::source::{FileId, Span};
@@ -37,7 +40,10 @@ pub(crate) struct Merged<'a> {
 
 /// Finds the task of that name that `file` sees.
 pub(crate) fn find_task<'a>(loaded: &'a Loaded, file: FileId, name: &str) -> Option<&'a Task> {
-    loaded.visible_from(file).flat_map(|seen| &seen.tasks).find(|task| task.name.text == name)
+    loaded
+        .visible_from(file)
+        .flat_map(|seen| &seen.tasks)
+        .find(|task| task.name.text == name)
 }
 
 /// Joins `task` with those below it.
@@ -77,7 +83,11 @@ fn chain<'a>(task: &'a Task, loaded: &'a Loaded, report: &mut Report) -> (Vec<&'
         };
         if chain.iter().any(|known| known.name.span == found.name.span) {
             let message = format!("`{}` extends itself", base.text);
-            let through = if chain.len() > 1 { "leads back here" } else { "this is the task itself" };
+            let through = if chain.len() > 1 {
+                "leads back here"
+            } else {
+                "this is the task itself"
+            };
             report.push(Diagnostic::new(Code::CircularExtends, base.span, message).label(through));
             return (chain, true);
         }
@@ -93,22 +103,49 @@ fn chain<'a>(task: &'a Task, loaded: &'a Loaded, report: &mut Report) -> (Vec<&'
 }
 
 fn unknown_task(base: &Ident, loaded: &Loaded) -> Diagnostic {
-    let diagnostic = Diagnostic::new(Code::UnknownName, base.span, format!("there is no task `{}`", base.text));
-    let seen = || loaded.visible_from(base.span.file).flat_map(|file| &file.tasks).map(|task| task.name.text.as_str());
-    let unseen = loaded.files.iter().find(|file| file.tasks.iter().any(|task| task.name.text == base.text));
+    let diagnostic = Diagnostic::new(
+        Code::UnknownName,
+        base.span,
+        format!("there is no task `{}`", base.text),
+    );
+    let seen = || {
+        loaded
+            .visible_from(base.span.file)
+            .flat_map(|file| &file.tasks)
+            .map(|task| task.name.text.as_str())
+    };
+    let unseen = loaded
+        .files
+        .iter()
+        .find(|file| file.tasks.iter().any(|task| task.name.text == base.text));
     match (nearest(&base.text, seen()), unseen) {
-        (_, Some(file)) => diagnostic.help(format!("it is declared in `{}`; add a `use` of that file", loaded.sources.get(file.id).name)),
-        (Some(meant), _) => diagnostic.help(format!("did you mean `{meant}`?")).edit(base.span, meant),
+        (_, Some(file)) => diagnostic.help(format!(
+            "it is declared in `{}`; add a `use` of that file",
+            loaded.sources.get(file.id).name
+        )),
+        (Some(meant), _) => diagnostic
+            .help(format!("did you mean `{meant}`?"))
+            .edit(base.span, meant),
         _ => diagnostic.help(format!("this file sees {}", among(seen()))),
     }
 }
 
 /// Returns the one statement there should be, and reports further ones.
-pub(crate) fn once<'a, T>(list: &'a [T], what: &str, span: impl Fn(&T) -> Span, report: &mut Report) -> Option<&'a T> {
+pub(crate) fn once<'a, T>(
+    list: &'a [T],
+    what: &str,
+    span: impl Fn(&T) -> Span,
+    report: &mut Report,
+) -> Option<&'a T> {
     let first = list.first()?;
     for again in &list[1..] {
         report.push(
-            Diagnostic::new(Code::Repeated, span(again), format!("{what} is stated twice")).also(span(first), "stated here first"),
+            Diagnostic::new(
+                Code::Repeated,
+                span(again),
+                format!("{what} is stated twice"),
+            )
+            .also(span(first), "stated here first"),
         );
     }
     Some(first)
@@ -121,17 +158,29 @@ impl<'a> Merged<'a> {
         self.camera = once(&task.camera, "`camera`", statement, report).or(self.camera);
         self.goal = once(&task.goal, "`goal`", statement, report).or(self.goal);
         self.horizon = once(&task.horizon, "`horizon`", statement, report).or(self.horizon);
-        self.subgoals = once(&task.subgoals, "`subgoals`", |part| part.span, report).or(self.subgoals);
+        self.subgoals =
+            once(&task.subgoals, "`subgoals`", |part| part.span, report).or(self.subgoals);
         self.experts = once(&task.experts, "`experts`", |part| part.span, report).or(self.experts);
         self.actions = once(&task.actions, "`actions`", |part| part.span, report).or(self.actions);
         self.verify = once(&task.verify, "`verify`", |part| part.span, report).or(self.verify);
         let keypoints: Vec<&Keypoint> =
-            once(&task.keypoints, "`keypoints`", |part| part.span, report).map_or(Vec::new(), |part| part.list.iter().collect());
-        unique(keypoints.iter().map(|keypoint| &keypoint.name), "keypoint", report);
+            once(&task.keypoints, "`keypoints`", |part| part.span, report)
+                .map_or(Vec::new(), |part| part.list.iter().collect());
+        unique(
+            keypoints.iter().map(|keypoint| &keypoint.name),
+            "keypoint",
+            report,
+        );
         unique(task.stages.iter().map(|stage| &stage.name), "stage", report);
-        unique(task.components.iter().map(|component| &component.name), "component", report);
+        unique(
+            task.components.iter().map(|component| &component.name),
+            "component",
+            report,
+        );
         for keypoint in keypoints {
-            put(&mut self.keypoints, keypoint, |keypoint| &keypoint.name.text);
+            put(&mut self.keypoints, keypoint, |keypoint| {
+                &keypoint.name.text
+            });
         }
         for stage in &task.stages {
             put(&mut self.stages, stage, |stage| &stage.name.text);
@@ -141,10 +190,15 @@ impl<'a> Merged<'a> {
     }
 
     fn add_components(&mut self, task: &'a Task, report: &mut Report) {
-        let inherited: BTreeSet<&str> = self.components.iter().map(|component| component.name.text.as_str()).collect();
+        let inherited: BTreeSet<&str> = self
+            .components
+            .iter()
+            .map(|component| component.name.text.as_str())
+            .collect();
         for name in &task.without {
             if inherited.contains(name.text.as_str()) {
-                self.components.retain(|component| component.name.text != name.text);
+                self.components
+                    .retain(|component| component.name.text != name.text);
                 self.removed.insert(&name.text);
             } else if !self.is_broken {
                 report.push(absent(Code::NothingToRemove, "leave out", name, &inherited));
@@ -152,26 +206,39 @@ impl<'a> Merged<'a> {
         }
         for component in &task.components {
             let name = &component.name;
-            let is_inherited = inherited.contains(name.text.as_str()) && !self.removed.contains(name.text.as_str());
+            let is_inherited = inherited.contains(name.text.as_str())
+                && !self.removed.contains(name.text.as_str());
             match component.declares {
                 Declares::New if is_inherited => {
-                    let before = self.components.iter().find(|known| known.name.text == name.text);
-                    let message = format!("`{}` replaces a component of an extended task", name.text);
-                    let mut diagnostic = Diagnostic::new(Code::NotMarkedAsOverride, name.span, message)
-                        .help("write `override component` to replace its text");
+                    let before = self
+                        .components
+                        .iter()
+                        .find(|known| known.name.text == name.text);
+                    let message =
+                        format!("`{}` replaces a component of an extended task", name.text);
+                    let mut diagnostic =
+                        Diagnostic::new(Code::NotMarkedAsOverride, name.span, message)
+                            .help("write `override component` to replace its text");
                     if let Some(before) = before {
                         diagnostic = diagnostic.also(before.name.span, "declared here");
                     }
                     report.push(diagnostic);
                 }
                 Declares::Override if !is_inherited && !self.is_broken => {
-                    report.push(absent(Code::NothingToOverride, "override", name, &inherited));
+                    report.push(absent(
+                        Code::NothingToOverride,
+                        "override",
+                        name,
+                        &inherited,
+                    ));
                     continue;
                 }
                 Declares::New | Declares::Override => {}
             }
             self.removed.remove(name.text.as_str());
-            put(&mut self.components, component, |component| &component.name.text);
+            put(&mut self.components, component, |component| {
+                &component.name.text
+            });
         }
     }
 }
@@ -180,8 +247,11 @@ fn absent(code: Code, doing: &str, name: &Ident, inherited: &BTreeSet<&str>) -> 
     let message = format!("there is no component `{}` to {doing}", name.text);
     let diagnostic = Diagnostic::new(code, name.span, message);
     match nearest(&name.text, inherited.iter().copied()) {
-        Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")).edit(name.span, meant),
-        None if inherited.is_empty() => diagnostic.help("only components of an extended task can be meant; this one inherits none"),
+        Some(meant) => diagnostic
+            .help(format!("did you mean `{meant}`?"))
+            .edit(name.span, meant),
+        None if inherited.is_empty() => diagnostic
+            .help("only components of an extended task can be meant; this one inherits none"),
         None => diagnostic.help(format!("it inherits {}", among(inherited.iter().copied()))),
     }
 }
@@ -200,8 +270,12 @@ pub(crate) fn unique<'a>(names: impl Iterator<Item = &'a Ident>, kind: &str, rep
     for name in names {
         match seen.get(name.text.as_str()) {
             Some(first) => report.push(
-                Diagnostic::new(Code::DuplicateName, name.span, format!("the {kind} `{}` is declared twice", name.text))
-                    .also(first.span, "declared here first"),
+                Diagnostic::new(
+                    Code::DuplicateName,
+                    name.span,
+                    format!("the {kind} `{}` is declared twice", name.text),
+                )
+                .also(first.span, "declared here first"),
             ),
             None => {
                 seen.insert(&name.text, name);

@@ -52,7 +52,11 @@ impl Bindings {
 
 /// Writes pixels as prompts do: `(x, y), (x, y)`.
 pub(crate) fn listed(points: &[PixelPoint]) -> String {
-    points.iter().map(PixelPoint::to_string).collect::<Vec<_>>().join(", ")
+    points
+        .iter()
+        .map(PixelPoint::to_string)
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// Gives every name of a program a value that says what would stand there.
@@ -100,41 +104,80 @@ pub struct PromptMessage {
 /// Renders the messages of a stage: the system message, if it has one, and the question.
 ///
 /// Fails where a value is missing or the program was edited by hand.
-pub fn messages(program: &Program, stage: &Stage, bindings: &Bindings) -> Result<Vec<PromptMessage>, RenderError> {
+pub fn messages(
+    program: &Program,
+    stage: &Stage,
+    bindings: &Bindings,
+) -> Result<Vec<PromptMessage>, RenderError> {
     let mut messages = Vec::with_capacity(2);
     if !stage.system.is_empty() {
         let text = joined(program, &stage.system, bindings)?;
-        messages.push(PromptMessage { speaker: PromptSpeaker::System, text, pictures: Vec::new() });
+        messages.push(PromptMessage {
+            speaker: PromptSpeaker::System,
+            text,
+            pictures: Vec::new(),
+        });
     }
     let text = joined(program, &stage.say, bindings)?;
-    messages.push(PromptMessage { speaker: PromptSpeaker::User, text, pictures: stage.show.clone() });
+    messages.push(PromptMessage {
+        speaker: PromptSpeaker::User,
+        text,
+        pictures: stage.show.clone(),
+    });
     Ok(messages)
 }
 
 /// Renders what a model is told when a check fails.
-pub fn correction(program: &Program, check: &Check, bindings: &Bindings) -> Result<String, RenderError> {
+pub fn correction(
+    program: &Program,
+    check: &Check,
+    bindings: &Bindings,
+) -> Result<String, RenderError> {
     one(program, &check.message, bindings)
 }
 
 fn joined(program: &Program, names: &[String], bindings: &Bindings) -> Result<String, RenderError> {
-    let texts: Result<Vec<String>, RenderError> = names.iter().map(|name| one(program, name, bindings)).collect();
+    let texts: Result<Vec<String>, RenderError> = names
+        .iter()
+        .map(|name| one(program, name, bindings))
+        .collect();
     Ok(texts?.join("\n\n"))
 }
 
 fn one(program: &Program, name: &str, bindings: &Bindings) -> Result<String, RenderError> {
     let Some(template) = program.template(name) else {
-        return Err(RenderError::UnknownTemplate { template: name.to_owned() });
+        return Err(RenderError::UnknownTemplate {
+            template: name.to_owned(),
+        });
     };
-    if let Some(missing) = template.variables.iter().find(|variable| bindings.get(variable).is_none()) {
-        return Err(RenderError::MissingValue { template: name.to_owned(), variable: missing.clone() });
+    if let Some(missing) = template
+        .variables
+        .iter()
+        .find(|variable| bindings.get(variable).is_none())
+    {
+        return Err(RenderError::MissingValue {
+            template: name.to_owned(),
+            variable: missing.clone(),
+        });
     }
-    let wrong = |why: String| RenderError::BadTemplate { template: name.to_owned(), why };
+    let wrong = |why: String| RenderError::BadTemplate {
+        template: name.to_owned(),
+        why,
+    };
     let environment = environment();
-    let context: BTreeMap<&str, Value> =
-        bindings.values.iter().map(|(name, value)| (name.as_str(), Value::from(value.as_str()))).collect();
-    let text = environment.render_str(&template.text, Value::from(context)).map_err(|error| wrong(error.to_string()))?;
+    let context: BTreeMap<&str, Value> = bindings
+        .values
+        .iter()
+        .map(|(name, value)| (name.as_str(), Value::from(value.as_str())))
+        .collect();
+    let text = environment
+        .render_str(&template.text, Value::from(context))
+        .map_err(|error| wrong(error.to_string()))?;
     if text.len() > MAX_BYTES {
-        return Err(wrong(format!("it becomes {} bytes long, at most {MAX_BYTES} are accepted", text.len())));
+        return Err(wrong(format!(
+            "it becomes {} bytes long, at most {MAX_BYTES} are accepted",
+            text.len()
+        )));
     }
     Ok(text)
 }
@@ -144,7 +187,11 @@ fn environment() -> Environment<'static> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_auto_escape_callback(|_| AutoEscape::None);
-    let syntax = SyntaxConfig::builder().keep_trailing_newline(true).trim_blocks(false).lstrip_blocks(false).build();
+    let syntax = SyntaxConfig::builder()
+        .keep_trailing_newline(true)
+        .trim_blocks(false)
+        .lstrip_blocks(false)
+        .build();
     environment.set_syntax(syntax.expect("the usual delimiters differ from each other"));
     environment.set_fuel(Some(FUEL));
     environment
@@ -182,10 +229,19 @@ pub enum RenderError {
 impl fmt::Display for RenderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            RenderError::UnknownTemplate { template } => write!(f, "the program has no template `{template}`"),
-            RenderError::MissingValue { template, variable } => write!(f, "the template `{template}` needs a value for `{variable}`"),
-            RenderError::MissingKeypoint { keypoint } => write!(f, "the scene has no keypoint `{keypoint}`"),
-            RenderError::BadTemplate { template, why } => write!(f, "the template `{template}` cannot be rendered: {why}"),
+            RenderError::UnknownTemplate { template } => {
+                write!(f, "the program has no template `{template}`")
+            }
+            RenderError::MissingValue { template, variable } => write!(
+                f,
+                "the template `{template}` needs a value for `{variable}`"
+            ),
+            RenderError::MissingKeypoint { keypoint } => {
+                write!(f, "the scene has no keypoint `{keypoint}`")
+            }
+            RenderError::BadTemplate { template, why } => {
+                write!(f, "the template `{template}` cannot be rendered: {why}")
+            }
         }
     }
 }

@@ -34,7 +34,11 @@ pub struct Span {
 
 impl Span {
     pub(crate) fn new(file: FileId, range: Range<usize>) -> Span {
-        Span { file, start: range.start, end: range.end }
+        Span {
+            file,
+            start: range.start,
+            end: range.end,
+        }
     }
 
     /// Returns the bytes' place.

@@ -53,14 +53,20 @@ pub fn verdict(
     for field in &program.actions {
         let choices = offered(program, scene, &field.name);
         let Some(point) = proposal.get(&field.name) else {
-            return Err(RenderError::MissingKeypoint { keypoint: field.name.clone() });
+            return Err(RenderError::MissingKeypoint {
+                keypoint: field.name.clone(),
+            });
         };
         if !choices.contains(&point) {
             return Ok(not_offered(&field.name, point, &choices));
         }
     }
     for check in &program.verify.checks {
-        let mut judged = Judged { scene, proposal, values: Vec::new() };
+        let mut judged = Judged {
+            scene,
+            proposal,
+            values: Vec::new(),
+        };
         if judged.holds(&check.holds)? {
             continue;
         }
@@ -69,7 +75,11 @@ pub fn verdict(
             bindings.point(field, *point);
         }
         let message = render::correction(program, check, &bindings)?;
-        return Ok(Verdict::Reject { check: check.name.clone(), values: judged.values, message });
+        return Ok(Verdict::Reject {
+            check: check.name.clone(),
+            values: judged.values,
+            message,
+        });
     }
     Ok(Verdict::Accept)
 }
@@ -77,8 +87,15 @@ pub fn verdict(
 /// Returns the points that a field may be, in the order in which a prompt lists them, each once.
 pub fn offered(program: &Program, scene: &dyn SceneView, field: &str) -> Vec<PixelPoint> {
     let mut choices = Vec::new();
-    let keypoints = program.actions.iter().filter(|known| known.name == field).flat_map(|known| &known.one_of);
-    for point in keypoints.filter_map(|keypoint| scene.points(keypoint)).flatten() {
+    let keypoints = program
+        .actions
+        .iter()
+        .filter(|known| known.name == field)
+        .flat_map(|known| &known.one_of);
+    for point in keypoints
+        .filter_map(|keypoint| scene.points(keypoint))
+        .flatten()
+    {
         if !choices.contains(&point) {
             choices.push(point);
         }
@@ -91,8 +108,17 @@ fn not_offered(field: &str, point: PixelPoint, choices: &[PixelPoint]) -> Verdic
     if choices.len() > MAX_LISTED {
         listed.push_str(&format!(" and {} more", choices.len() - MAX_LISTED));
     }
-    let message = format!("The {field} point {point} is not one of the offered points. Choose one of these: {listed}.");
-    Verdict::Reject { check: OFFERED.to_owned(), values: vec![(field.to_owned(), point.to_string()), ("offered".to_owned(), listed)], message }
+    let message = format!(
+        "The {field} point {point} is not one of the offered points. Choose one of these: {listed}."
+    );
+    Verdict::Reject {
+        check: OFFERED.to_owned(),
+        values: vec![
+            (field.to_owned(), point.to_string()),
+            ("offered".to_owned(), listed),
+        ],
+        message,
+    }
 }
 
 struct Judged<'a> {
@@ -117,19 +143,32 @@ impl Judged<'_> {
                     Comparison::AtLeast => left >= right,
                 })
             }
-            Expr::Within { point, mask, margin_px } => {
+            Expr::Within {
+                point,
+                mask,
+                margin_px,
+            } => {
                 let at = self.point(point)?;
                 // A mask without pixels is infinitely far away.
-                let distance_px = self.scene.distance_to_mask_px(mask, at).unwrap_or(f64::INFINITY);
+                let distance_px = self
+                    .scene
+                    .distance_to_mask_px(mask, at)
+                    .unwrap_or(f64::INFINITY);
                 self.note(name(point).to_owned(), at.to_string());
-                self.note(format!("distance to {mask}"), format!("{distance_px:.1} px"));
+                self.note(
+                    format!("distance to {mask}"),
+                    format!("{distance_px:.1} px"),
+                );
                 Ok(distance_px <= *margin_px)
             }
         }
     }
 
     fn each(&mut self, conditions: &[Expr]) -> Result<Vec<bool>, RenderError> {
-        conditions.iter().map(|condition| self.holds(condition)).collect()
+        conditions
+            .iter()
+            .map(|condition| self.holds(condition))
+            .collect()
     }
 
     fn length(&mut self, length: &Length) -> Result<f64, RenderError> {
@@ -137,7 +176,10 @@ impl Judged<'_> {
             Length::Pixels { px } => Ok(*px),
             Length::Distance { a, b } => {
                 let distance_px = self.point(a)?.distance_px(self.point(b)?);
-                self.note(format!("distance({}, {})", name(a), name(b)), format!("{distance_px:.1} px"));
+                self.note(
+                    format!("distance({}, {})", name(a), name(b)),
+                    format!("{distance_px:.1} px"),
+                );
                 Ok(distance_px)
             }
         }
@@ -146,9 +188,14 @@ impl Judged<'_> {
     fn point(&self, point: &PointRef) -> Result<PixelPoint, RenderError> {
         let found = match point {
             PointRef::Action { field } => self.proposal.get(field),
-            PointRef::Keypoint { name } => self.scene.points(name).and_then(|points| points.first().copied()),
+            PointRef::Keypoint { name } => self
+                .scene
+                .points(name)
+                .and_then(|points| points.first().copied()),
         };
-        found.ok_or_else(|| RenderError::MissingKeypoint { keypoint: name(point).to_owned() })
+        found.ok_or_else(|| RenderError::MissingKeypoint {
+            keypoint: name(point).to_owned(),
+        })
     }
 
     fn note(&mut self, what: String, value: String) {

@@ -11,13 +11,19 @@ use compiler::program::{ClothPoint, Fold, KeypointShape, PROGRAM_FORMAT, Program
 fn the_same_text_gives_the_same_bytes_wherever_it_lies() {
     let child = "use \"../lib/base.fab\"\ntask child extends small { horizon 1 }\n";
     let bytes = |root: &str| {
-        let files = Memory::of([(&format!("{root}tasks/child.fab"), child), (&format!("{root}lib/base.fab"), TASK)]);
+        let files = Memory::of([
+            (&format!("{root}tasks/child.fab"), child),
+            (&format!("{root}lib/base.fab"), TASK),
+        ]);
         let compiled = compiler::compile(&format!("{root}tasks/child.fab"), &files).unwrap();
         serde_json::to_string(&compiled.programs[0]).unwrap()
     };
     assert_eq!(bytes(""), bytes(""));
     assert_eq!(bytes(""), bytes("/somewhere/else/"));
-    assert!(bytes("").contains("\"../lib/base.fab\""), "a source is named as seen from the entry's folder");
+    assert!(
+        bytes("").contains("\"../lib/base.fab\""),
+        "a source is named as seen from the entry's folder"
+    );
 }
 
 #[test]
@@ -33,17 +39,42 @@ fn a_program_survives_json_and_its_hash_follows_the_text() {
 #[test]
 fn quantities_are_in_base_units_and_folds_are_fractions() {
     let program = program("task.fab", TASK);
-    assert_eq!((program.camera.height_m, program.camera.image_px), (0.65, 224));
+    assert_eq!(
+        (program.camera.height_m, program.camera.image_px),
+        (0.65, 224)
+    );
     assert!((program.camera.fov_rad - std::f64::consts::FRAC_PI_4).abs() < 1e-15);
     assert_eq!(program.goal.as_ref().unwrap().below_m, 0.04);
-    let Subgoals::Demonstrate { folds } = &program.subgoals else { panic!("the folds are demonstrated") };
+    let Subgoals::Demonstrate { folds } = &program.subgoals else {
+        panic!("the folds are demonstrated")
+    };
     let corner = |right: f64, front: f64| ClothPoint::Particle { right, front };
-    assert_eq!(folds[0], Fold { pick: corner(0.0, 0.0), place: corner(0.0, 1.0), fraction: 1.0 });
-    assert_eq!(folds[1], Fold { pick: corner(0.0, 0.5), place: ClothPoint::Center, fraction: 0.5 });
+    assert_eq!(
+        folds[0],
+        Fold {
+            pick: corner(0.0, 0.0),
+            place: corner(0.0, 1.0),
+            fraction: 1.0
+        }
+    );
+    assert_eq!(
+        folds[1],
+        Fold {
+            pick: corner(0.0, 0.5),
+            place: ClothPoint::Center,
+            fraction: 0.5
+        }
+    );
     // Without a list of experts the demonstration is what counts as right, and gives the horizon.
-    assert_eq!((program.experts[0].folds.as_slice(), program.experts.len()), (folds.as_slice(), 1));
+    assert_eq!(
+        (program.experts[0].folds.as_slice(), program.experts.len()),
+        (folds.as_slice(), 1)
+    );
     assert_eq!((program.horizon, program.calls_per_step()), (2, 4));
-    assert_eq!(program.keypoint("corners").unwrap().extractor.shape(), KeypointShape::Points);
+    assert_eq!(
+        program.keypoint("corners").unwrap().extractor.shape(),
+        KeypointShape::Points
+    );
 }
 
 #[test]
@@ -86,37 +117,81 @@ fn a_child_inherits_replaces_overrides_and_leaves_out() {
     "#;
     let files = Memory::of([("child.fab", child), ("base.fab", TASK)]);
     let compiled = compiler::compile("child.fab", &files).unwrap();
-    let shown = compiler::diag::to_text(&compiled.diagnostics, &compiled.sources, compiler::diag::Color::Plain);
+    let shown = compiler::diag::to_text(
+        &compiled.diagnostics,
+        &compiled.sources,
+        compiler::diag::Color::Plain,
+    );
     assert!(!compiled.has_errors(), "{shown}");
-    let names: Vec<&str> = compiled.programs.iter().map(|program| program.task.as_str()).collect();
-    assert_eq!(names, ["child", "bare"], "only tasks of the entry file become programs");
+    let names: Vec<&str> = compiled
+        .programs
+        .iter()
+        .map(|program| program.task.as_str())
+        .collect();
+    assert_eq!(
+        names,
+        ["child", "bare"],
+        "only tasks of the entry file become programs"
+    );
     let child = &compiled.programs[0];
     assert_eq!((child.cloth.dimx, child.cloth.dimy), (41, 41));
     assert_eq!(child.template("role").unwrap().text, "You fold towels.");
-    let keypoints: Vec<&str> = child.keypoints.iter().map(|keypoint| keypoint.name.as_str()).collect();
-    assert_eq!(keypoints, ["cloth", "corners", "center", "more"], "a keypoint of the same name keeps its place");
-    let stages: Vec<&str> = child.stages.iter().map(|stage| stage.name.as_str()).collect();
+    let keypoints: Vec<&str> = child
+        .keypoints
+        .iter()
+        .map(|keypoint| keypoint.name.as_str())
+        .collect();
+    assert_eq!(
+        keypoints,
+        ["cloth", "corners", "center", "more"],
+        "a keypoint of the same name keeps its place"
+    );
+    let stages: Vec<&str> = child
+        .stages
+        .iter()
+        .map(|stage| stage.name.as_str())
+        .collect();
     assert_eq!(stages, ["describe", "plan"]);
     let bare = &compiled.programs[1];
-    assert!(bare.template("role").is_none() && bare.stages[1].system.is_empty(), "what is left out is said nowhere");
+    assert!(
+        bare.template("role").is_none() && bare.stages[1].system.is_empty(),
+        "what is left out is said nowhere"
+    );
 }
 
 #[test]
 fn a_task_with_an_error_gives_no_program_but_its_neighbour_does() {
     let text = format!("{TASK}\ntask other extends small {{ horizon 0 }}\n");
     let compiled = common::compile("task.fab", &text);
-    let names: Vec<&str> = compiled.programs.iter().map(|program| program.task.as_str()).collect();
+    let names: Vec<&str> = compiled
+        .programs
+        .iter()
+        .map(|program| program.task.as_str())
+        .collect();
     assert!(compiled.has_errors());
     assert_eq!(names, ["small"]);
 }
 
 #[test]
 fn an_error_in_a_base_keeps_its_children_back() {
-    let base = TASK.replace("quality: 0.04", "quality: 4").replace("task small {", "task small_base {");
-    let files = Memory::of([("a.fab", "use \"b.fab\"\ntask a extends small_base { horizon 2 }"), ("b.fab", &base)]);
+    let base = TASK
+        .replace("quality: 0.04", "quality: 4")
+        .replace("task small {", "task small_base {");
+    let files = Memory::of([
+        (
+            "a.fab",
+            "use \"b.fab\"\ntask a extends small_base { horizon 2 }",
+        ),
+        ("b.fab", &base),
+    ]);
     let compiled = compiler::compile("a.fab", &files).unwrap();
     assert!(compiled.programs.is_empty());
-    assert_eq!(compiled.diagnostics.len(), 1, "what is inherited is reported once: {:?}", compiled.diagnostics);
+    assert_eq!(
+        compiled.diagnostics.len(),
+        1,
+        "what is inherited is reported once: {:?}",
+        compiled.diagnostics
+    );
 }
 
 #[test]
@@ -128,7 +203,10 @@ fn an_entry_that_cannot_be_read_is_the_callers_error() {
 #[test]
 fn line_ends_and_a_byte_order_mark_change_no_prompt() {
     let unix = program("task.fab", TASK);
-    let windows = program("task.fab", &format!("\u{feff}{}", TASK.replace('\n', "\r\n")));
+    let windows = program(
+        "task.fab",
+        &format!("\u{feff}{}", TASK.replace('\n', "\r\n")),
+    );
     assert_eq!(unix.templates.len(), windows.templates.len());
     for (unix, windows) in unix.templates.iter().zip(&windows.templates) {
         assert_eq!((&unix.text, unix.line), (&windows.text, windows.line));
@@ -138,18 +216,35 @@ fn line_ends_and_a_byte_order_mark_change_no_prompt() {
 #[test]
 fn files_beyond_the_limits_are_refused() {
     let long = format!("# {}\n{TASK}", "x".repeat(1 << 20));
-    assert_eq!(messages(&long), [format!("F0001 the file has {} bytes, at most 1048576 are accepted", long.len())]);
+    assert_eq!(
+        messages(&long),
+        [format!(
+            "F0001 the file has {} bytes, at most 1048576 are accepted",
+            long.len()
+        )]
+    );
     let mut files = Memory::default();
     for number in 0..40 {
-        files.0.insert(format!("{number}.fab"), format!("use \"{}.fab\"\n", number + 1));
+        files.0.insert(
+            format!("{number}.fab"),
+            format!("use \"{}.fab\"\n", number + 1),
+        );
     }
     let compiled = compiler::compile("0.fab", &files).unwrap();
-    let codes: Vec<&str> = compiled.diagnostics.iter().map(|it| it.code.as_str()).collect();
+    let codes: Vec<&str> = compiled
+        .diagnostics
+        .iter()
+        .map(|it| it.code.as_str())
+        .collect();
     assert_eq!(codes, ["F0004"]);
     assert_eq!(compiled.sources.iter().count(), compiler::MAX_USE_DEPTH + 1);
-    let many: String = (0..100).map(|number| format!("use \"f{number}.fab\"\n")).collect();
+    let many: String = (0..100)
+        .map(|number| format!("use \"f{number}.fab\"\n"))
+        .collect();
     let mut files = Memory::of([("many.fab", &many)]);
-    files.0.extend((0..100).map(|number| (format!("f{number}.fab"), String::new())));
+    files
+        .0
+        .extend((0..100).map(|number| (format!("f{number}.fab"), String::new())));
     let compiled = compiler::compile("many.fab", &files).unwrap();
     assert_eq!(compiled.sources.iter().count(), compiler::MAX_FILES);
 }

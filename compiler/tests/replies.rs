@@ -16,7 +16,10 @@ use std::fs;
 fn every_reply_is_read_as_its_fixture_says() {
     let program = common::program("task.fab", common::TASK);
     let folder = common::workspace().join("tests/fixtures/replies");
-    let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let mut files: Vec<_> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
     files.sort();
     let mut wrong = Vec::new();
     for file in &files {
@@ -24,14 +27,23 @@ fn every_reply_is_read_as_its_fixture_says() {
         let (head, reply) = text.split_once("---\n").unwrap();
         let (kind, expected) = head.split_once('\n').unwrap();
         let found = match kind.strip_prefix("text ") {
-            None => described(reply::read_action(&program, reply).map(|reading| (points(&reading.value), reading.repairs))),
+            None => described(
+                reply::read_action(&program, reply)
+                    .map(|reading| (points(&reading.value), reading.repairs)),
+            ),
             Some(pattern) => {
                 let (before, after) = pattern.split_once('|').unwrap();
-                described(reply::read_text(before.trim(), after.trim(), reply).map(|reading| (reading.value, reading.repairs)))
+                described(
+                    reply::read_text(before.trim(), after.trim(), reply)
+                        .map(|reading| (reading.value, reading.repairs)),
+                )
             }
         };
         if found != expected {
-            wrong.push(format!("{}\nexpected\n{expected}found\n{found}", file.display()));
+            wrong.push(format!(
+                "{}\nexpected\n{expected}found\n{found}",
+                file.display()
+            ));
         }
     }
     assert!(files.len() > 50, "only {} replies were found", files.len());
@@ -39,21 +51,32 @@ fn every_reply_is_read_as_its_fixture_says() {
 }
 
 fn points(proposal: &reply::Proposal) -> String {
-    let fields: Vec<String> = proposal.fields.iter().map(|(name, point)| format!("{name} {point}")).collect();
+    let fields: Vec<String> = proposal
+        .fields
+        .iter()
+        .map(|(name, point)| format!("{name} {point}"))
+        .collect();
     fields.join(", ")
 }
 
 fn described(outcome: Result<(String, Vec<String>), Malformed>) -> String {
     match outcome {
         Ok((value, repairs)) => {
-            let repairs: String = repairs.iter().map(|repair| format!("repair {repair}\n")).collect();
+            let repairs: String = repairs
+                .iter()
+                .map(|repair| format!("repair {repair}\n"))
+                .collect();
             format!("is {value}\n{repairs}")
         }
-        Err(Malformed { field, message }) => format!("malformed {field}: {}\n", message.lines().next().unwrap()),
+        Err(Malformed { field, message }) => {
+            format!("malformed {field}: {}\n", message.lines().next().unwrap())
+        }
     }
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { cases: 128, failure_persistence: None, ..ProptestConfig::default() })]
+
     #[test]
     fn any_answer_is_read_or_refused(reply in any::<String>()) {
         let program = common::program("task.fab", common::TASK);
@@ -113,15 +136,28 @@ fn long_answers_and_texts_are_refused() {
 fn a_refusal_tells_the_model_the_format() {
     let program = common::program("task.fab", common::TASK);
     let refused = reply::read_action(&program, "I do not know.").unwrap_err();
-    assert!(refused.message.ends_with(&reply::answer_format(&program)), "{}", refused.message);
-    assert_eq!(reply::answer_format(&program), "Pick Point = (x, y)\nPlace Point = (x, y)");
+    assert!(
+        refused.message.ends_with(&reply::answer_format(&program)),
+        "{}",
+        refused.message
+    );
+    assert_eq!(
+        reply::answer_format(&program),
+        "Pick Point = (x, y)\nPlace Point = (x, y)"
+    );
 }
 
 #[test]
 fn the_schema_offers_each_field_its_own_points() {
     let program = common::program("task.fab", common::TASK);
-    let schema = reply::schema(&program, &[("pick".to_owned(), vec![PixelPoint::new(1, 2)])]);
-    assert_eq!(schema["properties"]["pick"]["enum"], serde_json::json!(["(1, 2)"]));
+    let schema = reply::schema(
+        &program,
+        &[("pick".to_owned(), vec![PixelPoint::new(1, 2)])],
+    );
+    assert_eq!(
+        schema["properties"]["pick"]["enum"],
+        serde_json::json!(["(1, 2)"])
+    );
     assert_eq!(schema["properties"]["place"]["enum"], serde_json::json!([]));
     assert_eq!(schema["required"], serde_json::json!(["pick", "place"]));
     assert_eq!(schema["additionalProperties"], false);

@@ -16,7 +16,11 @@ struct Table;
 impl SceneView for Table {
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
         match keypoint {
-            "corners" => Some([(10, 10), (90, 10), (105, 50), (120, 50), (90, 10)].map(|(u, v)| PixelPoint::new(u, v)).to_vec()),
+            "corners" => Some(
+                [(10, 10), (90, 10), (105, 50), (120, 50), (90, 10)]
+                    .map(|(u, v)| PixelPoint::new(u, v))
+                    .to_vec(),
+            ),
             "center" => Some(vec![PixelPoint::new(95, 14)]),
             _ => None,
         }
@@ -29,25 +33,44 @@ impl SceneView for Table {
 
 fn judge(program: &Program, pick: (i32, i32), place: (i32, i32)) -> Verdict {
     let point = |(u, v)| PixelPoint::new(u, v);
-    let proposal = Proposal { fields: vec![("pick".to_owned(), point(pick)), ("place".to_owned(), point(place))] };
+    let proposal = Proposal {
+        fields: vec![
+            ("pick".to_owned(), point(pick)),
+            ("place".to_owned(), point(place)),
+        ],
+    };
     verify::verdict(program, &Table, &proposal, &Bindings::new()).unwrap()
 }
 
 fn with_condition(condition: &str) -> Program {
-    program("task.fab", &TASK.replace("distance(pick, place) > 10px", condition))
+    program(
+        "task.fab",
+        &TASK.replace("distance(pick, place) > 10px", condition),
+    )
 }
 
 #[test]
 fn an_offered_action_that_passes_every_check_runs() {
     let program = program("task.fab", TASK);
     assert_eq!(judge(&program, (10, 10), (90, 10)), Verdict::Accept);
-    assert_eq!(judge(&program, (105, 50), (10, 10)), Verdict::Accept, "6 px beside the cloth are within 8 px of it");
+    assert_eq!(
+        judge(&program, (105, 50), (10, 10)),
+        Verdict::Accept,
+        "6 px beside the cloth are within 8 px of it"
+    );
 }
 
 #[test]
 fn points_that_were_not_offered_are_refused_with_the_choices() {
     let refused = judge(&program("task.fab", TASK), (95, 14), (10, 10));
-    let Verdict::Reject { check, values, message } = refused else { panic!("the center is offered for the place alone") };
+    let Verdict::Reject {
+        check,
+        values,
+        message,
+    } = refused
+    else {
+        panic!("the center is offered for the place alone")
+    };
     assert_eq!(check, verify::OFFERED);
     assert_eq!(values[0], ("pick".to_owned(), "(95, 14)".to_owned()));
     assert_eq!(
@@ -59,16 +82,39 @@ fn points_that_were_not_offered_are_refused_with_the_choices() {
 #[test]
 fn picks_outside_the_mask_are_refused_by_name() {
     let refused = judge(&program("task.fab", TASK), (120, 50), (10, 10));
-    let Verdict::Reject { check, values, message } = refused else { panic!("21 px beside the cloth are too far") };
+    let Verdict::Reject {
+        check,
+        values,
+        message,
+    } = refused
+    else {
+        panic!("21 px beside the cloth are too far")
+    };
     assert_eq!(check, "on_cloth");
-    assert_eq!(values, [("pick".to_owned(), "(120, 50)".to_owned()), ("distance to cloth".to_owned(), "21.0 px".to_owned())]);
+    assert_eq!(
+        values,
+        [
+            ("pick".to_owned(), "(120, 50)".to_owned()),
+            ("distance to cloth".to_owned(), "21.0 px".to_owned())
+        ]
+    );
     assert_eq!(message, "(120, 50) is off the cloth.");
 }
 
 #[test]
 fn the_first_check_that_fails_speaks() {
-    let Verdict::Reject { check, values, .. } = judge(&program("task.fab", TASK), (90, 10), (95, 14)) else { panic!("too near") };
-    assert_eq!((check.as_str(), values), ("moves", vec![("distance(pick, place)".to_owned(), "6.4 px".to_owned())]));
+    let Verdict::Reject { check, values, .. } =
+        judge(&program("task.fab", TASK), (90, 10), (95, 14))
+    else {
+        panic!("too near")
+    };
+    assert_eq!(
+        (check.as_str(), values),
+        (
+            "moves",
+            vec![("distance(pick, place)".to_owned(), "6.4 px".to_owned())]
+        )
+    );
 }
 
 #[test]
@@ -85,9 +131,18 @@ fn conditions_mean_what_they_say() {
         ("pick within cloth and place within cloth", true),
         ("pick within cloth and distance(pick, place) > 80px", false),
         ("pick within cloth or distance(pick, place) > 80px", true),
-        ("not (pick within cloth or distance(pick, place) > 80px)", false),
-        ("distance(pick, place) > 80px and pick within cloth or place within cloth", true),
-        ("distance(pick, place) > 80px and (pick within cloth or place within cloth)", false),
+        (
+            "not (pick within cloth or distance(pick, place) > 80px)",
+            false,
+        ),
+        (
+            "distance(pick, place) > 80px and pick within cloth or place within cloth",
+            true,
+        ),
+        (
+            "distance(pick, place) > 80px and (pick within cloth or place within cloth)",
+            false,
+        ),
         ("distance(place, center) < distance(pick, center)", true),
         ("center within 8px of cloth", true),
     ] {
@@ -108,7 +163,12 @@ fn an_empty_or_unknown_mask_is_infinitely_far() {
         }
     }
     let program = program("task.fab", TASK);
-    let proposal = Proposal { fields: vec![("pick".to_owned(), PixelPoint::new(10, 10)), ("place".to_owned(), PixelPoint::new(90, 10))] };
+    let proposal = Proposal {
+        fields: vec![
+            ("pick".to_owned(), PixelPoint::new(10, 10)),
+            ("place".to_owned(), PixelPoint::new(90, 10)),
+        ],
+    };
     let verdict = verify::verdict(&program, &Bare, &proposal, &Bindings::new()).unwrap();
     assert!(matches!(verdict, Verdict::Reject { check, .. } if check == "on_cloth"));
 }

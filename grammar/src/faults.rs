@@ -118,39 +118,82 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
 
 /// An unclosed text swallows every `}` behind it; those are not missing.
 fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
-    let swallowed = tree.nodes().any(|node| node.kind() == Kind::NoTriple && node.span().start == tree.text().len());
+    let swallowed = tree
+        .nodes()
+        .any(|node| node.kind() == Kind::NoTriple && node.span().start == tree.text().len());
     if swallowed {
         faults.retain(|fault| !matches!(fault.problem, Problem::MissingClose { .. }));
     }
 }
 
-fn judge(tree: &Tree, parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<Fault> {
+fn judge(
+    tree: &Tree,
+    parent: Node<'_>,
+    previous: Option<Node<'_>>,
+    node: Node<'_>,
+) -> Option<Fault> {
     let fault = |span, problem| Some(Fault { span, problem });
     match node.kind() {
         Kind::NoOpen => {
             let end = previous.map_or(node.span().start, |head| trimmed(head).end);
             let has_name_fault = previous.is_some_and(|head| lacking(head).is_some());
-            if has_name_fault { None } else { fault(end..end, Problem::MissingOpen { block: block_word(parent) }) }
+            if has_name_fault {
+                None
+            } else {
+                fault(
+                    end..end,
+                    Problem::MissingOpen {
+                        block: block_word(parent),
+                    },
+                )
+            }
         }
         Kind::NoClose => {
             let opened = parent.child(Kind::Open)?.span();
-            fault(opened.clone(), Problem::MissingClose { block: block_word(parent), opened })
+            fault(
+                opened.clone(),
+                Problem::MissingClose {
+                    block: block_word(parent),
+                    opened,
+                },
+            )
         }
         Kind::NoQuote => fault(parent.span(), Problem::UnclosedString),
-        Kind::NoTriple => fault(parent.span().start..parent.span().start + 3, Problem::UnclosedText),
+        Kind::NoTriple => fault(
+            parent.span().start..parent.span().start + 3,
+            Problem::UnclosedText,
+        ),
         Kind::Surplus if lacking(parent).is_none() => {
             let span = trimmed(node);
-            fault(span.clone(), Problem::Surplus { found: tree.text()[span].to_owned() })
+            fault(
+                span.clone(),
+                Problem::Surplus {
+                    found: tree.text()[span].to_owned(),
+                },
+            )
         }
-        Kind::CurlyText => fault(node.span(), Problem::WrongQuotes { right: requoted(node.text(), 3, "\"\"\"") }),
-        Kind::CurlyString | Kind::SingleString => fault(node.span(), Problem::WrongQuotes { right: requoted(node.text(), 1, "\"") }),
+        Kind::CurlyText => fault(
+            node.span(),
+            Problem::WrongQuotes {
+                right: requoted(node.text(), 3, "\"\"\""),
+            },
+        ),
+        Kind::CurlyString | Kind::SingleString => fault(
+            node.span(),
+            Problem::WrongQuotes {
+                right: requoted(node.text(), 1, "\""),
+            },
+        ),
         Kind::BadEscape => fault(node.span(), Problem::BadEscape),
         Kind::LoneBraces => fault(node.span(), Problem::LoneBraces),
         Kind::Stray => Some(stray(tree, node)),
         Kind::Junk | Kind::JunkSection => junk(tree, parent, previous, node),
         Kind::JunkCondition => {
             let span = trimmed(node);
-            Some(measure(tree, Rule::only_expr, span.clone()).unwrap_or_else(|| unexpected(tree, span.start, span.end, Vec::new())))
+            Some(
+                measure(tree, Rule::only_expr, span.clone())
+                    .unwrap_or_else(|| unexpected(tree, span.start, span.end, Vec::new())),
+            )
         }
         _ => None,
     }
@@ -159,15 +202,32 @@ fn judge(tree: &Tree, parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'
 /// Reports a head without a name, and a check without a condition.
 fn lacking(node: Node<'_>) -> Option<Fault> {
     match node.kind() {
-        Kind::TaskHead | Kind::Extends | Kind::StageHead | Kind::CheckHead | Kind::ExpertsHead if node.child(Kind::Name).is_none() => {
+        Kind::TaskHead | Kind::Extends | Kind::StageHead | Kind::CheckHead | Kind::ExpertsHead
+            if node.child(Kind::Name).is_none() =>
+        {
             let word = node.children().find(|child| child.kind() == Kind::Token)?;
-            let span = node.child(Kind::Surplus).map_or(word.span().end..word.span().end, trimmed);
-            Some(Fault { span, problem: Problem::MissingName { after: word.text().to_owned() } })
+            let span = node
+                .child(Kind::Surplus)
+                .map_or(word.span().end..word.span().end, trimmed);
+            Some(Fault {
+                span,
+                problem: Problem::MissingName {
+                    after: word.text().to_owned(),
+                },
+            })
         }
-        Kind::Check if node.child(Kind::Expr).is_none() && node.child(Kind::JunkCondition).is_none() => {
+        Kind::Check
+            if node.child(Kind::Expr).is_none() && node.child(Kind::JunkCondition).is_none() =>
+        {
             let close = node.child(Kind::Open).and(node.child(Kind::Close))?;
-            let problem = Problem::Unexpected { found: Some("}".to_owned()), expected: vec!["a condition"] };
-            Some(Fault { span: close.span(), problem })
+            let problem = Problem::Unexpected {
+                found: Some("}".to_owned()),
+                expected: vec!["a condition"],
+            };
+            Some(Fault {
+                span: close.span(),
+                problem,
+            })
         }
         _ => None,
     }
@@ -175,7 +235,10 @@ fn lacking(node: Node<'_>) -> Option<Fault> {
 
 /// Returns the keyword of a block.
 fn block_word(block: Node<'_>) -> String {
-    let word = block.children().next().and_then(|head| head.text().split_whitespace().next());
+    let word = block
+        .children()
+        .next()
+        .and_then(|head| head.text().split_whitespace().next());
     word.unwrap_or_default().to_owned()
 }
 
@@ -184,25 +247,47 @@ fn stray(tree: &Tree, node: Node<'_>) -> Fault {
     let first = token_at(tree.text(), span.start, span.end);
     let word_span = span.start..span.start + first.len();
     if first == "}" {
-        return Fault { span: word_span, problem: Problem::StrayClose };
+        return Fault {
+            span: word_span,
+            problem: Problem::StrayClose,
+        };
     }
     if SECTIONS.contains(&first) && !ITEMS.contains(&first) {
-        return Fault { span: word_span, problem: Problem::OutsideTask { word: first.to_owned() } };
+        return Fault {
+            span: word_span,
+            problem: Problem::OutsideTask {
+                word: first.to_owned(),
+            },
+        };
     }
     if ITEMS.contains(&first) {
-        let line_end = tree.text()[span.clone()].find(['\n', '\r']).map_or(span.end, |length| span.start + length);
+        let line_end = tree.text()[span.clone()]
+            .find(['\n', '\r'])
+            .map_or(span.end, |length| span.start + length);
         if let Some(fault) = measure(tree, Rule::only_item, span.start..line_end) {
             return fault;
         }
     }
     if is_word(first) {
-        let problem = Problem::UnknownWord { word: first.to_owned(), known: ITEMS, block: None };
-        return Fault { span: word_span, problem };
+        let problem = Problem::UnknownWord {
+            word: first.to_owned(),
+            known: ITEMS,
+            block: None,
+        };
+        return Fault {
+            span: word_span,
+            problem,
+        };
     }
     unexpected(tree, span.start, span.end, Vec::new())
 }
 
-fn junk(tree: &Tree, parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<Fault> {
+fn junk(
+    tree: &Tree,
+    parent: Node<'_>,
+    previous: Option<Node<'_>>,
+    node: Node<'_>,
+) -> Option<Fault> {
     let (rule, known): (Rule, &'static [&'static str]) = match parent.kind() {
         Kind::Task => (Rule::only_section, SECTIONS),
         Kind::Subgoals => (Rule::only_subgoals_part, SUBGOALS),
@@ -215,12 +300,16 @@ fn junk(tree: &Tree, parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_
     };
     let span = trimmed(node);
     let first = token_at(tree.text(), span.start, span.end);
-    let follows_junk = previous.is_some_and(|before| matches!(before.kind(), Kind::Junk | Kind::JunkSection));
+    let follows_junk =
+        previous.is_some_and(|before| matches!(before.kind(), Kind::Junk | Kind::JunkSection));
     if follows_junk && !looks_like_statement(&tree.text()[span.clone()], first, known) {
         return None;
     }
     if first == "," && span.len() == 1 {
-        return Some(Fault { span, problem: Problem::TrailingComma });
+        return Some(Fault {
+            span,
+            problem: Problem::TrailingComma,
+        });
     }
     // A remainder is measured together with the statement before it: that knows what may follow.
     let continued = previous.filter(|before| is_statement(before.kind()) && before.is_cut());
@@ -231,74 +320,32 @@ fn junk(tree: &Tree, parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_
         return Some(fault);
     }
     if is_word(first) && !known.is_empty() && !known.contains(&first) {
-        let problem = Problem::UnknownWord { word: first.to_owned(), known, block: Some(block_word(parent)) };
-        return Some(Fault { span: span.start..span.start + first.len(), problem });
+        let problem = Problem::UnknownWord {
+            word: first.to_owned(),
+            known,
+            block: Some(block_word(parent)),
+        };
+        return Some(Fault {
+            span: span.start..span.start + first.len(),
+            problem,
+        });
     }
-    let expected = if known.is_empty() { vec!["a name"] } else { Vec::new() };
-    Some(unexpected(tree, span.start, span.end, expected))
-}
-
-/// Parses a piece by a strict rule and returns where and why that fails.
-fn measure(tree: &Tree, rule: Rule, span: Range<usize>) -> Option<Fault> {
-    let error = FabParser::parse(rule, &tree.text()[span.clone()]).err()?;
-    let offset = match error.location {
-        InputLocation::Pos(at) => at,
-        InputLocation::Span((start, _)) => start,
+    let expected = if known.is_empty() {
+        vec!["a name"]
+    } else {
+        Vec::new()
     };
-    let ErrorVariant::ParsingError { positives, .. } = error.variant else { return None };
-    let firm = positives.iter().any(|rule| !vocabulary::is_continuation(*rule) && vocabulary::expectation(*rule).is_some());
-    let mut expected = Vec::new();
-    for rule in positives.into_iter().filter(|rule| firm && !vocabulary::is_continuation(*rule)) {
-        if let Some(words) = vocabulary::expectation(rule)
-            && !expected.contains(&words)
-        {
-            expected.push(words);
-        }
-    }
-    Some(unexpected(tree, span.start + offset, span.end, expected))
-}
-
-/// Names what stands at `at`; beyond `end` that is the end of the line.
-fn unexpected(tree: &Tree, at: usize, end: usize, expected: Vec<&'static str>) -> Fault {
-    let text = tree.text();
-    let at = at + (text[at..].len() - text[at..].trim_start_matches([' ', '\t', '\u{a0}']).len());
-    let found = token_at(text, at, end.max(at));
-    if found.is_empty() || found.starts_with('#') {
-        // Point right behind the last word, not at the next line.
-        let at = text[..at].trim_end().len();
-        return Fault { span: at..at, problem: Problem::Unexpected { found: None, expected } };
-    }
-    Fault { span: at..at + found.len(), problem: Problem::Unexpected { found: Some(found.to_owned()), expected } }
-}
-
-/// Returns the word, number, text or sign at a place, cut at `end`.
-fn token_at(text: &str, at: usize, end: usize) -> &str {
-    let rest = &text[at..end];
-    let word = |character: char| character.is_alphanumeric() || character == '_';
-    let Some(first) = rest.chars().next() else { return "" };
-    if word(first) {
-        return rest.split(|character| !word(character)).next().unwrap_or(rest);
-    }
-    if first == '"' {
-        let line = rest.split(['\n', '\r']).next().unwrap_or(rest);
-        return line[1..].find('"').map_or(line, |length| &line[..length + 2]);
-    }
-    for sign in ["->", "=>", "<=", ">=", "==", "!=", "–>", "—>", "{{", "}}"] {
-        if rest.starts_with(sign) {
-            return &rest[..sign.len()];
-        }
-    }
-    if first.is_whitespace() { "" } else { &rest[..first.len_utf8()] }
-}
-
-fn is_word(token: &str) -> bool {
-    token.starts_with(|character: char| character.is_alphabetic() || character == '_')
+    Some(unexpected(tree, span.start, span.end, expected))
 }
 
 /// Returns whether a line of junk could be a statement of its own.
 fn looks_like_statement(line: &str, first: &str, known: &[&str]) -> bool {
     let rest = line[first.len()..].trim_start_matches([' ', '\t']);
-    if known.is_empty() { is_word(first) && rest.starts_with([':', '=']) } else { known.contains(&first) }
+    if known.is_empty() {
+        is_word(first) && rest.starts_with([':', '='])
+    } else {
+        known.contains(&first)
+    }
 }
 
 fn is_statement(kind: Kind) -> bool {
@@ -331,8 +378,22 @@ fn trimmed(node: Node<'_>) -> Range<usize> {
 /// Replaces `count` characters at either end by straight quotes.
 fn requoted(text: &str, count: usize, quotes: &str) -> String {
     let characters: Vec<char> = text.chars().collect();
-    let is_quote = |character: &char| matches!(character, '"' | '\'' | '“' | '”' | '„' | '‟' | '«' | '»' | '‘' | '’');
-    let closing = characters.iter().skip(count).rev().take(count).take_while(|character| is_quote(character)).count();
-    let body: String = characters[count.min(characters.len())..characters.len().saturating_sub(closing).max(count)].iter().collect();
+    let is_quote = |character: &char| {
+        matches!(
+            character,
+            '"' | '\'' | '“' | '”' | '„' | '‟' | '«' | '»' | '‘' | '’'
+        )
+    };
+    let closing = characters
+        .iter()
+        .skip(count)
+        .rev()
+        .take(count)
+        .take_while(|character| is_quote(character))
+        .count();
+    let body: String = characters
+        [count.min(characters.len())..characters.len().saturating_sub(closing).max(count)]
+        .iter()
+        .collect();
     format!("{quotes}{body}{quotes}")
 }

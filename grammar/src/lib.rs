@@ -9,6 +9,7 @@
 
 mod faults;
 mod limits;
+mod measure;
 mod rules;
 mod tree;
 mod vocabulary;
@@ -35,7 +36,10 @@ pub struct Parsed {
 /// Beyond [`MAX_BYTES`] or [`MAX_NESTING`] the tree is one piece of junk with one fault.
 pub fn parse(text: &str) -> Parsed {
     if let Err(fault) = limits::check(text) {
-        return Parsed { tree: Tree::junk(text), faults: vec![fault] };
+        return Parsed {
+            tree: Tree::junk(text),
+            faults: vec![fault],
+        };
     }
     match FabParser::parse(Rule::file, text) {
         Ok(pairs) => {
@@ -44,6 +48,9 @@ pub fn parse(text: &str) -> Parsed {
             Parsed { tree, faults }
         }
         // `file` accepts every text, so only pest's guard of the native stack comes here.
-        Err(_) => Parsed { tree: Tree::junk(text), faults: vec![limits::too_deep(0..text.len())] },
+        Err(_) => Parsed {
+            tree: Tree::junk(text),
+            faults: vec![limits::too_deep(0..text.len())],
+        },
     }
 }

@@ -15,8 +15,14 @@ pub const MAX_NESTING: usize = 32;
 /// Accepts a text that is short and flat enough to be parsed.
 pub(crate) fn check(text: &str) -> Result<(), Fault> {
     if text.len() > MAX_BYTES {
-        let problem = Problem::TooLong { bytes: text.len(), limit: MAX_BYTES };
-        return Err(Fault { span: 0..0, problem });
+        let problem = Problem::TooLong {
+            bytes: text.len(),
+            limit: MAX_BYTES,
+        };
+        return Err(Fault {
+            span: 0..0,
+            problem,
+        });
     }
     match too_deep_at(text) {
         Some(at) => Err(too_deep(at..at + 1)),
@@ -25,7 +31,10 @@ pub(crate) fn check(text: &str) -> Result<(), Fault> {
 }
 
 pub(crate) fn too_deep(span: Range<usize>) -> Fault {
-    Fault { span, problem: Problem::TooDeep { limit: MAX_NESTING } }
+    Fault {
+        span,
+        problem: Problem::TooDeep { limit: MAX_NESTING },
+    }
 }
 
 /// Returns the place of the first bracket beyond the limit.
@@ -55,24 +64,29 @@ fn too_deep_at(text: &str) -> Option<usize> {
 }
 
 fn end_of_line(bytes: &[u8], start: usize) -> usize {
-    bytes[start..].iter().position(|byte| matches!(byte, b'\n' | b'\r')).map_or(bytes.len(), |length| start + length)
+    bytes[start..]
+        .iter()
+        .position(|byte| matches!(byte, b'\n' | b'\r'))
+        .map_or(bytes.len(), |length| start + length)
 }
 
-/// Returns the end of the text that opens at `start`; an unclosed one ends with its quotes.
+/// Returns the end of the text that opens at `start`; an unclosed one ends with its line, a long one with its quotes.
 fn end_of_text(text: &str, start: usize) -> usize {
     const TRIPLE: &str = "\"\"\"";
     if text[start..].starts_with(TRIPLE) {
         let body = start + TRIPLE.len();
-        return text[body..].find(TRIPLE).map_or(body, |length| body + length + TRIPLE.len());
+        return text[body..]
+            .find(TRIPLE)
+            .map_or(body, |length| body + length + TRIPLE.len());
     }
     let bytes = text.as_bytes();
     let mut at = start + 1;
     while at < bytes.len() && !matches!(bytes[at], b'\n' | b'\r') {
         match bytes[at] {
             b'"' => return at + 1,
-            b'\\' => at += 2,
+            b'\\' if matches!(bytes.get(at + 1), Some(b'"' | b'\\')) => at += 2,
             _ => at += 1,
         }
     }
-    start + 1
+    at
 }

@@ -152,18 +152,33 @@ kinds! {
 impl Tree {
     /// Makes the tree of a text that is not parsed.
     pub(crate) fn junk(text: &str) -> Tree {
-        let stray = |kind, next| Entry { kind, span: 0..text.len(), next };
-        Tree { text: text.to_owned(), entries: vec![stray(Kind::File, 2), stray(Kind::Stray, 2)] }
+        let stray = |kind, next| Entry {
+            kind,
+            span: 0..text.len(),
+            next,
+        };
+        Tree {
+            text: text.to_owned(),
+            entries: vec![stray(Kind::File, 2), stray(Kind::Stray, 2)],
+        }
     }
 
     /// Keeps what pest found, and fills the gaps between with words, signs and blanks.
     pub(crate) fn from_pairs(text: &str, pairs: Pairs<'_, Rule>) -> Tree {
-        let mut tree = Tree { text: text.to_owned(), entries: Vec::new() };
+        let mut tree = Tree {
+            text: text.to_owned(),
+            entries: Vec::new(),
+        };
         let mut open = Vec::new();
         let mut cursor = 0;
         for token in pairs.tokens() {
             match token {
-                Token::Start { rule: Rule::EOI, .. } | Token::End { rule: Rule::EOI, .. } => {}
+                Token::Start {
+                    rule: Rule::EOI, ..
+                }
+                | Token::End {
+                    rule: Rule::EOI, ..
+                } => {}
                 Token::Start { rule, pos } => {
                     // Before the file's own node there is nothing to fill.
                     if !open.is_empty() {
@@ -171,7 +186,11 @@ impl Tree {
                     }
                     cursor = pos.pos();
                     open.push(tree.entries.len());
-                    tree.entries.push(Entry { kind: Kind::of(rule), span: cursor..cursor, next: 0 });
+                    tree.entries.push(Entry {
+                        kind: Kind::of(rule),
+                        span: cursor..cursor,
+                        next: 0,
+                    });
                 }
                 Token::End { pos, .. } => {
                     let index = open.pop().expect("pest closes only what it opened");
@@ -204,10 +223,16 @@ impl Tree {
         while start < gap.end {
             let rest = &self.text[start..gap.end];
             let spaces = rest.starts_with(is_space);
-            let length = rest.find(|character| is_space(character) != spaces).unwrap_or(rest.len());
+            let length = rest
+                .find(|character| is_space(character) != spaces)
+                .unwrap_or(rest.len());
             let kind = if spaces { Kind::Space } else { Kind::Token };
             let next = self.entries.len() + 1;
-            self.entries.push(Entry { kind, span: start..start + length, next });
+            self.entries.push(Entry {
+                kind,
+                span: start..start + length,
+                next,
+            });
             start += length;
         }
     }
@@ -219,7 +244,10 @@ impl Tree {
 
     /// Returns the node of the whole file.
     pub fn root(&self) -> Node<'_> {
-        Node { tree: self, index: 0 }
+        Node {
+            tree: self,
+            index: 0,
+        }
     }
 
     /// Returns every node, each before its children.
@@ -229,7 +257,8 @@ impl Tree {
 
     /// Returns the nodes without children in source order; their texts make up the whole text.
     pub fn leaves(&self) -> impl Iterator<Item = Node<'_>> {
-        self.nodes().filter(|node| node.entry().next == node.index + 1)
+        self.nodes()
+            .filter(|node| node.entry().next == node.index + 1)
     }
 }
 
@@ -256,7 +285,8 @@ impl<'t> Node<'t> {
     /// Returns whether something that does not fit follows on the same line, so that the node is only a part of what was meant.
     pub fn is_cut(self) -> bool {
         for entry in &self.tree.entries[self.entry().next..] {
-            let ends_line = entry.kind.is_trivia() && self.tree.text[entry.span.clone()].contains(['\n', '\r']);
+            let ends_line =
+                entry.kind.is_trivia() && self.tree.text[entry.span.clone()].contains(['\n', '\r']);
             if ends_line || !entry.kind.is_trivia() {
                 return matches!(entry.kind, Kind::Junk | Kind::JunkSection);
             }
@@ -269,7 +299,10 @@ impl<'t> Node<'t> {
         let end = self.entry().next;
         let mut index = self.index + 1;
         std::iter::from_fn(move || {
-            let child = (index < end).then_some(Node { tree: self.tree, index })?;
+            let child = (index < end).then_some(Node {
+                tree: self.tree,
+                index,
+            })?;
             index = child.entry().next;
             Some(child)
         })

@@ -7,9 +7,16 @@ use pest::Parser;
 pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
     let words = match rule {
         Rule::name | Rule::label => "a name",
-        Rule::expr | Rule::conjunction | Rule::negation | Rule::relation | Rule::group | Rule::call => "a value",
+        Rule::expr
+        | Rule::conjunction
+        | Rule::negation
+        | Rule::relation
+        | Rule::group
+        | Rule::call => "a value",
         Rule::quantity | Rule::number => "a number",
-        Rule::block_text | Rule::string | Rule::triple | Rule::quote | Rule::curly_text => "a text in quotes",
+        Rule::block_text | Rule::string | Rule::triple | Rule::quote | Rule::curly_text => {
+            "a text in quotes"
+        }
         Rule::curly_string | Rule::single_string => "a text in quotes",
         Rule::fold => "`fold`",
         Rule::r#move => "a fold such as `corner(back_left) -> center`",
@@ -48,7 +55,13 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
 pub(crate) fn is_continuation(rule: Rule) -> bool {
     matches!(
         rule,
-        Rule::and_word | Rule::or_word | Rule::compare | Rule::within_word | Rule::unit | Rule::known_unit | Rule::open_paren
+        Rule::and_word
+            | Rule::or_word
+            | Rule::compare
+            | Rule::within_word
+            | Rule::unit
+            | Rule::known_unit
+            | Rule::open_paren
     )
 }
 
@@ -57,8 +70,19 @@ pub(crate) const ITEMS: &[&str] = &["use", "task", "experts"];
 
 /// The words that begin a task's sections.
 pub(crate) const SECTIONS: &[&str] = &[
-    "cloth", "camera", "goal", "horizon", "subgoals", "experts", "keypoints", "actions", "component", "override", "without",
-    "stage", "verify",
+    "cloth",
+    "camera",
+    "goal",
+    "horizon",
+    "subgoals",
+    "experts",
+    "keypoints",
+    "actions",
+    "component",
+    "override",
+    "without",
+    "stage",
+    "verify",
 ];
 
 /// The words that begin a line of `subgoals`.
@@ -73,6 +97,8 @@ pub(crate) const VERIFY: &[&str] = &["check", "attempts"];
 /// Returns whether a word of the language can name nothing.
 pub fn is_keyword(word: &str) -> bool {
     word.starts_with(|character: char| character.is_ascii_alphabetic() || character == '_')
-        && word.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+        && word
+            .bytes()
+            .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
         && FabParser::parse(Rule::name, word).is_err()
 }

@@ -21,11 +21,22 @@ fn hold(text: &str) {
             assert!(node.span().start <= child.span().start && child.span().end <= node.span().end);
         }
     }
-    let is_junk = |kind| matches!(kind, Kind::Junk | Kind::JunkSection | Kind::JunkCondition | Kind::Stray);
+    let is_junk = |kind| {
+        matches!(
+            kind,
+            Kind::Junk | Kind::JunkSection | Kind::JunkCondition | Kind::Stray
+        )
+    };
     let has_junk = parsed.tree.nodes().any(|node| is_junk(node.kind()));
-    assert!(!has_junk || !parsed.faults.is_empty(), "{text:?} has junk and no fault");
+    assert!(
+        !has_junk || !parsed.faults.is_empty(),
+        "{text:?} has junk and no fault"
+    );
     for fault in &parsed.faults {
-        assert!(text.is_char_boundary(fault.span.start) && text.is_char_boundary(fault.span.end), "{fault:?}");
+        assert!(
+            text.is_char_boundary(fault.span.start) && text.is_char_boundary(fault.span.end),
+            "{fault:?}"
+        );
     }
 }
 
@@ -58,12 +69,20 @@ fn the_tasks_are_without_fault() {
 #[test]
 fn mutilated_tasks_keep_every_byte() {
     for text in tasks() {
-        let places: Vec<usize> = (0..text.len()).step_by(499).filter(|at| text.is_char_boundary(*at)).collect();
+        let places: Vec<usize> = (0..text.len())
+            .step_by(499)
+            .filter(|at| text.is_char_boundary(*at))
+            .collect();
         for at in places {
             hold(&text[..at]);
             hold(&text[at..]);
-            for put in ["", "{", "}", "\"", "\"\"\"", "“", "(", ",", "=", "#", "\n", "{{", "é", "\\", "task x {"] {
-                let end = (at + 5..text.len()).find(|end| text.is_char_boundary(*end)).unwrap_or(text.len());
+            for put in [
+                "", "{", "}", "\"", "\"\"\"", "“", "(", ",", "=", "#", "\n", "{{", "é", "\\",
+                "task x {",
+            ] {
+                let end = (at + 5..text.len())
+                    .find(|end| text.is_char_boundary(*end))
+                    .unwrap_or(text.len());
                 hold(&format!("{}{put}{}", &text[..at], &text[end..]));
             }
         }
@@ -72,7 +91,27 @@ fn mutilated_tasks_keep_every_byte() {
 
 #[test]
 fn odd_texts_keep_every_byte() {
-    for text in ["", " ", "\n", "\r", "\u{feff}", "#", "# a", "{", "}", "\"", "\"\"\"", "task", "task {", "use", "é", "\0", "task a {", "task a { }}", "→"] {
+    for text in [
+        "",
+        " ",
+        "\n",
+        "\r",
+        "\u{feff}",
+        "#",
+        "# a",
+        "{",
+        "}",
+        "\"",
+        "\"\"\"",
+        "task",
+        "task {",
+        "use",
+        "é",
+        "\0",
+        "task a {",
+        "task a { }}",
+        "→",
+    ] {
         hold(text);
     }
 }
@@ -81,10 +120,23 @@ fn odd_texts_keep_every_byte() {
 fn comments_and_blank_lines_are_in_the_tree() {
     let text = "# one\n\ntask a { # two\n    horizon 1 # three\n}\n# four";
     let parsed = parse(text);
-    let comments: Vec<&str> = parsed.tree.nodes().filter(|node| node.kind() == Kind::Comment).map(|node| node.text()).collect();
+    let comments: Vec<&str> = parsed
+        .tree
+        .nodes()
+        .filter(|node| node.kind() == Kind::Comment)
+        .map(|node| node.text())
+        .collect();
     assert_eq!(comments, ["# one", "# two", "# three", "# four"]);
-    let horizon = parsed.tree.nodes().find(|node| node.kind() == Kind::Horizon).unwrap();
-    assert_eq!(horizon.text(), "horizon 1", "a node ends with its last word");
+    let horizon = parsed
+        .tree
+        .nodes()
+        .find(|node| node.kind() == Kind::Horizon)
+        .unwrap();
+    assert_eq!(
+        horizon.text(),
+        "horizon 1",
+        "a node ends with its last word"
+    );
 }
 
 #[test]
@@ -92,11 +144,17 @@ fn one_slip_is_one_fault() {
     for text in tasks() {
         // A brace that is missing anywhere must not make an avalanche.
         let tree = parse(&text).tree;
-        for brace in tree.nodes().filter(|node| matches!(node.kind(), Kind::Open | Kind::Close)) {
+        for brace in tree
+            .nodes()
+            .filter(|node| matches!(node.kind(), Kind::Open | Kind::Close))
+        {
             let at = brace.span().start;
             let without = format!("{}{}", &text[..at], &text[at + 1..]);
             let faults = parse(&without).faults;
-            assert!((1..=3).contains(&faults.len()), "without the brace at {at}: {faults:?}");
+            assert!(
+                (1..=3).contains(&faults.len()),
+                "without the brace at {at}: {faults:?}"
+            );
         }
     }
 }
@@ -104,12 +162,21 @@ fn one_slip_is_one_fault() {
 #[test]
 fn limits_are_faults() {
     let deep = "(".repeat(grammar::MAX_NESTING + 1);
-    assert_eq!(parse(&deep).faults[0].problem, Problem::TooDeep { limit: grammar::MAX_NESTING });
+    assert_eq!(
+        parse(&deep).faults[0].problem,
+        Problem::TooDeep {
+            limit: grammar::MAX_NESTING
+        }
+    );
     let long = "x".repeat(grammar::MAX_BYTES + 1);
-    assert!(matches!(parse(&long).faults[0].problem, Problem::TooLong { .. }));
+    assert!(matches!(
+        parse(&long).faults[0].problem,
+        Problem::TooLong { .. }
+    ));
     hold(&deep);
     hold(&long);
     // Brackets in texts and comments do not count.
-    let quoted = format!("# {deep}\ntask a {{ component b \"{deep}\" component c \"\"\"{deep}\"\"\" }}");
+    let quoted =
+        format!("# {deep}\ntask a {{ component b \"{deep}\" component c \"\"\"{deep}\"\"\" }}");
     assert_eq!(parse(&quoted).faults, []);
 }

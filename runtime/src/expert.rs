@@ -48,8 +48,8 @@ pub fn ends(
     interrupt: &Interrupt,
     announce: &mut dyn FnMut(usize),
 ) -> Result<ExpertEnds, WorldError> {
-    let parameters = make_world()?.parameters();
-    let keys: Vec<String> = sequences.iter().map(|sequence| key(sequence, start, &parameters)).collect();
+    let world = make_world()?;
+    let keys: Vec<String> = sequences.iter().map(|sequence| key(sequence, start, world.as_ref())).collect();
     let mut known: Vec<Option<Vec<[f32; 3]>>> = keys.iter().map(|key| kept(cache, key, start)).collect();
     let missing: Vec<usize> = (0..known.len()).filter(|&index| known[index].is_none()).collect();
     let mut not_kept = None;
@@ -153,11 +153,12 @@ fn kept(cache: &Cache, key: &str, start: &Start) -> Option<Vec<[f32; 3]>> {
 }
 
 /// Covers everything that an end state depends on, the code that computes it included.
-fn key(sequence: &Sequence, start: &Start, parameters: &str) -> String {
+fn key(sequence: &Sequence, start: &Start, world: &dyn World) -> String {
     let mut hash = Sha256::new();
     for part in [
         "expert end state, format 1",
-        parameters,
+        &world.parameters(),
+        &world.code(),
         &start.digest(),
         &serde_json::to_string(sequence).expect("a sequence holds finite numbers"),
         include_str!("expert.rs"),

@@ -96,7 +96,8 @@ fn corners_in(levels: &GrayImage) -> Vec<PixelPoint> {
         spacing_px: 10.0,
         detector: Detector::Harris { k: 0.04 },
     };
-    corners(&depth, &mask, &search).unwrap()
+    let found = corners(&depth, &mask, &search).unwrap();
+    found.into_iter().map(|corner| corner.pixel).collect()
 }
 
 /// The centre of the cloth in a recorded depth image.

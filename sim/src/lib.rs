@@ -47,3 +47,6 @@ pub use simulator::{
     MAX_START_DEPTH_M, MAX_START_STRETCH, PickAndPlace, REACH_M, RestShortcut, SimError, Simulator,
     StartError,
 };
+
+/// Digest of this crate's sources, 16 hex digits: equal results need equal code.
+pub const CODE_DIGEST: &str = env!("SIM_CODE_DIGEST");

@@ -155,8 +155,8 @@ fn a_detector_without_a_corner_is_a_named_outcome() {
     let mut program = support::small_task();
     for keypoint in &mut program.keypoints {
         if let compiler::program::Extractor::Harris { k, .. } = &mut keypoint.extractor {
-            // With k = 1/4 Harris' response is nowhere above zero.
-            *k = 0.25;
+            // With k = 1 Harris' response, det - k trace^2, is nowhere above zero.
+            *k = 1.0;
         }
     }
     let played = play_task(&program, &[], &[], &Interrupt::default());

@@ -28,9 +28,17 @@ fn every_fault_is_reported_as_its_fixture_says() {
         let text = Fixtures.load(&name).expect("a listed fixture can be read");
         let compiled = compiler::compile(&name, &Fixtures).expect("a listed fixture can be read");
         let expected = expectations(&name, &text);
-        let found: BTreeSet<Finding> = compiled.diagnostics.iter().map(|it| finding(it, &compiled)).collect();
-        let missing = expected.difference(&found).map(|finding| format!("  expected {finding:?}"));
-        let surplus = found.difference(&expected).map(|finding| format!("  found    {finding:?}"));
+        let found: BTreeSet<Finding> = compiled
+            .diagnostics
+            .iter()
+            .map(|it| finding(it, &compiled))
+            .collect();
+        let missing = expected
+            .difference(&found)
+            .map(|finding| format!("  expected {finding:?}"));
+        let surplus = found
+            .difference(&expected)
+            .map(|finding| format!("  found    {finding:?}"));
         let differences: Vec<String> = missing.chain(surplus).collect();
         if !differences.is_empty() {
             let shown = diag::to_text(&compiled.diagnostics, &compiled.sources, Color::Plain);
@@ -44,13 +52,23 @@ fn every_fault_is_reported_as_its_fixture_says() {
 fn every_code_has_a_fixture() {
     let shown: BTreeSet<String> = fixtures()
         .iter()
-        .flat_map(|name| expectations(name, &Fixtures.load(name).expect("a listed fixture can be read")))
+        .flat_map(|name| {
+            expectations(
+                name,
+                &Fixtures.load(name).expect("a listed fixture can be read"),
+            )
+        })
         .map(|finding| finding.code)
         .collect();
     let all = CODES.iter().map(|entry| entry.code.as_str());
-    let lacking: Vec<&str> = all.filter(|code| !shown.contains(*code) && !TOO_LARGE_FOR_A_FIXTURE.contains(code)).collect();
+    let lacking: Vec<&str> = all
+        .filter(|code| !shown.contains(*code) && !TOO_LARGE_FOR_A_FIXTURE.contains(code))
+        .collect();
     assert!(lacking.is_empty(), "no fixture shows {lacking:?}");
-    let known: Vec<&str> = TOO_LARGE_FOR_A_FIXTURE.into_iter().filter(|code| shown.contains(*code)).collect();
+    let known: Vec<&str> = TOO_LARGE_FOR_A_FIXTURE
+        .into_iter()
+        .filter(|code| shown.contains(*code))
+        .collect();
     assert!(known.is_empty(), "{known:?} have fixtures after all");
 }
 
@@ -58,16 +76,31 @@ fn every_code_has_a_fixture() {
 fn an_edit_repairs_what_it_is_offered_for() {
     for name in fixtures() {
         let compiled = compiler::compile(&name, &Fixtures).expect("a listed fixture can be read");
-        for (number, diagnostic) in compiled.diagnostics.iter().enumerate().filter(|(_, it)| !it.edits.is_empty()) {
+        for (number, diagnostic) in compiled
+            .diagnostics
+            .iter()
+            .enumerate()
+            .filter(|(_, it)| !it.edits.is_empty())
+        {
             let mut text = compiled.sources.get(diagnostic.span.file).text.clone();
             for edit in diagnostic.edits.iter().rev() {
                 text.replace_range(edit.span.range(), &edit.replacement);
             }
             let edited_name = compiled.sources.get(diagnostic.span.file).name.clone();
-            let edited = Edited { name: edited_name, text };
+            let edited = Edited {
+                name: edited_name,
+                text,
+            };
             let again = compiler::compile(&name, &edited).expect("a listed fixture can be read");
-            let is_there = again.diagnostics.iter().any(|it| (it.code, it.span.start, &it.message) == (diagnostic.code, diagnostic.span.start, &diagnostic.message));
-            assert!(!is_there, "{name}: finding {number} stays after its edit: {}", diagnostic.message);
+            let is_there = again.diagnostics.iter().any(|it| {
+                (it.code, it.span.start, &it.message)
+                    == (diagnostic.code, diagnostic.span.start, &diagnostic.message)
+            });
+            assert!(
+                !is_there,
+                "{name}: finding {number} stays after its edit: {}",
+                diagnostic.message
+            );
         }
     }
 }
@@ -90,12 +123,17 @@ fn finding(diagnostic: &Diagnostic, compiled: &Compiled) -> Finding {
     let (line, column) = line_and_column(&source.text, diagnostic.span.start);
     let marked = &source.text[diagnostic.span.range()];
     // What a comment cannot mark is stated by its beginning alone.
-    let is_markable = !marked.contains('\n') && !is_inside_text(&source.text, diagnostic.span.start);
+    let is_markable =
+        !marked.contains('\n') && !is_inside_text(&source.text, diagnostic.span.start);
     Finding {
         file: source.name.clone(),
         line,
         column,
-        width: if is_markable { marked.chars().count().max(1) } else { 0 },
+        width: if is_markable {
+            marked.chars().count().max(1)
+        } else {
+            0
+        },
         severity: diagnostic.severity.as_str().to_owned(),
         code: diagnostic.code.as_str().to_owned(),
         message: diagnostic.message.clone(),
@@ -116,11 +154,27 @@ fn expectations(name: &str, text: &str) -> BTreeSet<Finding> {
         if let Some(placed) = comment.strip_prefix("at ") {
             found.extend(placed_expectation(placed));
         } else if comment.starts_with('^') {
-            let carets = comment.chars().take_while(|character| *character == '^').count();
-            let column = line.chars().take_while(|character| *character != '^').count() + 1;
-            let stated = stated(comment[carets..].trim()).unwrap_or_else(|| panic!("{name}:{number}: not an expectation"));
+            let carets = comment
+                .chars()
+                .take_while(|character| *character == '^')
+                .count();
+            let column = line
+                .chars()
+                .take_while(|character| *character != '^')
+                .count()
+                + 1;
+            let stated = stated(comment[carets..].trim())
+                .unwrap_or_else(|| panic!("{name}:{number}: not an expectation"));
             let (severity, code, message) = stated;
-            found.insert(Finding { file: name.to_owned(), line: judged, column, width: carets, severity, code, message });
+            found.insert(Finding {
+                file: name.to_owned(),
+                line: judged,
+                column,
+                width: carets,
+                severity,
+                code,
+                message,
+            });
         }
     }
     found
@@ -130,9 +184,21 @@ fn expectations(name: &str, text: &str) -> BTreeSet<Finding> {
 fn placed_expectation(text: &str) -> Option<Finding> {
     let (place, rest) = text.split_once(' ')?;
     let mut parts = place.split(':');
-    let (file, line, column) = (parts.next()?, parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
+    let (file, line, column) = (
+        parts.next()?,
+        parts.next()?.parse().ok()?,
+        parts.next()?.parse().ok()?,
+    );
     let (severity, code, message) = stated(rest)?;
-    Some(Finding { file: file.to_owned(), line, column, width: 0, severity, code, message })
+    Some(Finding {
+        file: file.to_owned(),
+        line,
+        column,
+        width: 0,
+        severity,
+        code,
+        message,
+    })
 }
 
 /// Reads `error[F0203]: message`.
@@ -149,9 +215,16 @@ fn is_inside_text(text: &str, at: usize) -> bool {
 
 fn fixtures() -> Vec<String> {
     let folder = folder();
-    let entries = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let entries =
+        fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     let mut names: Vec<String> = entries
-        .map(|entry| entry.expect("the folder can be listed").file_name().into_string().expect("names are UTF-8"))
+        .map(|entry| {
+            entry
+                .expect("the folder can be listed")
+                .file_name()
+                .into_string()
+                .expect("names are UTF-8")
+        })
         .filter(|name| name.ends_with(".fab"))
         .collect();
     names.sort();
@@ -164,14 +237,20 @@ fn folder() -> PathBuf {
     let package = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     let below = |root: &std::path::Path| root.join("tests/fixtures/faults");
     let own = below(&package);
-    if own.is_dir() { own } else { below(package.parent().expect("a crate lies in the workspace")) }
+    if own.is_dir() {
+        own
+    } else {
+        below(package.parent().expect("a crate lies in the workspace"))
+    }
 }
 
 struct Fixtures;
 
 impl Loader for Fixtures {
     fn load(&self, name: &str) -> Result<String, LoadError> {
-        fs::read_to_string(folder().join(name)).map_err(|_| LoadError { message: format!("there is no file `{name}`") })
+        fs::read_to_string(folder().join(name)).map_err(|_| LoadError {
+            message: format!("there is no file `{name}`"),
+        })
     }
 }
 
@@ -183,6 +262,10 @@ struct Edited {
 
 impl Loader for Edited {
     fn load(&self, name: &str) -> Result<String, LoadError> {
-        if name == self.name { Ok(self.text.clone()) } else { Fixtures.load(name) }
+        if name == self.name {
+            Ok(self.text.clone())
+        } else {
+            Fixtures.load(name)
+        }
     }
 }

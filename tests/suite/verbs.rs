@@ -1,6 +1,6 @@
 //! One test per verb, through the command itself.
 
-use super::support::{fabc, finish, project};
+use super::support::{bring_library, fabc, finish, project};
 use serde_json::Value;
 
 fn json(text: &str) -> Value {
@@ -87,10 +87,8 @@ fn subgoals_draws_and_pins_one_picture_more_than_there_are_steps() {
 
 /// Writes a task of one fold on a small cloth that extends the shipped library.
 fn small_fold(folder: &std::path::Path) {
-    let text = format!(
-        "use \"{}\"\n\ntask small extends folding {{\n    cloth grid(25, 25)\n    subgoals {{\n        demonstrate {{\n            fold corner(back_left) -> corner(front_right)\n        }}\n    }}\n}}\n",
-        project("tasks/lib/folding.fab")
-    );
+    bring_library(folder);
+    let text = "use \"lib/folding.fab\"\n\ntask small extends folding {\n    cloth grid(25, 25)\n    subgoals {\n        demonstrate {\n            fold corner(back_left) -> corner(front_right)\n        }\n    }\n}\n";
     std::fs::write(folder.join("small.fab"), text).unwrap();
 }
 

@@ -13,11 +13,25 @@ pub(crate) struct Expr {
 
 #[derive(Clone, Debug)]
 pub(crate) enum ExprKind {
-    Quantity { value: f64, unit: Option<Ident> },
+    Quantity {
+        value: f64,
+        unit: Option<Ident>,
+    },
     Name(String),
-    Call { name: Ident, arguments: Vec<Argument> },
-    Compare { left: Box<Expr>, sign: Ident, right: Box<Expr> },
-    Within { point: Box<Expr>, margin: Option<Box<Expr>>, mask: Box<Expr> },
+    Call {
+        name: Ident,
+        arguments: Vec<Argument>,
+    },
+    Compare {
+        left: Box<Expr>,
+        sign: Ident,
+        right: Box<Expr>,
+    },
+    Within {
+        point: Box<Expr>,
+        margin: Option<Box<Expr>>,
+        mask: Box<Expr>,
+    },
     All(Vec<Expr>),
     Any(Vec<Expr>),
     Not(Box<Expr>),
@@ -37,11 +51,16 @@ pub(super) fn first(file: FileId, node: Node<'_>) -> Option<Expr> {
 
 /// Reads every expression directly below `node`.
 pub(super) fn all(file: FileId, node: Node<'_>) -> Vec<Expr> {
-    node.children().filter_map(|child| expr(file, child)).collect()
+    node.children()
+        .filter_map(|child| expr(file, child))
+        .collect()
 }
 
 pub(super) fn ident(file: FileId, node: Node<'_>) -> Ident {
-    Ident { text: node.text().to_owned(), span: Span::new(file, node.span()) }
+    Ident {
+        text: node.text().to_owned(),
+        span: Span::new(file, node.span()),
+    }
 }
 
 /// Reads one node; None where it is no expression.
@@ -57,7 +76,10 @@ pub(super) fn expr(file: FileId, node: Node<'_>) -> Option<Expr> {
         Kind::Name => ExprKind::Name(node.text().to_owned()),
         Kind::Call => ExprKind::Call {
             name: ident(file, node.child(Kind::Name)?),
-            arguments: node.all(Kind::Argument).filter_map(|argument| self::argument(file, argument)).collect(),
+            arguments: node
+                .all(Kind::Argument)
+                .filter_map(|argument| self::argument(file, argument))
+                .collect(),
         },
         _ => return None,
     };
@@ -67,7 +89,10 @@ pub(super) fn expr(file: FileId, node: Node<'_>) -> Option<Expr> {
 fn joined(span: Span, mut parts: Vec<Expr>, join: fn(Vec<Expr>) -> ExprKind) -> Expr {
     match parts.len() {
         1 => parts.swap_remove(0),
-        _ => Expr { span, kind: join(parts) },
+        _ => Expr {
+            span,
+            kind: join(parts),
+        },
     }
 }
 
@@ -76,20 +101,40 @@ fn negation(file: FileId, node: Node<'_>) -> Option<Expr> {
     let inner = first(file, node)?;
     // `not not x` is x: an even number of them says nothing.
     let negated = node.all(Kind::NotWord).count() % 2 == 1;
-    Some(if negated { Expr { span, kind: ExprKind::Not(Box::new(inner)) } } else { inner })
+    Some(if negated {
+        Expr {
+            span,
+            kind: ExprKind::Not(Box::new(inner)),
+        }
+    } else {
+        inner
+    })
 }
 
 fn relation(file: FileId, node: Node<'_>) -> Option<Expr> {
     let span = Span::new(file, node.span());
     let mut operands = all(file, node).into_iter();
     let left = operands.next()?;
-    let Some(right) = operands.next() else { return Some(left) };
+    let Some(right) = operands.next() else {
+        return Some(left);
+    };
     let (left, right) = (Box::new(left), Box::new(right));
     let kind = match node.child(Kind::Compare) {
-        Some(sign) => ExprKind::Compare { left, sign: ident(file, sign), right },
+        Some(sign) => ExprKind::Compare {
+            left,
+            sign: ident(file, sign),
+            right,
+        },
         None => {
-            let margin = node.child(Kind::Margin).and_then(|margin| first(file, margin)).map(Box::new);
-            ExprKind::Within { point: left, margin, mask: right }
+            let margin = node
+                .child(Kind::Margin)
+                .and_then(|margin| first(file, margin))
+                .map(Box::new);
+            ExprKind::Within {
+                point: left,
+                margin,
+                mask: right,
+            }
         }
     };
     Some(Expr { span, kind })
@@ -99,11 +144,17 @@ fn quantity(file: FileId, node: Node<'_>) -> Option<ExprKind> {
     let number = node.child(Kind::Number)?;
     // The grammar's numbers are digits, so parsing cannot fail; too many digits give infinity, which no range accepts.
     let value = number.text().parse().ok()?;
-    let unit = node.child(Kind::Unit).or(node.child(Kind::KnownUnit)).map(|unit| ident(file, unit));
+    let unit = node
+        .child(Kind::Unit)
+        .or(node.child(Kind::KnownUnit))
+        .map(|unit| ident(file, unit));
     Some(ExprKind::Quantity { value, unit })
 }
 
 fn argument(file: FileId, node: Node<'_>) -> Option<Argument> {
     let label = node.child(Kind::Label).map(|label| ident(file, label));
-    Some(Argument { label, value: first(file, node)? })
+    Some(Argument {
+        label,
+        value: first(file, node)?,
+    })
 }

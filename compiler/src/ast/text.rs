@@ -62,11 +62,17 @@ pub(super) fn text(file: FileId, node: Node<'_>) -> Option<Text> {
         Kind::BlockText => return Some(block(file, node)),
         Kind::String => line(file, node),
         // The wrong quotes are an error already; the words only keep later errors away.
-        Kind::CurlyText | Kind::CurlyString | Kind::SingleString => vec![Piece::Literal(node.text().to_owned())],
+        Kind::CurlyText | Kind::CurlyString | Kind::SingleString => {
+            vec![Piece::Literal(node.text().to_owned())]
+        }
         _ => return None,
     };
     let quote = node.text().chars().next().map_or(0, char::len_utf8);
-    Some(Text { span, start: span.start + quote, pieces })
+    Some(Text {
+        span,
+        start: span.start + quote,
+        pieces,
+    })
 }
 
 fn line(file: FileId, node: Node<'_>) -> Vec<Piece> {
@@ -88,9 +94,16 @@ fn block(file: FileId, node: Node<'_>) -> Text {
     let raw = &node.text()[quotes..node.text().len() - if is_closed { quotes } else { 0 }];
     let body = node.span().start + quotes;
     let lines = lines(raw);
-    let opens_with_break = lines.first().is_some_and(|line| raw[line.clone()].trim().is_empty()) && lines.len() > 1;
-    let closes_with_break = lines.last().is_some_and(|line| raw[line.clone()].trim().is_empty()) && lines.len() > 1;
-    let kept = usize::from(opens_with_break)..(lines.len() - usize::from(closes_with_break)).max(usize::from(opens_with_break));
+    let opens_with_break = lines
+        .first()
+        .is_some_and(|line| raw[line.clone()].trim().is_empty())
+        && lines.len() > 1;
+    let closes_with_break = lines
+        .last()
+        .is_some_and(|line| raw[line.clone()].trim().is_empty())
+        && lines.len() > 1;
+    let kept = usize::from(opens_with_break)
+        ..(lines.len() - usize::from(closes_with_break)).max(usize::from(opens_with_break));
     let indent = shared_indent(raw, &lines[kept.clone()], opens_with_break);
     let placeholders: Vec<Node<'_>> = node.all(Kind::Placeholder).collect();
     let mut pieces = Pieces::default();
@@ -100,12 +113,17 @@ fn block(file: FileId, node: Node<'_>) -> Text {
             pieces.literal("\n");
         }
         let has_indent = number > 0 || opens_with_break;
-        let blanks = raw[line.clone()].len() - raw[line.clone()].trim_start_matches([' ', '\t']).len();
+        let blanks =
+            raw[line.clone()].len() - raw[line.clone()].trim_start_matches([' ', '\t']).len();
         let from = line.start + if has_indent { indent.min(blanks) } else { 0 };
         start.get_or_insert(body + from);
         pieces.between(file, node, &placeholders, body + from..body + line.end);
     }
-    Text { span: Span::new(file, node.span()), start: start.unwrap_or(body), pieces: pieces.list }
+    Text {
+        span: Span::new(file, node.span()),
+        start: start.unwrap_or(body),
+        pieces: pieces.list,
+    }
 }
 
 /// Returns the lines' places, without their ends.
@@ -130,7 +148,11 @@ fn lines(raw: &str) -> Vec<Range<usize>> {
 /// Returns the number of blanks that all lines with words begin with; the one behind the quotes does not count.
 fn shared_indent(raw: &str, lines: &[Range<usize>], first_counts: bool) -> usize {
     let mut shared: Option<&str> = None;
-    for line in lines.iter().skip(usize::from(!first_counts)).map(|line| &raw[line.clone()]) {
+    for line in lines
+        .iter()
+        .skip(usize::from(!first_counts))
+        .map(|line| &raw[line.clone()])
+    {
         let words = line.trim_start_matches([' ', '\t']);
         if words.is_empty() {
             continue;
@@ -138,7 +160,13 @@ fn shared_indent(raw: &str, lines: &[Range<usize>], first_counts: bool) -> usize
         let blanks = &line[..line.len() - words.len()];
         shared = Some(match shared {
             None => blanks,
-            Some(before) => &before[..before.bytes().zip(blanks.bytes()).take_while(|(a, b)| a == b).count()],
+            Some(before) => {
+                &before[..before
+                    .bytes()
+                    .zip(blanks.bytes())
+                    .take_while(|(a, b)| a == b)
+                    .count()]
+            }
         });
     }
     shared.map_or(0, str::len)
@@ -166,16 +194,30 @@ impl Pieces {
             self.literal(&text[1..text.len() - 1]);
         }
         if let Some(path) = node.child(Kind::Path) {
-            self.list.push(Piece::Variable { path: path.text().to_owned(), span: Span::new(file, path.span()) });
+            self.list.push(Piece::Variable {
+                path: path.text().to_owned(),
+                span: Span::new(file, path.span()),
+            });
         }
     }
 
     /// Adds what lies in `range`, a part of one line; a placeholder never spans lines.
-    fn between(&mut self, file: FileId, block: Node<'_>, placeholders: &[Node<'_>], range: Range<usize>) {
-        let text = |part: Range<usize>| &block.text()[part.start - block.span().start..part.end - block.span().start];
+    fn between(
+        &mut self,
+        file: FileId,
+        block: Node<'_>,
+        placeholders: &[Node<'_>],
+        range: Range<usize>,
+    ) {
+        let text = |part: Range<usize>| {
+            &block.text()[part.start - block.span().start..part.end - block.span().start]
+        };
         let first = placeholders.partition_point(|node| node.span().start < range.start);
         let mut at = range.start;
-        for node in placeholders[first..].iter().take_while(|node| node.span().end <= range.end) {
+        for node in placeholders[first..]
+            .iter()
+            .take_while(|node| node.span().end <= range.end)
+        {
             self.literal(text(at..node.span().start));
             self.placeholder(file, *node);
             at = node.span().end;

@@ -13,37 +13,71 @@ pub(super) const FIELDS: [&str; 2] = ["pick", "place"];
 
 /// Builds the action space.
 pub(crate) fn check(part: &ast::Actions, context: &mut Context<'_>) -> Vec<ActionField> {
-    unique(part.fields.iter().map(|field| &field.name), "field", context.report);
-    for field in part.fields.iter().filter(|field| !FIELDS.contains(&field.name.text.as_str())) {
-        let diagnostic = Diagnostic::new(Code::UnknownField, field.name.span, format!("an action has no `{}`", field.name.text));
+    unique(
+        part.fields.iter().map(|field| &field.name),
+        "field",
+        context.report,
+    );
+    for field in part
+        .fields
+        .iter()
+        .filter(|field| !FIELDS.contains(&field.name.text.as_str()))
+    {
+        let diagnostic = Diagnostic::new(
+            Code::UnknownField,
+            field.name.span,
+            format!("an action has no `{}`", field.name.text),
+        );
         context.push(match nearest(&field.name.text, FIELDS) {
-            Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")).edit(field.name.span, meant),
+            Some(meant) => diagnostic
+                .help(format!("did you mean `{meant}`?"))
+                .edit(field.name.span, meant),
             None => diagnostic.help("its fields are `pick` and `place`"),
         });
     }
-    let has_unknown = part.fields.iter().any(|field| !FIELDS.contains(&field.name.text.as_str()));
+    let has_unknown = part
+        .fields
+        .iter()
+        .any(|field| !FIELDS.contains(&field.name.text.as_str()));
     for wanted in FIELDS {
         let is_there = part.fields.iter().any(|field| field.name.text == wanted);
         // An unknown field is probably the missing one, misspelt.
         if !is_there && !has_unknown && !part.has_faults {
             let message = format!("the action has no `{wanted}`");
-            context.push(Diagnostic::new(Code::MissingField, part.span, message).help(format!("write `{wanted}: one of …`")));
+            context.push(
+                Diagnostic::new(Code::MissingField, part.span, message)
+                    .help(format!("write `{wanted}: one of …`")),
+            );
         }
     }
-    part.fields.iter().map(|part| field(part, context)).collect()
+    part.fields
+        .iter()
+        .map(|part| field(part, context))
+        .collect()
 }
 
 fn field(part: &Field, context: &mut Context<'_>) -> ActionField {
     unique(part.one_of.iter(), "choice", context.report);
-    let one_of = part.one_of.iter().filter(|choice| is_offered(choice, context)).map(|choice| choice.text.clone());
-    ActionField { name: part.name.text.clone(), one_of: one_of.collect() }
+    let one_of = part
+        .one_of
+        .iter()
+        .filter(|choice| is_offered(choice, context))
+        .map(|choice| choice.text.clone());
+    ActionField {
+        name: part.name.text.clone(),
+        one_of: one_of.collect(),
+    }
 }
 
 /// Returns whether a choice names points; reports it where not.
 fn is_offered(choice: &Ident, context: &mut Context<'_>) -> bool {
     match context.names.get(&choice.text) {
         Some(Meaning::Keypoint(Some(KeypointShape::Mask))) => {
-            context.push(wrong_kind(choice, KeypointShape::Mask, "points to choose from"));
+            context.push(wrong_kind(
+                choice,
+                KeypointShape::Mask,
+                "points to choose from",
+            ));
             false
         }
         Some(Meaning::Keypoint(_)) => true,

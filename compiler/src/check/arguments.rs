@@ -28,15 +28,27 @@ pub(crate) enum Need {
 }
 
 pub(crate) const fn bare(name: &'static str) -> Parameter {
-    Parameter { name, given: Given::Bare, need: Need::Required }
+    Parameter {
+        name,
+        given: Given::Bare,
+        need: Need::Required,
+    }
 }
 
 pub(crate) const fn named(name: &'static str) -> Parameter {
-    Parameter { name, given: Given::Named, need: Need::Required }
+    Parameter {
+        name,
+        given: Given::Named,
+        need: Need::Required,
+    }
 }
 
 pub(crate) const fn optional(name: &'static str) -> Parameter {
-    Parameter { name, given: Given::Named, need: Need::Optional }
+    Parameter {
+        name,
+        given: Given::Named,
+        need: Need::Optional,
+    }
 }
 
 /// The arguments of one call, by the parameters' names.
@@ -46,32 +58,50 @@ pub(crate) struct Bound<'e> {
 
 impl<'e> Bound<'e> {
     pub fn get(&self, name: &str) -> Option<&'e Expr> {
-        self.values.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
+        self.values
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, value)| *value)
     }
 }
 
 /// Gives each argument to its parameter; None, with a report, where they do not fit.
-pub(crate) fn bind<'e>(call: &Ident, arguments: &'e [Argument], parameters: &[Parameter], context: &mut Context<'_>) -> Option<Bound<'e>> {
+pub(crate) fn bind<'e>(
+    call: &Ident,
+    arguments: &'e [Argument],
+    parameters: &[Parameter],
+    context: &mut Context<'_>,
+) -> Option<Bound<'e>> {
     let mut bound = Bound { values: Vec::new() };
-    let mut places = parameters.iter().filter(|parameter| parameter.given == Given::Bare);
+    let mut places = parameters
+        .iter()
+        .filter(|parameter| parameter.given == Given::Bare);
     let mut fits = true;
     for argument in arguments {
         let parameter = match &argument.label {
-            None => places.next().ok_or_else(|| surplus(call, argument, parameters)),
+            None => places
+                .next()
+                .ok_or_else(|| Box::new(surplus(call, argument, parameters))),
             Some(label) => named_parameter(call, label, parameters),
         };
         let parameter = match parameter {
             Ok(parameter) => parameter,
             Err(diagnostic) => {
-                context.push(diagnostic);
+                context.push(*diagnostic);
                 fits = false;
                 continue;
             }
         };
         if let Some(first) = bound.get(parameter.name) {
-            let span = argument.label.as_ref().map_or(argument.value.span, |label| label.span);
+            let span = argument
+                .label
+                .as_ref()
+                .map_or(argument.value.span, |label| label.span);
             let message = format!("`{}` is given twice", parameter.name);
-            context.push(Diagnostic::new(Code::WrongArguments, span, message).also(first.span, "given here first"));
+            context.push(
+                Diagnostic::new(Code::WrongArguments, span, message)
+                    .also(first.span, "given here first"),
+            );
             fits = false;
         } else {
             bound.values.push((parameter.name, &argument.value));
@@ -84,33 +114,59 @@ pub(crate) fn bind<'e>(call: &Ident, arguments: &'e [Argument], parameters: &[Pa
         .collect();
     // A wrong name probably stands for a missing one; one report is enough.
     if !missing.is_empty() && fits {
-        let message = format!("`{}` lacks {}", call.text, among(missing).replace(" or ", " and "));
-        context.push(Diagnostic::new(Code::WrongArguments, call.span, message).help(format!("write `{}`", form(call, parameters))));
+        let message = format!(
+            "`{}` lacks {}",
+            call.text,
+            among(missing).replace(" or ", " and ")
+        );
+        context.push(
+            Diagnostic::new(Code::WrongArguments, call.span, message)
+                .help(format!("write `{}`", form(call, parameters))),
+        );
         fits = false;
     }
     fits.then_some(bound)
 }
 
-fn named_parameter<'p>(call: &Ident, label: &Ident, parameters: &'p [Parameter]) -> Result<&'p Parameter, Diagnostic> {
-    let named = || parameters.iter().filter(|parameter| parameter.given == Given::Named);
+fn named_parameter<'p>(
+    call: &Ident,
+    label: &Ident,
+    parameters: &'p [Parameter],
+) -> Result<&'p Parameter, Box<Diagnostic>> {
+    let named = || {
+        parameters
+            .iter()
+            .filter(|parameter| parameter.given == Given::Named)
+    };
     if let Some(parameter) = named().find(|parameter| parameter.name == label.text) {
         return Ok(parameter);
     }
-    let diagnostic = Diagnostic::new(Code::WrongArguments, label.span, format!("`{}` takes no `{}`", call.text, label.text));
-    Err(match nearest(&label.text, named().map(|parameter| parameter.name)) {
-        Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")).edit(label.span, meant),
+    let diagnostic = Diagnostic::new(
+        Code::WrongArguments,
+        label.span,
+        format!("`{}` takes no `{}`", call.text, label.text),
+    );
+    let near = nearest(&label.text, named().map(|parameter| parameter.name));
+    Err(Box::new(match near {
+        Some(meant) => diagnostic
+            .help(format!("did you mean `{meant}`?"))
+            .edit(label.span, meant),
         None => diagnostic.help(format!("write `{}`", form(call, parameters))),
-    })
+    }))
 }
 
 fn surplus(call: &Ident, argument: &Argument, parameters: &[Parameter]) -> Diagnostic {
-    let n_bare = parameters.iter().filter(|parameter| parameter.given == Given::Bare).count();
+    let n_bare = parameters
+        .iter()
+        .filter(|parameter| parameter.given == Given::Bare)
+        .count();
     let message = match n_bare {
         0 => format!("`{}` takes its arguments by name", call.text),
         1 => format!("`{}` takes one argument without a name", call.text),
         _ => format!("`{}` takes {n_bare} arguments without a name", call.text),
     };
-    Diagnostic::new(Code::WrongArguments, argument.value.span, message).help(format!("write `{}`", form(call, parameters)))
+    Diagnostic::new(Code::WrongArguments, argument.value.span, message)
+        .help(format!("write `{}`", form(call, parameters)))
 }
 
 /// Writes how the call looks when it is complete.
@@ -120,5 +176,9 @@ fn form(call: &Ident, parameters: &[Parameter]) -> String {
         (Given::Named, Need::Required) => format!("{}: …", parameter.name),
         (Given::Named, Need::Optional) => format!("[{}: …]", parameter.name),
     };
-    format!("{}({})", call.text, parameters.iter().map(part).collect::<Vec<_>>().join(", "))
+    format!(
+        "{}({})",
+        call.text,
+        parameters.iter().map(part).collect::<Vec<_>>().join(", ")
+    )
 }

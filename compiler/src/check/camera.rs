@@ -8,14 +8,21 @@ use crate::diag::{Code, Diagnostic};
 use crate::program::{Camera, Cloth};
 use std::f64::consts::PI;
 
-const HEIGHT: Wanted = Wanted { measure: Measure::Length, range: 0.1..=5.0, range_words: "a height from `100mm` to `5m`" };
+const HEIGHT: Wanted = Wanted {
+    measure: Measure::Length,
+    range: 0.1..=5.0,
+    range_words: "a height from `100mm` to `5m`",
+};
 const FOV: Wanted = Wanted {
     measure: Measure::Angle,
     range: 5.0 * PI / 180.0..=150.0 * PI / 180.0,
     range_words: "a field of view from `5deg` to `150deg`",
 };
-pub(super) const IMAGE: Wanted =
-    Wanted { measure: Measure::Pixels, range: 16.0..=2048.0, range_words: "a picture's side from `16px` to `2048px`" };
+pub(super) const IMAGE: Wanted = Wanted {
+    measure: Measure::Pixels,
+    range: 16.0..=2048.0,
+    range_words: "a picture's side from `16px` to `2048px`",
+};
 
 /// Builds the camera.
 pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<Camera> {
@@ -30,15 +37,30 @@ pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<
         context.unknown("camera", name, ["top_down"]);
         return None;
     }
-    let bound = bind(name, arguments, &[named("height"), named("fov"), named("image")], context)?;
+    let bound = bind(
+        name,
+        arguments,
+        &[named("height"), named("fov"), named("image")],
+        context,
+    )?;
     let height_m = read(bound.get("height")?, &HEIGHT, context);
     let fov_rad = read(bound.get("fov")?, &FOV, context);
     let image_px = read_whole(bound.get("image")?, &IMAGE, context);
-    Some(Camera { height_m: height_m?, fov_rad: fov_rad?, image_px: image_px? })
+    Some(Camera {
+        height_m: height_m?,
+        fov_rad: fov_rad?,
+        image_px: image_px?,
+    })
 }
 
 /// Warns where the flat cloth, however it is turned, does not fit into the picture.
-pub(crate) fn compare(cloth: &Cloth, laid: &Statement, camera: &Camera, seen: &Statement, context: &mut Context<'_>) {
+pub(crate) fn compare(
+    cloth: &Cloth,
+    laid: &Statement,
+    camera: &Camera,
+    seen: &Statement,
+    context: &mut Context<'_>,
+) {
     let view_m = 2.0 * camera.height_m * (camera.fov_rad / 2.0).tan();
     let side_m = |n_particles: u32| f64::from(n_particles - 1) * cloth.spacing_m;
     let diagonal_m = side_m(cloth.dimx).hypot(side_m(cloth.dimy));
@@ -49,7 +71,9 @@ pub(crate) fn compare(cloth: &Cloth, laid: &Statement, camera: &Camera, seen: &S
             diagonal_m * 1000.0
         );
         context.push(
-            Diagnostic::new(Code::CameraSeesTooLittle, laid.value.span, message).also(seen.value.span, "the camera").help("raise the camera, or widen its field of view"),
+            Diagnostic::new(Code::CameraSeesTooLittle, laid.value.span, message)
+                .also(seen.value.span, "the camera")
+                .help("raise the camera, or widen its field of view"),
         );
     }
 }

@@ -13,7 +13,11 @@ const SPACING_M: f64 = 0.00625;
 /// The most particles on a side; their number grows with the square.
 const MAX_SIDE: u32 = 200;
 
-const COUNT: Wanted = Wanted { measure: Measure::Number, range: 2.0..=MAX_SIDE as f64, range_words: "a count of particles from `2` to `200`" };
+const COUNT: Wanted = Wanted {
+    measure: Measure::Number,
+    range: 2.0..=MAX_SIDE as f64,
+    range_words: "a count of particles from `2` to `200`",
+};
 
 /// Half a spacing more and the side would round to another particle.
 const SIDE: Wanted = Wanted {
@@ -44,7 +48,11 @@ pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<
         "grid" => {
             let dimx = read_whole(bound.get("width")?, &COUNT, context);
             let dimy = read_whole(bound.get("depth")?, &COUNT, context);
-            Some(Cloth { dimx: dimx?, dimy: dimy?, spacing_m: SPACING_M })
+            Some(Cloth {
+                dimx: dimx?,
+                dimy: dimy?,
+                spacing_m: SPACING_M,
+            })
         }
         "square" => measured(statement, &bound, ["side", "side"], context),
         _ => measured(statement, &bound, ["width", "depth"], context),
@@ -56,13 +64,24 @@ fn wrong_form(value: &Expr) -> Diagnostic {
         .help("write `grid(55, 44)` for particles, `square(250mm)` or `rectangle(338mm, 269mm)` for sides")
 }
 
-fn measured(statement: &Statement, bound: &Bound<'_>, sides: [&str; 2], context: &mut Context<'_>) -> Option<Cloth> {
-    let [width_m, depth_m] = sides.map(|side| bound.get(side).and_then(|side| read(side, &SIDE, context)));
+fn measured(
+    statement: &Statement,
+    bound: &Bound<'_>,
+    sides: [&str; 2],
+    context: &mut Context<'_>,
+) -> Option<Cloth> {
+    let [width_m, depth_m] =
+        sides.map(|side| bound.get(side).and_then(|side| read(side, &SIDE, context)));
     let (width_m, depth_m) = (width_m?, depth_m?);
     let particles = |side_m: f64| (side_m / SPACING_M).round() as u32 + 1;
-    let cloth = Cloth { dimx: particles(width_m), dimy: particles(depth_m), spacing_m: SPACING_M };
+    let cloth = Cloth {
+        dimx: particles(width_m),
+        dimy: particles(depth_m),
+        spacing_m: SPACING_M,
+    };
     let side_mm = |n_particles: u32| f64::from(n_particles - 1) * SPACING_M * 1000.0;
-    let is_exact = |side_m: f64, n_particles: u32| (side_m * 1000.0 - side_mm(n_particles)).abs() < 1e-6;
+    let is_exact =
+        |side_m: f64, n_particles: u32| (side_m * 1000.0 - side_mm(n_particles)).abs() < 1e-6;
     if !is_exact(width_m, cloth.dimx) || !is_exact(depth_m, cloth.dimy) {
         let Cloth { dimx, dimy, .. } = cloth;
         let message = format!(
@@ -70,7 +89,10 @@ fn measured(statement: &Statement, bound: &Bound<'_>, sides: [&str; 2], context:
             side_mm(dimx),
             side_mm(dimy)
         );
-        context.push(Diagnostic::new(Code::Rounded, statement.value.span, message).help(format!("`grid({dimx}, {dimy})` says the same exactly")));
+        context.push(
+            Diagnostic::new(Code::Rounded, statement.value.span, message)
+                .help(format!("`grid({dimx}, {dimy})` says the same exactly")),
+        );
     }
     Some(cloth)
 }

@@ -9,31 +9,59 @@ use crate::ast::{self, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic};
 use crate::program::{Comparison, Expr, KeypointShape, Length, PointRef};
 
-const PIXELS: Wanted = Wanted { measure: Measure::Pixels, range: 0.0..=10_000.0, range_words: "a length from `0px` to `10000px`" };
+const PIXELS: Wanted = Wanted {
+    measure: Measure::Pixels,
+    range: 0.0..=10_000.0,
+    range_words: "a length from `0px` to `10000px`",
+};
 
 /// Builds a condition; None, with a report, where it is wrong.
 pub(crate) fn check(expr: &ast::Expr, context: &mut Context<'_>) -> Option<Expr> {
     match &expr.kind {
-        ExprKind::All(parts) => Some(Expr::All { of: all(parts, context)? }),
-        ExprKind::Any(parts) => Some(Expr::Any { of: all(parts, context)? }),
-        ExprKind::Not(part) => Some(Expr::Not { of: Box::new(check(part, context)?) }),
+        ExprKind::All(parts) => Some(Expr::All {
+            of: all(parts, context)?,
+        }),
+        ExprKind::Any(parts) => Some(Expr::Any {
+            of: all(parts, context)?,
+        }),
+        ExprKind::Not(part) => Some(Expr::Not {
+            of: Box::new(check(part, context)?),
+        }),
         ExprKind::Compare { left, sign, right } => {
             let is = comparison(sign, context);
             let left = length(left, context);
             let right = length(right, context);
-            Some(Expr::Compare { left: left?, is: is?, right: right? })
+            Some(Expr::Compare {
+                left: left?,
+                is: is?,
+                right: right?,
+            })
         }
-        ExprKind::Within { point, margin, mask } => {
-            let margin_px = margin.as_ref().map_or(Some(0.0), |margin| read(margin, &PIXELS, context));
+        ExprKind::Within {
+            point,
+            margin,
+            mask,
+        } => {
+            let margin_px = margin
+                .as_ref()
+                .map_or(Some(0.0), |margin| read(margin, &PIXELS, context));
             let point = self::point(point, context);
             let mask = self::mask(mask, context);
-            Some(Expr::Within { point: point?, mask: mask?, margin_px: margin_px? })
+            Some(Expr::Within {
+                point: point?,
+                mask: mask?,
+                margin_px: margin_px?,
+            })
         }
         _ => {
             let found = context.written(expr.span);
             context.push(
-                Diagnostic::new(Code::WrongExpression, expr.span, format!("expected a condition, found `{found}`"))
-                    .help("write such as `distance(pick, place) > 10px` or `pick within 8px of cloth`"),
+                Diagnostic::new(
+                    Code::WrongExpression,
+                    expr.span,
+                    format!("expected a condition, found `{found}`"),
+                )
+                .help("write such as `distance(pick, place) > 10px` or `pick within 8px of cloth`"),
             );
             None
         }
@@ -54,9 +82,17 @@ fn comparison(sign: &Ident, context: &mut Context<'_>) -> Option<Comparison> {
         ">=" => return Some(Comparison::AtLeast),
         "≤" => (Some("<="), "write `<=`"),
         "≥" => (Some(">="), "write `>=`"),
-        _ => (None, "measured lengths are hardly ever equal; write `<`, `<=`, `>` or `>=`"),
+        _ => (
+            None,
+            "measured lengths are hardly ever equal; write `<`, `<=`, `>` or `>=`",
+        ),
     };
-    let mut diagnostic = Diagnostic::new(Code::WrongExpression, sign.span, format!("lengths are not compared by `{}`", sign.text)).help(help);
+    let mut diagnostic = Diagnostic::new(
+        Code::WrongExpression,
+        sign.span,
+        format!("lengths are not compared by `{}`", sign.text),
+    )
+    .help(help);
     if let Some(right) = right {
         diagnostic = diagnostic.edit(sign.span, right);
     }
@@ -66,7 +102,9 @@ fn comparison(sign: &Ident, context: &mut Context<'_>) -> Option<Comparison> {
 
 fn length(expr: &ast::Expr, context: &mut Context<'_>) -> Option<Length> {
     match &expr.kind {
-        ExprKind::Quantity { .. } => Some(Length::Pixels { px: read(expr, &PIXELS, context)? }),
+        ExprKind::Quantity { .. } => Some(Length::Pixels {
+            px: read(expr, &PIXELS, context)?,
+        }),
         ExprKind::Call { name, arguments } if name.text == "distance" => {
             let bound = bind(name, arguments, &[bare("a"), bare("b")], context)?;
             let a = point(bound.get("a")?, context);
@@ -80,8 +118,12 @@ fn length(expr: &ast::Expr, context: &mut Context<'_>) -> Option<Length> {
         _ => {
             let found = context.written(expr.span);
             context.push(
-                Diagnostic::new(Code::WrongExpression, expr.span, format!("expected a length in the picture, found `{found}`"))
-                    .help("write `distance(pick, place)`, or a number of pixels such as `10px`"),
+                Diagnostic::new(
+                    Code::WrongExpression,
+                    expr.span,
+                    format!("expected a length in the picture, found `{found}`"),
+                )
+                .help("write `distance(pick, place)`, or a number of pixels such as `10px`"),
             );
             None
         }
@@ -92,7 +134,9 @@ fn point(expr: &ast::Expr, context: &mut Context<'_>) -> Option<PointRef> {
     let name = name(expr, "a point", context)?;
     match context.names.get(&name.text) {
         Some(Meaning::Field) => Some(PointRef::Action { field: name.text }),
-        Some(Meaning::Keypoint(Some(KeypointShape::Point))) => Some(PointRef::Keypoint { name: name.text }),
+        Some(Meaning::Keypoint(Some(KeypointShape::Point))) => {
+            Some(PointRef::Keypoint { name: name.text })
+        }
         // Its own declaration is wrong and reported there.
         Some(Meaning::Keypoint(None)) => None,
         Some(Meaning::Keypoint(Some(shape))) => {
@@ -100,7 +144,12 @@ fn point(expr: &ast::Expr, context: &mut Context<'_>) -> Option<PointRef> {
             None
         }
         Some(Meaning::Text { .. }) | None => {
-            let is_point = |meaning| matches!(meaning, Meaning::Field | Meaning::Keypoint(Some(KeypointShape::Point)));
+            let is_point = |meaning| {
+                matches!(
+                    meaning,
+                    Meaning::Field | Meaning::Keypoint(Some(KeypointShape::Point))
+                )
+            };
             context.unknown("point", &name, context.names.that(is_point));
             None
         }
@@ -126,9 +175,16 @@ fn mask(expr: &ast::Expr, context: &mut Context<'_>) -> Option<String> {
 
 fn name(expr: &ast::Expr, wanted: &str, context: &mut Context<'_>) -> Option<Ident> {
     if let ExprKind::Name(name) = &expr.kind {
-        return Some(Ident { text: name.clone(), span: expr.span });
+        return Some(Ident {
+            text: name.clone(),
+            span: expr.span,
+        });
     }
     let found = context.written(expr.span);
-    context.push(Diagnostic::new(Code::WrongExpression, expr.span, format!("expected {wanted}, found `{found}`")));
+    context.push(Diagnostic::new(
+        Code::WrongExpression,
+        expr.span,
+        format!("expected {wanted}, found `{found}`"),
+    ));
     None
 }

@@ -2,20 +2,32 @@
 
 use super::Context;
 use super::quantity::{Measure, Wanted, read};
-use crate::ast::{Expr, ExprKind, Experts, Folds, Ident, Move};
+use crate::ast::{Experts, Expr, ExprKind, Folds, Ident, Move};
 use crate::diag::{Code, Diagnostic, among, nearest};
 use crate::merge::Merged;
 use crate::program::{ClothPoint, Fold, Sequence, Subgoals};
 
 /// The corners: name, fraction from the left, fraction from the back.
-const CORNERS: &[(&str, f64, f64)] =
-    &[("back_left", 0.0, 0.0), ("back_right", 1.0, 0.0), ("front_left", 0.0, 1.0), ("front_right", 1.0, 1.0)];
+const CORNERS: &[(&str, f64, f64)] = &[
+    ("back_left", 0.0, 0.0),
+    ("back_right", 1.0, 0.0),
+    ("front_left", 0.0, 1.0),
+    ("front_right", 1.0, 1.0),
+];
 
 /// The middles of the sides.
-const MIDDLES: &[(&str, f64, f64)] = &[("left", 0.0, 0.5), ("right", 1.0, 0.5), ("back", 0.5, 0.0), ("front", 0.5, 1.0)];
+const MIDDLES: &[(&str, f64, f64)] = &[
+    ("left", 0.0, 0.5),
+    ("right", 1.0, 0.5),
+    ("back", 0.5, 0.0),
+    ("front", 0.5, 1.0),
+];
 
-const FRACTION: Wanted =
-    Wanted { measure: Measure::Number, range: f64::MIN_POSITIVE..=1.0, range_words: "a fraction above `0` and at most `1`" };
+const FRACTION: Wanted = Wanted {
+    measure: Measure::Number,
+    range: f64::MIN_POSITIVE..=1.0,
+    range_words: "a fraction above `0` and at most `1`",
+};
 
 /// The most folds in a sequence.
 const MAX_FOLDS: usize = 100;
@@ -24,35 +36,63 @@ const MAX_FOLDS: usize = 100;
 pub(crate) fn check(folds: &Folds, context: &mut Context<'_>) -> Vec<Fold> {
     if folds.moves.is_empty() && !folds.has_faults {
         context.push(
-            Diagnostic::new(Code::NoFolds, folds.span, "there is no fold here").help("write one such as `fold corner(back_left) -> corner(front_left)`"),
+            Diagnostic::new(Code::NoFolds, folds.span, "there is no fold here")
+                .help("write one such as `fold corner(back_left) -> corner(front_left)`"),
         );
     }
     if let Some(beyond) = folds.moves.get(MAX_FOLDS) {
-        let message = format!("a sequence has at most {MAX_FOLDS} folds, this one has {}", folds.moves.len());
+        let message = format!(
+            "a sequence has at most {MAX_FOLDS} folds, this one has {}",
+            folds.moves.len()
+        );
         context.push(Diagnostic::new(Code::OutOfRange, beyond.span, message));
         return Vec::new();
     }
-    folds.moves.iter().filter_map(|part| fold(part, context)).collect()
+    folds
+        .moves
+        .iter()
+        .filter_map(|part| fold(part, context))
+        .collect()
 }
 
 /// Builds the sequences of a list of experts.
 pub(crate) fn experts(experts: &Experts, context: &mut Context<'_>) -> Vec<Sequence> {
     if experts.sequences.is_empty() && !experts.has_faults {
         let message = format!("`{}` has no sequence", experts.name.text);
-        context.push(Diagnostic::new(Code::NoFolds, experts.name.span, message).help("write one such as `sequence { fold corner(back_left) -> center }`"));
+        context.push(
+            Diagnostic::new(Code::NoFolds, experts.name.span, message)
+                .help("write one such as `sequence { fold corner(back_left) -> center }`"),
+        );
     }
-    experts.sequences.iter().map(|folds| Sequence { folds: check(folds, context) }).collect()
+    experts
+        .sequences
+        .iter()
+        .map(|folds| Sequence {
+            folds: check(folds, context),
+        })
+        .collect()
 }
 
 /// Returns the sequences that count as right for a task: those of the named experts, else the demonstration.
-pub(crate) fn expert_sequences(merged: &Merged<'_>, subgoals: Option<&Subgoals>, context: &mut Context<'_>) -> Vec<Sequence> {
+pub(crate) fn expert_sequences(
+    merged: &Merged<'_>,
+    subgoals: Option<&Subgoals>,
+    context: &mut Context<'_>,
+) -> Vec<Sequence> {
     let Some(reference) = merged.experts else {
         return match subgoals {
-            Some(Subgoals::Demonstrate { folds }) => vec![Sequence { folds: folds.clone() }],
+            Some(Subgoals::Demonstrate { folds }) => vec![Sequence {
+                folds: folds.clone(),
+            }],
             _ => Vec::new(),
         };
     };
-    let seen = || context.loaded.visible_from(reference.name.span.file).flat_map(|file| &file.experts);
+    let seen = || {
+        context
+            .loaded
+            .visible_from(reference.name.span.file)
+            .flat_map(|file| &file.experts)
+    };
     match seen().find(|experts| experts.name.text == reference.name.text) {
         // The list itself is reported once, where all lists are.
         Some(found) => experts(found, context),
@@ -71,9 +111,20 @@ fn fold(part: &Move, context: &mut Context<'_>) -> Option<Fold> {
         Some(fraction) => read(fraction, &FRACTION, context),
         None => Some(1.0),
     };
-    let fold = Fold { pick: pick?, place: place?, fraction: fraction? };
+    let fold = Fold {
+        pick: pick?,
+        place: place?,
+        fraction: fraction?,
+    };
     if fold.pick == fold.place {
-        context.push(Diagnostic::new(Code::FoldGoesNowhere, part.span, "this fold ends where it begins").label("picks and places the same point"));
+        context.push(
+            Diagnostic::new(
+                Code::FoldGoesNowhere,
+                part.span,
+                "this fold ends where it begins",
+            )
+            .label("picks and places the same point"),
+        );
         return None;
     }
     Some(fold)
@@ -84,7 +135,11 @@ fn point(expr: &Expr, context: &mut Context<'_>) -> Option<ClothPoint> {
     match &expr.kind {
         ExprKind::Name(name) if name == "center" => return Some(ClothPoint::Center),
         ExprKind::Call { name, arguments } if matches!(name.text.as_str(), "corner" | "middle") => {
-            let places = if name.text == "corner" { CORNERS } else { MIDDLES };
+            let places = if name.text == "corner" {
+                CORNERS
+            } else {
+                MIDDLES
+            };
             let names = || places.iter().map(|(name, ..)| *name);
             if let [argument] = arguments.as_slice()
                 && argument.label.is_none()
@@ -92,24 +147,43 @@ fn point(expr: &Expr, context: &mut Context<'_>) -> Option<ClothPoint> {
             {
                 let found = places.iter().find(|(known, ..)| known == place);
                 if found.is_none() {
-                    let place = Ident { text: place.clone(), span: argument.value.span };
+                    let place = Ident {
+                        text: place.clone(),
+                        span: argument.value.span,
+                    };
                     context.unknown(&name.text, &place, names());
                 }
-                return found.map(|(_, right, front)| ClothPoint::Particle { right: *right, front: *front });
+                return found.map(|(_, right, front)| ClothPoint::Particle {
+                    right: *right,
+                    front: *front,
+                });
             }
             let message = format!("`{}` takes {}", name.text, among(names()));
             context.push(Diagnostic::new(Code::WrongArguments, expr.span, message));
         }
         ExprKind::Call { name, .. } => {
-            let diagnostic = Diagnostic::new(Code::WrongForm, name.span, format!("`{}` is no point of the cloth", name.text));
+            let diagnostic = Diagnostic::new(
+                Code::WrongForm,
+                name.span,
+                format!("`{}` is no point of the cloth", name.text),
+            );
             context.push(match nearest(&name.text, ["corner", "middle"]) {
-                Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")).edit(name.span, meant),
+                Some(meant) => diagnostic
+                    .help(format!("did you mean `{meant}`?"))
+                    .edit(name.span, meant),
                 None => diagnostic.help(FORMS),
             });
         }
         _ => {
             let found = context.written(expr.span);
-            context.push(Diagnostic::new(Code::WrongForm, expr.span, format!("expected a point of the cloth, found `{found}`")).help(FORMS));
+            context.push(
+                Diagnostic::new(
+                    Code::WrongForm,
+                    expr.span,
+                    format!("expected a point of the cloth, found `{found}`"),
+                )
+                .help(FORMS),
+            );
         }
     }
     None

@@ -13,25 +13,61 @@ use crate::program::{self, Camera, Extractor, KeypointShape, Moment};
 /// Harris' free parameter where none is stated: the detector's usual one (protocol, section 6).
 const DEFAULT_HARRIS_K: f64 = 0.04;
 
-const DEPTH: Wanted = Wanted { measure: Measure::Length, range: 1e-3..=10.0, range_words: "a depth from `1mm` to `10m`" };
-const MAX_POINTS: Wanted = Wanted { measure: Measure::Number, range: 1.0..=1000.0, range_words: "a number of points from `1` to `1000`" };
-const QUALITY: Wanted = Wanted { measure: Measure::Number, range: 1e-6..=1.0, range_words: "a fraction above `0` and at most `1`" };
-const SPACING: Wanted = Wanted { measure: Measure::Pixels, range: 0.0..=2048.0, range_words: "a distance from `0px` to `2048px`" };
-const HARRIS_K: Wanted = Wanted { measure: Measure::Number, range: 1e-3..=0.25, range_words: "a number from `0.001` to `0.25`" };
+const DEPTH: Wanted = Wanted {
+    measure: Measure::Length,
+    range: 1e-3..=10.0,
+    range_words: "a depth from `1mm` to `10m`",
+};
+const MAX_POINTS: Wanted = Wanted {
+    measure: Measure::Number,
+    range: 1.0..=1000.0,
+    range_words: "a number of points from `1` to `1000`",
+};
+const QUALITY: Wanted = Wanted {
+    measure: Measure::Number,
+    range: 1e-6..=1.0,
+    range_words: "a fraction above `0` and at most `1`",
+};
+const SPACING: Wanted = Wanted {
+    measure: Measure::Pixels,
+    range: 0.0..=2048.0,
+    range_words: "a distance from `0px` to `2048px`",
+};
+const HARRIS_K: Wanted = Wanted {
+    measure: Measure::Number,
+    range: 1e-3..=0.25,
+    range_words: "a number from `0.001` to `0.25`",
+};
 
 /// Builds the keypoints in order; what is wrong is left out.
-pub(crate) fn check(merged: &Merged<'_>, camera: Option<&Camera>, context: &mut Context<'_>) -> Vec<program::Keypoint> {
+pub(crate) fn check(
+    merged: &Merged<'_>,
+    camera: Option<&Camera>,
+    context: &mut Context<'_>,
+) -> Vec<program::Keypoint> {
     let mut found = Vec::with_capacity(merged.keypoints.len());
     for (number, keypoint) in merged.keypoints.iter().enumerate() {
-        let earlier: Vec<&str> = merged.keypoints[..number].iter().map(|keypoint| keypoint.name.text.as_str()).collect();
+        let earlier: Vec<&str> = merged.keypoints[..number]
+            .iter()
+            .map(|keypoint| keypoint.name.text.as_str())
+            .collect();
         if let Some((moment, extractor)) = extractor(keypoint, &earlier, camera, context) {
-            found.push(program::Keypoint { name: keypoint.name.text.clone(), moment, extractor });
+            found.push(program::Keypoint {
+                name: keypoint.name.text.clone(),
+                moment,
+                extractor,
+            });
         }
     }
     found
 }
 
-fn extractor(keypoint: &Keypoint, earlier: &[&str], camera: Option<&Camera>, context: &mut Context<'_>) -> Option<(Moment, Extractor)> {
+fn extractor(
+    keypoint: &Keypoint,
+    earlier: &[&str],
+    camera: Option<&Camera>,
+    context: &mut Context<'_>,
+) -> Option<(Moment, Extractor)> {
     let ExprKind::Call { name, arguments } = &keypoint.value.kind else {
         context.push(
             Diagnostic::new(Code::WrongForm, keypoint.value.span, "expected an extractor")
@@ -39,7 +75,14 @@ fn extractor(keypoint: &Keypoint, earlier: &[&str], camera: Option<&Camera>, con
         );
         return None;
     };
-    let corners = [bare("mask"), named("image"), named("max"), named("quality"), named("spacing"), optional("at")];
+    let corners = [
+        bare("mask"),
+        named("image"),
+        named("max"),
+        named("quality"),
+        named("spacing"),
+        optional("at"),
+    ];
     match name.text.as_str() {
         "mask" => {
             let bound = bind(name, arguments, &[bare("depth < limit")], context)?;
@@ -48,16 +91,56 @@ fn extractor(keypoint: &Keypoint, earlier: &[&str], camera: Option<&Camera>, con
         }
         "harris" => {
             let [mask, image, max, quality, spacing, at] = corners;
-            let bound = bind(name, arguments, &[mask, image, max, quality, spacing, optional("k"), at], context)?;
+            let bound = bind(
+                name,
+                arguments,
+                &[mask, image, max, quality, spacing, optional("k"), at],
+                context,
+            )?;
             let corners = Corners::read(&bound, earlier, context);
-            let k = bound.get("k").map_or(Some(DEFAULT_HARRIS_K), |k| read(k, &HARRIS_K, context));
-            let Corners { mask, image_px, max, quality, spacing_px, moment } = corners?;
-            Some((moment, Extractor::Harris { mask, image_px, max, quality, spacing_px, k: k? }))
+            let k = bound
+                .get("k")
+                .map_or(Some(DEFAULT_HARRIS_K), |k| read(k, &HARRIS_K, context));
+            let Corners {
+                mask,
+                image_px,
+                max,
+                quality,
+                spacing_px,
+                moment,
+            } = corners?;
+            Some((
+                moment,
+                Extractor::Harris {
+                    mask,
+                    image_px,
+                    max,
+                    quality,
+                    spacing_px,
+                    k: k?,
+                },
+            ))
         }
         "shi_tomasi" => {
             let bound = bind(name, arguments, &corners, context)?;
-            let Corners { mask, image_px, max, quality, spacing_px, moment } = Corners::read(&bound, earlier, context)?;
-            Some((moment, Extractor::ShiTomasi { mask, image_px, max, quality, spacing_px }))
+            let Corners {
+                mask,
+                image_px,
+                max,
+                quality,
+                spacing_px,
+                moment,
+            } = Corners::read(&bound, earlier, context)?;
+            Some((
+                moment,
+                Extractor::ShiTomasi {
+                    mask,
+                    image_px,
+                    max,
+                    quality,
+                    spacing_px,
+                },
+            ))
         }
         "centroid" => {
             let bound = bind(name, arguments, &[bare("mask"), optional("at")], context)?;
@@ -66,7 +149,11 @@ fn extractor(keypoint: &Keypoint, earlier: &[&str], camera: Option<&Camera>, con
             Some((moment?, Extractor::Centroid { mask: mask? }))
         }
         _ => {
-            context.unknown("extractor", name, ["mask", "harris", "shi_tomasi", "centroid"]);
+            context.unknown(
+                "extractor",
+                name,
+                ["mask", "harris", "shi_tomasi", "centroid"],
+            );
             None
         }
     }
@@ -74,7 +161,12 @@ fn extractor(keypoint: &Keypoint, earlier: &[&str], camera: Option<&Camera>, con
 
 fn depth_limit(expr: &Expr, camera: Option<&Camera>, context: &mut Context<'_>) -> Option<f64> {
     let limit = match &expr.kind {
-        ExprKind::Compare { left, sign, right } if sign.text == "<" && matches!(&left.kind, ExprKind::Name(name) if name == "depth") => right,
+        ExprKind::Compare { left, sign, right }
+            if sign.text == "<"
+                && matches!(&left.kind, ExprKind::Name(name) if name == "depth") =>
+        {
+            right
+        }
         _ => {
             context.push(
                 Diagnostic::new(Code::WrongForm, expr.span, "expected a limit of the depth")
@@ -87,8 +179,14 @@ fn depth_limit(expr: &Expr, camera: Option<&Camera>, context: &mut Context<'_>) 
     if let Some(camera) = camera
         && below_m >= camera.height_m
     {
-        let message = format!("the mask reaches the table, which is {}mm from the camera", camera.height_m * 1000.0);
-        context.push(Diagnostic::new(Code::MaskSeesTable, limit.span, message).help("a flat cloth lies about 5 mm above the table"));
+        let message = format!(
+            "the mask reaches the table, which is {}mm from the camera",
+            camera.height_m * 1000.0
+        );
+        context.push(
+            Diagnostic::new(Code::MaskSeesTable, limit.span, message)
+                .help("a flat cloth lies about 5 mm above the table"),
+        );
     }
     Some(below_m)
 }
@@ -111,21 +209,38 @@ impl Corners {
         let quality = read(bound.get("quality")?, &QUALITY, context);
         let spacing_px = read(bound.get("spacing")?, &SPACING, context);
         let moment = moment(bound.get("at"), context);
-        Some(Corners { mask: mask?, image_px: image_px?, max: max?, quality: quality?, spacing_px: spacing_px?, moment: moment? })
+        Some(Corners {
+            mask: mask?,
+            image_px: image_px?,
+            max: max?,
+            quality: quality?,
+            spacing_px: spacing_px?,
+            moment: moment?,
+        })
     }
 }
 
 fn mask(expr: &Expr, earlier: &[&str], context: &mut Context<'_>) -> Option<String> {
     let ExprKind::Name(name) = &expr.kind else {
-        context.push(Diagnostic::new(Code::WrongForm, expr.span, "expected the name of a mask"));
+        context.push(Diagnostic::new(
+            Code::WrongForm,
+            expr.span,
+            "expected the name of a mask",
+        ));
         return None;
     };
-    let name = Ident { text: name.clone(), span: expr.span };
+    let name = Ident {
+        text: name.clone(),
+        span: expr.span,
+    };
     match context.names.get(&name.text) {
         Some(Meaning::Keypoint(shape)) => {
             if !earlier.contains(&name.text.as_str()) {
                 let message = format!("`{}` is declared only below", name.text);
-                context.push(Diagnostic::new(Code::NotYetKnown, name.span, message).help("an extractor uses keypoints above it"));
+                context.push(
+                    Diagnostic::new(Code::NotYetKnown, name.span, message)
+                        .help("an extractor uses keypoints above it"),
+                );
                 return None;
             }
             // A keypoint whose own declaration is wrong is reported there.
@@ -151,11 +266,18 @@ pub(super) fn wrong_kind(name: &Ident, shape: KeypointShape, wanted: &str) -> Di
         KeypointShape::Points => "a list of points",
         KeypointShape::Point => "a point",
     };
-    Diagnostic::new(Code::WrongKindOfName, name.span, format!("expected {wanted}, found `{}`", name.text)).label(format!("this is {is}"))
+    Diagnostic::new(
+        Code::WrongKindOfName,
+        name.span,
+        format!("expected {wanted}, found `{}`", name.text),
+    )
+    .label(format!("this is {is}"))
 }
 
 fn moment(at: Option<&Expr>, context: &mut Context<'_>) -> Option<Moment> {
-    let Some(expr) = at else { return Some(Moment::Now) };
+    let Some(expr) = at else {
+        return Some(Moment::Now);
+    };
     match &expr.kind {
         ExprKind::Name(name) if name == "now" => Some(Moment::Now),
         ExprKind::Name(name) if name == "start" => Some(Moment::Start),

@@ -12,8 +12,11 @@ mod conditions;
 mod folds;
 mod goal;
 mod keypoints;
+mod model;
 mod names;
+mod pictures;
 mod quantity;
+mod reads;
 mod stages;
 mod subgoals;
 mod templates;
@@ -40,7 +43,11 @@ impl Context<'_> {
     pub fn written(&self, span: Span) -> String {
         const MOST: usize = 40;
         let text = self.loaded.sources.text(span);
-        if text.chars().count() <= MOST { text.to_owned() } else { text.chars().take(MOST).chain(['…']).collect() }
+        if text.chars().count() <= MOST {
+            text.to_owned()
+        } else {
+            text.chars().take(MOST).chain(['…']).collect()
+        }
     }
 
     pub fn push(&mut self, diagnostic: Diagnostic) {
@@ -48,14 +55,25 @@ impl Context<'_> {
     }
 
     /// Reports a name that nothing of `kind` has, unless it may be declared where something did not fit.
-    pub fn unknown<'c>(&mut self, kind: &str, name: &Ident, candidates: impl IntoIterator<Item = &'c str>) {
+    pub fn unknown<'c>(
+        &mut self,
+        kind: &str,
+        name: &Ident,
+        candidates: impl IntoIterator<Item = &'c str>,
+    ) {
         if self.names.may_be_declared(&name.text) {
             return;
         }
         let candidates: Vec<&str> = candidates.into_iter().collect();
-        let diagnostic = Diagnostic::new(Code::UnknownName, name.span, format!("there is no {kind} `{}`", name.text));
+        let diagnostic = Diagnostic::new(
+            Code::UnknownName,
+            name.span,
+            format!("there is no {kind} `{}`", name.text),
+        );
         self.push(match nearest(&name.text, candidates.iter().copied()) {
-            Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")).edit(name.span, meant),
+            Some(meant) => diagnostic
+                .help(format!("did you mean `{meant}`?"))
+                .edit(name.span, meant),
             None if candidates.is_empty() => diagnostic,
             None => diagnostic.help(format!("there is {}", among(candidates))),
         });
@@ -64,9 +82,29 @@ impl Context<'_> {
 
 /// Checks every task of every file; returns the programs of the entry's.
 pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Vec<Program> {
-    merge::unique(loaded.files.iter().flat_map(|file| &file.tasks).map(|task| &task.name), "task", report);
-    merge::unique(loaded.files.iter().flat_map(|file| &file.experts).map(|experts| &experts.name), "list of experts", report);
-    let mut context = Context { loaded, report, names: Names::none(loaded) };
+    merge::unique(
+        loaded
+            .files
+            .iter()
+            .flat_map(|file| &file.tasks)
+            .map(|task| &task.name),
+        "task",
+        report,
+    );
+    merge::unique(
+        loaded
+            .files
+            .iter()
+            .flat_map(|file| &file.experts)
+            .map(|experts| &experts.name),
+        "list of experts",
+        report,
+    );
+    let mut context = Context {
+        loaded,
+        report,
+        names: Names::none(loaded),
+    };
     for experts in loaded.files.iter().flat_map(|file| &file.experts) {
         folds::experts(experts, &mut context);
     }
@@ -77,7 +115,10 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Vec<Program> {
             // Each task has its own report: what it inherits must count against it, though it is shown once.
             let mut own = Report::default();
             let program = self::task(task, loaded, &mut own);
-            let is_right = own.errors() == 0 && loaded.visible_from(file.id).all(|seen| !faulty_files.contains(&seen.id));
+            let is_right = own.errors() == 0
+                && loaded
+                    .visible_from(file.id)
+                    .all(|seen| !faulty_files.contains(&seen.id));
             report.absorb(own);
             programs.extend(program.filter(|_| is_right && file.id == loaded.entry().id));
         }
@@ -89,18 +130,34 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Vec<Program> {
 fn task(task: &Task, loaded: &Loaded, report: &mut Report) -> Option<Program> {
     let merged = merge::merge(task, loaded, report);
     let names = Names::of(&merged, loaded);
-    let mut context = Context { loaded, report, names };
-    let cloth = merged.cloth.and_then(|statement| cloth::check(statement, &mut context));
-    let camera = merged.camera.and_then(|statement| camera::check(statement, &mut context));
-    if let (Some(cloth), Some(laid), Some(camera), Some(seen)) = (&cloth, merged.cloth, &camera, merged.camera) {
+    let mut context = Context {
+        loaded,
+        report,
+        names,
+    };
+    let cloth = merged
+        .cloth
+        .and_then(|statement| cloth::check(statement, &mut context));
+    let camera = merged
+        .camera
+        .and_then(|statement| camera::check(statement, &mut context));
+    if let (Some(cloth), Some(laid), Some(camera), Some(seen)) =
+        (&cloth, merged.cloth, &camera, merged.camera)
+    {
         camera::compare(cloth, laid, camera, seen, &mut context);
     }
     let keypoints = keypoints::check(&merged, camera.as_ref(), &mut context);
-    let actions = merged.actions.map_or(Vec::new(), |part| actions::check(part, &mut context));
-    let subgoals = merged.subgoals.and_then(|part| subgoals::check(part, &mut context));
+    let actions = merged
+        .actions
+        .map_or(Vec::new(), |part| actions::check(part, &mut context));
+    let subgoals = merged
+        .subgoals
+        .and_then(|part| subgoals::check(part, &mut context));
     let experts = folds::expert_sequences(&merged, subgoals.as_ref(), &mut context);
     let horizon = goal::horizon(&merged, subgoals.as_ref(), &mut context);
-    let goal = merged.goal.and_then(|statement| goal::check(statement, &merged, &experts, &mut context));
+    let goal = merged
+        .goal
+        .and_then(|statement| goal::check(statement, &merged, &experts, &mut context));
     let mut prompts = stages::check(&merged, &actions, &mut context);
     let verify = verification::check(&merged, &actions, &mut prompts.templates, &mut context);
     if !is_complete(&merged, loaded, report) {
@@ -130,7 +187,12 @@ fn stamps(loaded: &Loaded) -> Vec<SourceStamp> {
         name: name.clone(),
         sha256: hex(&Sha256::digest(source.text.as_bytes())),
     };
-    loaded.sources.iter().zip(&loaded.portable_names).map(stamp).collect()
+    loaded
+        .sources
+        .iter()
+        .zip(&loaded.portable_names)
+        .map(stamp)
+        .collect()
 }
 
 /// Returns whether the task has all that a rollout needs, and says what it lacks.
@@ -139,7 +201,11 @@ fn stamps(loaded: &Loaded) -> Vec<SourceStamp> {
 /// without them may serve as a base.
 fn is_complete(merged: &Merged<'_>, loaded: &Loaded, report: &mut Report) -> bool {
     let lacks = |parts: &[(&'static str, bool)]| -> Vec<&'static str> {
-        parts.iter().filter(|(_, is_there)| !is_there).map(|(name, _)| *name).collect()
+        parts
+            .iter()
+            .filter(|(_, is_there)| !is_there)
+            .map(|(name, _)| *name)
+            .collect()
     };
     let own = lacks(&[
         ("cloth", merged.cloth.is_some()),
@@ -159,17 +225,30 @@ fn is_complete(merged: &Merged<'_>, loaded: &Loaded, report: &mut Report) -> boo
     if own.is_empty() {
         for section in shared {
             let message = format!("`{}` has no `{section}`", name.text);
-            report.push(Diagnostic::new(Code::MissingSection, name.span, message).help("write the section, or extend a task that has it"));
+            report.push(
+                Diagnostic::new(Code::MissingSection, name.span, message)
+                    .help("write the section, or extend a task that has it"),
+            );
         }
         return false;
     }
     let all = loaded.files.iter().flat_map(|file| &file.tasks);
     let mut bases = all.filter_map(|task| task.extends.as_ref());
-    let is_base = bases.any(|base| merge::find_task(loaded, base.span.file, &base.text).is_some_and(|task| task.name.span == name.span));
+    let is_base = bases.any(|base| {
+        merge::find_task(loaded, base.span.file, &base.text)
+            .is_some_and(|task| task.name.span == name.span)
+    });
     if !is_base && name.span.file == loaded.entry().id {
         let lacking: Vec<&str> = own.into_iter().chain(shared).collect();
-        let message = format!("`{}` cannot run by itself: it has no {}", name.text, among(lacking));
-        report.push(Diagnostic::new(Code::BaseOnly, name.span, message).help("that is right for a task that others extend"));
+        let message = format!(
+            "`{}` cannot run by itself: it has no {}",
+            name.text,
+            among(lacking)
+        );
+        report.push(
+            Diagnostic::new(Code::BaseOnly, name.span, message)
+                .help("that is right for a task that others extend"),
+        );
     }
     false
 }

@@ -35,7 +35,9 @@ impl<'a> Names<'a> {
         let mut known = BTreeMap::new();
         for (stage, part) in merged.stages.iter().enumerate() {
             for read in part.read.iter().filter(|read| read.name.text != "action") {
-                known.entry(read.name.text.as_str()).or_insert(Meaning::Text { stage });
+                known
+                    .entry(read.name.text.as_str())
+                    .or_insert(Meaning::Text { stage });
             }
         }
         // A field that is missing or misspelt is reported where the action is declared.
@@ -46,14 +48,27 @@ impl<'a> Names<'a> {
             known.insert(&field.name.text, Meaning::Field);
         }
         for keypoint in &merged.keypoints {
-            known.insert(&keypoint.name.text, Meaning::Keypoint(shape(&keypoint.value.kind)));
+            known.insert(
+                &keypoint.name.text,
+                Meaning::Keypoint(shape(&keypoint.value.kind)),
+            );
         }
-        Names { known, loaded, seen_from: merged.task.name.span.file, is_broken: merged.is_broken }
+        Names {
+            known,
+            loaded,
+            seen_from: merged.task.name.span.file,
+            is_broken: merged.is_broken,
+        }
     }
 
     /// Returns the names outside of tasks: none.
     pub fn none(loaded: &'a Loaded) -> Names<'a> {
-        Names { known: BTreeMap::new(), loaded, seen_from: loaded.entry().id, is_broken: false }
+        Names {
+            known: BTreeMap::new(),
+            loaded,
+            seen_from: loaded.entry().id,
+            is_broken: false,
+        }
     }
 
     pub fn get(&self, name: &str) -> Option<Meaning> {
@@ -62,17 +77,31 @@ impl<'a> Names<'a> {
 
     /// Returns the names whose meaning is wanted, in alphabetical order.
     pub fn that(&self, wanted: impl Fn(Meaning) -> bool) -> Vec<&'a str> {
-        self.known.iter().filter(|(_, meaning)| wanted(**meaning)).map(|(name, _)| *name).collect()
+        self.known
+            .iter()
+            .filter(|(_, meaning)| wanted(**meaning))
+            .map(|(name, _)| *name)
+            .collect()
     }
 
     /// Returns whether a name may be declared in a missing task or in something that does not fit.
     pub fn may_be_declared(&self, name: &str) -> bool {
-        self.is_broken || self.loaded.visible_from(self.seen_from).any(|file| file.junk_words.contains(name))
+        self.is_broken
+            || self
+                .loaded
+                .visible_from(self.seen_from)
+                .any(|file| file.junk_words.contains(name))
     }
 }
 
 fn shape(value: &ExprKind) -> Option<KeypointShape> {
-    let ExprKind::Call { name: Ident { text, .. }, .. } = value else { return None };
+    let ExprKind::Call {
+        name: Ident { text, .. },
+        ..
+    } = value
+    else {
+        return None;
+    };
     match text.as_str() {
         "mask" => Some(KeypointShape::Mask),
         "harris" | "shi_tomasi" => Some(KeypointShape::Points),

@@ -99,8 +99,12 @@ pub(crate) fn read(expr: &Expr, wanted: &Wanted, context: &mut Context<'_>) -> O
     }
     let written = written(expr, context);
     context.push(
-        Diagnostic::new(Code::OutOfRange, expr.span, format!("`{written}` is out of range"))
-            .help(format!("accepted is {}", wanted.range_words)),
+        Diagnostic::new(
+            Code::OutOfRange,
+            expr.span,
+            format!("`{written}` is out of range"),
+        )
+        .help(format!("accepted is {}", wanted.range_words)),
     );
     None
 }
@@ -111,7 +115,10 @@ pub(crate) fn read_whole(expr: &Expr, wanted: &Wanted, context: &mut Context<'_>
     if value.fract() != 0.0 {
         let written = written(expr, context);
         let message = format!("`{written}` is not a whole number");
-        context.push(Diagnostic::new(Code::NotWhole, expr.span, message).help(format!("accepted is {}", wanted.range_words)));
+        context.push(
+            Diagnostic::new(Code::NotWhole, expr.span, message)
+                .help(format!("accepted is {}", wanted.range_words)),
+        );
         return None;
     }
     // Every range of counts ends far below 2^32, so nothing is cut off.
@@ -124,7 +131,11 @@ fn written(expr: &Expr, context: &Context<'_>) -> String {
 
 fn measured(expr: &Expr, wanted: Measure, context: &mut Context<'_>) -> Option<f64> {
     let ExprKind::Quantity { value, unit, .. } = &expr.kind else {
-        let message = format!("expected {}, found `{}`", wanted.words(), written(expr, context));
+        let message = format!(
+            "expected {}, found `{}`",
+            wanted.words(),
+            written(expr, context)
+        );
         context.push(Diagnostic::new(Code::WrongForm, expr.span, message));
         return None;
     };
@@ -137,16 +148,26 @@ fn measured(expr: &Expr, wanted: Measure, context: &mut Context<'_>) -> Option<f
     }
     let written = written(expr, context);
     context.push(match (wanted, measure) {
-        (_, Measure::Number) => Diagnostic::new(Code::MissingUnit, expr.span, format!("`{written}` has no unit"))
-            .label(format!("expected {}", wanted.noun()))
-            .help(format!("write `{written}{}`", wanted.unit())),
-        (Measure::Number, _) => {
-            Diagnostic::new(Code::WrongQuantity, expr.span, format!("expected a number without a unit, found `{written}`"))
-                .label(format!("this is {}", measure.noun()))
-        }
-        _ => Diagnostic::new(Code::WrongQuantity, expr.span, format!("expected {}, found {}", wanted.noun(), measure.noun()))
-            .label(format!("`{written}` is {}", measure.noun()))
-            .help(format!("write {}", wanted.words())),
+        (_, Measure::Number) => Diagnostic::new(
+            Code::MissingUnit,
+            expr.span,
+            format!("`{written}` has no unit"),
+        )
+        .label(format!("expected {}", wanted.noun()))
+        .help(format!("write `{written}{}`", wanted.unit())),
+        (Measure::Number, _) => Diagnostic::new(
+            Code::WrongQuantity,
+            expr.span,
+            format!("expected a number without a unit, found `{written}`"),
+        )
+        .label(format!("this is {}", measure.noun())),
+        _ => Diagnostic::new(
+            Code::WrongQuantity,
+            expr.span,
+            format!("expected {}, found {}", wanted.noun(), measure.noun()),
+        )
+        .label(format!("`{written}` is {}", measure.noun()))
+        .help(format!("write {}", wanted.words())),
     });
     None
 }
@@ -155,11 +176,20 @@ fn unit(unit: &Ident, context: &mut Context<'_>) -> Option<(Measure, f64)> {
     if let Some((_, measure, size)) = UNITS.iter().find(|(name, ..)| *name == unit.text) {
         return Some((*measure, *size));
     }
-    let foreign = FOREIGN_UNITS.iter().find(|(name, _)| *name == unit.text).map(|(_, right)| *right);
+    let foreign = FOREIGN_UNITS
+        .iter()
+        .find(|(name, _)| *name == unit.text)
+        .map(|(_, right)| *right);
     let meant = foreign.or_else(|| nearest(&unit.text, UNITS.iter().map(|(name, ..)| *name)));
-    let diagnostic = Diagnostic::new(Code::UnknownUnit, unit.span, format!("there is no unit `{}`", unit.text));
+    let diagnostic = Diagnostic::new(
+        Code::UnknownUnit,
+        unit.span,
+        format!("there is no unit `{}`", unit.text),
+    );
     context.push(match meant {
-        Some(meant) => diagnostic.help(format!("did you mean `{meant}`?")).edit(unit.span, meant),
+        Some(meant) => diagnostic
+            .help(format!("did you mean `{meant}`?"))
+            .edit(unit.span, meant),
         None => diagnostic.help("units are `mm`, `cm`, `m`, `px`, `deg`, `rad` and `edge`"),
     });
     None

@@ -3,7 +3,9 @@
 use super::Context;
 use super::quantity::{Measure, Wanted, read, read_whole};
 use super::templates::{self, Place};
-use crate::ast::{Component, Expr, ExprKind, Ident, Pictures, Saying, Sayings, Settings, Stage, Text};
+use crate::ast::{
+    Component, Expr, ExprKind, Ident, Pictures, Saying, Sayings, Settings, Stage, Text,
+};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::{Merged, once};
 use crate::program::{self, ActionField, Arrow, ModelRole, Picture, Read, Template, Which};
@@ -14,12 +16,6 @@ const MAX_STAGE_BYTES: usize = 64 << 10;
 /// The most stages: each is a model call per step.
 const MAX_STAGES: usize = 16;
 
-/// The most pictures in one question.
-const MAX_PICTURES: usize = 16;
-
-const TEMPERATURE: Wanted = Wanted { measure: Measure::Number, range: 0.0..=2.0, range_words: "a number from `0` to `2`" };
-const TOKENS: Wanted = Wanted { measure: Measure::Number, range: 1.0..=100_000.0, range_words: "a count from `1` to `100000`" };
-
 /// The stages, and every text that they say.
 pub(crate) struct Prompts {
     pub stages: Vec<program::Stage>,
@@ -27,41 +23,93 @@ pub(crate) struct Prompts {
 }
 
 /// Builds the stages; what is wrong is left out.
-pub(crate) fn check(merged: &Merged<'_>, actions: &[ActionField], context: &mut Context<'_>) -> Prompts {
-    let mut builder = Builder { merged, actions, templates: Vec::new(), said: Vec::new() };
+pub(crate) fn check(
+    merged: &Merged<'_>,
+    actions: &[ActionField],
+    context: &mut Context<'_>,
+) -> Prompts {
+    let mut builder = Builder {
+        merged,
+        actions,
+        templates: Vec::new(),
+        said: Vec::new(),
+    };
     if let Some(beyond) = merged.stages.get(MAX_STAGES) {
-        let message = format!("there are {} stages, at most {MAX_STAGES} are accepted", merged.stages.len());
+        let message = format!(
+            "there are {} stages, at most {MAX_STAGES} are accepted",
+            merged.stages.len()
+        );
         context.push(Diagnostic::new(Code::OutOfRange, beyond.name.span, message));
-        return Prompts { stages: Vec::new(), templates: Vec::new() };
+        return Prompts {
+            stages: Vec::new(),
+            templates: Vec::new(),
+        };
     }
-    let stages = merged.stages.iter().enumerate().filter_map(|(number, stage)| builder.stage(number, stage, context)).collect();
+    let stages = merged
+        .stages
+        .iter()
+        .enumerate()
+        .filter_map(|(number, stage)| builder.stage(number, stage, context))
+        .collect();
     who_reads_the_action(merged, context);
     read_names(merged, context);
     builder.unsaid(context);
-    Prompts { stages, templates: builder.in_order() }
+    Prompts {
+        stages,
+        templates: builder.in_order(),
+    }
 }
 
 /// Reports where the action is not read by the last stage alone.
 fn who_reads_the_action(merged: &Merged<'_>, context: &mut Context<'_>) {
-    let Some((last, earlier)) = merged.stages.split_last() else { return };
-    let action = |stage: &Stage| stage.read.iter().find(|read| read.name.text == "action").map(|read| read.span);
+    let Some((last, earlier)) = merged.stages.split_last() else {
+        return;
+    };
+    let action = |stage: &Stage| {
+        stage
+            .read
+            .iter()
+            .find(|read| read.name.text == "action")
+            .map(|read| read.span)
+    };
     for stage in earlier {
         if let Some(span) = action(stage) {
-            let message = format!("`{}` reads the action, but it is not the last stage", stage.name.text);
-            context.push(Diagnostic::new(Code::ActionReadElsewhere, span, message).also(last.name.span, "this is the last stage"));
+            let message = format!(
+                "`{}` reads the action, but it is not the last stage",
+                stage.name.text
+            );
+            context.push(
+                Diagnostic::new(Code::ActionReadElsewhere, span, message)
+                    .also(last.name.span, "this is the last stage"),
+            );
         }
     }
     if action(last).is_none() && !last.read.is_empty() {
-        let message = format!("the last stage, `{}`, does not read the action", last.name.text);
-        context.push(Diagnostic::new(Code::ActionReadElsewhere, last.read[0].span, message).help("write `read action`"));
+        let message = format!(
+            "the last stage, `{}`, does not read the action",
+            last.name.text
+        );
+        context.push(
+            Diagnostic::new(Code::ActionReadElsewhere, last.read[0].span, message)
+                .help("write `read action`"),
+        );
     }
 }
 
 /// Reports texts that are read under a name that something else has.
 fn read_names(merged: &Merged<'_>, context: &mut Context<'_>) {
     let keypoints = merged.keypoints.iter().map(|keypoint| &keypoint.name);
-    let fields = merged.actions.iter().flat_map(|part| &part.fields).map(|field| &field.name);
-    let reads = merged.stages.iter().flat_map(|stage| &stage.read).map(|read| &read.name).filter(|name| name.text != "action");
+    let fields = merged
+        .actions
+        .iter()
+        .flat_map(|part| &part.fields)
+        .map(|field| &field.name);
+    let reads = merged
+        .stages
+        .iter()
+        .flat_map(|stage| &stage.read)
+        .map(|read| &read.name)
+        .filter(|name| name.text != "action");
     crate::merge::unique(keypoints.chain(fields).chain(reads), "name", context.report);
 }
 
@@ -74,33 +122,59 @@ struct Builder<'m, 'a> {
 }
 
 impl<'m, 'a> Builder<'m, 'a> {
-    fn stage(&mut self, number: usize, stage: &'m Stage, context: &mut Context<'_>) -> Option<program::Stage> {
+    fn stage(
+        &mut self,
+        number: usize,
+        stage: &'m Stage,
+        context: &mut Context<'_>,
+    ) -> Option<program::Stage> {
         let model = once(&stage.model, "`model`", |part| part.span, context.report);
         let show = once(&stage.show, "`show`", |part| part.span, context.report);
         let say = once(&stage.say, "`say`", |part| part.span, context.report);
         let system = once(&stage.system, "`system`", |part| part.span, context.report);
         let read = once(&stage.read, "`read`", |part| part.span, context.report);
-        for (part, is_there) in [("model", model.is_some()), ("say", say.is_some()), ("read", read.is_some())] {
+        for (part, is_there) in [
+            ("model", model.is_some()),
+            ("say", say.is_some()),
+            ("read", read.is_some()),
+        ] {
             if !is_there && !stage.has_faults {
                 let message = format!("the stage `{}` has no `{part}`", stage.name.text);
-                context.push(Diagnostic::new(Code::StageIncomplete, stage.name.span, message).help(part_help(part)));
+                context.push(
+                    Diagnostic::new(Code::StageIncomplete, stage.name.span, message)
+                        .help(part_help(part)),
+                );
             }
         }
-        let settings = model.and_then(|part| self::settings(part, context));
-        let pictures = show.map_or(Vec::new(), |part| self::pictures(part, context));
-        if let (Some(part), Some(Checked { role: ModelRole::Text, .. })) = (show, &settings) {
+        let settings = model.and_then(|part| model::check(part, context));
+        let pictures = show.map_or(Vec::new(), |part| pictures::check(part, context));
+        if let (
+            Some(part),
+            Some(Checked {
+                role: ModelRole::Text,
+                ..
+            }),
+        ) = (show, &settings)
+        {
             let message = format!("the text model of `{}` is shown pictures", stage.name.text);
-            let diagnostic = Diagnostic::new(Code::PicturesForTextModel, part.span, message).help("write `model vision`, or remove `show`");
+            let diagnostic = Diagnostic::new(Code::PicturesForTextModel, part.span, message)
+                .help("write `model vision`, or remove `show`");
             context.push(match model {
                 Some(model) => diagnostic.also(model.span, "asks a text model"),
                 None => diagnostic,
             });
         }
-        let system = system.map_or(Vec::new(), |part| self.sayings(number, stage, "system", part, context));
+        let system = system.map_or(Vec::new(), |part| {
+            self.sayings(number, stage, "system", part, context)
+        });
         let asked = say.map(|part| self.sayings(number, stage, "say", part, context));
         self.limit(stage, system.iter().chain(asked.iter().flatten()), context);
-        let read = read.and_then(|read| self::read_part(read, context));
-        let Checked { role, temperature, max_tokens } = settings?;
+        let read = read.and_then(|read| reads::check(read, context));
+        let Checked {
+            role,
+            temperature,
+            max_tokens,
+        } = settings?;
         Some(program::Stage {
             name: stage.name.text.clone(),
             model: role,
@@ -114,7 +188,14 @@ impl<'m, 'a> Builder<'m, 'a> {
     }
 
     /// Returns the templates' names; builds each template that is not built yet.
-    fn sayings(&mut self, number: usize, stage: &'m Stage, part: &str, sayings: &'m Sayings, context: &mut Context<'_>) -> Vec<String> {
+    fn sayings(
+        &mut self,
+        number: usize,
+        stage: &'m Stage,
+        part: &str,
+        sayings: &'m Sayings,
+        context: &mut Context<'_>,
+    ) -> Vec<String> {
         let mut names = Vec::new();
         let mut n_texts = 0;
         for saying in &sayings.list {
@@ -122,7 +203,11 @@ impl<'m, 'a> Builder<'m, 'a> {
                 Saying::Component(name) => names.extend(self.component(number, name, context)),
                 Saying::Text(text) => {
                     n_texts += 1;
-                    let suffix = if n_texts == 1 { String::new() } else { format!(".{n_texts}") };
+                    let suffix = if n_texts == 1 {
+                        String::new()
+                    } else {
+                        format!(".{n_texts}")
+                    };
                     let name = format!("{}.{part}{suffix}", stage.name.text);
                     self.build(&name, text, number, context);
                     names.push(name);
@@ -131,7 +216,10 @@ impl<'m, 'a> Builder<'m, 'a> {
         }
         if names.is_empty() && part == "say" && self.all_are_removed(sayings) {
             let message = format!("nothing is left for `{}` to say", stage.name.text);
-            context.push(Diagnostic::new(Code::StageIncomplete, self.merged.task.name.span, message).also(sayings.span, "all of this is left out"));
+            context.push(
+                Diagnostic::new(Code::StageIncomplete, self.merged.task.name.span, message)
+                    .also(sayings.span, "all of this is left out"),
+            );
         }
         names
     }
@@ -140,11 +228,27 @@ impl<'m, 'a> Builder<'m, 'a> {
         sayings.list.iter().all(|saying| matches!(saying, Saying::Component(name) if self.merged.removed.contains(name.text.as_str())))
     }
 
-    fn component(&mut self, number: usize, name: &'m Ident, context: &mut Context<'_>) -> Option<String> {
+    fn component(
+        &mut self,
+        number: usize,
+        name: &'m Ident,
+        context: &mut Context<'_>,
+    ) -> Option<String> {
         let merged = self.merged;
-        let Some(component) = merged.components.iter().find(|component| component.name.text == name.text) else {
+        let Some(component) = merged
+            .components
+            .iter()
+            .find(|component| component.name.text == name.text)
+        else {
             if !merged.removed.contains(name.text.as_str()) {
-                context.unknown("component", name, merged.components.iter().map(|component| component.name.text.as_str()));
+                context.unknown(
+                    "component",
+                    name,
+                    merged
+                        .components
+                        .iter()
+                        .map(|component| component.name.text.as_str()),
+                );
             }
             return None;
         };
@@ -160,11 +264,24 @@ impl<'m, 'a> Builder<'m, 'a> {
         }
     }
 
-    fn limit<'n>(&self, stage: &Stage, names: impl Iterator<Item = &'n String>, context: &mut Context<'_>) {
-        let length = |name: &String| self.templates.iter().find(|template| template.name == *name).map_or(0, |template| template.text.len());
+    fn limit<'n>(
+        &self,
+        stage: &Stage,
+        names: impl Iterator<Item = &'n String>,
+        context: &mut Context<'_>,
+    ) {
+        let length = |name: &String| {
+            self.templates
+                .iter()
+                .find(|template| template.name == *name)
+                .map_or(0, |template| template.text.len())
+        };
         let bytes: usize = names.map(length).sum();
         if bytes > MAX_STAGE_BYTES {
-            let message = format!("the texts of `{}` have {bytes} bytes, at most {MAX_STAGE_BYTES} are accepted", stage.name.text);
+            let message = format!(
+                "the texts of `{}` have {bytes} bytes, at most {MAX_STAGE_BYTES} are accepted",
+                stage.name.text
+            );
             context.push(Diagnostic::new(Code::TextTooLong, stage.name.span, message));
         }
     }
@@ -177,10 +294,18 @@ impl<'m, 'a> Builder<'m, 'a> {
                 continue;
             }
             templates::template(&name.text, text, Place::Nowhere, self.actions, context);
-            let is_own = self.merged.task.components.iter().any(|own| own.name.span == name.span);
+            let is_own = self
+                .merged
+                .task
+                .components
+                .iter()
+                .any(|own| own.name.span == name.span);
             if is_own && !self.merged.stages.is_empty() && !self.merged.is_broken {
                 let message = format!("the component `{}` is said nowhere", name.text);
-                context.push(Diagnostic::new(Code::SaidNowhere, name.span, message).help("name it in a stage's `say` or `system`, or remove it"));
+                context.push(
+                    Diagnostic::new(Code::SaidNowhere, name.span, message)
+                        .help("name it in a stage's `say` or `system`, or remove it"),
+                );
             }
         }
     }
@@ -188,7 +313,11 @@ impl<'m, 'a> Builder<'m, 'a> {
     /// Returns the components as they are declared, then the texts of the stages.
     fn in_order(self) -> Vec<Template> {
         let order = |template: &Template| {
-            let declared = self.merged.components.iter().position(|component| component.name.text == template.name);
+            let declared = self
+                .merged
+                .components
+                .iter()
+                .position(|component| component.name.text == template.name);
             declared.unwrap_or(self.merged.components.len())
         };
         let mut templates = self.templates;
@@ -203,119 +332,4 @@ fn part_help(part: &str) -> &'static str {
         "say" => "write `say` and components or a text",
         _ => "write `read action`, or `read NAME from \"…{NAME}\"`",
     }
-}
-
-/// What `model …` states.
-struct Checked {
-    role: ModelRole,
-    temperature: Option<f64>,
-    max_tokens: Option<u32>,
-}
-
-fn settings(part: &Settings, context: &mut Context<'_>) -> Option<Checked> {
-    let mut list = part.list.iter();
-    let (kind, value) = list.next()?;
-    let role = match kind.text.as_str() {
-        "vision" => Some(ModelRole::Vision),
-        "text" => Some(ModelRole::Text),
-        _ => {
-            context.unknown("kind of model", kind, ["vision", "text"]);
-            None
-        }
-    };
-    if let Some(value) = value {
-        context.push(Diagnostic::new(Code::WrongForm, value.span, format!("`{}` takes no number", kind.text)));
-    }
-    let mut checked = Checked { role: ModelRole::Text, temperature: None, max_tokens: None };
-    crate::merge::unique(part.list.iter().map(|(name, _)| name), "setting", context.report);
-    for (name, value) in list {
-        let Some(value) = required(name, value.as_ref(), context) else { continue };
-        match name.text.as_str() {
-            "temperature" => checked.temperature = read(value, &TEMPERATURE, context),
-            _ => checked.max_tokens = read_whole(value, &TOKENS, context),
-        }
-    }
-    Some(Checked { role: role?, ..checked })
-}
-
-fn required<'e>(name: &Ident, value: Option<&'e Expr>, context: &mut Context<'_>) -> Option<&'e Expr> {
-    if !matches!(name.text.as_str(), "temperature" | "tokens") {
-        context.unknown("setting", name, ["temperature", "tokens"]);
-        return None;
-    }
-    if value.is_none() {
-        let message = format!("`{}` needs a number", name.text);
-        context.push(Diagnostic::new(Code::WrongForm, name.span, message).help(format!("write `{} 0`", name.text)));
-    }
-    value
-}
-
-fn pictures(part: &Pictures, context: &mut Context<'_>) -> Vec<Picture> {
-    if let Some((beyond, _)) = part.list.get(MAX_PICTURES) {
-        context.push(Diagnostic::new(Code::OutOfRange, beyond.span, format!("at most {MAX_PICTURES} pictures are shown at once")));
-        return Vec::new();
-    }
-    part.list.iter().filter_map(|(expr, with)| picture(expr, with.as_ref(), context)).collect()
-}
-
-fn picture(expr: &Expr, with: Option<&Ident>, context: &mut Context<'_>) -> Option<Picture> {
-    let which = match &expr.kind {
-        ExprKind::Call { name, arguments } if name.text == "subgoal" => match arguments.as_slice() {
-            [argument] if argument.label.is_none() => match &argument.value.kind {
-                ExprKind::Name(which) if which == "now" => Some(Which::Now),
-                ExprKind::Name(which) if which == "next" => Some(Which::Next),
-                _ => None,
-            },
-            _ => None,
-        },
-        _ => None,
-    };
-    if which.is_none() {
-        let found = context.written(expr.span);
-        let message = format!("expected a picture, found `{found}`");
-        context.push(Diagnostic::new(Code::WrongForm, expr.span, message).help("write `subgoal(now)` or `subgoal(next)`"));
-    }
-    let arrow = match with {
-        None => Arrow::Absent,
-        Some(name) if name.text == "arrow" => Arrow::Drawn,
-        Some(name) => {
-            context.unknown("drawing", name, ["arrow"]);
-            return None;
-        }
-    };
-    Some(Picture { subgoal: which?, arrow })
-}
-
-fn read_part(read: &crate::ast::Read, context: &mut Context<'_>) -> Option<Read> {
-    let bad = |span, message: String| Diagnostic::new(Code::BadPattern, span, message);
-    let name = &read.name.text;
-    let help = format!("write `read {name} from \"Instructions: {{{name}}}\"`");
-    let Some(pattern) = &read.pattern else {
-        if name == "action" {
-            return Some(Read::Action);
-        }
-        context.push(bad(read.span, format!("it is not said where `{name}` begins in the answer")).help(help));
-        return None;
-    };
-    if name == "action" {
-        context.push(bad(pattern.span, "`action` is read in its own format".to_owned()).help("write `read action` alone"));
-        return None;
-    }
-    let Some(written) = pattern.plain() else {
-        context.push(bad(pattern.span, "a pattern has no `{{ … }}`".to_owned()).help(help));
-        return None;
-    };
-    let hole = format!("{{{name}}}");
-    let mut parts = written.splitn(2, &hole);
-    let before = parts.next().unwrap_or_default().trim();
-    let Some(after) = parts.next().map(str::trim) else {
-        context.push(bad(pattern.span, format!("the pattern has no `{hole}`")).help(help));
-        return None;
-    };
-    if before.is_empty() || after.contains(&hole) {
-        let message = if before.is_empty() { format!("no words stand before `{hole}`") } else { format!("the pattern has `{hole}` twice") };
-        context.push(bad(pattern.span, message).help(help));
-        return None;
-    }
-    Some(Read::Text { name: name.clone(), before: before.to_owned(), after: after.to_owned() })
 }

@@ -12,17 +12,30 @@ use crate::program::{PixelPoint, SubgoalImage, Subgoals};
 /// The most pictures an author brings.
 const MAX_IMAGES: usize = 101;
 
-const PIXEL: Wanted = Wanted { measure: Measure::Pixels, range: 0.0..=8191.0, range_words: "a pixel from `0px` to `8191px`" };
+const PIXEL: Wanted = Wanted {
+    measure: Measure::Pixels,
+    range: 0.0..=8191.0,
+    range_words: "a pixel from `0px` to `8191px`",
+};
 
 /// Builds the subgoals.
 pub(crate) fn check(part: &ast::Subgoals, context: &mut Context<'_>) -> Option<Subgoals> {
-    let demonstrate = once(&part.demonstrate, "`demonstrate`", |folds| folds.span, context.report);
+    let demonstrate = once(
+        &part.demonstrate,
+        "`demonstrate`",
+        |folds| folds.span,
+        context.report,
+    );
     match (demonstrate, part.images.first()) {
         (Some(folds), Some(image)) => {
             context.push(
-                Diagnostic::new(Code::MixedSubgoals, image.span, "the subgoals are demonstrated and brought as images")
-                    .also(folds.span, "demonstrated here")
-                    .help("keep one of the two"),
+                Diagnostic::new(
+                    Code::MixedSubgoals,
+                    image.span,
+                    "the subgoals are demonstrated and brought as images",
+                )
+                .also(folds.span, "demonstrated here")
+                .help("keep one of the two"),
             );
             None
         }
@@ -34,7 +47,10 @@ pub(crate) fn check(part: &ast::Subgoals, context: &mut Context<'_>) -> Option<S
         (None, Some(_)) => images(part, context),
         (None, None) => {
             if !part.has_faults {
-                context.push(Diagnostic::new(Code::NoFolds, part.span, "there are no subgoals here").help("write `demonstrate { fold … }`, or list images"));
+                context.push(
+                    Diagnostic::new(Code::NoFolds, part.span, "there are no subgoals here")
+                        .help("write `demonstrate { fold … }`, or list images"),
+                );
             }
             None
         }
@@ -44,15 +60,29 @@ pub(crate) fn check(part: &ast::Subgoals, context: &mut Context<'_>) -> Option<S
 fn images(part: &ast::Subgoals, context: &mut Context<'_>) -> Option<Subgoals> {
     if part.images.len() < 2 && !part.has_faults {
         let message = "one image shows no step";
-        context.push(Diagnostic::new(Code::TooFewImages, part.images[0].span, message).help("add the picture after the step"));
+        context.push(
+            Diagnostic::new(Code::TooFewImages, part.images[0].span, message)
+                .help("add the picture after the step"),
+        );
         return None;
     }
     if part.images.len() > MAX_IMAGES {
-        let message = format!("there are {} images, at most {MAX_IMAGES} are accepted", part.images.len());
-        context.push(Diagnostic::new(Code::OutOfRange, part.images[MAX_IMAGES].span, message));
+        let message = format!(
+            "there are {} images, at most {MAX_IMAGES} are accepted",
+            part.images.len()
+        );
+        context.push(Diagnostic::new(
+            Code::OutOfRange,
+            part.images[MAX_IMAGES].span,
+            message,
+        ));
         return None;
     }
-    let checked: Vec<SubgoalImage> = part.images.iter().filter_map(|part| image(part, context)).collect();
+    let checked: Vec<SubgoalImage> = part
+        .images
+        .iter()
+        .filter_map(|part| image(part, context))
+        .collect();
     (checked.len() == part.images.len()).then_some(Subgoals::Images { images: checked })
 }
 
@@ -60,12 +90,23 @@ fn image(part: &Image, context: &mut Context<'_>) -> Option<SubgoalImage> {
     let path = match part.path.plain() {
         Some(path) => path,
         None => {
-            context.push(Diagnostic::new(Code::BadPath, part.path.span, "the path of an image has a placeholder").help("write the path itself"));
+            context.push(
+                Diagnostic::new(
+                    Code::BadPath,
+                    part.path.span,
+                    "the path of an image has a placeholder",
+                )
+                .help("write the path itself"),
+            );
             return None;
         }
     };
     if let Some(fault) = path::fault(&path) {
-        context.push(Diagnostic::new(Code::BadPath, part.path.span, format!("the path `{path}` {fault}")));
+        context.push(Diagnostic::new(
+            Code::BadPath,
+            part.path.span,
+            format!("the path `{path}` {fault}"),
+        ));
         return None;
     }
     let arrow = match &part.arrow {
@@ -73,7 +114,11 @@ fn image(part: &Image, context: &mut Context<'_>) -> Option<SubgoalImage> {
         None => None,
     };
     let declared_in = context.loaded.portable_names[part.span.file.0].clone();
-    Some(SubgoalImage { path, declared_in, arrow })
+    Some(SubgoalImage {
+        path,
+        declared_in,
+        arrow,
+    })
 }
 
 fn pixel([u, v]: &[ast::Expr; 2], context: &mut Context<'_>) -> Option<PixelPoint> {

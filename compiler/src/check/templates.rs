@@ -31,13 +31,26 @@ pub(crate) enum Place {
 }
 
 /// Builds the template of a text; None, with a report, where the text is wrong.
-pub(crate) fn template(name: &str, text: &Text, place: Place, actions: &[ActionField], context: &mut Context<'_>) -> Option<Template> {
+pub(crate) fn template(
+    name: &str,
+    text: &Text,
+    place: Place,
+    actions: &[ActionField],
+    context: &mut Context<'_>,
+) -> Option<Template> {
     if text.is_blank() {
-        context.push(Diagnostic::new(Code::EmptyText, text.span, "the text is empty"));
+        context.push(Diagnostic::new(
+            Code::EmptyText,
+            text.span,
+            "the text is empty",
+        ));
         return None;
     }
     if text.literal_bytes() > MAX_TEXT_BYTES {
-        let message = format!("the text has {} bytes, at most {MAX_TEXT_BYTES} are accepted", text.literal_bytes());
+        let message = format!(
+            "the text has {} bytes, at most {MAX_TEXT_BYTES} are accepted",
+            text.literal_bytes()
+        );
         context.push(Diagnostic::new(Code::TextTooLong, text.span, message));
         return None;
     }
@@ -47,9 +60,18 @@ pub(crate) fn template(name: &str, text: &Text, place: Place, actions: &[ActionF
     for piece in &text.pieces {
         match piece {
             Piece::Literal(literal) => jinja.literal(literal),
-            Piece::Variable { path, .. } if path == FORMAT => jinja.literal(&reply::format_of(actions)),
+            Piece::Variable { path, .. } if path == FORMAT => {
+                jinja.literal(&reply::format_of(actions))
+            }
             Piece::Variable { path, span } => {
-                is_right &= is_known(&Ident { text: path.clone(), span: *span }, place, context);
+                is_right &= is_known(
+                    &Ident {
+                        text: path.clone(),
+                        span: *span,
+                    },
+                    place,
+                    context,
+                );
                 jinja.variable(path);
                 variables.insert(path.clone());
             }
@@ -67,7 +89,9 @@ pub(crate) fn template(name: &str, text: &Text, place: Place, actions: &[ActionF
 }
 
 fn is_known(name: &Ident, place: Place, context: &mut Context<'_>) -> bool {
-    let late = |message: String, help: &str| Diagnostic::new(Code::NotYetKnown, name.span, message).help(help);
+    let late = |message: String, help: &str| {
+        Diagnostic::new(Code::NotYetKnown, name.span, message).help(help)
+    };
     let diagnostic = match (context.names.get(&name.text), place) {
         (None, _) => {
             let mut candidates = context.names.that(|meaning| match (meaning, place) {
@@ -80,9 +104,11 @@ fn is_known(name: &Ident, place: Place, context: &mut Context<'_>) -> bool {
             context.unknown("value", name, candidates);
             return false;
         }
-        (Some(Meaning::Keypoint(Some(KeypointShape::Mask))), _) => {
-            wrong_kind(name, KeypointShape::Mask, "something that can be written as text")
-        }
+        (Some(Meaning::Keypoint(Some(KeypointShape::Mask))), _) => wrong_kind(
+            name,
+            KeypointShape::Mask,
+            "something that can be written as text",
+        ),
         (Some(Meaning::Text { stage }), Place::Stage(here)) if stage >= here => late(
             format!("`{}` is not read before this stage", name.text),
             "stages run in order; a text is known to the stages after the one that reads it",
@@ -127,7 +153,8 @@ impl Jinja {
     /// Writes a waiting brace, escaped where Jinja would join it with what follows.
     fn settle(&mut self, would_join: bool) {
         if std::mem::take(&mut self.has_brace) {
-            self.text.push_str(if would_join { "{{ \"{\" }}" } else { "{" });
+            self.text
+                .push_str(if would_join { "{{ \"{\" }}" } else { "{" });
         }
     }
 

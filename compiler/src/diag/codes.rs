@@ -52,7 +52,10 @@ impl Code {
 
     /// Finds a code by its number, such as `F0203`, in either case.
     pub fn parse(number: &str) -> Option<Code> {
-        CODES.iter().map(|entry| entry.code).find(|code| code.as_str().eq_ignore_ascii_case(number))
+        CODES
+            .iter()
+            .map(|entry| entry.code)
+            .find(|code| code.as_str().eq_ignore_ascii_case(number))
     }
 }
 
@@ -293,9 +296,15 @@ mod tests {
     #[test]
     fn the_table_is_in_the_order_of_its_numbers_and_each_is_found_by_it() {
         let numbers: Vec<&str> = CODES.iter().map(|entry| entry.code.as_str()).collect();
-        assert!(numbers.is_sorted_by(|before, after| before < after), "{numbers:?}");
+        assert!(
+            numbers.is_sorted_by(|before, after| before < after),
+            "{numbers:?}"
+        );
         for entry in CODES {
-            assert_eq!(Code::parse(&entry.code.as_str().to_lowercase()), Some(entry.code));
+            assert_eq!(
+                Code::parse(&entry.code.as_str().to_lowercase()),
+                Some(entry.code)
+            );
             assert_eq!(entry.code.entry().title, entry.title);
         }
         assert_eq!(Code::parse("F9999"), None);

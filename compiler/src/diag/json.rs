@@ -8,17 +8,33 @@ use serde_json::{Map, Value, json};
 ///
 /// `start` and `end` are `{byte, line, column}`: bytes from 0, lines and columns (characters) from 1.
 pub fn to_json(diagnostics: &[Diagnostic], sources: &Sources) -> Value {
-    diagnostics.iter().map(|diagnostic| object(diagnostic, sources)).collect()
+    diagnostics
+        .iter()
+        .map(|diagnostic| object(diagnostic, sources))
+        .collect()
 }
 
 fn object(diagnostic: &Diagnostic, sources: &Sources) -> Value {
     let mut labels = Vec::with_capacity(diagnostic.labels.len() + 1);
     if !diagnostic.label.is_empty() {
-        labels.push(with_place(diagnostic.span, sources, "text", &diagnostic.label));
+        labels.push(with_place(
+            diagnostic.span,
+            sources,
+            "text",
+            &diagnostic.label,
+        ));
     }
-    labels.extend(diagnostic.labels.iter().map(|label| with_place(label.span, sources, "text", &label.text)));
-    let edits: Vec<Value> =
-        diagnostic.edits.iter().map(|edit| with_place(edit.span, sources, "replacement", &edit.replacement)).collect();
+    labels.extend(
+        diagnostic
+            .labels
+            .iter()
+            .map(|label| with_place(label.span, sources, "text", &label.text)),
+    );
+    let edits: Vec<Value> = diagnostic
+        .edits
+        .iter()
+        .map(|edit| with_place(edit.span, sources, "replacement", &edit.replacement))
+        .collect();
     let source = sources.get(diagnostic.span.file);
     json!({
         "code": diagnostic.code.as_str(),

@@ -101,7 +101,10 @@ impl Diagnostic {
 
     /// Adds a second place.
     pub(crate) fn also(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
-        self.labels.push(Label { span, text: text.into() });
+        self.labels.push(Label {
+            span,
+            text: text.into(),
+        });
         self
     }
 
@@ -113,7 +116,10 @@ impl Diagnostic {
 
     /// Adds a change that certainly repairs it.
     pub(crate) fn edit(mut self, span: Span, replacement: impl Into<String>) -> Diagnostic {
-        self.edits.push(Edit { span, replacement: replacement.into() });
+        self.edits.push(Edit {
+            span,
+            replacement: replacement.into(),
+        });
         self
     }
 }
@@ -128,14 +134,20 @@ pub(crate) struct Report {
 impl Report {
     /// Adds a finding, unless the same one is known: a task is checked again in each task that extends it.
     pub(crate) fn push(&mut self, diagnostic: Diagnostic) {
-        if self.known.insert((diagnostic.span, diagnostic.code, diagnostic.message.clone())) {
+        if self
+            .known
+            .insert((diagnostic.span, diagnostic.code, diagnostic.message.clone()))
+        {
             self.found.push(diagnostic);
         }
     }
 
     /// Returns how many errors there are so far.
     pub(crate) fn errors(&self) -> usize {
-        self.found.iter().filter(|diagnostic| diagnostic.severity == Severity::Error).count()
+        self.found
+            .iter()
+            .filter(|diagnostic| diagnostic.severity == Severity::Error)
+            .count()
     }
 
     /// Takes over another report's findings.
@@ -147,13 +159,17 @@ impl Report {
 
     /// Returns the files in which an error's main place lies.
     pub(crate) fn files_with_errors(&self) -> BTreeSet<FileId> {
-        let errors = self.found.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
+        let errors = self
+            .found
+            .iter()
+            .filter(|diagnostic| diagnostic.severity == Severity::Error);
         errors.map(|diagnostic| diagnostic.span.file).collect()
     }
 
     /// Returns the findings by file and place.
     pub(crate) fn into_sorted(mut self) -> Vec<Diagnostic> {
-        self.found.sort_by_key(|diagnostic| (diagnostic.span, diagnostic.code));
+        self.found
+            .sort_by_key(|diagnostic| (diagnostic.span, diagnostic.code));
         self.found
     }
 }

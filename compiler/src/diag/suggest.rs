@@ -3,7 +3,10 @@
 /// Returns the candidate nearest to `word`, within an edit distance of `max(1, len / 3)`.
 ///
 /// The first of equally near ones wins, so the order of the candidates decides.
-pub(crate) fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
+pub(crate) fn nearest<'c>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'c str>,
+) -> Option<&'c str> {
     let limit = (word.chars().count() / 3).max(1);
     let mut best: Option<(usize, &str)> = None;
     for candidate in candidates {
@@ -23,7 +26,11 @@ pub(crate) fn among<'c>(names: impl IntoIterator<Item = &'c str>) -> String {
         [] => String::new(),
         [one] => one.clone(),
         [first @ .., last] if names.len() <= MOST => format!("{} or {last}", first.join(", ")),
-        _ => format!("{} or {} more", names[..MOST].join(", "), names.len() - MOST),
+        _ => format!(
+            "{} or {} more",
+            names[..MOST].join(", "),
+            names.len() - MOST
+        ),
     }
 }
 

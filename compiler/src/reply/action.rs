@@ -13,11 +13,21 @@ use crate::program::{PixelPoint, Program};
 const MAX_BETWEEN: usize = 100;
 
 /// Words that may follow a field's name.
-const NOUNS: [&str; 7] = ["point", "pixel", "position", "location", "coordinates", "coordinate", "coords"];
+const NOUNS: [&str; 7] = [
+    "point",
+    "pixel",
+    "position",
+    "location",
+    "coordinates",
+    "coordinate",
+    "coords",
+];
 
 /// Words that turn a statement into its opposite, or into one about something else.
-const TURNING: [&str; 12] =
-    ["not", "never", "avoid", "previous", "last", "old", "cannot", "don", "isn", "instead", "former", "would"];
+const TURNING: [&str; 12] = [
+    "not", "never", "avoid", "previous", "last", "old", "cannot", "don", "isn", "instead",
+    "former", "would",
+];
 
 /// How clearly a statement is one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,20 +53,34 @@ struct Statement<'t> {
 /// [`super::MAX_REPLY_BYTES`].
 pub fn read_action(program: &Program, reply: &str) -> Result<Reading<Proposal>, Malformed> {
     bounded("action", reply)?;
-    let names: Vec<&str> = program.actions.iter().map(|field| field.name.as_str()).collect();
-    let mut proposal = Proposal { fields: Vec::with_capacity(names.len()) };
+    let names: Vec<&str> = program
+        .actions
+        .iter()
+        .map(|field| field.name.as_str())
+        .collect();
+    let mut proposal = Proposal {
+        fields: Vec::with_capacity(names.len()),
+    };
     let mut repairs = Vec::new();
     for name in &names {
-        let found = field(name, &names, reply)
-            .map_err(|why| Malformed { field: (*name).to_owned(), message: complaint(&why, program) })?;
+        let found = field(name, &names, reply).map_err(|why| Malformed {
+            field: (*name).to_owned(),
+            message: complaint(&why, program),
+        })?;
         repairs.extend(found.repairs);
         proposal.fields.push(((*name).to_owned(), found.value));
     }
-    Ok(Reading { value: proposal, repairs })
+    Ok(Reading {
+        value: proposal,
+        repairs,
+    })
 }
 
 fn complaint(why: &str, program: &Program) -> String {
-    format!("{why} Answer again and state the action in exactly this format, with numbers for x and y:\n{}", format_of(&program.actions))
+    format!(
+        "{why} Answer again and state the action in exactly this format, with numbers for x and y:\n{}",
+        format_of(&program.actions)
+    )
 }
 
 fn field(name: &str, names: &[&str], reply: &str) -> Result<Reading<PixelPoint>, String> {
@@ -71,7 +95,10 @@ fn field(name: &str, names: &[&str], reply: &str) -> Result<Reading<PixelPoint>,
             None => {}
         }
     }
-    if statements.iter().any(|statement| statement.firmness > Firmness::Loose) {
+    if statements
+        .iter()
+        .any(|statement| statement.firmness > Firmness::Loose)
+    {
         statements.retain(|statement| statement.firmness > Firmness::Loose);
     }
     statements.sort_by_key(|statement| std::cmp::Reverse(statement.firmness));
@@ -81,7 +108,10 @@ fn field(name: &str, names: &[&str], reply: &str) -> Result<Reading<PixelPoint>,
             None => format!("Your answer states no {name} point."),
         });
     };
-    if let Some(other) = statements.iter().find(|statement| statement.point != first.point) {
+    if let Some(other) = statements
+        .iter()
+        .find(|statement| statement.point != first.point)
+    {
         return Err(format!(
             "Your answer states two different {name} points, {} and {}. State only the one that you choose.",
             first.point, other.point
@@ -89,12 +119,19 @@ fn field(name: &str, names: &[&str], reply: &str) -> Result<Reading<PixelPoint>,
     }
     let mut repairs = Vec::new();
     if first.text != self::statement(name, &first.point.to_string()) && first.rounding.is_none() {
-        repairs.push(format!("read `{}` as the {name} point {}", quoted(first.text), first.point));
+        repairs.push(format!(
+            "read `{}` as the {name} point {}",
+            quoted(first.text),
+            first.point
+        ));
     }
     if let Some(rounding) = &first.rounding {
         repairs.push(format!("{name}: {rounding}"));
     }
-    Ok(Reading { value: first.point, repairs })
+    Ok(Reading {
+        value: first.point,
+        repairs,
+    })
 }
 
 /// Returns the places where a word stands, in any case and not as a part of another.
@@ -104,13 +141,21 @@ fn occurrences<'t>(text: &'t str, word: &'t str) -> impl Iterator<Item = usize> 
         let follows_letter = before.is_alphanumeric();
         before = character;
         let rest = &text[at..];
-        let is_there = !follows_letter && rest.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
+        let is_there = !follows_letter
+            && rest
+                .get(..word.len())
+                .is_some_and(|start| start.eq_ignore_ascii_case(word));
         is_there.then_some(at)
     })
 }
 
 /// Reads the statement that begins with the field's name at `at`; None where there is none.
-fn statement_at<'t>(name: &str, names: &[&str], reply: &'t str, at: usize) -> Option<Result<Statement<'t>, String>> {
+fn statement_at<'t>(
+    name: &str,
+    names: &[&str],
+    reply: &'t str,
+    at: usize,
+) -> Option<Result<Statement<'t>, String>> {
     if is_turned(reply, at) {
         return None;
     }
@@ -136,11 +181,19 @@ fn statement_at<'t>(name: &str, names: &[&str], reply: &'t str, at: usize) -> Op
     };
     cursor.skip(|character| character.is_whitespace() || decorates(character));
     let mut found = pixel::read(&mut cursor, brackets);
-    if matches!(found, Found::Nothing) && firmness == Firmness::Assigned && skip_words(&mut cursor, names) {
+    if matches!(found, Found::Nothing)
+        && firmness == Firmness::Assigned
+        && skip_words(&mut cursor, names)
+    {
         found = pixel::read(&mut cursor, Brackets::Needed);
     }
     match found {
-        Found::Pixel(point, rounding) => Some(Ok(Statement { firmness, point, text: &reply[at..cursor.at], rounding })),
+        Found::Pixel(point, rounding) => Some(Ok(Statement {
+            firmness,
+            point,
+            text: &reply[at..cursor.at],
+            rounding,
+        })),
         // In free speech brackets with other numbers mean nothing.
         Found::Bad(why) if firmness == Firmness::Assigned => Some(Err(why)),
         Found::Bad(_) | Found::Nothing => None,
@@ -152,7 +205,11 @@ fn skip_echo(cursor: &mut Cursor<'_>) {
     let start = *cursor;
     cursor.skip(|character| character == ' ' || decorates(character));
     for echo in ["(x, y)", "(x,y)", "[x, y]", "[x,y]"] {
-        if cursor.rest().get(..echo.len()).is_some_and(|text| text.eq_ignore_ascii_case(echo)) {
+        if cursor
+            .rest()
+            .get(..echo.len())
+            .is_some_and(|text| text.eq_ignore_ascii_case(echo))
+        {
             cursor.at += echo.len();
             return;
         }
@@ -176,7 +233,13 @@ fn sign(cursor: &mut Cursor<'_>) -> Sign {
         return Sign::Assigns;
     }
     let start = *cursor;
-    for words in [["is", "at"], ["should", "be"], ["will", "be"], ["is", ""], ["at", ""]] {
+    for words in [
+        ["is", "at"],
+        ["should", "be"],
+        ["will", "be"],
+        ["is", ""],
+        ["at", ""],
+    ] {
         *cursor = start;
         let is_there = words.iter().all(|word| {
             let found = word.is_empty() || cursor.eat_word(word);
@@ -194,16 +257,19 @@ fn sign(cursor: &mut Cursor<'_>) -> Sign {
 /// Skips words up to a bracket on the same line; does not move where another field or a turning word comes first.
 fn skip_words(cursor: &mut Cursor<'_>, names: &[&str]) -> bool {
     let rest = cursor.rest();
-    let Some(length) = rest.find(|character: char| matches!(character, '(' | '[' | '\n' | '\r' | '.' | ';' | '{') || character.is_ascii_digit())
-    else {
+    let Some(length) = rest.find(|character: char| {
+        matches!(character, '(' | '[' | '\n' | '\r' | '.' | ';' | '{') || character.is_ascii_digit()
+    }) else {
         return false;
     };
     let words = &rest[..length];
     let is_bracket = rest[length..].starts_with(['(', '[']);
-    let turns = words.split(|character: char| !character.is_alphanumeric()).any(|word| {
-        let is = |other: &&str| word.eq_ignore_ascii_case(other);
-        TURNING.iter().any(is) || names.iter().any(is)
-    });
+    let turns = words
+        .split(|character: char| !character.is_alphanumeric())
+        .any(|word| {
+            let is = |other: &&str| word.eq_ignore_ascii_case(other);
+            TURNING.iter().any(is) || names.iter().any(is)
+        });
     if !is_bracket || turns || words.chars().count() > MAX_BETWEEN {
         return false;
     }
@@ -213,7 +279,16 @@ fn skip_words(cursor: &mut Cursor<'_>, names: &[&str]) -> bool {
 
 /// Returns whether one of the three words before `at`, in the same sentence, turns the statement.
 fn is_turned(reply: &str, at: usize) -> bool {
-    let sentence = reply[..at].rsplit(['\n', '\r', '.', ';', ',', ':', '!', '?']).next().unwrap_or_default();
-    let words = sentence.rsplit(|character: char| !character.is_alphanumeric()).filter(|word| !word.is_empty());
-    words.take(3).any(|word| TURNING.iter().any(|turning| starts_with_word(word, turning)))
+    let sentence = reply[..at]
+        .rsplit(['\n', '\r', '.', ';', ',', ':', '!', '?'])
+        .next()
+        .unwrap_or_default();
+    let words = sentence
+        .rsplit(|character: char| !character.is_alphanumeric())
+        .filter(|word| !word.is_empty());
+    words.take(3).any(|word| {
+        TURNING
+            .iter()
+            .any(|turning| starts_with_word(word, turning))
+    })
 }

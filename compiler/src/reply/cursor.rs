@@ -28,7 +28,9 @@ impl<'t> Cursor<'t> {
     /// Moves over all characters that are wanted, and returns them.
     pub fn skip(&mut self, wanted: impl Fn(char) -> bool) -> &'t str {
         let rest = self.rest();
-        let length = rest.find(|character| !wanted(character)).unwrap_or(rest.len());
+        let length = rest
+            .find(|character| !wanted(character))
+            .unwrap_or(rest.len());
         self.at += length;
         &rest[..length]
     }
@@ -54,11 +56,17 @@ impl<'t> Cursor<'t> {
 
 /// Returns whether `text` begins with an ASCII word in any case, and not with a longer one.
 pub(super) fn starts_with_word(text: &str, word: &str) -> bool {
-    let Some(start) = text.get(..word.len()) else { return false };
-    start.eq_ignore_ascii_case(word) && !text[word.len()..].starts_with(|next: char| next.is_alphanumeric())
+    let Some(start) = text.get(..word.len()) else {
+        return false;
+    };
+    start.eq_ignore_ascii_case(word)
+        && !text[word.len()..].starts_with(|next: char| next.is_alphanumeric())
 }
 
 /// Returns whether a character only decorates: markdown, quotes, LaTeX, escapes.
 pub(super) fn decorates(character: char) -> bool {
-    matches!(character, '*' | '_' | '`' | '"' | '\'' | '“' | '”' | '$' | '\\' | '~')
+    matches!(
+        character,
+        '*' | '_' | '`' | '"' | '\'' | '“' | '”' | '$' | '\\' | '~'
+    )
 }

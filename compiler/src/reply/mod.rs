@@ -32,7 +32,10 @@ pub struct Proposal {
 impl Proposal {
     /// Returns a field's point.
     pub fn get(&self, field: &str) -> Option<PixelPoint> {
-        self.fields.iter().find(|(name, _)| name == field).map(|(_, point)| *point)
+        self.fields
+            .iter()
+            .find(|(name, _)| name == field)
+            .map(|(_, point)| *point)
     }
 }
 
@@ -60,7 +63,10 @@ pub fn answer_format(program: &Program) -> String {
 }
 
 pub(crate) fn format_of(actions: &[ActionField]) -> String {
-    let lines: Vec<String> = actions.iter().map(|field| statement(&field.name, "(x, y)")).collect();
+    let lines: Vec<String> = actions
+        .iter()
+        .map(|field| statement(&field.name, "(x, y)"))
+        .collect();
     lines.join("\n")
 }
 
@@ -68,7 +74,11 @@ pub(crate) fn format_of(actions: &[ActionField]) -> String {
 fn statement(field: &str, value: &str) -> String {
     let mut letters = field.chars();
     let first = letters.next().map(|letter| letter.to_ascii_uppercase());
-    format!("{}{} Point = {value}", first.map(String::from).unwrap_or_default(), letters.as_str())
+    format!(
+        "{}{} Point = {value}",
+        first.map(String::from).unwrap_or_default(),
+        letters.as_str()
+    )
 }
 
 /// Refuses an answer that is too long to be read.
@@ -76,13 +86,23 @@ fn bounded(field: &str, reply: &str) -> Result<(), Malformed> {
     if reply.len() <= MAX_REPLY_BYTES {
         return Ok(());
     }
-    let message = format!("Your answer has {} characters. Answer again in less than {MAX_REPLY_BYTES}, in the format asked for.", reply.chars().count());
-    Err(Malformed { field: field.to_owned(), message })
+    let message = format!(
+        "Your answer has {} characters. Answer again in less than {MAX_REPLY_BYTES}, in the format asked for.",
+        reply.chars().count()
+    );
+    Err(Malformed {
+        field: field.to_owned(),
+        message,
+    })
 }
 
 /// Shortens what is quoted from an answer.
 fn quoted(text: &str) -> String {
     const MOST: usize = 60;
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    if line.chars().count() <= MOST { line } else { line.chars().take(MOST).chain(['…']).collect() }
+    if line.chars().count() <= MOST {
+        line
+    } else {
+        line.chars().take(MOST).chain(['…']).collect()
+    }
 }

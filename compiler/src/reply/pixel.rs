@@ -30,7 +30,11 @@ pub(super) enum Brackets {
 pub(super) fn read(cursor: &mut Cursor<'_>, brackets: Brackets) -> Found {
     let start = *cursor;
     let mut closing = Vec::new();
-    while let Some(close) = cursor.peek().and_then(closing_of).filter(|_| closing.len() < 2) {
+    while let Some(close) = cursor
+        .peek()
+        .and_then(closing_of)
+        .filter(|_| closing.len() < 2)
+    {
         cursor.step();
         closing.push(close);
         cursor.skip(|character| character.is_whitespace());
@@ -39,21 +43,30 @@ pub(super) fn read(cursor: &mut Cursor<'_>, brackets: Brackets) -> Found {
         return Found::Nothing;
     }
     let inside = match closing.last() {
-        Some(close) => match cursor.rest().find(*close).filter(|length| *length <= MAX_INSIDE) {
+        Some(close) => match cursor
+            .rest()
+            .find(*close)
+            .filter(|length| *length <= MAX_INSIDE)
+        {
             Some(length) => {
                 let inside = &cursor.rest()[..length];
                 cursor.at += length;
                 inside
             }
             // A cut answer may have lost digits, so that even two numbers are not to be trusted.
-            None if starts_number(cursor.rest()) => return Found::Bad("its bracket is never closed".to_owned()),
+            None if starts_number(cursor.rest()) => {
+                return Found::Bad("its bracket is never closed".to_owned());
+            }
             None => {
                 *cursor = start;
                 return Found::Nothing;
             }
         },
         None => {
-            let length = cursor.rest().find(|character: char| !is_bare(character)).unwrap_or(cursor.rest().len());
+            let length = cursor
+                .rest()
+                .find(|character: char| !is_bare(character))
+                .unwrap_or(cursor.rest().len());
             let inside = cursor.rest()[..length].trim_end_matches([' ', '\t', ',', '.']);
             cursor.at += inside.len();
             inside
@@ -95,7 +108,9 @@ fn is_bare(character: char) -> bool {
 fn coordinates(inside: &str) -> Option<Vec<(Option<char>, f64)>> {
     let mut cursor = Cursor::new(inside, 0);
     let mut numbers = Vec::new();
-    let separates = |character: char| character.is_whitespace() || decorates(character) || matches!(character, ',' | ';');
+    let separates = |character: char| {
+        character.is_whitespace() || decorates(character) || matches!(character, ',' | ';')
+    };
     loop {
         cursor.skip(separates);
         if cursor.peek().is_none() {
@@ -113,7 +128,10 @@ fn coordinates(inside: &str) -> Option<Vec<(Option<char>, f64)>> {
 /// Reads `x:` or `"y" =`; the cursor does not move where there is no such name.
 fn name(cursor: &mut Cursor<'_>) -> Option<char> {
     let start = *cursor;
-    for (words, axis) in [(["x", "u", "col", "column"], 'x'), (["y", "v", "row", "line"], 'y')] {
+    for (words, axis) in [
+        (["x", "u", "col", "column"], 'x'),
+        (["y", "v", "row", "line"], 'y'),
+    ] {
         for word in words {
             *cursor = start;
             if !cursor.eat_word(word) {
@@ -138,7 +156,9 @@ fn number(cursor: &mut Cursor<'_>) -> Option<f64> {
     let digits = cursor.skip(|character| character.is_ascii_digit() || character == '.');
     let value: f64 = digits.parse().ok()?;
     // `1e3` is a number too, but nobody writes a pixel so: better to ask again.
-    if cursor.peek().is_some_and(|next| next.is_alphabetic()) && !cursor.rest().to_ascii_lowercase().starts_with('p') {
+    if cursor.peek().is_some_and(|next| next.is_alphabetic())
+        && !cursor.rest().to_ascii_lowercase().starts_with('p')
+    {
         return None;
     }
     Some(if is_negative { -value } else { value })
@@ -158,5 +178,8 @@ fn pixel(numbers: &[(Option<char>, f64)]) -> Found {
     // Both are at most a million, so nothing is cut off.
     let pixel = PixelPoint::new(u.round() as i32, v.round() as i32);
     let is_whole = u.fract() == 0.0 && v.fract() == 0.0;
-    Found::Pixel(pixel, (!is_whole).then(|| format!("rounded ({u}, {v}) to {pixel}")))
+    Found::Pixel(
+        pixel,
+        (!is_whole).then(|| format!("rounded ({u}, {v}) to {pixel}")),
+    )
 }

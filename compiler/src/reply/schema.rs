@@ -12,12 +12,22 @@ use serde_json::{Map, Value, json};
 pub fn schema(program: &Program, offered: &[(String, Vec<PixelPoint>)]) -> Value {
     let mut properties = Map::new();
     for field in &program.actions {
-        let points = offered.iter().find(|(name, _)| *name == field.name).map_or(&[][..], |(_, points)| points);
+        let points = offered
+            .iter()
+            .find(|(name, _)| *name == field.name)
+            .map_or(&[][..], |(_, points)| points);
         let choices: Vec<String> = points.iter().map(PixelPoint::to_string).collect();
         let what = format!("the {} point (x, y), pixels", field.name);
-        properties.insert(field.name.clone(), json!({ "type": "string", "description": what, "enum": choices }));
+        properties.insert(
+            field.name.clone(),
+            json!({ "type": "string", "description": what, "enum": choices }),
+        );
     }
-    let names: Vec<&str> = program.actions.iter().map(|field| field.name.as_str()).collect();
+    let names: Vec<&str> = program
+        .actions
+        .iter()
+        .map(|field| field.name.as_str())
+        .collect();
     json!({
         "type": "object",
         "properties": properties,

@@ -11,29 +11,41 @@ use super::{MAX_TEXT_CHARS, Malformed, Reading, bounded, quoted};
 /// longer than [`MAX_TEXT_CHARS`].
 pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<String>, Malformed> {
     let wrong = |why: String| {
-        let message = format!("{why} Answer again with one line in exactly this format:\n{before} …{after}");
-        Malformed { field: before.to_owned(), message }
+        let message =
+            format!("{why} Answer again with one line in exactly this format:\n{before} …{after}");
+        Malformed {
+            field: before.to_owned(),
+            message,
+        }
     };
     bounded(before, reply)?;
     let mut found: Option<Reading<String>> = None;
     for reading in at_line_starts(before, after, reply) {
         match &found {
             Some(first) if first.value != reading.value => {
-                return Err(wrong(format!("Your answer has two different lines that begin with \"{before}\".")));
+                return Err(wrong(format!(
+                    "Your answer has two different lines that begin with \"{before}\"."
+                )));
             }
             Some(_) => {}
             None => found = Some(reading),
         }
     }
     let Some(mut reading) = found.or_else(|| within_a_line(before, after, reply)) else {
-        return Err(wrong(format!("Your answer has no line that begins with \"{before}\".")));
+        return Err(wrong(format!(
+            "Your answer has no line that begins with \"{before}\"."
+        )));
     };
     if reading.value.is_empty() {
-        return Err(wrong(format!("Nothing follows \"{before}\" in your answer.")));
+        return Err(wrong(format!(
+            "Nothing follows \"{before}\" in your answer."
+        )));
     }
     let length = reading.value.chars().count();
     if length > MAX_TEXT_CHARS {
-        return Err(wrong(format!("The text after \"{before}\" has {length} characters; at most {MAX_TEXT_CHARS} are accepted.")));
+        return Err(wrong(format!(
+            "The text after \"{before}\" has {length} characters; at most {MAX_TEXT_CHARS} are accepted."
+        )));
     }
     reading.repairs.dedup();
     Ok(reading)
@@ -46,13 +58,20 @@ fn at_line_starts(before: &str, after: &str, reply: &str) -> Vec<Reading<String>
         let mut cursor = Cursor::new(line, 0);
         skip_bullet(&mut cursor);
         let decoration = line[..cursor.at].trim();
-        let Some(is_exact) = eat_words(&mut cursor, before) else { continue };
+        let Some(is_exact) = eat_words(&mut cursor, before) else {
+            continue;
+        };
         let mut repairs = Vec::new();
         if !decoration.is_empty() {
-            repairs.push(format!("passed over `{}` before `{before}`", quoted(decoration)));
+            repairs.push(format!(
+                "passed over `{}` before `{before}`",
+                quoted(decoration)
+            ));
         }
         if !is_exact {
-            let written = &line[line.find(|character: char| character.is_alphanumeric()).unwrap_or(0)..cursor.at];
+            let written = &line[line
+                .find(|character: char| character.is_alphanumeric())
+                .unwrap_or(0)..cursor.at];
             repairs.push(format!("read `{}` as `{before}`", quoted(written)));
         }
         let mut value = cut(cursor.rest(), after, &mut repairs);
@@ -101,11 +120,17 @@ fn within_a_line(before: &str, after: &str, reply: &str) -> Option<Reading<Strin
 /// Skips what a list or a heading puts before its words.
 fn skip_bullet(cursor: &mut Cursor<'_>) {
     let bullet = |character: char| {
-        character.is_whitespace() || decorates(character) || matches!(character, '-' | '•' | '·' | '#' | '>' | '+' | '{' | '[')
+        character.is_whitespace()
+            || decorates(character)
+            || matches!(character, '-' | '•' | '·' | '#' | '>' | '+' | '{' | '[')
     };
     cursor.skip(bullet);
     let start = *cursor;
-    if !cursor.skip(|character| character.is_ascii_digit()).is_empty() && (cursor.eat('.') || cursor.eat(')')) {
+    if !cursor
+        .skip(|character| character.is_ascii_digit())
+        .is_empty()
+        && (cursor.eat('.') || cursor.eat(')'))
+    {
         cursor.skip(bullet);
     } else {
         *cursor = start;
@@ -127,7 +152,9 @@ fn eat_words(cursor: &mut Cursor<'_>, words: &str) -> Option<bool> {
         }
         match cursor.peek() {
             Some(found) if found == wanted => cursor.step(),
-            Some(found) if found.eq_ignore_ascii_case(&wanted) || (found == '：' && wanted == ':') => {
+            Some(found)
+                if found.eq_ignore_ascii_case(&wanted) || (found == '：' && wanted == ':') =>
+            {
                 is_exact = false;
                 cursor.step();
             }
@@ -147,15 +174,20 @@ fn cut(rest: &str, after: &str, repairs: &mut Vec<String>) -> String {
         Some(end) => &rest[..end],
         None => {
             if !after.is_empty() && !rest.is_empty() {
-                repairs.push(format!("took the text to the end of the line, as `{after}` is missing"));
+                repairs.push(format!(
+                    "took the text to the end of the line, as `{after}` is missing"
+                ));
             }
             rest
         }
     };
     let is_quoted = text.trim_start().starts_with(['"', '“']);
-    let mut bare = text.trim_matches(|character: char| character.is_whitespace() || decorates(character));
+    let mut bare =
+        text.trim_matches(|character: char| character.is_whitespace() || decorates(character));
     if is_quoted {
-        bare = bare.trim_end_matches(|character: char| matches!(character, ',' | '}') || decorates(character) || character.is_whitespace());
+        bare = bare.trim_end_matches(|character: char| {
+            matches!(character, ',' | '}') || decorates(character) || character.is_whitespace()
+        });
     }
     if bare.len() != text.trim().len() {
         repairs.push("removed the markdown or quotes around the text".to_owned());

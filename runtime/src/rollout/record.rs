@@ -128,6 +128,7 @@ impl Keeper {
             "program_file": program_file,
             "world": world.name(),
             "params": world.parameters(),
+            "code": world.code(),
             "models": { "vision": model(ModelRole::Vision), "text": model(ModelRole::Text) },
             "start": {
                 "name": job.start.name,

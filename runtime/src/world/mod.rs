@@ -26,6 +26,9 @@ pub trait World {
     /// Returns the hash of every parameter that changes results.
     fn parameters(&self) -> String;
 
+    /// Returns a digest of the code that makes the results: it changes whenever equal actions might end otherwise.
+    fn code(&self) -> String;
+
     /// Lays the cloth as `start` says and sets the clock to zero.
     fn reset(&mut self, start: &Start) -> Result<(), WorldError>;
 

@@ -54,6 +54,10 @@ impl World for SimulatedWorld {
         self.parameters.hash()
     }
 
+    fn code(&self) -> String {
+        sim::CODE_DIGEST.to_owned()
+    }
+
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
         let wrong = |why: String| WorldError::Start { start: start.name.clone(), why };
         let grid = Grid::new(start.grid.dimx as usize, start.grid.dimy as usize, start.grid.spacing_m as f32)

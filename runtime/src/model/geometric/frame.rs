@@ -36,19 +36,11 @@ impl Frame {
     /// `along` is the direction of the longer side, else of the side that is nearer to the picture's right;
     /// of its two senses, the one that points right (or straight up).
     pub fn fit(hull: &[Point]) -> Option<Frame> {
-        let fits: Vec<Frame> = edges(hull)
-            .filter_map(|(a, b)| flush_with(hull, a, b))
-            .collect();
-        let smallest = fits.iter().copied().reduce(|best, frame| {
-            if frame.area() < best.area() {
-                frame
-            } else {
-                best
-            }
-        })?;
+        let fits = Frame::fits(hull);
+        let (snuggest, _) = *fits.first()?;
         let slimmest = fits
             .into_iter()
-            .filter(|frame| frame.area() < smallest.area() * EQUAL_AREA)
+            .map(|(frame, _)| frame)
             .reduce(|best, frame| {
                 if frame.aspect() > best.aspect() {
                     frame
@@ -56,9 +48,26 @@ impl Frame {
                     best
                 }
             })
-            .filter(|frame| frame.aspect() > smallest.aspect() * CLEARLY_SLIMMER);
-        let frame = slimmest.unwrap_or(smallest);
-        (frame.half[0].min(frame.half[1]) > 0.0).then(|| frame.in_reading_order())
+            .filter(|frame| frame.aspect() > snuggest.aspect() * CLEARLY_SLIMMER);
+        Some(slimmest.unwrap_or(snuggest))
+    }
+
+    /// Fits all frames to a convex outline that are about as snug as the snuggest, which comes first.
+    ///
+    /// Each comes with the share of area that it has beyond that; empty if the outline has no area.
+    pub fn fits(hull: &[Point]) -> Vec<(Frame, f64)> {
+        let mut fits: Vec<Frame> = edges(hull)
+            .filter_map(|(a, b)| flush_with(hull, a, b))
+            .filter(|frame| frame.half[0].min(frame.half[1]) > 0.0)
+            .collect();
+        fits.sort_by(|a, b| a.area().total_cmp(&b.area()));
+        let Some(least) = fits.first().map(Frame::area) else {
+            return Vec::new();
+        };
+        fits.into_iter()
+            .map(|frame| (frame.in_reading_order(), frame.area() / least - 1.0))
+            .filter(|&(_, excess)| excess < EQUAL_AREA - 1.0)
+            .collect()
     }
 
     /// Tells whether the frame has long sides and short ones.

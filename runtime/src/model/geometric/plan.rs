@@ -48,6 +48,10 @@ const BARE_GAP: f64 = 0.4;
 /// because shape tells more than compass words; enough to decide where the shape looks alike either way.
 const HALF_TURN: f64 = 0.5;
 
+/// What a rectangle twice as large as necessary would cost, in the same unit: enough to keep a slightly slanted
+/// one from winning for being turned less.
+const LOOSENESS: f64 = 2.0;
+
 /// How far anti-clockwise the balance point between two turns lies off the middle, radians (3 degrees). A square
 /// at exactly 45 degrees can be read both ways; which one is taken shall not hang on a pixel's rounding.
 const LEAN: f64 = 3.0 * PI / 180.0;
@@ -62,8 +66,7 @@ pub fn plan(
     center: Option<PixelPoint>,
 ) -> Result<Plan, NoPlan> {
     let hull = frame::hull(corners.iter().copied().map(up));
-    let fitted = Frame::fit(&hull).ok_or(NoPlan::Shapeless)?;
-    let (frame, turn) = turn_to(instruction, &fitted, &hull);
+    let (frame, turn) = turn_to(instruction, &hull).ok_or(NoPlan::Shapeless)?;
     let target = |spot: Spot| match spot {
         Spot::Center => center.map(up).ok_or(NoPlan::Center),
         Spot::At { along, across } => {
@@ -92,31 +95,38 @@ pub fn plan(
     Ok(Plan { turn, candidates })
 }
 
-/// Orders the sides of a fitted rectangle as the words do; returns the frame and its turn against them.
-fn turn_to(instruction: &Instruction, fitted: &Frame, hull: &[Point]) -> (Frame, f64) {
+/// Fits a rectangle to the corners with its sides ordered as the words do; returns it and its turn against them.
+///
+/// A corner that was not detected can make a slanted rectangle the snuggest one, so all that are about as snug
+/// are compared with the words. `None` if the hull has no area.
+fn turn_to(instruction: &Instruction, hull: &[Point]) -> Option<(Frame, f64)> {
     let turns: &[u32] = match instruction.sides {
         Sides::Long => &[0, 2],
         Sides::Equal => &[0, 1, 2, 3],
     };
-    // For words that speak of long sides, `along` is the longer one, however small the difference.
-    let start = match instruction.sides {
-        Sides::Long => fitted.with_long_side_first(),
-        Sides::Equal => *fitted,
-    };
     let mut best: Option<(f64, Frame, f64)> = None;
-    for &quarter_turns in turns {
-        let frame = start.turned(quarter_turns);
-        let turn = (frame.angle() - instruction.heading.angle() + PI).rem_euclid(TAU) - PI;
-        let gaps = frame.corner_gaps(hull).into_iter().zip(instruction.bare);
-        let misfit: f64 = gaps
-            .map(|(gap, is_bare)| (gap.min(BARE_GAP) - if is_bare { BARE_GAP } else { 0.0 }).abs())
-            .sum();
-        let cost = misfit + HALF_TURN * (turn + LEAN).abs() / PI;
-        if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
-            best = Some((cost, frame, turn));
+    for (fitted, excess) in Frame::fits(hull) {
+        // For words that speak of long sides, `along` is the longer one, however small the difference.
+        let start = match instruction.sides {
+            Sides::Long => fitted.with_long_side_first(),
+            Sides::Equal => fitted,
+        };
+        for &quarter_turns in turns {
+            let frame = start.turned(quarter_turns);
+            let turn = (frame.angle() - instruction.heading.angle() + PI).rem_euclid(TAU) - PI;
+            let gaps = frame.corner_gaps(hull).into_iter().zip(instruction.bare);
+            let misfit: f64 = gaps
+                .map(|(gap, is_bare)| {
+                    (gap.min(BARE_GAP) - if is_bare { BARE_GAP } else { 0.0 }).abs()
+                })
+                .sum();
+            let cost = misfit + HALF_TURN * (turn + LEAN).abs() / PI + LOOSENESS * excess;
+            if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
+                best = Some((cost, frame, turn));
+            }
         }
     }
-    best.map_or((*fitted, 0.0), |(_, frame, turn)| (frame, turn))
+    best.map(|(_, frame, turn)| (frame, turn))
 }
 
 /// The points nearest to a target, each once, nearest first; equally near ones from the top left.

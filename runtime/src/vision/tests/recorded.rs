@@ -4,7 +4,6 @@
 
 use super::super::*;
 use super::harris;
-use compiler::program::PixelPoint;
 use image::Luma;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -109,14 +108,12 @@ fn every_recorded_pick_is_near_a_detected_corner() {
             let found = corners(&depth, &mask, &harris()).unwrap();
             assert!(found.len() <= 27, "{}", folder.display());
             assert!(
-                found.iter().all(|&corner| mask.contains(corner)),
+                found.iter().all(|corner| mask.contains(corner.pixel)),
                 "{}",
                 folder.display()
             );
-            let pick = [0, 1].map(|axis| step["pick_px"][axis].as_f64().unwrap() - 0.5);
-            let off = |corner: &PixelPoint| {
-                (f64::from(corner.u) - pick[0]).hypot(f64::from(corner.v) - pick[1])
-            };
+            let pick = [0, 1].map(|axis| step["pick_px"][axis].as_f64().unwrap());
+            let off = |corner: &Corner| (corner.at[0] - pick[0]).hypot(corner.at[1] - pick[1]);
             worst_px = found
                 .iter()
                 .map(off)

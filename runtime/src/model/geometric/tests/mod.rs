@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod arrows;
+mod frames;
 mod missing;
 mod planning;
 mod shortcuts;

@@ -60,6 +60,30 @@ fn plainer_words_are_understood() {
     assert_eq!(middle, [CORNERS[4], CORNERS[2]]);
 }
 
+/// Both left corners of a square are folded in; of the five corners that are left, one was not detected. A pixel
+/// more or less then decides whether an upright or a slanted rectangle is the snuggest.
+#[test]
+fn a_corner_that_was_not_detected_does_not_slant_the_rectangle() {
+    let words = "Pick the right end of the top side and place it on the center of the cloth; the cloth does not \
+                 reach the left end of the bottom side, nor the left end of the top side";
+    for shift in 0..81 {
+        let [a, b, c, d] =
+            [shift % 3, shift / 3 % 3, shift / 9 % 3, shift / 27].map(|shift| shift - 1);
+        let right_top = PixelPoint::new(176, 46 + a);
+        let listed = [
+            PixelPoint::new(176 + b, 177),
+            right_top,
+            PixelPoint::new(109 + c, 177),
+            PixelPoint::new(46, 114 + d),
+        ];
+        assert_eq!(
+            planned(words, &listed, CENTER),
+            [right_top, CENTER],
+            "{listed:?}"
+        );
+    }
+}
+
 #[test]
 fn a_list_that_goes_on_over_lines_is_read_whole() {
     let prompt = format!(

@@ -1,0 +1,96 @@
+//! Measures a piece of text against a strict rule, and names what stands at a place.
+
+use crate::faults::{Fault, Problem};
+use crate::rules::{FabParser, Rule};
+use crate::tree::Tree;
+use crate::vocabulary;
+use pest::Parser;
+use pest::error::{ErrorVariant, InputLocation};
+use std::ops::Range;
+
+/// Parses a piece by a strict rule and returns where and why that fails.
+pub(crate) fn measure(tree: &Tree, rule: Rule, span: Range<usize>) -> Option<Fault> {
+    let error = FabParser::parse(rule, &tree.text()[span.clone()]).err()?;
+    let offset = match error.location {
+        InputLocation::Pos(at) => at,
+        InputLocation::Span((start, _)) => start,
+    };
+    let ErrorVariant::ParsingError { positives, .. } = error.variant else {
+        return None;
+    };
+    let firm = positives.iter().any(|rule| {
+        !vocabulary::is_continuation(*rule) && vocabulary::expectation(*rule).is_some()
+    });
+    let mut expected = Vec::new();
+    for rule in positives
+        .into_iter()
+        .filter(|rule| firm && !vocabulary::is_continuation(*rule))
+    {
+        if let Some(words) = vocabulary::expectation(rule)
+            && !expected.contains(&words)
+        {
+            expected.push(words);
+        }
+    }
+    Some(unexpected(tree, span.start + offset, span.end, expected))
+}
+
+/// Names what stands at `at`; beyond `end` that is the end of the line.
+pub(crate) fn unexpected(tree: &Tree, at: usize, end: usize, expected: Vec<&'static str>) -> Fault {
+    let text = tree.text();
+    let at = at + (text[at..].len() - text[at..].trim_start_matches([' ', '\t', '\u{a0}']).len());
+    let found = token_at(text, at, end.max(at));
+    if found.is_empty() || found.starts_with('#') {
+        // Point right behind the last word, not at the next line.
+        let at = text[..at].trim_end().len();
+        return Fault {
+            span: at..at,
+            problem: Problem::Unexpected {
+                found: None,
+                expected,
+            },
+        };
+    }
+    Fault {
+        span: at..at + found.len(),
+        problem: Problem::Unexpected {
+            found: Some(found.to_owned()),
+            expected,
+        },
+    }
+}
+
+/// Returns the word, number, text or sign at a place, cut at `end`.
+pub(crate) fn token_at(text: &str, at: usize, end: usize) -> &str {
+    let rest = &text[at..end];
+    let word = |character: char| character.is_alphanumeric() || character == '_';
+    let Some(first) = rest.chars().next() else {
+        return "";
+    };
+    if word(first) {
+        return rest
+            .split(|character| !word(character))
+            .next()
+            .unwrap_or(rest);
+    }
+    if first == '"' {
+        let line = rest.split(['\n', '\r']).next().unwrap_or(rest);
+        return line[1..]
+            .find('"')
+            .map_or(line, |length| &line[..length + 2]);
+    }
+    for sign in ["->", "=>", "<=", ">=", "==", "!=", "–>", "—>", "{{", "}}"] {
+        if rest.starts_with(sign) {
+            return &rest[..sign.len()];
+        }
+    }
+    if first.is_whitespace() {
+        ""
+    } else {
+        &rest[..first.len_utf8()]
+    }
+}
+
+pub(crate) fn is_word(token: &str) -> bool {
+    token.starts_with(|character: char| character.is_alphabetic() || character == '_')
+}
