@@ -1,8 +1,8 @@
 //! Hashes this crate's sources, so that results kept on disk are not taken for those of other code.
 
 use sha2::{Digest, Sha256};
-use std::path::{Path, PathBuf};
 use std::fs;
+use std::path::{Path, PathBuf};
 
 fn main() {
     println!("cargo::rerun-if-changed=src");
@@ -16,7 +16,12 @@ fn main() {
         hash.update((text.len() as u64).to_le_bytes());
         hash.update(text);
     }
-    let digest: String = hash.finalize().iter().take(8).map(|byte| format!("{byte:02x}")).collect();
+    let digest: String = hash
+        .finalize()
+        .iter()
+        .take(8)
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
     println!("cargo::rustc-env=SIM_CODE_DIGEST={digest}");
 }
 

@@ -28,7 +28,14 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
                 diagnostics.extend(found);
             }
         } else if !compiled.diagnostics.is_empty() {
-            output::data(diag::to_text(&compiled.diagnostics, &compiled.sources, output::data_color()).trim_end());
+            output::data(
+                diag::to_text(
+                    &compiled.diagnostics,
+                    &compiled.sources,
+                    output::data_color(),
+                )
+                .trim_end(),
+            );
         }
         for program in &compiled.programs {
             let per_step = program.calls_per_step();
@@ -49,7 +56,9 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
             }));
         }
         if !arguments.json && compiled.programs.is_empty() && !compiled.has_errors() {
-            output::data(&format!("{file}: right, and declares no task that can run by itself"));
+            output::data(&format!(
+                "{file}: right, and declares no task that can run by itself"
+            ));
         }
     }
     if arguments.json {

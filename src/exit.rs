@@ -43,17 +43,26 @@ pub struct Failure {
 impl Failure {
     /// The environment failed.
     pub fn environment(error: impl fmt::Display) -> Failure {
-        Failure { exit: Exit::Environment, message: error.to_string() }
+        Failure {
+            exit: Exit::Environment,
+            message: error.to_string(),
+        }
     }
 
     /// The command line asks for what there is not.
     pub fn usage(message: impl Into<String>) -> Failure {
-        Failure { exit: Exit::Usage, message: message.into() }
+        Failure {
+            exit: Exit::Usage,
+            message: message.into(),
+        }
     }
 
     /// The file is wrong; its diagnostics have been shown.
     pub fn author(message: impl Into<String>) -> Failure {
-        Failure { exit: Exit::Author, message: message.into() }
+        Failure {
+            exit: Exit::Author,
+            message: message.into(),
+        }
     }
 
     /// Returns the exit that goes with it.

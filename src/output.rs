@@ -30,5 +30,9 @@ pub fn data_color() -> compiler::diag::Color {
 
 fn color(terminal: bool) -> compiler::diag::Color {
     let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    if terminal && !refused { compiler::diag::Color::Ansi } else { compiler::diag::Color::Plain }
+    if terminal && !refused {
+        compiler::diag::Color::Ansi
+    } else {
+        compiler::diag::Color::Plain
+    }
 }

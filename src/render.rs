@@ -39,7 +39,10 @@ pub fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.file, arguments.task.as_deref())?;
     let stages = chosen_stages(&program, arguments.stage.as_deref())?;
     if arguments.step > program.horizon {
-        return Err(Failure::usage(format!("`{}` has {} steps; there is no step {}", program.task, program.horizon, arguments.step)));
+        return Err(Failure::usage(format!(
+            "`{}` has {} steps; there is no step {}",
+            program.task, program.horizon, arguments.step
+        )));
     }
     let mut bindings = render::placeholders(&program);
     let view = camera::View::at(&program, arguments)?;
@@ -50,29 +53,52 @@ pub fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
     say_placeholders(&program, &stages);
     let mut shown = Vec::with_capacity(stages.len());
     for stage in stages {
-        let messages = view.messages(&program, stage, &bindings).map_err(Failure::environment)?;
+        let messages = view
+            .messages(&program, stage, &bindings)
+            .map_err(Failure::environment)?;
         shown.push((stage.name.as_str(), messages));
     }
     if let Some(folder) = &arguments.out {
-        write(folder, &shown).map_err(|error| Failure::environment(format!("cannot write into `{}`: {error}", folder.display())))?;
+        write(folder, &shown).map_err(|error| {
+            Failure::environment(format!("cannot write into `{}`: {error}", folder.display()))
+        })?;
     }
     if arguments.json {
-        let stages: Vec<Value> = shown.iter().map(|(stage, messages)| as_json(stage, messages)).collect();
+        let stages: Vec<Value> = shown
+            .iter()
+            .map(|(stage, messages)| as_json(stage, messages))
+            .collect();
         output::json(&json!({ "stages": stages }));
     } else if arguments.out.is_none() {
-        let texts: Vec<String> = shown.iter().map(|(stage, messages)| format!("=== stage {stage}\n{}", as_text(messages))).collect();
+        let texts: Vec<String> = shown
+            .iter()
+            .map(|(stage, messages)| format!("=== stage {stage}\n{}", as_text(messages)))
+            .collect();
         output::data(texts.join("\n").trim_end());
     }
     Ok(Exit::Done)
 }
 
-fn chosen_stages<'p>(program: &'p Program, wanted: Option<&str>) -> Result<Vec<&'p Stage>, Failure> {
-    let Some(wanted) = wanted else { return Ok(program.stages.iter().collect()) };
+fn chosen_stages<'p>(
+    program: &'p Program,
+    wanted: Option<&str>,
+) -> Result<Vec<&'p Stage>, Failure> {
+    let Some(wanted) = wanted else {
+        return Ok(program.stages.iter().collect());
+    };
     match program.stages.iter().find(|stage| stage.name == wanted) {
         Some(stage) => Ok(vec![stage]),
         None => {
-            let names: Vec<String> = program.stages.iter().map(|stage| format!("`{}`", stage.name)).collect();
-            Err(Failure::usage(format!("`{}` has no stage `{wanted}`; it has {}", program.task, names.join(", "))))
+            let names: Vec<String> = program
+                .stages
+                .iter()
+                .map(|stage| format!("`{}`", stage.name))
+                .collect();
+            Err(Failure::usage(format!(
+                "`{}` has no stage `{wanted}`; it has {}",
+                program.task,
+                names.join(", ")
+            )))
         }
     }
 }
@@ -82,25 +108,45 @@ fn say_placeholders(program: &Program, stages: &[&Stage]) {
         if let Read::Text { name, .. } = &stage.read
             && stages.iter().any(|later| later.name != stage.name)
         {
-            output::talk(&format!("note: `{name}` is what a model answers in stage `{}`; it stands as a placeholder", stage.name));
+            output::talk(&format!(
+                "note: `{name}` is what a model answers in stage `{}`; it stands as a placeholder",
+                stage.name
+            ));
         }
     }
 }
 
 /// Takes the points of every keypoint from a file.
 fn bind_scene(program: &Program, path: &Path, bindings: &mut Bindings) -> Result<(), Failure> {
-    let wrong = |why: String| Failure::environment(format!("the scene `{}` cannot be used: {why}", path.display()));
+    let wrong = |why: String| {
+        Failure::environment(format!(
+            "the scene `{}` cannot be used: {why}",
+            path.display()
+        ))
+    };
     let text = fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
     let scene: BTreeMap<String, Vec<PixelPoint>> = serde_json::from_str(&text)
         .map_err(|error| wrong(format!("{error}; right would be {{\"corners\": [[12, 34], [56, 78]], \"center\": [[40, 50]]}}")))?;
     for keypoint in &program.keypoints {
         let name = keypoint.name.as_str();
-        match (keypoint.extractor.shape(), scene.get(name).map(Vec::as_slice)) {
+        match (
+            keypoint.extractor.shape(),
+            scene.get(name).map(Vec::as_slice),
+        ) {
             (KeypointShape::Mask, _) => {}
             (KeypointShape::Point, Some([point])) => bindings.point(name, *point),
-            (KeypointShape::Points, Some(points)) if !points.is_empty() => bindings.points(name, points),
-            (KeypointShape::Point, found) => return Err(wrong(format!("`{name}` needs exactly one point, it has {}", found.map_or(0, <[_]>::len)))),
-            (KeypointShape::Points, _) => return Err(wrong(format!("`{name}` needs at least one point"))),
+            (KeypointShape::Points, Some(points)) if !points.is_empty() => {
+                bindings.points(name, points)
+            }
+            (KeypointShape::Point, found) => {
+                return Err(wrong(format!(
+                    "`{name}` needs exactly one point, it has {}",
+                    found.map_or(0, <[_]>::len)
+                )));
+            }
+            (KeypointShape::Points, _) => {
+                return Err(wrong(format!("`{name}` needs at least one point")));
+            }
         }
     }
     Ok(())
@@ -109,7 +155,9 @@ fn bind_scene(program: &Program, path: &Path, bindings: &mut Bindings) -> Result
 fn as_json(stage: &str, messages: &[Shown]) -> Value {
     let part = |part: &ShownPart| match part {
         ShownPart::Text(text) => json!({ "type": "text", "text": text }),
-        ShownPart::Picture { title, png } => json!({ "type": "image", "shows": title, "bytes": png.as_ref().map(Vec::len) }),
+        ShownPart::Picture { title, png } => {
+            json!({ "type": "image", "shows": title, "bytes": png.as_ref().map(Vec::len) })
+        }
     };
     let message = |message: &Shown| json!({ "role": message.role, "parts": message.parts.iter().map(part).collect::<Vec<_>>() });
     json!({ "stage": stage, "messages": messages.iter().map(message).collect::<Vec<_>>() })
@@ -135,10 +183,13 @@ fn write(folder: &Path, shown: &[(&str, Vec<Shown>)]) -> std::io::Result<()> {
     fs::create_dir_all(folder)?;
     for (stage, messages) in shown {
         fs::write(folder.join(format!("{stage}.txt")), as_text(messages))?;
-        let pictures = messages.iter().flat_map(|message| &message.parts).filter_map(|part| match part {
-            ShownPart::Picture { png, .. } => png.as_ref(),
-            ShownPart::Text(_) => None,
-        });
+        let pictures = messages
+            .iter()
+            .flat_map(|message| &message.parts)
+            .filter_map(|part| match part {
+                ShownPart::Picture { png, .. } => png.as_ref(),
+                ShownPart::Text(_) => None,
+            });
         for (number, png) in pictures.enumerate() {
             fs::write(folder.join(format!("{stage}_{}.png", number + 1)), png)?;
         }

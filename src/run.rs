@@ -11,8 +11,8 @@ use runtime::interrupt::Interrupt;
 use runtime::journal::RunFolder;
 use runtime::outcome::Outcome;
 use runtime::rollout::{self, Event, Job, RolloutReport};
-use runtime::subgoals::{Origin, SubgoalError, SubgoalSet};
 use runtime::start::Start;
+use runtime::subgoals::{Origin, SubgoalError, SubgoalSet};
 use runtime::world::{Grasp, WorldError};
 use std::path::Path;
 
@@ -41,22 +41,39 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         }
     };
     say_origin(subgoals.origin, &arguments.file);
-    let stand_in = if model.nature() == runtime::model::Nature::StandIn { " (a stand-in, no vision-language model)" } else { "" };
-    output::talk(&format!("{}: start {}, model {}{stand_in}", program.task, start.name, model.name()));
+    let stand_in = if model.nature() == runtime::model::Nature::StandIn {
+        " (a stand-in, no vision-language model)"
+    } else {
+        ""
+    };
+    output::talk(&format!(
+        "{}: start {}, model {}{stand_in}",
+        program.task,
+        start.name,
+        model.name()
+    ));
     let job = Job {
         program: &program,
         start: &start,
         subgoals: &subgoals,
-        models: Models { vision: model.as_ref(), text: model.as_ref() },
+        models: Models {
+            vision: model.as_ref(),
+            text: model.as_ref(),
+        },
         make_world: &make_world,
         cache: &setting::cache(),
         interrupt: &interrupt,
     };
     let report = rollout::run(&job, folder, &mut show).map_err(Failure::environment)?;
     if arguments.json {
-        output::json(&serde_json::to_value(&report).expect("a report has string keys and finite numbers"));
+        output::json(
+            &serde_json::to_value(&report).expect("a report has string keys and finite numbers"),
+        );
     } else {
-        output::data(&summary(&report, program.goal.as_ref().map(|goal| goal.below_m * 1000.0)));
+        output::data(&summary(
+            &report,
+            program.goal.as_ref().map(|goal| goal.below_m * 1000.0),
+        ));
     }
     Ok(exit_of(&report))
 }
@@ -80,7 +97,9 @@ fn prepare(
 fn say_origin(origin: Origin, file: &str) {
     match origin {
         Origin::Author | Origin::Pinned => {}
-        Origin::Drawn => output::talk(&format!("no subgoal pictures are pinned: drawn for this run; `fabc subgoals {file}` pins them")),
+        Origin::Drawn => output::talk(&format!(
+            "no subgoal pictures are pinned: drawn for this run; `fabc subgoals {file}` pins them"
+        )),
         Origin::DrawnAnew => output::talk(&format!(
             "warning: the pinned subgoal pictures show another fold, cloth or camera: drawn anew for this run; `fabc subgoals {file}` pins them"
         )),
@@ -92,16 +111,38 @@ fn show(event: Event<'_>) {
     match event {
         Event::Asked { step, attempt } => {
             if let Some(refusal) = refusal(attempt) {
-                output::talk(&format!("  step {step}, {} attempt {}: {refusal}", attempt.stage, attempt.number));
+                output::talk(&format!(
+                    "  step {step}, {} attempt {}: {refusal}",
+                    attempt.stage, attempt.number
+                ));
             }
         }
-        Event::Stepped { step, horizon, action, grasp, seconds } => {
-            let moved = if action.pick_px == action.pick_on_cloth_px { String::new() } else { format!(", taken at {} on the cloth", action.pick_on_cloth_px) };
-            let missed = if grasp == Grasp::Missed { ", nothing grasped" } else { "" };
-            output::talk(&format!("step {step}/{horizon}: pick {}{moved}, place {}{missed}   {seconds:.1} s", action.pick_px, action.place_px));
+        Event::Stepped {
+            step,
+            horizon,
+            action,
+            grasp,
+            seconds,
+        } => {
+            let moved = if action.pick_px == action.pick_on_cloth_px {
+                String::new()
+            } else {
+                format!(", taken at {} on the cloth", action.pick_on_cloth_px)
+            };
+            let missed = if grasp == Grasp::Missed {
+                ", nothing grasped"
+            } else {
+                ""
+            };
+            output::talk(&format!(
+                "step {step}/{horizon}: pick {}{moved}, place {}{missed}   {seconds:.1} s",
+                action.pick_px, action.place_px
+            ));
         }
         Event::SimulatingExperts { missing, total } => {
-            output::talk(&format!("simulating {missing} of {total} expert results to score against; they are kept for the next run"));
+            output::talk(&format!(
+                "simulating {missing} of {total} expert results to score against; they are kept for the next run"
+            ));
         }
         Event::Note(note) => output::talk(&format!("note: {note}")),
     }
@@ -110,10 +151,17 @@ fn show(event: Event<'_>) {
 /// Returns why an attempt led to nothing, where it did.
 fn refusal(attempt: &Attempt) -> Option<String> {
     match &attempt.finding {
-        Finding::Action { verdict: Verdict::Reject { check, message, .. }, .. } => Some(format!("refused by `{check}`: {message}")),
+        Finding::Action {
+            verdict: Verdict::Reject { check, message, .. },
+            ..
+        } => Some(format!("refused by `{check}`: {message}")),
         Finding::Malformed { message, .. } => Some(format!("not readable: {message}")),
         Finding::Failed { why } => Some(why.clone()),
-        Finding::Text { .. } | Finding::Action { verdict: Verdict::Accept, .. } => None,
+        Finding::Text { .. }
+        | Finding::Action {
+            verdict: Verdict::Accept,
+            ..
+        } => None,
     }
 }
 
@@ -121,16 +169,35 @@ fn summary(report: &RolloutReport, goal_mm: Option<f64>) -> String {
     let mut lines = vec![format!("outcome: {}", report.outcome.name())];
     if let Some(mm) = report.mean_particle_distance_mm {
         let goal = goal_mm.map_or(String::new(), |goal| format!(" (goal: below {goal:.0} mm)"));
-        lines.push(format!("mean particle distance to the nearest expert result: {mm:.1} mm{goal}"));
+        lines.push(format!(
+            "mean particle distance to the nearest expert result: {mm:.1} mm{goal}"
+        ));
     }
-    let stand_in = if report.model_is_stand_in { ", a stand-in and no vision-language model" } else { "" };
+    let stand_in = if report.model_is_stand_in {
+        ", a stand-in and no vision-language model"
+    } else {
+        ""
+    };
     lines.push(format!("model: {}{stand_in}", report.model));
-    let seconds = report.seconds.iter().filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
-    lines.push(format!("seconds: {}, in all {:.1}", seconds.collect::<Vec<_>>().join(", "), report.wall_s));
+    let seconds = report
+        .seconds
+        .iter()
+        .filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
+    lines.push(format!(
+        "seconds: {}, in all {:.1}",
+        seconds.collect::<Vec<_>>().join(", "),
+        report.wall_s
+    ));
     if report.experts_simulated > 0 {
-        lines.push(format!("of that, {} expert results were simulated for the first time", report.experts_simulated));
+        lines.push(format!(
+            "of that, {} expert results were simulated for the first time",
+            report.experts_simulated
+        ));
     }
-    lines.push(format!("run folder: {} (contact sheet: sheet.png)", report.run_dir));
+    lines.push(format!(
+        "run folder: {} (contact sheet: sheet.png)",
+        report.run_dir
+    ));
     lines.join("\n")
 }
 

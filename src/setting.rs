@@ -22,7 +22,9 @@ pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
 pub fn model(name: &str) -> Result<Box<dyn Model>, Failure> {
     match name {
         "geometric" => Ok(Box::new(Geometric)),
-        _ => Err(Failure::usage(format!("there is no model `{name}`; there is {MODELS}"))),
+        _ => Err(Failure::usage(format!(
+            "there is no model `{name}`; there is {MODELS}"
+        ))),
     }
 }
 
@@ -30,12 +32,16 @@ pub fn model(name: &str) -> Result<Box<dyn Model>, Failure> {
 pub fn start(program: &Program, arguments: &StartArguments) -> Result<Start, Failure> {
     let Some(text) = &arguments.start else {
         return match arguments.dims {
-            Some(_) => Err(Failure::usage("`--dims` and `--up` describe a start file; name it with `--start FILE.npy`")),
+            Some(_) => Err(Failure::usage(
+                "`--dims` and `--up` describe a start file; name it with `--start FILE.npy`",
+            )),
             None => Ok(Start::flat(&program.cloth)),
         };
     };
     if text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty() {
-        let seed = text.parse().map_err(|_| Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX)))?;
+        let seed = text.parse().map_err(|_| {
+            Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX))
+        })?;
         return Ok(Start::seeded(&program.cloth, seed));
     }
     let stated = match (&arguments.dims, &arguments.up) {
@@ -46,22 +52,38 @@ pub fn start(program: &Program, arguments: &StartArguments) -> Result<Start, Fai
 }
 
 fn stated_frame(dims: &str, up: &str, spacing_m: f64) -> Result<StartFrame, Failure> {
-    let sides = dims.split_once('x').and_then(|(x, y)| Some((x.parse::<u32>().ok()?, y.parse::<u32>().ok()?)));
+    let sides = dims
+        .split_once('x')
+        .and_then(|(x, y)| Some((x.parse::<u32>().ok()?, y.parse::<u32>().ok()?)));
     let Some((dimx, dimy)) = sides.filter(|(dimx, dimy)| *dimx >= 2 && *dimy >= 2) else {
-        return Err(Failure::usage(format!("`--dims {dims}` is no grid; write two counts of at least 2, such as `55x44`")));
+        return Err(Failure::usage(format!(
+            "`--dims {dims}` is no grid; write two counts of at least 2, such as `55x44`"
+        )));
     };
     let up = if up == "y" { Up::Y } else { Up::Z };
-    Ok(StartFrame { grid: Grid { dimx, dimy, spacing_m }, up })
+    Ok(StartFrame {
+        grid: Grid {
+            dimx,
+            dimy,
+            spacing_m,
+        },
+        up,
+    })
 }
 
 /// Returns the folder that holds a file, for what lies beside it.
 pub fn folder_of(file: &str) -> PathBuf {
-    Path::new(file).parent().map(Path::to_owned).unwrap_or_default()
+    Path::new(file)
+        .parent()
+        .map(Path::to_owned)
+        .unwrap_or_default()
 }
 
 /// Opens the user's cache; `FABC_CACHE_DIR` names another place.
 pub fn cache() -> Cache {
-    let named = std::env::var_os("FABC_CACHE_DIR").filter(|value| !value.is_empty()).map(PathBuf::from);
+    let named = std::env::var_os("FABC_CACHE_DIR")
+        .filter(|value| !value.is_empty())
+        .map(PathBuf::from);
     match named.or_else(|| dirs::cache_dir().map(|folder| folder.join("fabc"))) {
         Some(folder) => Cache::at(folder.join("experts")),
         None => Cache::none(),

@@ -17,17 +17,26 @@ impl Loader for Disk {
     fn load(&self, name: &str) -> Result<String, LoadError> {
         let wrong = |message: String| LoadError { message };
         let path = Path::new(name);
-        let information = fs::metadata(path).map_err(|error| wrong(format!("cannot read `{name}`: {error}")))?;
+        let information =
+            fs::metadata(path).map_err(|error| wrong(format!("cannot read `{name}`: {error}")))?;
         if information.is_dir() {
-            return Err(wrong(format!("cannot read `{name}`: it is a directory, and a .fab file is wanted")));
+            return Err(wrong(format!(
+                "cannot read `{name}`: it is a directory, and a .fab file is wanted"
+            )));
         }
         if information.len() > MAX_BYTES {
-            return Err(wrong(format!("cannot read `{name}`: it has {} bytes, and at most {MAX_BYTES} are read", information.len())));
+            return Err(wrong(format!(
+                "cannot read `{name}`: it has {} bytes, and at most {MAX_BYTES} are read",
+                information.len()
+            )));
         }
-        let bytes = fs::read(path).map_err(|error| wrong(format!("cannot read `{name}`: {error}")))?;
+        let bytes =
+            fs::read(path).map_err(|error| wrong(format!("cannot read `{name}`: {error}")))?;
         String::from_utf8(bytes).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
-            wrong(format!("cannot read `{name}`: it is not UTF-8 text, byte {at} does not belong there"))
+            wrong(format!(
+                "cannot read `{name}`: it is not UTF-8 text, byte {at} does not belong there"
+            ))
         })
     }
 }
@@ -43,24 +52,43 @@ pub fn compile(file: &str) -> Result<Compiled, Failure> {
 pub fn compile_task(file: &str, wanted: Option<&str>) -> Result<Program, Failure> {
     let mut compiled = compile(file)?;
     if !compiled.diagnostics.is_empty() {
-        output::talk(diag::to_text(&compiled.diagnostics, &compiled.sources, output::talk_color()).trim_end());
+        output::talk(
+            diag::to_text(
+                &compiled.diagnostics,
+                &compiled.sources,
+                output::talk_color(),
+            )
+            .trim_end(),
+        );
     }
     if compiled.has_errors() {
         return Err(Failure::author(format!("`{file}` cannot be compiled")));
     }
-    let names: Vec<String> = compiled.programs.iter().map(|program| format!("`{}`", program.task)).collect();
+    let names: Vec<String> = compiled
+        .programs
+        .iter()
+        .map(|program| format!("`{}`", program.task))
+        .collect();
     let names = names.join(", ");
     match wanted {
-        Some(wanted) => match compiled.programs.iter().position(|program| program.task == wanted) {
+        Some(wanted) => match compiled
+            .programs
+            .iter()
+            .position(|program| program.task == wanted)
+        {
             Some(index) => Ok(compiled.programs.swap_remove(index)),
-            None => Err(Failure::usage(format!("`{file}` declares no runnable task `{wanted}`; it declares {names}"))),
+            None => Err(Failure::usage(format!(
+                "`{file}` declares no runnable task `{wanted}`; it declares {names}"
+            ))),
         },
         None => match compiled.programs.len() {
             1 => Ok(compiled.programs.swap_remove(0)),
             0 => Err(Failure::author(format!(
                 "`{file}` declares no task that can run: one needs at least a cloth, subgoals, actions and stages, its own or from the task it extends"
             ))),
-            _ => Err(Failure::usage(format!("`{file}` declares several tasks; choose one with `--task`: {names}"))),
+            _ => Err(Failure::usage(format!(
+                "`{file}` declares several tasks; choose one with `--task`: {names}"
+            ))),
         },
     }
 }

@@ -19,16 +19,28 @@ pub fn run(arguments: &SubgoalsArguments) -> Result<Exit, Failure> {
     let mut world = setting::world(&program).map_err(Failure::environment)?;
     let drawn = SubgoalSet::draw(&program, world.as_mut(), &interrupt);
     let set = match drawn {
-        Err(runtime::subgoals::SubgoalError::World(WorldError::Interrupted)) => return Ok(Exit::Interrupted),
+        Err(runtime::subgoals::SubgoalError::World(WorldError::Interrupted)) => {
+            return Ok(Exit::Interrupted);
+        }
         drawn => drawn.map_err(Failure::environment)?,
     };
-    let mut files = set.pin(&program, &folder, &world.parameters()).map_err(Failure::environment)?;
+    let mut files = set
+        .pin(&program, &folder, &world.parameters())
+        .map_err(Failure::environment)?;
     if set.origin == Origin::Author {
-        output::talk(&format!("`{}` brings its own pictures; nothing is drawn", program.task));
+        output::talk(&format!(
+            "`{}` brings its own pictures; nothing is drawn",
+            program.task
+        ));
     }
     if let Some(path) = &arguments.sheet {
-        std::fs::write(path, picture::encode(&sheet(&set).map_err(Failure::environment)?))
-            .map_err(|error| Failure::environment(format!("cannot write `{}`: {error}", path.display())))?;
+        std::fs::write(
+            path,
+            picture::encode(&sheet(&set).map_err(Failure::environment)?),
+        )
+        .map_err(|error| {
+            Failure::environment(format!("cannot write `{}`: {error}", path.display()))
+        })?;
         files.push(path.clone());
     }
     report(&files, arguments);
@@ -38,13 +50,27 @@ pub fn run(arguments: &SubgoalsArguments) -> Result<Exit, Failure> {
 /// Lays all pictures side by side, each with the arrow that leaves it.
 fn sheet(set: &SubgoalSet) -> Result<RgbImage, VisionError> {
     const GAP_PX: u32 = 8;
-    let width = set.pictures.iter().map(|picture| picture.width() + GAP_PX).sum::<u32>() - GAP_PX;
+    let width = set
+        .pictures
+        .iter()
+        .map(|picture| picture.width() + GAP_PX)
+        .sum::<u32>()
+        - GAP_PX;
     let height = set.pictures.iter().map(RgbImage::height).max().unwrap_or(1);
     let mut sheet = RgbImage::from_pixel(width, height, image::Rgb([255; 3]));
     let mut left = 0;
     for (number, bare) in set.pictures.iter().enumerate() {
         let last = number + 1 == set.pictures.len();
-        let shown = if last { bare.clone() } else { set.step(number)?.picture(Picture { subgoal: Which::Now, arrow: Arrow::Drawn }).clone() };
+        let shown = if last {
+            bare.clone()
+        } else {
+            set.step(number)?
+                .picture(Picture {
+                    subgoal: Which::Now,
+                    arrow: Arrow::Drawn,
+                })
+                .clone()
+        };
         imageops::replace(&mut sheet, &shown, i64::from(left), 0);
         left += shown.width() + GAP_PX;
     }
@@ -52,7 +78,10 @@ fn sheet(set: &SubgoalSet) -> Result<RgbImage, VisionError> {
 }
 
 fn report(files: &[PathBuf], arguments: &SubgoalsArguments) {
-    let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    let names: Vec<String> = files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect();
     if arguments.json {
         output::json(&json!({ "files": names }));
     } else if !names.is_empty() {

@@ -4,11 +4,10 @@
 //! its place, which gives the exact position and what was expected there. A line of junk right after
 //! another is silent unless it looks like a statement of its own, so that one slip gives one fault.
 
-use crate::rules::{FabParser, Rule};
+use crate::measure::{is_word, measure, token_at, unexpected};
+use crate::rules::Rule;
 use crate::tree::{Kind, Node, Tree};
-use crate::vocabulary::{self, ITEMS, SECTIONS, STAGE, SUBGOALS, VERIFY};
-use pest::Parser;
-use pest::error::{ErrorVariant, InputLocation};
+use crate::vocabulary::{ITEMS, SECTIONS, STAGE, SUBGOALS, VERIFY};
 use std::ops::Range;
 
 /// One place where the form is wrong.

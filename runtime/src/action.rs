@@ -35,10 +35,19 @@ impl Action {
         let place_px = proposal.get("place")?;
         let pick_on_cloth_px = scene.cloth()?.nearest(pick_px)?;
         let at = |pixel: PixelPoint| scene.located(pixel).unwrap_or_else(|| center_of(pixel));
-        let pick_at = if scene.located(pick_px).is_some() { at(pick_px) } else { center_of(pick_on_cloth_px) };
+        let pick_at = if scene.located(pick_px).is_some() {
+            at(pick_px)
+        } else {
+            center_of(pick_on_cloth_px)
+        };
         let pick = point_on_surface(pick_on_cloth_px, pick_at, observation)?;
         let place = point_on_surface(place_px, at(place_px), observation)?;
-        Some(Action { pick_px, pick_on_cloth_px, place_px, motion: Motion { pick, place } })
+        Some(Action {
+            pick_px,
+            pick_on_cloth_px,
+            place_px,
+            motion: Motion { pick, place },
+        })
     }
 }
 
@@ -46,10 +55,18 @@ impl Action {
 /// the table there.
 ///
 /// `None` where the camera does not look down at the table.
-fn point_on_surface(pixel: PixelPoint, at: [f64; 2], observation: &Observation) -> Option<WorldPoint> {
+fn point_on_surface(
+    pixel: PixelPoint,
+    at: [f64; 2],
+    observation: &Observation,
+) -> Option<WorldPoint> {
     let camera = &observation.camera;
-    let [column, row] = [pixel.u, pixel.v].map(|coordinate| u32::try_from(coordinate).unwrap_or(u32::MAX));
-    let reading = observation.depth_m.get_pixel_checked(column, row).map_or(0.0, |depth| f64::from(depth.0[0]));
+    let [column, row] =
+        [pixel.u, pixel.v].map(|coordinate| u32::try_from(coordinate).unwrap_or(u32::MAX));
+    let reading = observation
+        .depth_m
+        .get_pixel_checked(column, row)
+        .map_or(0.0, |depth| f64::from(depth.0[0]));
     camera.world_from_pixel(at, reading).or_else(|| {
         let on_ray = camera.world_from_pixel(at, 1.0)?;
         let eye = WorldPoint::from(camera.world_from_camera.translation.vector);

@@ -158,11 +158,26 @@ struct Talk<'a> {
 }
 
 impl<'a> Talk<'a> {
-    fn begin(program: &Program, stage: &'a Stage, pictures: &StepPictures, bindings: &Bindings) -> Result<Self, RenderError> {
-        Ok(Talk { stage, messages: conversation(program, stage, bindings, |picture| pictures.png(picture))?, asked: 0 })
+    fn begin(
+        program: &Program,
+        stage: &'a Stage,
+        pictures: &StepPictures,
+        bindings: &Bindings,
+    ) -> Result<Self, RenderError> {
+        Ok(Talk {
+            stage,
+            messages: conversation(program, stage, bindings, |picture| pictures.png(picture))?,
+            asked: 0,
+        })
     }
 
-    fn ask<E>(&mut self, program: &Program, scene: &Scene, model: &dyn Model, bindings: &Bindings) -> Result<Attempt, AgentError<E>> {
+    fn ask<E>(
+        &mut self,
+        program: &Program,
+        scene: &Scene,
+        model: &dyn Model,
+        bindings: &Bindings,
+    ) -> Result<Attempt, AgentError<E>> {
         self.asked += 1;
         let request = Request {
             role: self.stage.model,
@@ -179,17 +194,36 @@ impl<'a> Talk<'a> {
                 let finding = judge(program, self.stage, scene, bindings, &reply.text)?;
                 (Some(reply), finding)
             }
-            Err(error) => (None, Finding::Failed { why: error.to_string() }),
+            Err(error) => (
+                None,
+                Finding::Failed {
+                    why: error.to_string(),
+                },
+            ),
         };
-        Ok(Attempt { stage: self.stage.name.clone(), number: self.asked, request, reply, finding, took })
+        Ok(Attempt {
+            stage: self.stage.name.clone(),
+            number: self.asked,
+            request,
+            reply,
+            finding,
+            took,
+        })
     }
 
     fn conclude(&mut self, attempt: Attempt, attempts: u32) -> Next {
         let (correction, outcome) = match attempt.finding {
             Finding::Text { name, value, .. } => return Next::Done(Answer::Text { name, value }),
-            Finding::Action { fields, verdict: Verdict::Accept, .. } => return Next::Done(Answer::Action(Proposal { fields })),
+            Finding::Action {
+                fields,
+                verdict: Verdict::Accept,
+                ..
+            } => return Next::Done(Answer::Action(Proposal { fields })),
             Finding::Failed { .. } => return Next::Done(Answer::None(Outcome::ModelFailed)),
-            Finding::Action { verdict: Verdict::Reject { message, .. }, .. } => (message, Outcome::AttemptsExhausted),
+            Finding::Action {
+                verdict: Verdict::Reject { message, .. },
+                ..
+            } => (message, Outcome::AttemptsExhausted),
             Finding::Malformed { message, .. } => (message, Outcome::MalformedReply),
         };
         if self.asked >= attempts {
@@ -218,24 +252,47 @@ pub fn conversation(
             PromptSpeaker::User => Speaker::User,
         };
         let mut parts = vec![Part::Text(prompt.text)];
-        parts.extend(prompt.pictures.into_iter().map(|picture| Part::Image(png(picture))));
+        parts.extend(
+            prompt
+                .pictures
+                .into_iter()
+                .map(|picture| Part::Image(png(picture))),
+        );
         Message { speaker, parts }
     };
     Ok(prompts.into_iter().map(message).collect())
 }
 
 /// Reads an answer and, where it proposes an action, lets the verifier judge it.
-fn judge(program: &Program, stage: &Stage, scene: &Scene, bindings: &Bindings, text: &str) -> Result<Finding, RenderError> {
+fn judge(
+    program: &Program,
+    stage: &Stage,
+    scene: &Scene,
+    bindings: &Bindings,
+    text: &str,
+) -> Result<Finding, RenderError> {
     let malformed = |Malformed { field, message }| Finding::Malformed { field, message };
     match &stage.read {
-        Read::Text { name, before, after } => Ok(match reply::read_text(before, after, text) {
-            Ok(Reading { value, repairs }) => Finding::Text { name: name.clone(), value, repairs },
+        Read::Text {
+            name,
+            before,
+            after,
+        } => Ok(match reply::read_text(before, after, text) {
+            Ok(Reading { value, repairs }) => Finding::Text {
+                name: name.clone(),
+                value,
+                repairs,
+            },
             Err(error) => malformed(error),
         }),
         Read::Action => match reply::read_action(program, text) {
             Ok(Reading { value, repairs }) => {
                 let verdict = verify::verdict(program, scene, &value, bindings)?;
-                Ok(Finding::Action { fields: value.fields, repairs, verdict })
+                Ok(Finding::Action {
+                    fields: value.fields,
+                    repairs,
+                    verdict,
+                })
             }
             Err(error) => Ok(malformed(error)),
         },

@@ -16,7 +16,9 @@ pub struct Cache {
 impl Cache {
     /// Keeps results in `folder`, which is made when first needed.
     pub fn at(folder: PathBuf) -> Cache {
-        Cache { folder: Some(folder) }
+        Cache {
+            folder: Some(folder),
+        }
     }
 
     /// Keeps nothing.
@@ -31,7 +33,9 @@ impl Cache {
 
     /// Keeps bytes under `key`; says why where they cannot be kept.
     pub fn put(&self, key: &str, bytes: &[u8]) -> Result<(), String> {
-        let Some(folder) = &self.folder else { return Ok(()) };
+        let Some(folder) = &self.folder else {
+            return Ok(());
+        };
         fs::create_dir_all(folder)
             .and_then(|()| store::write_whole(&folder.join(key), bytes))
             .map_err(|error| format!("cannot keep a result in `{}`: {error}", folder.display()))

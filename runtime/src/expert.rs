@@ -49,21 +49,41 @@ pub fn ends(
     announce: &mut dyn FnMut(usize),
 ) -> Result<ExpertEnds, WorldError> {
     let world = make_world()?;
-    let keys: Vec<String> = sequences.iter().map(|sequence| key(sequence, start, world.as_ref())).collect();
-    let mut known: Vec<Option<Vec<[f32; 3]>>> = keys.iter().map(|key| kept(cache, key, start)).collect();
-    let missing: Vec<usize> = (0..known.len()).filter(|&index| known[index].is_none()).collect();
+    let keys: Vec<String> = sequences
+        .iter()
+        .map(|sequence| key(sequence, start, world.as_ref()))
+        .collect();
+    let mut known: Vec<Option<Vec<[f32; 3]>>> =
+        keys.iter().map(|key| kept(cache, key, start)).collect();
+    let missing: Vec<usize> = (0..known.len())
+        .filter(|&index| known[index].is_none())
+        .collect();
     let mut not_kept = None;
     if !missing.is_empty() {
         announce(missing.len());
         for (index, result) in simulate(sequences, &missing, start, make_world, interrupt) {
             let positions = result?;
-            not_kept = cache.put(&keys[index], &npy::encode(&positions)).err().or(not_kept);
+            not_kept = cache
+                .put(&keys[index], &npy::encode(&positions))
+                .err()
+                .or(not_kept);
             known[index] = Some(positions);
         }
     }
     let ends = known.into_iter().enumerate();
-    let ends = ends.filter_map(|(sequence, positions)| Some(ExpertEnd { sequence, positions: positions? })).collect();
-    Ok(ExpertEnds { ends, simulated: missing.len(), not_kept })
+    let ends = ends
+        .filter_map(|(sequence, positions)| {
+            Some(ExpertEnd {
+                sequence,
+                positions: positions?,
+            })
+        })
+        .collect();
+    Ok(ExpertEnds {
+        ends,
+        simulated: missing.len(),
+        not_kept,
+    })
 }
 
 /// Runs the missing sequences, one world per thread; results in the order of `missing`.
@@ -76,14 +96,19 @@ fn simulate(
 ) -> Vec<(usize, Result<Vec<[f32; 3]>, WorldError>)> {
     let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::with_capacity(missing.len()));
-    let threads = thread::available_parallelism().map_or(1, usize::from).min(missing.len());
+    let threads = thread::available_parallelism()
+        .map_or(1, usize::from)
+        .min(missing.len());
     thread::scope(|scope| {
         for _ in 0..threads {
             scope.spawn(|| {
                 while let Some(&index) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let result = end_of(&sequences[index], start, make_world, interrupt);
                     let stop = result.is_err();
-                    results.lock().expect("no thread panics while it holds the results").push((index, result));
+                    results
+                        .lock()
+                        .expect("no thread panics while it holds the results")
+                        .push((index, result));
                     if stop {
                         break;
                     }
@@ -132,23 +157,31 @@ pub fn motion(fold: &Fold, start: &Start, world: &dyn World) -> Result<Motion, W
     };
     let pick = locate(&fold.pick)?;
     let target = locate(&fold.place)?;
-    Ok(Motion { pick, place: pick + (target - pick) * fold.fraction })
+    Ok(Motion {
+        pick,
+        place: pick + (target - pick) * fold.fraction,
+    })
 }
 
 /// Returns the index of the particle at a place in the flat cloth; edge middles round down, as in
 /// the recorded demonstrations.
 fn particle_index(grid: Grid, right: f64, front: f64) -> usize {
-    let along = |fraction: f64, count: u32| (fraction.clamp(0.0, 1.0) * f64::from(count - 1)).floor() as usize;
+    let along = |fraction: f64, count: u32| {
+        (fraction.clamp(0.0, 1.0) * f64::from(count - 1)).floor() as usize
+    };
     along(front, grid.dimy) * grid.dimx as usize + along(right, grid.dimx)
 }
 
 fn no_particles() -> WorldError {
-    WorldError::Motion { why: "this world does not know where the cloth's particles are".to_owned() }
+    WorldError::Motion {
+        why: "this world does not know where the cloth's particles are".to_owned(),
+    }
 }
 
 fn kept(cache: &Cache, key: &str, start: &Start) -> Option<Vec<[f32; 3]>> {
     let positions = npy::decode(&cache.get(key)?)?;
-    let whole = positions.len() == start.positions.len() && positions.iter().flatten().all(|value| value.is_finite());
+    let whole = positions.len() == start.positions.len()
+        && positions.iter().flatten().all(|value| value.is_finite());
     whole.then_some(positions)
 }
 
@@ -176,7 +209,11 @@ mod tests {
 
     #[test]
     fn corners_and_edge_middles_are_the_recorded_particles() {
-        let grid = Grid { dimx: 55, dimy: 44, spacing_m: 0.00625 };
+        let grid = Grid {
+            dimx: 55,
+            dimy: 44,
+            spacing_m: 0.00625,
+        };
         let index = |right, front| particle_index(grid, right, front);
         assert_eq!(index(0.0, 0.0), 0);
         assert_eq!(index(0.0, 1.0), 55 * 43);

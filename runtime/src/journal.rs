@@ -84,20 +84,36 @@ pub struct StepLine {
 impl RunFolder {
     /// Makes a folder for one rollout; it must not exist or be empty.
     pub fn create(path: &Path) -> Result<RunFolder, JournalError> {
-        let unwritable = |path: &Path, error: std::io::Error| JournalError::Unwritable { path: path.to_owned(), why: error.to_string() };
+        let unwritable = |path: &Path, error: std::io::Error| JournalError::Unwritable {
+            path: path.to_owned(),
+            why: error.to_string(),
+        };
         fs::create_dir_all(path).map_err(|error| unwritable(path, error))?;
         let mut entries = fs::read_dir(path).map_err(|error| unwritable(path, error))?;
         if entries.next().is_some() {
-            return Err(JournalError::NotEmpty { path: path.to_owned() });
+            return Err(JournalError::NotEmpty {
+                path: path.to_owned(),
+            });
         }
         let file = path.join(JOURNAL_FILE);
-        let journal = OpenOptions::new().create_new(true).append(true).open(&file).map_err(|error| unwritable(&file, error))?;
-        Ok(RunFolder { path: path.to_owned(), journal, images: BTreeSet::new() })
+        let journal = OpenOptions::new()
+            .create_new(true)
+            .append(true)
+            .open(&file)
+            .map_err(|error| unwritable(&file, error))?;
+        Ok(RunFolder {
+            path: path.to_owned(),
+            journal,
+            images: BTreeSet::new(),
+        })
     }
 
     /// Makes the first free folder `NAME-0001`, `NAME-0002`, … in `parent`.
     pub fn create_next(parent: &Path, name: &str) -> Result<RunFolder, JournalError> {
-        let unwritable = |error: std::io::Error| JournalError::Unwritable { path: parent.to_owned(), why: error.to_string() };
+        let unwritable = |error: std::io::Error| JournalError::Unwritable {
+            path: parent.to_owned(),
+            why: error.to_string(),
+        };
         fs::create_dir_all(parent).map_err(unwritable)?;
         for number in 1..=9999u32 {
             let candidate = parent.join(format!("{name}-{number:04}"));
@@ -107,7 +123,10 @@ impl RunFolder {
                 Err(error) => return Err(unwritable(error)),
             }
         }
-        Err(JournalError::Unwritable { path: parent.to_owned(), why: format!("it holds 9999 runs of `{name}` already") })
+        Err(JournalError::Unwritable {
+            path: parent.to_owned(),
+            why: format!("it holds 9999 runs of `{name}` already"),
+        })
     }
 
     /// Removes a folder in which nothing has been written yet.
@@ -127,7 +146,10 @@ impl RunFolder {
     pub fn append(&mut self, line: &Line<'_>) -> Result<(), JournalError> {
         let mut text = serde_json::to_string(line).expect("journal lines have string keys");
         text.push('\n');
-        let written = self.journal.write_all(text.as_bytes()).and_then(|()| self.journal.sync_data());
+        let written = self
+            .journal
+            .write_all(text.as_bytes())
+            .and_then(|()| self.journal.sync_data());
         written.map_err(|error| self.unwritable(JOURNAL_FILE, &error))
     }
 
@@ -144,9 +166,13 @@ impl RunFolder {
     pub fn keep_attempt(&mut self, step: u32, attempt: &Attempt) -> Result<Value, JournalError> {
         self.keep_images(&attempt.request)?;
         let stem = format!("step_{step}/{}_{}", attempt.stage, attempt.number);
-        let request = serde_json::to_vec_pretty(&attempt.request).expect("a request holds strings and finite numbers");
+        let request = serde_json::to_vec_pretty(&attempt.request)
+            .expect("a request holds strings and finite numbers");
         let request_file = self.keep(&format!("{stem}.request.json"), &request)?;
-        let prompt_file = self.keep(&format!("{stem}.prompt.txt"), transcript(&attempt.request).as_bytes())?;
+        let prompt_file = self.keep(
+            &format!("{stem}.prompt.txt"),
+            transcript(&attempt.request).as_bytes(),
+        )?;
         let reply_file = match &attempt.reply {
             Some(reply) => Some(self.keep(&format!("{stem}.reply.txt"), reply.text.as_bytes())?),
             None => None,
@@ -176,7 +202,10 @@ impl RunFolder {
     }
 
     fn unwritable(&self, name: &str, error: &std::io::Error) -> JournalError {
-        JournalError::Unwritable { path: self.path.join(name), why: error.to_string() }
+        JournalError::Unwritable {
+            path: self.path.join(name),
+            why: error.to_string(),
+        }
     }
 }
 
@@ -197,7 +226,9 @@ pub fn transcript(request: &Request) -> String {
         for part in &message.parts {
             match part {
                 Part::Text(words) => text.push_str(words),
-                Part::Image(png) => text.push_str(&format!("[picture {}]", image_name(png.sha256()))),
+                Part::Image(png) => {
+                    text.push_str(&format!("[picture {}]", image_name(png.sha256())))
+                }
             }
             text.push('\n');
         }

@@ -12,8 +12,8 @@
 
 pub mod rollout;
 
-pub mod agent;
 pub mod action;
+pub mod agent;
 pub mod scene;
 
 pub mod model;

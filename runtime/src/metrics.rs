@@ -13,7 +13,11 @@ pub fn mean_particle_distance_m(a: &[[f32; 3]], b: &[[f32; 3]]) -> Option<f64> {
 }
 
 fn distance_m(a: &[f32; 3], b: &[f32; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum::<f64>().sqrt()
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2))
+        .sum::<f64>()
+        .sqrt()
 }
 
 #[cfg(test)]

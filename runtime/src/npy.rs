@@ -12,7 +12,9 @@ pub fn encode(positions: &[[f32; 3]]) -> Vec<u8> {
         .writer(&mut bytes)
         .begin_nd()
         .expect(INVARIANT);
-    writer.extend(positions.iter().flatten().copied()).expect(INVARIANT);
+    writer
+        .extend(positions.iter().flatten().copied())
+        .expect(INVARIANT);
     writer.finish().expect(INVARIANT);
     bytes
 }
@@ -20,7 +22,9 @@ pub fn encode(positions: &[[f32; 3]]) -> Vec<u8> {
 /// Decodes what [`encode`] wrote; `None` for anything else.
 pub fn decode(bytes: &[u8]) -> Option<Vec<[f32; 3]>> {
     let array = npyz::NpyFile::new(bytes).ok()?;
-    let &[count, 3] = array.shape() else { return None };
+    let &[count, 3] = array.shape() else {
+        return None;
+    };
     // A damaged header may promise more than there is; never reserve memory on its word.
     if count.checked_mul(12)? > bytes.len() as u64 {
         return None;

@@ -64,7 +64,10 @@ mod tests {
             Outcome::WorldFailed,
             Outcome::Interrupted,
         ] {
-            assert_eq!(serde_json::json!(outcome), serde_json::json!(outcome.name()));
+            assert_eq!(
+                serde_json::json!(outcome),
+                serde_json::json!(outcome.name())
+            );
         }
     }
 }

@@ -29,7 +29,9 @@ pub enum PictureError {
         why: String,
     },
     /// The picture is too large.
-    #[error("`{path}` is {found}; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels and {MAX_BYTES} bytes are read")]
+    #[error(
+        "`{path}` is {found}; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels and {MAX_BYTES} bytes are read"
+    )]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -40,13 +42,19 @@ pub enum PictureError {
 
 /// Reads a PNG file.
 pub fn load(path: &Path) -> Result<RgbImage, PictureError> {
-    let unreadable = |why: String| PictureError::Unreadable { path: path.to_owned(), why };
+    let unreadable = |why: String| PictureError::Unreadable {
+        path: path.to_owned(),
+        why,
+    };
     let information = std::fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
     if information.is_dir() {
         return Err(unreadable("it is a directory".to_owned()));
     }
     if information.len() > MAX_BYTES {
-        return Err(PictureError::TooLarge { path: path.to_owned(), found: format!("{} bytes long", information.len()) });
+        return Err(PictureError::TooLarge {
+            path: path.to_owned(),
+            found: format!("{} bytes long", information.len()),
+        });
     }
     let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
     decode(&bytes, path)
@@ -54,23 +62,34 @@ pub fn load(path: &Path) -> Result<RgbImage, PictureError> {
 
 /// Decodes the bytes of a PNG file; `path` names them in errors.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<RgbImage, PictureError> {
-    let wrong = |why: String| PictureError::NotAPicture { path: path.to_owned(), why };
+    let wrong = |why: String| PictureError::NotAPicture {
+        path: path.to_owned(),
+        why,
+    };
     let size = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png).into_dimensions();
     let (width, height) = size.map_err(|error| wrong(error.to_string()))?;
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX {
-        return Err(PictureError::TooLarge { path: path.to_owned(), found: format!("{width} by {height} pixels") });
+        return Err(PictureError::TooLarge {
+            path: path.to_owned(),
+            found: format!("{width} by {height} pixels"),
+        });
     }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE_PX);
     limits.max_image_height = Some(MAX_SIDE_PX);
     reader.limits(limits);
-    Ok(reader.decode().map_err(|error| wrong(error.to_string()))?.into_rgb8())
+    Ok(reader
+        .decode()
+        .map_err(|error| wrong(error.to_string()))?
+        .into_rgb8())
 }
 
 /// Encodes a picture as PNG.
 pub fn encode(picture: &RgbImage) -> Vec<u8> {
     let mut bytes = Vec::new();
-    picture.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png).expect("an RGB picture in memory can be encoded");
+    picture
+        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
+        .expect("an RGB picture in memory can be encoded");
     bytes
 }

@@ -110,7 +110,11 @@ impl From<AgentError<JournalError>> for RunError {
 ///
 /// Fails where the world cannot take the start, or the folder cannot be written; any other end is an
 /// [`Outcome`] in the report.
-pub fn run(job: &Job<'_>, folder: RunFolder, progress: &mut dyn FnMut(Event<'_>)) -> Result<Report, RunError> {
+pub fn run(
+    job: &Job<'_>,
+    folder: RunFolder,
+    progress: &mut dyn FnMut(Event<'_>),
+) -> Result<Report, RunError> {
     let begun = Instant::now();
     let mut world = (job.make_world)()?;
     world.reset(job.start)?;
@@ -119,8 +123,22 @@ pub fn run(job: &Job<'_>, folder: RunFolder, progress: &mut dyn FnMut(Event<'_>)
     let mut first_scene = None;
     let mut end = Outcome::HorizonReached;
     for step in 1..=job.program.horizon {
-        let mut turn = Turn { job, step, line: StepLine { step, ..StepLine::default() }, timer: Timer::default() };
-        let stopped = turn.take(world.as_mut(), &mut first_scene, &mut keeper, &mut sheet, progress)?;
+        let mut turn = Turn {
+            job,
+            step,
+            line: StepLine {
+                step,
+                ..StepLine::default()
+            },
+            timer: Timer::default(),
+        };
+        let stopped = turn.take(
+            world.as_mut(),
+            &mut first_scene,
+            &mut keeper,
+            &mut sheet,
+            progress,
+        )?;
         turn.timer.write(&mut turn.line.seconds);
         keeper.folder.append(&Line::Step(&turn.line))?;
         keeper.count(&turn.line, &turn.timer);
@@ -129,10 +147,16 @@ pub fn run(job: &Job<'_>, folder: RunFolder, progress: &mut dyn FnMut(Event<'_>)
             break;
         }
     }
-    let score = if end == Outcome::HorizonReached { score(job, world.as_ref(), &mut keeper, progress)? } else { Scored::Absent };
+    let score = if end == Outcome::HorizonReached {
+        score(job, world.as_ref(), &mut keeper, progress)?
+    } else {
+        Scored::Absent
+    };
     let outcome = match &score {
         Scored::Interrupted => Outcome::Interrupted,
-        Scored::Found(score) if meets(job.program.goal.as_ref(), score.distance_m) => Outcome::GoalReached,
+        Scored::Found(score) if meets(job.program.goal.as_ref(), score.distance_m) => {
+            Outcome::GoalReached
+        }
         _ => end,
     };
     keeper.close(job, outcome, score.found(), &sheet, begun.elapsed())
@@ -166,7 +190,9 @@ impl Turn<'_> {
             Err(error) => return Ok(self.stop_for(&error)),
         };
         keeper.keep_picture(&mut self.line, "before", &observation.rgb)?;
-        let scene = match self.timer.time("keypoints", || Scene::of(job.program, &observation, first_scene.as_ref())) {
+        let scene = match self.timer.time("keypoints", || {
+            Scene::of(job.program, &observation, first_scene.as_ref())
+        }) {
             Ok(scene) => scene,
             Err(error) => {
                 let outcome = match &error {
@@ -181,20 +207,31 @@ impl Turn<'_> {
         first_scene.get_or_insert_with(|| scene.clone());
         let pictures = job.subgoals.step(step as usize - 1)?;
         let mut record = |attempt: &Attempt| {
-            self.line.attempts.push(keeper.folder.keep_attempt(step, attempt)?);
+            self.line
+                .attempts
+                .push(keeper.folder.keep_attempt(step, attempt)?);
             self.timer.add(&attempt.stage, attempt.took);
             progress(Event::Asked { step, attempt });
             Ok(())
         };
-        let proposal = match agent::decide(job.program, &scene, &pictures, job.models, &mut record)? {
+        let proposal = match agent::decide(job.program, &scene, &pictures, job.models, &mut record)?
+        {
             Decision::Act(proposal) => proposal,
-            Decision::Stop(outcome) => return Ok(self.stop(outcome, "no answer could be executed; the attempts say why")),
+            Decision::Stop(outcome) => {
+                return Ok(self.stop(outcome, "no answer could be executed; the attempts say why"));
+            }
         };
         let Some(action) = Action::lower(&proposal, &scene, &observation) else {
-            return Ok(self.stop(Outcome::NoCandidates, "the answer has no pick or no place, or no cloth is in view"));
+            return Ok(self.stop(
+                Outcome::NoCandidates,
+                "the answer has no pick or no place, or no cloth is in view",
+            ));
         };
         let drawn = keeper.keep_action(&mut self.line, &observation.rgb, &action)?;
-        let executed = match self.timer.time("act", || world.act(&action.motion, job.interrupt)) {
+        let executed = match self
+            .timer
+            .time("act", || world.act(&action.motion, job.interrupt))
+        {
             Ok(executed) => executed,
             Err(error) => {
                 self.line.action = Some(action);
@@ -209,7 +246,13 @@ impl Turn<'_> {
         keeper.keep_positions(&mut self.line, world)?;
         sheet.row(&pictures, drawn, after.rgb);
         let grasp = executed.grasp;
-        progress(Event::Stepped { step, horizon: job.program.horizon, action: &action, grasp, seconds: begun.elapsed().as_secs_f64() });
+        progress(Event::Stepped {
+            step,
+            horizon: job.program.horizon,
+            action: &action,
+            grasp,
+            seconds: begun.elapsed().as_secs_f64(),
+        });
         self.line.action = Some(action);
         self.line.executed = Some(executed);
         Ok(None)
@@ -247,13 +290,31 @@ impl Scored {
 }
 
 /// Compares the final state with the expert results, and keeps those beside it.
-fn score(job: &Job<'_>, world: &dyn World, keeper: &mut Keeper, progress: &mut dyn FnMut(Event<'_>)) -> Result<Scored, RunError> {
-    let Some(particles) = world.particles() else { return Ok(Scored::Absent) };
+fn score(
+    job: &Job<'_>,
+    world: &dyn World,
+    keeper: &mut Keeper,
+    progress: &mut dyn FnMut(Event<'_>),
+) -> Result<Scored, RunError> {
+    let Some(particles) = world.particles() else {
+        return Ok(Scored::Absent);
+    };
     let begun = Instant::now();
     let total = job.program.experts.len();
     let mut announce = |missing: usize| progress(Event::SimulatingExperts { missing, total });
-    let ends = expert::ends(&job.program.experts, job.start, job.make_world, job.cache, job.interrupt, &mut announce);
-    let ExpertEnds { ends, simulated, not_kept } = match ends {
+    let ends = expert::ends(
+        &job.program.experts,
+        job.start,
+        job.make_world,
+        job.cache,
+        job.interrupt,
+        &mut announce,
+    );
+    let ExpertEnds {
+        ends,
+        simulated,
+        not_kept,
+    } = match ends {
         Ok(ends) => ends,
         Err(WorldError::Interrupted) => return Ok(Scored::Interrupted),
         Err(error) => return Err(error.into()),
@@ -271,7 +332,12 @@ fn score(job: &Job<'_>, world: &dyn World, keeper: &mut Keeper, progress: &mut d
     }
     let nearest = distances.iter().min_by(|a, b| a.1.total_cmp(&b.1));
     Ok(match nearest {
-        Some(&(sequence, distance_m, _)) => Scored::Found(Score { sequence, distance_m, distances, simulated }),
+        Some(&(sequence, distance_m, _)) => Scored::Found(Score {
+            sequence,
+            distance_m,
+            distances,
+            simulated,
+        }),
         None => Scored::Absent,
     })
 }

@@ -49,10 +49,18 @@ impl Scene {
     ///
     /// Keypoints of the start are taken from `first`, the rollout's first scene; without one, this
     /// scene is the first. Fails where a mask is empty, a detector finds nothing, or OpenCV fails.
-    pub fn of(program: &Program, observation: &Observation, first: Option<&Scene>) -> Result<Scene, SceneError> {
-        let mut scene = Scene { found: Vec::with_capacity(program.keypoints.len()) };
+    pub fn of(
+        program: &Program,
+        observation: &Observation,
+        first: Option<&Scene>,
+    ) -> Result<Scene, SceneError> {
+        let mut scene = Scene {
+            found: Vec::with_capacity(program.keypoints.len()),
+        };
         for keypoint in &program.keypoints {
-            let kept = first.filter(|_| keypoint.moment == Moment::Start).and_then(|first| first.get(&keypoint.name));
+            let kept = first
+                .filter(|_| keypoint.moment == Moment::Start)
+                .and_then(|first| first.get(&keypoint.name));
             let found = match kept {
                 Some(found) => found.clone(),
                 None => scene.extract(&keypoint.name, &keypoint.extractor, observation)?,
@@ -62,12 +70,30 @@ impl Scene {
         Ok(scene)
     }
 
-    fn extract(&self, name: &str, extractor: &Extractor, observation: &Observation) -> Result<Found, SceneError> {
-        let corners = |mask: &str, image_px: u32, max: u32, quality: f64, spacing_px: f64, detector: Detector| {
-            let search = CornerSearch { image_px, max, quality, spacing_px, detector };
+    fn extract(
+        &self,
+        name: &str,
+        extractor: &Extractor,
+        observation: &Observation,
+    ) -> Result<Found, SceneError> {
+        let corners = |mask: &str,
+                       image_px: u32,
+                       max: u32,
+                       quality: f64,
+                       spacing_px: f64,
+                       detector: Detector| {
+            let search = CornerSearch {
+                image_px,
+                max,
+                quality,
+                spacing_px,
+                detector,
+            };
             let points = vision::corners(&observation.depth_m, self.mask(mask)?, &search)?;
             if points.is_empty() {
-                return Err(SceneError::NoCandidates { keypoint: name.to_owned() });
+                return Err(SceneError::NoCandidates {
+                    keypoint: name.to_owned(),
+                });
             }
             Ok(Found::Points(points))
         };
@@ -75,16 +101,41 @@ impl Scene {
             Extractor::DepthMask { below_m } => {
                 let mask = vision::depth_mask(&observation.depth_m, *below_m);
                 if mask.is_empty() {
-                    return Err(SceneError::OutOfView { mask: name.to_owned() });
+                    return Err(SceneError::OutOfView {
+                        mask: name.to_owned(),
+                    });
                 }
                 Ok(Found::Mask(mask))
             }
-            Extractor::Harris { mask, image_px, max, quality, spacing_px, k } => {
-                corners(mask, *image_px, *max, *quality, *spacing_px, Detector::Harris { k: *k })
-            }
-            Extractor::ShiTomasi { mask, image_px, max, quality, spacing_px } => {
-                corners(mask, *image_px, *max, *quality, *spacing_px, Detector::ShiTomasi)
-            }
+            Extractor::Harris {
+                mask,
+                image_px,
+                max,
+                quality,
+                spacing_px,
+                k,
+            } => corners(
+                mask,
+                *image_px,
+                *max,
+                *quality,
+                *spacing_px,
+                Detector::Harris { k: *k },
+            ),
+            Extractor::ShiTomasi {
+                mask,
+                image_px,
+                max,
+                quality,
+                spacing_px,
+            } => corners(
+                mask,
+                *image_px,
+                *max,
+                *quality,
+                *spacing_px,
+                Detector::ShiTomasi,
+            ),
             Extractor::Centroid { mask } => vision::centroid(self.mask(mask)?)
                 .map(Found::Point)
                 .ok_or_else(|| SceneError::OutOfView { mask: mask.clone() }),
@@ -92,13 +143,18 @@ impl Scene {
     }
 
     fn get(&self, name: &str) -> Option<&Found> {
-        self.found.iter().find(|(known, _)| known == name).map(|(_, found)| found)
+        self.found
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, found)| found)
     }
 
     fn mask(&self, name: &str) -> Result<&Mask, SceneError> {
         match self.get(name) {
             Some(Found::Mask(mask)) => Ok(mask),
-            _ => Err(SceneError::OutOfView { mask: name.to_owned() }),
+            _ => Err(SceneError::OutOfView {
+                mask: name.to_owned(),
+            }),
         }
     }
 
@@ -118,7 +174,10 @@ impl Scene {
             Found::Points(corners) => Some(corners),
             _ => None,
         });
-        corners.flatten().find(|corner| corner.pixel == pixel).map(|corner| corner.at)
+        corners
+            .flatten()
+            .find(|corner| corner.pixel == pixel)
+            .map(|corner| corner.at)
     }
 
     /// Returns every point as a template variable.

@@ -14,7 +14,11 @@ const HEADLINE_PX: u32 = 54;
 const CAPTION_PX: u32 = 22;
 const PAPER: Rgb<u8> = Rgb([255, 255, 255]);
 const INK: [u8; 3] = [30, 30, 30];
-const CAPTIONS: [&str; 3] = ["subgoal with arrow", "chosen pick and place", "after the step"];
+const CAPTIONS: [&str; 3] = [
+    "subgoal with arrow",
+    "chosen pick and place",
+    "after the step",
+];
 
 /// The rows of a contact sheet.
 #[derive(Debug, Default)]
@@ -30,29 +34,65 @@ impl Sheet {
 
     /// Adds an executed step.
     pub fn row(&mut self, pictures: &StepPictures, action: RgbImage, after: RgbImage) {
-        let subgoal = pictures.picture(Picture { subgoal: Which::Now, arrow: Arrow::Drawn });
+        let subgoal = pictures.picture(Picture {
+            subgoal: Which::Now,
+            arrow: Arrow::Drawn,
+        });
         self.rows.push([subgoal.clone(), action, after]);
     }
 
     /// Draws the sheet; `None` where no step was executed. Fails where the letters cannot be drawn.
     pub fn picture(&self, report: &RolloutReport) -> Result<Option<RgbImage>, VisionError> {
-        let Some(first) = self.rows.first() else { return Ok(None) };
+        let Some(first) = self.rows.first() else {
+            return Ok(None);
+        };
         let cell = first[1].dimensions();
         let width = 3 * cell.0 + 4 * MARGIN_PX;
         let height = HEADLINE_PX + self.rows.len() as u32 * (CAPTION_PX + cell.1 + MARGIN_PX);
         let mut sheet = RgbImage::from_pixel(width, height, PAPER);
-        let stand_in = if report.model_is_stand_in { " (stand-in)" } else { "" };
-        vision::draw_label(&mut sheet, &format!("{}   model: {}{stand_in}", report.task, report.model), PixelPoint::new(MARGIN_PX as i32, 22), INK, 10)?;
-        let distance = report.mean_particle_distance_mm.map_or(String::new(), |mm| format!("   {mm:.1} mm from the nearest expert result"));
-        vision::draw_label(&mut sheet, &format!("{}{distance}", report.outcome.name()), PixelPoint::new(MARGIN_PX as i32, 44), INK, 10)?;
+        let stand_in = if report.model_is_stand_in {
+            " (stand-in)"
+        } else {
+            ""
+        };
+        vision::draw_label(
+            &mut sheet,
+            &format!("{}   model: {}{stand_in}", report.task, report.model),
+            PixelPoint::new(MARGIN_PX as i32, 22),
+            INK,
+            10,
+        )?;
+        let distance = report
+            .mean_particle_distance_mm
+            .map_or(String::new(), |mm| {
+                format!("   {mm:.1} mm from the nearest expert result")
+            });
+        vision::draw_label(
+            &mut sheet,
+            &format!("{}{distance}", report.outcome.name()),
+            PixelPoint::new(MARGIN_PX as i32, 44),
+            INK,
+            10,
+        )?;
         for (number, row) in self.rows.iter().enumerate() {
             let top = HEADLINE_PX + number as u32 * (CAPTION_PX + cell.1 + MARGIN_PX);
             for (column, picture) in row.iter().enumerate() {
                 let left = MARGIN_PX + column as u32 * (cell.0 + MARGIN_PX);
                 let caption = format!("{}. {}", number + 1, CAPTIONS[column]);
-                vision::draw_label(&mut sheet, &caption, PixelPoint::new(left as i32, (top + CAPTION_PX - 7) as i32), INK, 8)?;
+                vision::draw_label(
+                    &mut sheet,
+                    &caption,
+                    PixelPoint::new(left as i32, (top + CAPTION_PX - 7) as i32),
+                    INK,
+                    8,
+                )?;
                 let fitted = fit(picture, cell);
-                imageops::replace(&mut sheet, &fitted, i64::from(left), i64::from(top + CAPTION_PX));
+                imageops::replace(
+                    &mut sheet,
+                    &fitted,
+                    i64::from(left),
+                    i64::from(top + CAPTION_PX),
+                );
             }
         }
         Ok(Some(sheet))

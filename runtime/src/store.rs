@@ -11,7 +11,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     static UNIQUE: AtomicU32 = AtomicU32::new(0);
     let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.{}.part", std::process::id(), UNIQUE.fetch_add(1, Ordering::Relaxed)));
+    name.push(format!(
+        ".{}.{}.part",
+        std::process::id(),
+        UNIQUE.fetch_add(1, Ordering::Relaxed)
+    ));
     let neighbour = path.with_file_name(name);
     let written = File::create(&neighbour).and_then(|mut file| {
         file.write_all(bytes)?;

@@ -92,7 +92,12 @@ impl SubgoalSet {
     /// Returns the program's pictures; `folder` is the one that holds its file.
     ///
     /// `world` is used only where nothing is pinned; it is reset by it.
-    pub fn obtain(program: &Program, folder: &Path, world: &mut dyn World, interrupt: &Interrupt) -> Result<SubgoalSet, SubgoalError> {
+    pub fn obtain(
+        program: &Program,
+        folder: &Path,
+        world: &mut dyn World,
+        interrupt: &Interrupt,
+    ) -> Result<SubgoalSet, SubgoalError> {
         match &program.subgoals {
             Subgoals::Images { images } => load_images(images),
             Subgoals::Demonstrate { folds } => match load_pins(program, folds, folder)? {
@@ -104,10 +109,16 @@ impl SubgoalSet {
     }
 
     /// Draws the demonstration afresh, whatever is pinned; the author's own pictures are loaded.
-    pub fn draw(program: &Program, world: &mut dyn World, interrupt: &Interrupt) -> Result<SubgoalSet, SubgoalError> {
+    pub fn draw(
+        program: &Program,
+        world: &mut dyn World,
+        interrupt: &Interrupt,
+    ) -> Result<SubgoalSet, SubgoalError> {
         match &program.subgoals {
             Subgoals::Images { images } => load_images(images),
-            Subgoals::Demonstrate { folds } => draw(program, folds, Origin::Drawn, world, interrupt),
+            Subgoals::Demonstrate { folds } => {
+                draw(program, folds, Origin::Drawn, world, interrupt)
+            }
         }
     }
 
@@ -117,7 +128,8 @@ impl SubgoalSet {
     pub fn step(&self, number: usize) -> Result<StepPictures, VisionError> {
         let last = self.pictures.len().saturating_sub(2);
         let number = number.min(last);
-        let bare = [number, (number + 1).min(self.pictures.len() - 1)].map(|index| self.pictures[index].clone());
+        let bare = [number, (number + 1).min(self.pictures.len() - 1)]
+            .map(|index| self.pictures[index].clone());
         let mut with_arrow = bare.clone();
         if let Some([tail, tip]) = self.arrows.get(number).copied().flatten() {
             for picture in &mut with_arrow {
@@ -130,10 +142,20 @@ impl SubgoalSet {
     /// Writes the pictures where [`SubgoalSet::obtain`] looks for them, and returns the files.
     ///
     /// The description goes last, so that pictures of an interrupted call are not taken for whole.
-    pub fn pin(&self, program: &Program, folder: &Path, params: &str) -> Result<Vec<PathBuf>, SubgoalError> {
-        let Subgoals::Demonstrate { folds } = &program.subgoals else { return Ok(Vec::new()) };
+    pub fn pin(
+        &self,
+        program: &Program,
+        folder: &Path,
+        params: &str,
+    ) -> Result<Vec<PathBuf>, SubgoalError> {
+        let Subgoals::Demonstrate { folds } = &program.subgoals else {
+            return Ok(Vec::new());
+        };
         let target = pin_folder(program, folder);
-        let unwritable = |path: &Path, error: std::io::Error| SubgoalError::Unwritable { path: path.to_owned(), why: error.to_string() };
+        let unwritable = |path: &Path, error: std::io::Error| SubgoalError::Unwritable {
+            path: path.to_owned(),
+            why: error.to_string(),
+        };
         fs::create_dir_all(&target).map_err(|error| unwritable(&target, error))?;
         let description = target.join(PINS_FILE);
         if description.exists() {
@@ -142,7 +164,8 @@ impl SubgoalSet {
         let mut files = Vec::new();
         for (number, picture) in self.pictures.iter().enumerate() {
             let path = target.join(format!("{number}.png"));
-            store::write_whole(&path, &picture::encode(picture)).map_err(|error| unwritable(&path, error))?;
+            store::write_whole(&path, &picture::encode(picture))
+                .map_err(|error| unwritable(&path, error))?;
             files.push(path);
         }
         let pins = Pins {
@@ -152,7 +175,8 @@ impl SubgoalSet {
             arrows: self.arrows.iter().copied().flatten().collect(),
         };
         let text = serde_json::to_string_pretty(&pins).expect("pins hold finite numbers") + "\n";
-        store::write_whole(&description, text.as_bytes()).map_err(|error| unwritable(&description, error))?;
+        store::write_whole(&description, text.as_bytes())
+            .map_err(|error| unwritable(&description, error))?;
         files.push(description);
         Ok(files)
     }
@@ -178,13 +202,20 @@ impl StepPictures {
 }
 
 fn load_images(images: &[SubgoalImage]) -> Result<SubgoalSet, SubgoalError> {
-    let mut set = SubgoalSet { pictures: Vec::new(), arrows: Vec::new(), origin: Origin::Author };
+    let mut set = SubgoalSet {
+        pictures: Vec::new(),
+        arrows: Vec::new(),
+        origin: Origin::Author,
+    };
     for image in images {
         // Relative to the file that names it, so that a library's pictures may lie beside the library.
-        let path = Path::new(&image.declared_in).with_file_name("").join(&image.path);
+        let path = Path::new(&image.declared_in)
+            .with_file_name("")
+            .join(&image.path);
         set.pictures.push(picture::load(&path)?);
         let pixel = |point: compiler::program::PixelPoint| [f64::from(point.u), f64::from(point.v)];
-        set.arrows.push(image.arrow.map(|[tail, tip]| [pixel(tail), pixel(tip)]));
+        set.arrows
+            .push(image.arrow.map(|[tail, tip]| [pixel(tail), pixel(tip)]));
     }
     set.arrows.truncate(images.len().saturating_sub(1));
     Ok(set)
@@ -199,9 +230,16 @@ enum Pinned {
 
 fn load_pins(program: &Program, folds: &[Fold], folder: &Path) -> Result<Pinned, SubgoalError> {
     let source = pin_folder(program, folder);
-    let Ok(text) = fs::read_to_string(source.join(PINS_FILE)) else { return Ok(Pinned::Absent) };
-    let Ok(pins) = serde_json::from_str::<Pins>(&text) else { return Ok(Pinned::OfAnotherFold) };
-    if pins.format != PINS_FORMAT || pins.drawn_from != drawn_from(program, folds) || pins.arrows.len() != folds.len() {
+    let Ok(text) = fs::read_to_string(source.join(PINS_FILE)) else {
+        return Ok(Pinned::Absent);
+    };
+    let Ok(pins) = serde_json::from_str::<Pins>(&text) else {
+        return Ok(Pinned::OfAnotherFold);
+    };
+    if pins.format != PINS_FORMAT
+        || pins.drawn_from != drawn_from(program, folds)
+        || pins.arrows.len() != folds.len()
+    {
         return Ok(Pinned::OfAnotherFold);
     }
     let mut pictures = Vec::new();
@@ -209,14 +247,28 @@ fn load_pins(program: &Program, folds: &[Fold], folder: &Path) -> Result<Pinned,
         pictures.push(picture::load(&source.join(format!("{number}.png")))?);
     }
     let arrows = pins.arrows.into_iter().map(Some).collect();
-    Ok(Pinned::Fitting(SubgoalSet { pictures, arrows, origin: Origin::Pinned }))
+    Ok(Pinned::Fitting(SubgoalSet {
+        pictures,
+        arrows,
+        origin: Origin::Pinned,
+    }))
 }
 
-fn draw(program: &Program, folds: &[Fold], origin: Origin, world: &mut dyn World, interrupt: &Interrupt) -> Result<SubgoalSet, SubgoalError> {
+fn draw(
+    program: &Program,
+    folds: &[Fold],
+    origin: Origin,
+    world: &mut dyn World,
+    interrupt: &Interrupt,
+) -> Result<SubgoalSet, SubgoalError> {
     let start = Start::flat(&program.cloth);
     world.reset(&start)?;
     let first = world.observe()?;
-    let mut set = SubgoalSet { pictures: vec![first.rgb], arrows: Vec::new(), origin };
+    let mut set = SubgoalSet {
+        pictures: vec![first.rgb],
+        arrows: Vec::new(),
+        origin,
+    };
     for fold in folds {
         let motion = expert::motion(fold, &start, world)?;
         let pixels = [motion.pick, motion.place].map(|point| first.camera.pixel_from_world(point));
@@ -235,6 +287,7 @@ fn pin_folder(program: &Program, folder: &Path) -> PathBuf {
 }
 
 fn drawn_from(program: &Program, folds: &[Fold]) -> String {
-    let source = serde_json::json!({ "cloth": program.cloth, "camera": program.camera, "folds": folds });
+    let source =
+        serde_json::json!({ "cloth": program.cloth, "camera": program.camera, "folds": folds });
     crate::digest::hex(&Sha256::digest(source.to_string()))
 }

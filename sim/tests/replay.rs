@@ -66,7 +66,7 @@ fn skipping_resting_steps_changes_no_bit_of_a_replay() {
 
 #[test]
 #[ignore = "replays all 60 demonstrations, about three minutes"]
-fn all_demonstrations_end_near_the_recorded_ends() {
+fn long_all_demonstrations_end_near_the_recorded_ends() {
     for (task, mean_mm, max_mm) in [
         ("AllCornersInward", 2.0, 4.0),
         ("CornersEdgesInward", 3.6, 6.0),

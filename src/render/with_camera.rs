@@ -27,15 +27,28 @@ impl View {
         let interrupt = Interrupt::default();
         let mut world = setting::world(program).map_err(Failure::environment)?;
         let folder = setting::folder_of(&arguments.file);
-        let subgoals = SubgoalSet::obtain(program, &folder, world.as_mut(), &interrupt).map_err(Failure::environment)?;
+        let subgoals = SubgoalSet::obtain(program, &folder, world.as_mut(), &interrupt)
+            .map_err(Failure::environment)?;
         let scene = match arguments.scene {
             Some(_) => None,
             None => {
                 let start = setting::start(program, &arguments.start)?;
-                Some(look(program, &start, arguments.step, world.as_mut(), &interrupt)?)
+                Some(look(
+                    program,
+                    &start,
+                    arguments.step,
+                    world.as_mut(),
+                    &interrupt,
+                )?)
             }
         };
-        Ok(View { scene, pictures: subgoals.step(arguments.step as usize - 1).map_err(Failure::environment)?, step: arguments.step })
+        Ok(View {
+            scene,
+            pictures: subgoals
+                .step(arguments.step as usize - 1)
+                .map_err(Failure::environment)?,
+            step: arguments.step,
+        })
     }
 
     /// Sets every point of the scene.
@@ -46,10 +59,20 @@ impl View {
     }
 
     /// Renders one stage by the function that a rollout uses.
-    pub fn messages(&self, program: &Program, stage: &Stage, bindings: &Bindings) -> Result<Vec<Shown>, RenderError> {
-        let messages = agent::conversation(program, stage, bindings, |picture| self.pictures.png(picture))?;
+    pub fn messages(
+        &self,
+        program: &Program,
+        stage: &Stage,
+        bindings: &Bindings,
+    ) -> Result<Vec<Shown>, RenderError> {
+        let messages = agent::conversation(program, stage, bindings, |picture| {
+            self.pictures.png(picture)
+        })?;
         let mut titles = stage.show.iter().map(|picture| self.title(*picture));
-        Ok(messages.into_iter().map(|message| shown(message, &mut titles)).collect())
+        Ok(messages
+            .into_iter()
+            .map(|message| shown(message, &mut titles))
+            .collect())
     }
 
     fn title(&self, picture: Picture) -> String {
@@ -64,20 +87,31 @@ impl View {
     }
 }
 
-fn look(program: &Program, start: &Start, step: u32, world: &mut dyn World, interrupt: &Interrupt) -> Result<Scene, Failure> {
+fn look(
+    program: &Program,
+    start: &Start,
+    step: u32,
+    world: &mut dyn World,
+    interrupt: &Interrupt,
+) -> Result<Scene, Failure> {
     let mut scene = None;
     world.reset(start).map_err(Failure::environment)?;
     for earlier in 0..step {
         if earlier > 0 {
             let Subgoals::Demonstrate { folds } = &program.subgoals else {
-                return Err(Failure::usage("the task brings its own pictures, so that only step 1 can be shown; give `--scene FILE.json`"));
+                return Err(Failure::usage(
+                    "the task brings its own pictures, so that only step 1 can be shown; give `--scene FILE.json`",
+                ));
             };
             let fold = &folds[(earlier as usize - 1).min(folds.len() - 1)];
             let motion = expert::motion(fold, start, world).map_err(Failure::environment)?;
-            world.act(&motion, interrupt).map_err(Failure::environment)?;
+            world
+                .act(&motion, interrupt)
+                .map_err(Failure::environment)?;
         }
         let observation = world.observe().map_err(Failure::environment)?;
-        scene = Some(Scene::of(program, &observation, scene.as_ref()).map_err(Failure::environment)?);
+        scene =
+            Some(Scene::of(program, &observation, scene.as_ref()).map_err(Failure::environment)?);
     }
     scene.ok_or_else(|| Failure::usage("steps are counted from 1"))
 }
@@ -90,7 +124,13 @@ fn shown(message: Message, titles: &mut impl Iterator<Item = String>) -> Shown {
     };
     let part = |part: Part| match part {
         Part::Text(text) => ShownPart::Text(text),
-        Part::Image(png) => ShownPart::Picture { title: titles.next().unwrap_or_default(), png: Some(png.bytes().to_vec()) },
+        Part::Image(png) => ShownPart::Picture {
+            title: titles.next().unwrap_or_default(),
+            png: Some(png.bytes().to_vec()),
+        },
     };
-    Shown { role, parts: message.parts.into_iter().map(part).collect() }
+    Shown {
+        role,
+        parts: message.parts.into_iter().map(part).collect(),
+    }
 }

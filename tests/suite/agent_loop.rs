@@ -25,7 +25,15 @@ struct Played {
 
 /// Plays one step of the small task.
 fn play(vision: &[&str], text: &[&str]) -> Played {
-    play_task(&Program { horizon: 1, ..support::small_task() }, vision, text, &Interrupt::default())
+    play_task(
+        &Program {
+            horizon: 1,
+            ..support::small_task()
+        },
+        vision,
+        text,
+        &Interrupt::default(),
+    )
 }
 
 fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Interrupt) -> Played {
@@ -35,12 +43,19 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
     let make_world = || support::world(program);
     let blank = image::RgbImage::new(32, 32);
     let steps = program.subgoals.steps();
-    let subgoals = SubgoalSet { pictures: vec![blank; steps + 1], arrows: vec![None; steps], origin: runtime::subgoals::Origin::Author };
+    let subgoals = SubgoalSet {
+        pictures: vec![blank; steps + 1],
+        arrows: vec![None; steps],
+        origin: runtime::subgoals::Origin::Author,
+    };
     let job = Job {
         program,
         start: &start,
         subgoals: &subgoals,
-        models: Models { vision: &vision, text: &text },
+        models: Models {
+            vision: &vision,
+            text: &text,
+        },
         make_world: &make_world,
         cache: &Cache::none(),
         interrupt,
@@ -51,17 +66,35 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
             findings.push(attempt.finding.clone());
         }
     };
-    let report = rollout::run(&job, RunFolder::create(&folder.path().join("run")).unwrap(), &mut watch).unwrap();
-    Played { report, seen: vision.asked.into_inner().unwrap(), said: text.asked.into_inner().unwrap(), findings }
+    let report = rollout::run(
+        &job,
+        RunFolder::create(&folder.path().join("run")).unwrap(),
+        &mut watch,
+    )
+    .unwrap();
+    Played {
+        report,
+        seen: vision.asked.into_inner().unwrap(),
+        said: text.asked.into_inner().unwrap(),
+        findings,
+    }
 }
 
 /// The corners that the prompt of stage two offers, as it writes them.
 fn offered_corners() -> Vec<String> {
     let played = play(&[WORDS], &["nothing", "nothing", "nothing"]);
-    let Part::Text(prompt) = &played.said[0].messages[1].parts[0] else { panic!("stage two has no words") };
-    let line = prompt.lines().find(|line| line.contains("corners")).unwrap();
+    let Part::Text(prompt) = &played.said[0].messages[1].parts[0] else {
+        panic!("stage two has no words")
+    };
+    let line = prompt
+        .lines()
+        .find(|line| line.contains("corners"))
+        .unwrap();
     let list = &line[line.find('(').unwrap()..];
-    list.split_inclusive(')').map(|point| point.trim_start_matches([',', ' ']).to_owned()).filter(|point| point.ends_with(')')).collect()
+    list.split_inclusive(')')
+        .map(|point| point.trim_start_matches([',', ' ']).to_owned())
+        .filter(|point| point.ends_with(')'))
+        .collect()
 }
 
 fn answer(pick: &str, place: &str) -> String {
@@ -73,15 +106,30 @@ fn a_good_answer_is_executed_after_two_questions() {
     let corners = offered_corners();
     let played = play(&[WORDS], &[&answer(&corners[0], &corners[1])]);
     assert_eq!(played.report.outcome, Outcome::HorizonReached);
-    assert_eq!((played.report.steps, played.seen.len(), played.said.len()), (1, 1, 1));
-    let Part::Text(prompt) = &played.said[0].messages[1].parts[0] else { panic!("stage two has no words") };
-    assert!(prompt.contains("fold the back left corner onto the front left corner"), "{prompt}");
+    assert_eq!(
+        (played.report.steps, played.seen.len(), played.said.len()),
+        (1, 1, 1)
+    );
+    let Part::Text(prompt) = &played.said[0].messages[1].parts[0] else {
+        panic!("stage two has no words")
+    };
+    assert!(
+        prompt.contains("fold the back left corner onto the front left corner"),
+        "{prompt}"
+    );
 }
 
 #[test]
 fn stage_one_sees_two_pictures_and_stage_two_sees_none() {
     let played = play(&[WORDS], &["no", "no", "no"]);
-    let pictures = |request: &Request| request.messages.iter().flat_map(|message| &message.parts).filter(|part| matches!(part, Part::Image(_))).count();
+    let pictures = |request: &Request| {
+        request
+            .messages
+            .iter()
+            .flat_map(|message| &message.parts)
+            .filter(|part| matches!(part, Part::Image(_)))
+            .count()
+    };
     assert_eq!(pictures(&played.seen[0]), 2);
     assert!(played.said.iter().all(|request| pictures(request) == 0));
 }
@@ -94,9 +142,18 @@ fn a_refused_answer_is_asked_again_with_the_reason_and_at_most_three_times() {
     assert_eq!(played.report.outcome, Outcome::AttemptsExhausted);
     assert_eq!((played.said.len(), played.report.steps), (3, 0));
     for (finding, _) in played.findings.iter().skip(1).zip(0..3) {
-        let Finding::Action { verdict: Verdict::Reject { check, message, .. }, .. } = finding else { panic!("{finding:?}") };
+        let Finding::Action {
+            verdict: Verdict::Reject { check, message, .. },
+            ..
+        } = finding
+        else {
+            panic!("{finding:?}")
+        };
         assert_eq!(check, "offered");
-        assert!(message.contains("(1, 2)") && message.contains(&corners[0]), "{message}");
+        assert!(
+            message.contains("(1, 2)") && message.contains(&corners[0]),
+            "{message}"
+        );
     }
     let last = &played.said[2].messages;
     let speakers: Vec<Speaker> = last.iter().map(|message| message.speaker).collect();
@@ -109,9 +166,18 @@ fn a_correction_is_taken_to_heart() {
     let corners = offered_corners();
     let still = answer(&corners[0], &corners[0]);
     let played = play(&[WORDS], &[&still, &answer(&corners[0], &corners[1])]);
-    let Finding::Action { verdict: Verdict::Reject { check, .. }, .. } = &played.findings[1] else { panic!("{:?}", played.findings) };
+    let Finding::Action {
+        verdict: Verdict::Reject { check, .. },
+        ..
+    } = &played.findings[1]
+    else {
+        panic!("{:?}", played.findings)
+    };
     assert_eq!(check, "moves");
-    assert_eq!((played.report.outcome, played.report.steps), (Outcome::HorizonReached, 1));
+    assert_eq!(
+        (played.report.outcome, played.report.steps),
+        (Outcome::HorizonReached, 1)
+    );
 }
 
 #[test]
@@ -127,8 +193,14 @@ fn answers_that_cannot_be_read_end_with_their_own_outcome() {
 fn the_last_answer_decides_between_malformed_and_refused() {
     let corners = offered_corners();
     let nowhere = answer("(1, 2)", &corners[1]);
-    assert_eq!(play(&[WORDS], &["?", "?", &nowhere]).report.outcome, Outcome::AttemptsExhausted);
-    assert_eq!(play(&[WORDS], &[&nowhere, &nowhere, "?"]).report.outcome, Outcome::MalformedReply);
+    assert_eq!(
+        play(&[WORDS], &["?", "?", &nowhere]).report.outcome,
+        Outcome::AttemptsExhausted
+    );
+    assert_eq!(
+        play(&[WORDS], &[&nowhere, &nowhere, "?"]).report.outcome,
+        Outcome::MalformedReply
+    );
 }
 
 #[test]
@@ -168,5 +240,8 @@ fn an_interrupt_before_a_step_asks_nobody() {
     let interrupt = Interrupt::default();
     interrupt.raise();
     let played = play_task(&support::small_task(), &[WORDS], &[], &interrupt);
-    assert_eq!((played.report.outcome, played.seen.len()), (Outcome::Interrupted, 0));
+    assert_eq!(
+        (played.report.outcome, played.seen.len()),
+        (Outcome::Interrupted, 0)
+    );
 }

@@ -7,23 +7,44 @@ use std::path::Path;
 /// A complete task on a cloth of 8 by 8 particles, by the shipped library.
 fn write_task(folder: &Path, subgoals: &str) {
     bring_library(folder);
-    let text = format!("use \"lib/folding.fab\"\ntask small extends folding {{\n    cloth grid(8, 8)\n    subgoals {{\n{subgoals}\n    }}\n}}\n");
+    let text = format!(
+        "use \"lib/folding.fab\"\ntask small extends folding {{\n    cloth grid(8, 8)\n    subgoals {{\n{subgoals}\n    }}\n}}\n"
+    );
     fs::write(folder.join("small.fab"), text).unwrap();
 }
 
 fn demonstrated(folder: &Path) {
-    write_task(folder, "demonstrate { fold corner(back_left) -> corner(front_right) }");
+    write_task(
+        folder,
+        "demonstrate { fold corner(back_left) -> corner(front_right) }",
+    );
 }
 
 /// Runs the command and checks the code, that every expected word is said once, and that it is one message.
 fn refused(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) -> Said {
     let said = finish(fabc(folder).args(arguments));
-    assert_eq!(said.code, code, "{arguments:?}\n{}{}", said.stdout, said.stderr);
+    assert_eq!(
+        said.code, code,
+        "{arguments:?}\n{}{}",
+        said.stdout, said.stderr
+    );
     for word in words {
-        assert!(said.stderr.contains(word), "{arguments:?} does not say `{word}`:\n{}", said.stderr);
+        assert!(
+            said.stderr.contains(word),
+            "{arguments:?} does not say `{word}`:\n{}",
+            said.stderr
+        );
     }
     assert!(!said.stderr.contains("panicked"), "{}", said.stderr);
-    assert_eq!(said.stderr.lines().filter(|line| line.starts_with("error")).count(), 1, "not one message:\n{}", said.stderr);
+    assert_eq!(
+        said.stderr
+            .lines()
+            .filter(|line| line.starts_with("error"))
+            .count(),
+        1,
+        "not one message:\n{}",
+        said.stderr
+    );
     said
 }
 
@@ -38,21 +59,35 @@ fn a_missing_file() {
     for verb in ["check", "render", "subgoals", "run"] {
         refused(folder.path(), &[verb, "nowhere.fab"], 2, &["`nowhere.fab`"]);
     }
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "a refused call left something behind");
+    assert_eq!(
+        fs::read_dir(folder.path()).unwrap().count(),
+        0,
+        "a refused call left something behind"
+    );
 }
 
 #[test]
 fn a_directory() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("tasks.fab")).unwrap();
-    refused(folder.path(), &["run", "tasks.fab"], 2, &["`tasks.fab`", "directory"]);
+    refused(
+        folder.path(),
+        &["run", "tasks.fab"],
+        2,
+        &["`tasks.fab`", "directory"],
+    );
 }
 
 #[test]
 fn a_file_that_is_not_text() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("task.fab"), [b't', b'a', 0xff, 0xfe]).unwrap();
-    refused(folder.path(), &["run", "task.fab"], 2, &["`task.fab`", "UTF-8", "byte 2"]);
+    refused(
+        folder.path(),
+        &["run", "task.fab"],
+        2,
+        &["`task.fab`", "UTF-8", "byte 2"],
+    );
 }
 
 #[test]
@@ -73,11 +108,36 @@ fn an_empty_file() {
 fn an_unknown_model_task_stage_or_step() {
     let folder = tempfile::tempdir().unwrap();
     demonstrated(folder.path());
-    refused(folder.path(), &["run", "small.fab", "--model", "gpt"], 64, &["`gpt`", "`geometric`"]);
-    refused(folder.path(), &["run", "small.fab", "--task", "large"], 64, &["`large`", "`small`"]);
-    refused(folder.path(), &["render", "small.fab", "--stage", "dream"], 64, &["`dream`", "`describe`", "`plan`"]);
-    refused(folder.path(), &["render", "small.fab", "--step", "9"], 64, &["step 9"]);
-    refused(folder.path(), &["run", "small.fab", "--start", "99999999999999999999999"], 64, &["seed"]);
+    refused(
+        folder.path(),
+        &["run", "small.fab", "--model", "gpt"],
+        64,
+        &["`gpt`", "`geometric`"],
+    );
+    refused(
+        folder.path(),
+        &["run", "small.fab", "--task", "large"],
+        64,
+        &["`large`", "`small`"],
+    );
+    refused(
+        folder.path(),
+        &["render", "small.fab", "--stage", "dream"],
+        64,
+        &["`dream`", "`describe`", "`plan`"],
+    );
+    refused(
+        folder.path(),
+        &["render", "small.fab", "--step", "9"],
+        64,
+        &["step 9"],
+    );
+    refused(
+        folder.path(),
+        &["run", "small.fab", "--start", "99999999999999999999999"],
+        64,
+        &["seed"],
+    );
     assert!(no_run_in(folder.path()), "a refused call made a run folder");
 }
 
@@ -96,8 +156,17 @@ fn write_npy(path: &Path, kind: &str, shape: &str, body: &[u8]) {
 }
 
 fn flat(count: usize) -> Vec<u8> {
-    let position = |index: usize| [0.00625 * (index % 8) as f32, 0.005, 0.00625 * (index / 8) as f32];
-    (0..count).flat_map(position).flat_map(f32::to_le_bytes).collect()
+    let position = |index: usize| {
+        [
+            0.00625 * (index % 8) as f32,
+            0.005,
+            0.00625 * (index / 8) as f32,
+        ]
+    };
+    (0..count)
+        .flat_map(position)
+        .flat_map(f32::to_le_bytes)
+        .collect()
 }
 
 #[test]
@@ -105,7 +174,16 @@ fn a_start_of_the_wrong_shape_or_with_nan() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     demonstrated(here);
-    let run = ["run", "small.fab", "--start", "start.npy", "--dims", "8x8", "--up", "y"];
+    let run = [
+        "run",
+        "small.fab",
+        "--start",
+        "start.npy",
+        "--dims",
+        "8x8",
+        "--up",
+        "y",
+    ];
     refused(here, &run, 2, &["`start.npy`"]);
     fs::write(here.join("start.npy"), "no numbers").unwrap();
     refused(here, &run, 2, &["not a usable .npy file", "(particles, 3)"]);
@@ -115,7 +193,12 @@ fn a_start_of_the_wrong_shape_or_with_nan() {
     refused(here, &run, 2, &["[96, 2]", "[particles, 3]"]);
     write_npy(&here.join("start.npy"), "<i4", "(64, 3)", &flat(64));
     refused(here, &run, 2, &["<i4"]);
-    write_npy(&here.join("start.npy"), "<f4", "(4000000000000, 3)", &flat(64));
+    write_npy(
+        &here.join("start.npy"),
+        "<f4",
+        "(4000000000000, 3)",
+        &flat(64),
+    );
     refused(here, &run, 2, &["promises 4000000000000 particles"]);
     write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &flat(60));
     refused(here, &run, 2, &["`start.npy`"]);
@@ -124,12 +207,40 @@ fn a_start_of_the_wrong_shape_or_with_nan() {
     write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &broken);
     refused(here, &run, 2, &["NaN at particle 5"]);
     write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &flat(64));
-    refused(here, &["run", "small.fab", "--start", "start.npy"], 2, &["`start.json`", "--dims 55x44 --up y"]);
-    refused(here, &["run", "small.fab", "--start", "start.npy", "--dims", "8by8", "--up", "y"], 64, &["`--dims 8by8`"]);
-    refused(here, &["run", "small.fab", "--dims", "8x8", "--up", "y"], 64, &["--start FILE.npy"]);
+    refused(
+        here,
+        &["run", "small.fab", "--start", "start.npy"],
+        2,
+        &["`start.json`", "--dims 55x44 --up y"],
+    );
+    refused(
+        here,
+        &[
+            "run",
+            "small.fab",
+            "--start",
+            "start.npy",
+            "--dims",
+            "8by8",
+            "--up",
+            "y",
+        ],
+        64,
+        &["`--dims 8by8`"],
+    );
+    refused(
+        here,
+        &["run", "small.fab", "--dims", "8x8", "--up", "y"],
+        64,
+        &["--start FILE.npy"],
+    );
     assert!(no_run_in(here), "a refused start made a run folder");
     let said = finish(fabc(here).args(run));
-    assert!(said.code == 0 || said.code == 3, "the right start is refused: {}", said.stderr);
+    assert!(
+        said.code == 0 || said.code == 3,
+        "the right start is refused: {}",
+        said.stderr
+    );
 }
 
 #[test]
@@ -137,7 +248,16 @@ fn a_start_that_no_cloth_can_have() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     demonstrated(here);
-    let run = ["run", "small.fab", "--start", "start.npy", "--dims", "8x8", "--up", "y"];
+    let run = [
+        "run",
+        "small.fab",
+        "--start",
+        "start.npy",
+        "--dims",
+        "8x8",
+        "--up",
+        "y",
+    ];
     let mut apart = flat(64);
     apart[0..4].copy_from_slice(&5.0f32.to_le_bytes());
     write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &apart);
@@ -149,12 +269,25 @@ fn a_start_that_no_cloth_can_have() {
 fn a_subgoal_picture_that_is_none_or_enormous() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    write_task(here, "image \"a.png\" arrow (10px, 10px) -> (90px, 90px)\nimage \"b.png\"");
+    write_task(
+        here,
+        "image \"a.png\" arrow (10px, 10px) -> (90px, 90px)\nimage \"b.png\"",
+    );
     refused(here, &["run", "small.fab"], 2, &["a.png"]);
     fs::write(here.join("a.png"), "no picture").unwrap();
-    refused(here, &["run", "small.fab"], 2, &["a.png", "not a readable PNG"]);
+    refused(
+        here,
+        &["run", "small.fab"],
+        2,
+        &["a.png", "not a readable PNG"],
+    );
     fs::write(here.join("a.png"), png_header(60_000, 60_000)).unwrap();
-    refused(here, &["run", "small.fab"], 2, &["60000 by 60000 pixels", "4096"]);
+    refused(
+        here,
+        &["run", "small.fab"],
+        2,
+        &["60000 by 60000 pixels", "4096"],
+    );
     let good = runtime::picture::encode(&image::RgbImage::new(224, 224));
     fs::write(here.join("a.png"), &good).unwrap();
     fs::write(here.join("b.png"), &good[..good.len() / 2]).unwrap();
@@ -177,7 +310,13 @@ fn png_header(width: u32, height: u32) -> Vec<u8> {
 
 fn crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0u32, |crc, byte| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| if crc & 1 == 1 { (crc >> 1) ^ 0xedb8_8320 } else { crc >> 1 })
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            if crc & 1 == 1 {
+                (crc >> 1) ^ 0xedb8_8320
+            } else {
+                crc >> 1
+            }
+        })
     })
 }
 
@@ -187,12 +326,32 @@ fn a_run_folder_that_cannot_be_written() {
     let here = folder.path();
     demonstrated(here);
     fs::write(here.join("taken"), "a file").unwrap();
-    refused(here, &["run", "small.fab", "--out", "taken"], 2, &["`taken`"]);
-    refused(here, &["run", "small.fab", "--out", "taken/run"], 2, &["taken/run"]);
+    refused(
+        here,
+        &["run", "small.fab", "--out", "taken"],
+        2,
+        &["`taken`"],
+    );
+    refused(
+        here,
+        &["run", "small.fab", "--out", "taken/run"],
+        2,
+        &["taken/run"],
+    );
     fs::create_dir(here.join("full")).unwrap();
     fs::write(here.join("full/mine.txt"), "mine").unwrap();
-    refused(here, &["run", "small.fab", "--out", "full"], 2, &["`full`", "not empty"]);
-    refused(here, &["run", "small.fab", "--out", "/proc/fabc-run"], 2, &["/proc/fabc-run"]);
+    refused(
+        here,
+        &["run", "small.fab", "--out", "full"],
+        2,
+        &["`full`", "not empty"],
+    );
+    refused(
+        here,
+        &["run", "small.fab", "--out", "/proc/fabc-run"],
+        2,
+        &["/proc/fabc-run"],
+    );
 }
 
 #[test]
@@ -203,22 +362,44 @@ fn a_scene_file_that_does_not_fit() {
     for (text, words) in [
         ("", "right would be"),
         ("[]", "right would be"),
-        ("{\"corners\": [[1, 2, 3]], \"center\": [[1, 2]]}", "right would be"),
-        ("{\"corners\": [[1, 2]]}", "`center` needs exactly one point"),
-        ("{\"corners\": [], \"center\": [[1, 2]]}", "`corners` needs at least one point"),
+        (
+            "{\"corners\": [[1, 2, 3]], \"center\": [[1, 2]]}",
+            "right would be",
+        ),
+        (
+            "{\"corners\": [[1, 2]]}",
+            "`center` needs exactly one point",
+        ),
+        (
+            "{\"corners\": [], \"center\": [[1, 2]]}",
+            "`corners` needs at least one point",
+        ),
     ] {
         fs::write(here.join("scene.json"), text).unwrap();
-        refused(here, &["render", "small.fab", "--scene", "scene.json"], 2, &["`scene.json`", words]);
+        refused(
+            here,
+            &["render", "small.fab", "--scene", "scene.json"],
+            2,
+            &["`scene.json`", words],
+        );
     }
 }
 
 #[test]
 fn a_task_that_is_wrong_is_not_run() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("task.fab"), "task tiny extends nothing {\n    cloth grid(5, 5)\n}\n").unwrap();
+    fs::write(
+        folder.path().join("task.fab"),
+        "task tiny extends nothing {\n    cloth grid(5, 5)\n}\n",
+    )
+    .unwrap();
     let said = finish(fabc(folder.path()).args(["run", "task.fab"]));
     assert_eq!(said.code, 1);
-    assert!(said.stderr.contains("task.fab:1:19") && said.stderr.contains("`nothing`"), "{}", said.stderr);
+    assert!(
+        said.stderr.contains("task.fab:1:19") && said.stderr.contains("`nothing`"),
+        "{}",
+        said.stderr
+    );
     assert!(no_run_in(folder.path()));
 }
 
@@ -226,8 +407,18 @@ fn a_task_that_is_wrong_is_not_run() {
 fn a_closed_pipe_is_no_error() {
     let folder = tempfile::tempdir().unwrap();
     demonstrated(folder.path());
-    let mut child = fabc(folder.path()).args(["render", "small.fab"]).stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    let mut child = fabc(folder.path())
+        .args(["render", "small.fab"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
 }

@@ -19,23 +19,34 @@ fn run_small(folder: &Path) -> rollout::RolloutReport {
     let start = Start::flat(&program.cloth);
     let make_world = || support::world(&program);
     let interrupt = Interrupt::default();
-    let subgoals = SubgoalSet::obtain(&program, folder, make_world().unwrap().as_mut(), &interrupt).unwrap();
+    let subgoals =
+        SubgoalSet::obtain(&program, folder, make_world().unwrap().as_mut(), &interrupt).unwrap();
     let job = Job {
         program: &program,
         start: &start,
         subgoals: &subgoals,
-        models: Models { vision: &Geometric, text: &Geometric },
+        models: Models {
+            vision: &Geometric,
+            text: &Geometric,
+        },
         make_world: &make_world,
         cache: &Cache::at(folder.join("cache")),
         interrupt: &interrupt,
     };
-    rollout::run(&job, RunFolder::create(&folder.join("run")).unwrap(), &mut |_| {}).unwrap()
+    rollout::run(
+        &job,
+        RunFolder::create(&folder.join("run")).unwrap(),
+        &mut |_| {},
+    )
+    .unwrap()
 }
 
 fn lines(run: &Path) -> Vec<Value> {
     let text = std::fs::read_to_string(run.join("rollout.jsonl")).unwrap();
     assert!(text.ends_with('\n'), "the last line is not whole");
-    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    text.lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
 }
 
 #[test]
@@ -46,12 +57,17 @@ fn every_file_that_the_journal_names_is_there_and_nothing_else() {
     let lines = lines(&run);
     assert_eq!(lines[0]["type"], "header");
     assert_eq!(lines.last().unwrap()["type"], "end");
-    assert_eq!(lines.iter().filter(|line| line["type"] == "step").count(), 2);
+    assert_eq!(
+        lines.iter().filter(|line| line["type"] == "step").count(),
+        2
+    );
     let text = serde_json::to_string(&lines).unwrap();
     let mut files = Vec::new();
     list(&run, &run, &mut files);
     for file in files {
-        let image = file.strip_prefix("images/").and_then(|name| name.strip_suffix(".png"));
+        let image = file
+            .strip_prefix("images/")
+            .and_then(|name| name.strip_suffix(".png"));
         let named = match image {
             // A picture is named by the request that holds its hash.
             Some(hash) => requests(&run, &lines).any(|request| request.contains(hash)),
@@ -62,8 +78,13 @@ fn every_file_that_the_journal_names_is_there_and_nothing_else() {
 }
 
 fn requests<'a>(run: &'a Path, lines: &'a [Value]) -> impl Iterator<Item = String> + 'a {
-    let attempts = lines.iter().filter_map(|line| line["attempts"].as_array()).flatten();
-    attempts.map(|attempt| std::fs::read_to_string(run.join(attempt["request"].as_str().unwrap())).unwrap())
+    let attempts = lines
+        .iter()
+        .filter_map(|line| line["attempts"].as_array())
+        .flatten();
+    attempts.map(|attempt| {
+        std::fs::read_to_string(run.join(attempt["request"].as_str().unwrap())).unwrap()
+    })
 }
 
 fn list(root: &Path, folder: &Path, files: &mut Vec<String>) {
@@ -87,18 +108,30 @@ fn the_named_files_give_the_reported_distance() {
         let bytes = std::fs::read(run.join(name.as_str().unwrap())).unwrap();
         // .npy, format 1: a 10-byte preamble and a header, then little-endian float32.
         let body = 10 + u16::from_le_bytes([bytes[8], bytes[9]]) as usize;
-        bytes[body..].chunks_exact(4).map(|four| f64::from(f32::from_le_bytes(four.try_into().unwrap()))).collect::<Vec<f64>>()
+        bytes[body..]
+            .chunks_exact(4)
+            .map(|four| f64::from(f32::from_le_bytes(four.try_into().unwrap())))
+            .collect::<Vec<f64>>()
     };
     let last = positions(&end["final"]);
     let mut nearest = f64::INFINITY;
     for expert in end["experts"].as_array().unwrap() {
         let expert = positions(&expert["file"]);
         assert_eq!(expert.len(), last.len());
-        let distances = last.chunks(3).zip(expert.chunks(3)).map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt());
+        let distances = last.chunks(3).zip(expert.chunks(3)).map(|(a, b)| {
+            a.iter()
+                .zip(b)
+                .map(|(a, b)| (a - b).powi(2))
+                .sum::<f64>()
+                .sqrt()
+        });
         nearest = nearest.min(distances.sum::<f64>() / (last.len() / 3) as f64 * 1000.0);
     }
     let reported = report.mean_particle_distance_mm.unwrap();
-    assert!((nearest - reported).abs() < 1e-6, "recomputed {nearest}, reported {reported}");
+    assert!(
+        (nearest - reported).abs() < 1e-6,
+        "recomputed {nearest}, reported {reported}"
+    );
 }
 
 #[test]
@@ -108,35 +141,62 @@ fn expert_results_are_simulated_once() {
     std::fs::remove_dir_all(folder.path().join("run")).unwrap();
     let second = run_small(folder.path());
     assert_eq!((first.experts_simulated, second.experts_simulated), (2, 0));
-    assert_eq!(first.mean_particle_distance_mm, second.mean_particle_distance_mm);
+    assert_eq!(
+        first.mean_particle_distance_mm,
+        second.mean_particle_distance_mm
+    );
 }
 
 #[test]
 fn a_damaged_cache_entry_is_simulated_again() {
     let folder = tempfile::tempdir().unwrap();
     let first = run_small(folder.path());
-    let entry = std::fs::read_dir(folder.path().join("cache")).unwrap().next().unwrap().unwrap().path();
+    let entry = std::fs::read_dir(folder.path().join("cache"))
+        .unwrap()
+        .next()
+        .unwrap()
+        .unwrap()
+        .path();
     let bytes = std::fs::read(&entry).unwrap();
     std::fs::write(&entry, &bytes[..bytes.len() / 2]).unwrap();
     std::fs::remove_dir_all(folder.path().join("run")).unwrap();
     let second = run_small(folder.path());
     assert_eq!(second.experts_simulated, 1);
-    assert_eq!(first.mean_particle_distance_mm, second.mean_particle_distance_mm);
+    assert_eq!(
+        first.mean_particle_distance_mm,
+        second.mean_particle_distance_mm
+    );
 }
 
 #[test]
 fn a_run_folder_with_something_in_it_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("mine.txt"), "mine").unwrap();
-    assert!(matches!(RunFolder::create(folder.path()), Err(JournalError::NotEmpty { .. })));
-    assert_eq!(std::fs::read_to_string(folder.path().join("mine.txt")).unwrap(), "mine");
+    assert!(matches!(
+        RunFolder::create(folder.path()),
+        Err(JournalError::NotEmpty { .. })
+    ));
+    assert_eq!(
+        std::fs::read_to_string(folder.path().join("mine.txt")).unwrap(),
+        "mine"
+    );
 }
 
 #[test]
 fn numbered_run_folders_do_not_collide() {
     let folder = tempfile::tempdir().unwrap();
-    let names: Vec<_> = (0..3).map(|_| RunFolder::create_next(folder.path(), "fold").unwrap().path().to_owned()).collect();
-    assert_eq!(names, ["fold-0001", "fold-0002", "fold-0003"].map(|name| folder.path().join(name)));
+    let names: Vec<_> = (0..3)
+        .map(|_| {
+            RunFolder::create_next(folder.path(), "fold")
+                .unwrap()
+                .path()
+                .to_owned()
+        })
+        .collect();
+    assert_eq!(
+        names,
+        ["fold-0001", "fold-0002", "fold-0003"].map(|name| folder.path().join(name))
+    );
 }
 
 #[test]
@@ -146,13 +206,22 @@ fn a_rollout_that_is_cut_off_leaves_no_end_line() {
     let start = Start::flat(&program.cloth);
     let make_world = || support::world(&program);
     let interrupt = Interrupt::default();
-    let subgoals = SubgoalSet::obtain(&program, folder.path(), make_world().unwrap().as_mut(), &interrupt).unwrap();
+    let subgoals = SubgoalSet::obtain(
+        &program,
+        folder.path(),
+        make_world().unwrap().as_mut(),
+        &interrupt,
+    )
+    .unwrap();
     let scripted = Scripted::new(&[]);
     let job = Job {
         program: &program,
         start: &start,
         subgoals: &subgoals,
-        models: Models { vision: &Geometric, text: &scripted },
+        models: Models {
+            vision: &Geometric,
+            text: &scripted,
+        },
         make_world: &make_world,
         cache: &Cache::none(),
         interrupt: &interrupt,
@@ -160,7 +229,9 @@ fn a_rollout_that_is_cut_off_leaves_no_end_line() {
     let run = folder.path().join("run");
     let opened = RunFolder::create(&run).unwrap();
     let cut = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-        rollout::run(&job, opened, &mut |_| std::panic::resume_unwind(Box::new("the power fails")))
+        rollout::run(&job, opened, &mut |_| {
+            std::panic::resume_unwind(Box::new("the power fails"))
+        })
     }));
     assert!(cut.is_err());
     let lines = lines(&run);

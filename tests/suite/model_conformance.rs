@@ -12,7 +12,10 @@ fn conforms(make: &dyn Fn() -> Box<dyn Model>) {
         let first = make().ask(&request);
         let again = make().ask(&request);
         match (first, again) {
-            (Ok(first), Ok(again)) => assert_eq!(first, again, "equal requests have different replies at repetition 0"),
+            (Ok(first), Ok(again)) => assert_eq!(
+                first, again,
+                "equal requests have different replies at repetition 0"
+            ),
             (Err(first), Err(again)) => assert_eq!(first.to_string(), again.to_string()),
             (first, again) => panic!("answers once and fails once: {first:?}, {again:?}"),
         }
@@ -22,9 +25,16 @@ fn conforms(make: &dyn Fn() -> Box<dyn Model>) {
 /// Questions good and bad; none may make a model panic.
 fn requests() -> Vec<Request> {
     let text = |words: &str| Part::Text(words.to_owned());
-    let user = |parts: Vec<Part>| vec![Message { speaker: Speaker::User, parts }];
+    let user = |parts: Vec<Part>| {
+        vec![Message {
+            speaker: Speaker::User,
+            parts,
+        }]
+    };
     let noise = Part::Image(Png::new(vec![7; 300]));
-    let blank = Part::Image(Png::new(runtime::picture::encode(&image::RgbImage::new(32, 32))));
+    let blank = Part::Image(Png::new(runtime::picture::encode(&image::RgbImage::new(
+        32, 32,
+    ))));
     let conversations = vec![
         Vec::new(),
         user(Vec::new()),
@@ -32,13 +42,28 @@ fn requests() -> Vec<Request> {
         user(vec![text("fold it"), noise.clone()]),
         user(vec![text("fold it"), blank.clone(), blank.clone()]),
         user(vec![blank.clone(), noise, blank]),
-        user(vec![text("- Cloth corners: (999999999999, -4), (NaN, 3)\n- Cloth center: ()")]),
-        user(vec![text("- Method of folding: pick the left corner\n- Cloth corners: (1, 2)\n- Cloth center: (1, 2)")]),
+        user(vec![text(
+            "- Cloth corners: (999999999999, -4), (NaN, 3)\n- Cloth center: ()",
+        )]),
+        user(vec![text(
+            "- Method of folding: pick the left corner\n- Cloth corners: (1, 2)\n- Cloth center: (1, 2)",
+        )]),
         user(vec![text(&"(1, 2), ".repeat(20_000))]),
         vec![Message::text(Speaker::Assistant, "Pick Point = (1, 2)")],
     ];
-    let request = |(role, messages)| Request { role, messages, temperature: None, max_tokens: None, repetition: 0 };
-    let both = conversations.into_iter().flat_map(|messages| [(ModelRole::Vision, messages.clone()), (ModelRole::Text, messages)]);
+    let request = |(role, messages)| Request {
+        role,
+        messages,
+        temperature: None,
+        max_tokens: None,
+        repetition: 0,
+    };
+    let both = conversations.into_iter().flat_map(|messages| {
+        [
+            (ModelRole::Vision, messages.clone()),
+            (ModelRole::Text, messages),
+        ]
+    });
     both.map(request).collect()
 }
 
@@ -67,13 +92,27 @@ fn a_requests_key_covers_every_part_of_it() {
         change(&mut changed);
         keys.push(changed.key());
     };
-    change(&|request| request.role = if request.role == ModelRole::Text { ModelRole::Vision } else { ModelRole::Text });
+    change(&|request| {
+        request.role = if request.role == ModelRole::Text {
+            ModelRole::Vision
+        } else {
+            ModelRole::Text
+        }
+    });
     change(&|request| request.temperature = Some(0.0));
     change(&|request| request.max_tokens = Some(5));
     change(&|request| request.repetition = 1);
     change(&|request| request.messages.push(Message::text(Speaker::User, "")));
-    change(&|request| request.messages[0].parts.push(Part::Image(Png::new(vec![1]))));
-    change(&|request| request.messages[0].parts.push(Part::Image(Png::new(vec![2]))));
+    change(&|request| {
+        request.messages[0]
+            .parts
+            .push(Part::Image(Png::new(vec![1])))
+    });
+    change(&|request| {
+        request.messages[0]
+            .parts
+            .push(Part::Image(Png::new(vec![2])))
+    });
     let count = keys.len();
     keys.sort();
     keys.dedup();

@@ -23,7 +23,10 @@ pub fn project(path: &str) -> String {
 /// The command, in a folder of its own and with an expert cache that all tests share.
 pub fn fabc(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_fabc"));
-    command.current_dir(folder).env("NO_COLOR", "1").env("FABC_CACHE_DIR", root().join("target/test-cache"));
+    command
+        .current_dir(folder)
+        .env("NO_COLOR", "1")
+        .env("FABC_CACHE_DIR", root().join("target/test-cache"));
     command
 }
 
@@ -36,7 +39,11 @@ pub struct Said {
 
 /// Runs a command to its end.
 pub fn finish(command: &mut Command) -> Said {
-    let Output { status, stdout, stderr } = command.output().unwrap();
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = command.output().unwrap();
     Said {
         code: status.code().unwrap_or(-1),
         stdout: String::from_utf8(stdout).unwrap(),
@@ -57,7 +64,11 @@ pub fn recorded_data(test: &str) -> Option<PathBuf> {
 pub fn count_as_skipped(test: &str) {
     eprintln!("skipped: {test}");
     if let Some(file) = std::env::var_os("FABC_SKIPPED_FILE") {
-        let mut file = std::fs::OpenOptions::new().create(true).append(true).open(file).unwrap();
+        let mut file = std::fs::OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(file)
+            .unwrap();
         writeln!(file, "{test}").unwrap();
     }
 }
@@ -67,21 +78,31 @@ pub struct ProjectFiles;
 
 impl Loader for ProjectFiles {
     fn load(&self, name: &str) -> Result<String, LoadError> {
-        std::fs::read_to_string(root().join(name)).map_err(|error| LoadError { message: error.to_string() })
+        std::fs::read_to_string(root().join(name)).map_err(|error| LoadError {
+            message: error.to_string(),
+        })
     }
 }
 
 /// Compiles a shipped task.
 pub fn task(name: &str) -> Program {
     let compiled = compiler::compile(&format!("tasks/{name}.fab"), &ProjectFiles).unwrap();
-    assert!(compiled.diagnostics.is_empty(), "{:?}", compiled.diagnostics);
+    assert!(
+        compiled.diagnostics.is_empty(),
+        "{:?}",
+        compiled.diagnostics
+    );
     compiled.programs.into_iter().next().unwrap()
 }
 
 /// Puts the shipped library for folds beside a test's own task.
 pub fn bring_library(folder: &Path) {
     std::fs::create_dir_all(folder.join("lib")).unwrap();
-    std::fs::copy(root().join("tasks/lib/folding.fab"), folder.join("lib/folding.fab")).unwrap();
+    std::fs::copy(
+        root().join("tasks/lib/folding.fab"),
+        folder.join("lib/folding.fab"),
+    )
+    .unwrap();
 }
 
 /// A shipped task on a cloth so small that a rollout takes a moment; scored against nothing.
@@ -107,7 +128,10 @@ pub struct Scripted {
 
 impl Scripted {
     pub fn new(replies: &[&str]) -> Scripted {
-        Scripted { replies: Mutex::new(replies.iter().map(|reply| (*reply).to_owned()).collect()), asked: Mutex::default() }
+        Scripted {
+            replies: Mutex::new(replies.iter().map(|reply| (*reply).to_owned()).collect()),
+            asked: Mutex::default(),
+        }
     }
 }
 
@@ -123,6 +147,11 @@ impl Model for Scripted {
     fn ask(&self, request: &Request) -> Result<Reply, ModelError> {
         self.asked.lock().unwrap().push(request.clone());
         let reply = self.replies.lock().unwrap().pop_front();
-        reply.map(|text| Reply { text }).ok_or_else(|| ModelError::Unsupported { model: "scripted".to_owned(), why: "the script is over".to_owned() })
+        reply
+            .map(|text| Reply { text })
+            .ok_or_else(|| ModelError::Unsupported {
+                model: "scripted".to_owned(),
+                why: "the script is over".to_owned(),
+            })
     }
 }

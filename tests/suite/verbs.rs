@@ -4,7 +4,8 @@ use super::support::{bring_library, fabc, finish, project};
 use serde_json::Value;
 
 fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|error| panic!("stdout is not one JSON document: {error}\n{text}"))
+    serde_json::from_str(text)
+        .unwrap_or_else(|error| panic!("stdout is not one JSON document: {error}\n{text}"))
 }
 
 #[test]
@@ -13,7 +14,12 @@ fn check_says_how_often_a_model_can_be_asked() {
     let file = project("tasks/double_straight.fab");
     let said = finish(fabc(folder.path()).args(["check", &file]));
     assert_eq!((said.code, said.stderr.as_str()), (0, ""));
-    assert!(said.stdout.contains("at most 6 model calls per step, 18 in 3 steps"), "{}", said.stdout);
+    assert!(
+        said.stdout
+            .contains("at most 6 model calls per step, 18 in 3 steps"),
+        "{}",
+        said.stdout
+    );
     let said = finish(fabc(folder.path()).args(["check", "--json", &file]));
     let value = json(&said.stdout);
     assert_eq!(value["diagnostics"], serde_json::json!([]));
@@ -24,27 +30,55 @@ fn check_says_how_often_a_model_can_be_asked() {
 #[test]
 fn check_reports_every_file_and_exits_with_1() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("wrong.fab"), "task tiny { cloth grid(5) }\n").unwrap();
-    let said = finish(fabc(folder.path()).args(["check", "wrong.fab", &project("tasks/double_triangle.fab")]));
+    std::fs::write(
+        folder.path().join("wrong.fab"),
+        "task tiny { cloth grid(5) }\n",
+    )
+    .unwrap();
+    let said = finish(fabc(folder.path()).args([
+        "check",
+        "wrong.fab",
+        &project("tasks/double_triangle.fab"),
+    ]));
     assert_eq!(said.code, 1);
     assert!(said.stdout.contains("wrong.fab:1:"), "{}", said.stdout);
-    assert!(said.stdout.contains("`double_triangle` is right"), "{}", said.stdout);
+    assert!(
+        said.stdout.contains("`double_triangle` is right"),
+        "{}",
+        said.stdout
+    );
     let said = finish(fabc(folder.path()).args(["check", "--json", "wrong.fab"]));
     let value = json(&said.stdout);
-    for field in ["code", "severity", "message", "file", "start", "end", "labels", "help", "edits"] {
-        assert!(value["diagnostics"][0].get(field).is_some(), "no `{field}` in {value}");
+    for field in [
+        "code", "severity", "message", "file", "start", "end", "labels", "help", "edits",
+    ] {
+        assert!(
+            value["diagnostics"][0].get(field).is_some(),
+            "no `{field}` in {value}"
+        );
     }
 }
 
 #[test]
 fn render_writes_messages_and_the_pictures_that_a_model_gets() {
     let folder = tempfile::tempdir().unwrap();
-    let said = finish(fabc(folder.path()).args(["render", &project("tasks/double_straight.fab"), "--out", "shown", "--json"]));
+    let said = finish(fabc(folder.path()).args([
+        "render",
+        &project("tasks/double_straight.fab"),
+        "--out",
+        "shown",
+        "--json",
+    ]));
     assert_eq!(said.code, 0, "{}", said.stderr);
     let value = json(&said.stdout);
     assert_eq!(value["stages"][0]["stage"], "describe");
-    let parts = value["stages"][0]["messages"][0]["parts"].as_array().unwrap();
-    assert_eq!(parts.iter().filter(|part| part["type"] == "image").count(), 2);
+    let parts = value["stages"][0]["messages"][0]["parts"]
+        .as_array()
+        .unwrap();
+    assert_eq!(
+        parts.iter().filter(|part| part["type"] == "image").count(),
+        2
+    );
     let text = std::fs::read_to_string(folder.path().join("shown/plan.txt")).unwrap();
     assert!(text.contains("Pick Point = (x, y)"), "{text}");
     for picture in ["describe_1.png", "describe_2.png"] {
@@ -56,30 +90,62 @@ fn render_writes_messages_and_the_pictures_that_a_model_gets() {
 #[test]
 fn render_takes_points_from_a_scene_file() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("scene.json"), r#"{"corners": [[11, 22], [33, 44]], "center": [[55, 66]]}"#).unwrap();
+    std::fs::write(
+        folder.path().join("scene.json"),
+        r#"{"corners": [[11, 22], [33, 44]], "center": [[55, 66]]}"#,
+    )
+    .unwrap();
     let file = project("tasks/double_straight.fab");
-    let said = finish(fabc(folder.path()).args(["render", &file, "--stage", "plan", "--scene", "scene.json"]));
+    let said = finish(fabc(folder.path()).args([
+        "render",
+        &file,
+        "--stage",
+        "plan",
+        "--scene",
+        "scene.json",
+    ]));
     assert_eq!(said.code, 0, "{}", said.stderr);
-    assert!(said.stdout.contains("Cloth corners: (11, 22), (33, 44)"), "{}", said.stdout);
-    assert!(said.stdout.contains("Cloth center: (55, 66)"), "{}", said.stdout);
+    assert!(
+        said.stdout.contains("Cloth corners: (11, 22), (33, 44)"),
+        "{}",
+        said.stdout
+    );
+    assert!(
+        said.stdout.contains("Cloth center: (55, 66)"),
+        "{}",
+        said.stdout
+    );
 }
 
 #[test]
 fn subgoals_draws_and_pins_one_picture_more_than_there_are_steps() {
     let folder = tempfile::tempdir().unwrap();
     small_fold(folder.path());
-    let said = finish(fabc(folder.path()).args(["subgoals", "small.fab", "--sheet", "sheet.png", "--json"]));
+    let said = finish(fabc(folder.path()).args([
+        "subgoals",
+        "small.fab",
+        "--sheet",
+        "sheet.png",
+        "--json",
+    ]));
     assert_eq!(said.code, 0, "{}", said.stderr);
     assert_eq!(
         json(&said.stdout)["files"],
-        serde_json::json!(["small.subgoals/0.png", "small.subgoals/1.png", "small.subgoals/pins.json", "sheet.png"])
+        serde_json::json!([
+            "small.subgoals/0.png",
+            "small.subgoals/1.png",
+            "small.subgoals/pins.json",
+            "sheet.png"
+        ])
     );
     let sheet = runtime::picture::load(&folder.path().join("sheet.png")).unwrap();
     assert_eq!(sheet.dimensions(), (224 * 2 + 8, 224));
     // Pinned pictures are used without a word; after a change of the fold they are not.
     let said = finish(fabc(folder.path()).args(["run", "small.fab"]));
     assert!(!said.stderr.contains("pin"), "{}", said.stderr);
-    let changed = std::fs::read_to_string(folder.path().join("small.fab")).unwrap().replace("front_right", "front_left");
+    let changed = std::fs::read_to_string(folder.path().join("small.fab"))
+        .unwrap()
+        .replace("front_right", "front_left");
     std::fs::write(folder.path().join("small.fab"), changed).unwrap();
     let said = finish(fabc(folder.path()).args(["run", "small.fab"]));
     assert!(said.stderr.contains("show another fold"), "{}", said.stderr);
@@ -98,21 +164,47 @@ fn run_folds_a_new_task_of_a_dozen_lines() {
     small_fold(folder.path());
     let said = finish(fabc(folder.path()).args(["run", "small.fab", "--json"]));
     let value = json(&said.stdout);
-    assert_eq!((said.code, value["outcome"].as_str()), (0, Some("horizon_reached")), "{}", said.stderr);
-    assert!(value["mean_particle_distance_mm"].as_f64().unwrap() < 20.0, "{value}");
+    assert_eq!(
+        (said.code, value["outcome"].as_str()),
+        (0, Some("horizon_reached")),
+        "{}",
+        said.stderr
+    );
+    assert!(
+        value["mean_particle_distance_mm"].as_f64().unwrap() < 20.0,
+        "{value}"
+    );
     assert_eq!(value["run_dir"], "runs/small-0001");
 }
 
 /// Runs a shipped task and returns its report.
 fn run_shipped(task: &str) -> Value {
     let folder = tempfile::tempdir().unwrap();
-    let said = finish(fabc(folder.path()).args(["run", &project(&format!("tasks/{task}.fab")), "--json", "--out", "run"]));
+    let said = finish(fabc(folder.path()).args([
+        "run",
+        &project(&format!("tasks/{task}.fab")),
+        "--json",
+        "--out",
+        "run",
+    ]));
     assert_eq!(said.code, 0, "{}{}", said.stderr, said.stdout);
     assert!(said.stderr.contains("stand-in"), "{}", said.stderr);
     let value = json(&said.stdout);
     for field in [
-        "task", "variant", "outcome", "goal_reached", "mean_particle_distance_mm", "coverage", "normalized_improvement", "steps", "model", "seed",
-        "program", "params", "run_dir", "wall_s",
+        "task",
+        "variant",
+        "outcome",
+        "goal_reached",
+        "mean_particle_distance_mm",
+        "coverage",
+        "normalized_improvement",
+        "steps",
+        "model",
+        "seed",
+        "program",
+        "params",
+        "run_dir",
+        "wall_s",
     ] {
         assert!(value.get(field).is_some(), "no `{field}` in {value}");
     }
@@ -126,13 +218,19 @@ fn run_reaches_the_goal_of_double_straight() {
     let report = run_shipped("double_straight");
     assert_eq!(report["outcome"], "goal_reached");
     assert_eq!(report["model_is_stand_in"], true);
-    assert!(report["mean_particle_distance_mm"].as_f64().unwrap() < 40.0, "{report}");
+    assert!(
+        report["mean_particle_distance_mm"].as_f64().unwrap() < 40.0,
+        "{report}"
+    );
 }
 
 #[test]
 fn run_reaches_the_goal_of_double_triangle() {
     let report = run_shipped("double_triangle");
-    assert_eq!((report["outcome"].as_str(), report["steps"].as_u64()), (Some("goal_reached"), Some(2)));
+    assert_eq!(
+        (report["outcome"].as_str(), report["steps"].as_u64()),
+        (Some("goal_reached"), Some(2))
+    );
 }
 
 #[test]
@@ -140,7 +238,10 @@ fn version_and_help_end_with_0_and_a_wrong_flag_with_64() {
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(finish(fabc(folder.path()).arg("--version")).code, 0);
     assert_eq!(finish(fabc(folder.path()).arg("--help")).code, 0);
-    assert_eq!(finish(fabc(folder.path()).args(["run", "--no-such-flag"])).code, 64);
+    assert_eq!(
+        finish(fabc(folder.path()).args(["run", "--no-such-flag"])).code,
+        64
+    );
     assert_eq!(finish(fabc(folder.path()).arg("fold")).code, 64);
     assert_eq!(finish(&mut fabc(folder.path())).code, 64);
 }

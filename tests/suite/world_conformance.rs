@@ -15,21 +15,35 @@ fn conforms(make: &dyn Fn() -> Box<dyn World>) {
     a_pick_beside_the_cloth_grasps_nothing(make().as_mut());
     an_interrupt_ends_an_action(make().as_mut());
     a_broken_start_is_refused(make().as_mut());
-    assert_eq!(make().parameters(), make().parameters(), "two equal worlds have different parameters");
+    assert_eq!(
+        make().parameters(),
+        make().parameters(),
+        "two equal worlds have different parameters"
+    );
 }
 
 fn start() -> Start {
-    Start::flat(&Cloth { dimx: 24, dimy: 20, spacing_m: 0.00625 })
+    Start::flat(&Cloth {
+        dimx: 24,
+        dimy: 20,
+        spacing_m: 0.00625,
+    })
 }
 
 fn corner_to_center() -> Motion {
     let [x, y, z] = start().positions[0];
-    Motion { pick: WorldPoint::new(x.into(), y.into(), z.into()), place: WorldPoint::new(0.0, 0.0, 0.005) }
+    Motion {
+        pick: WorldPoint::new(x.into(), y.into(), z.into()),
+        place: WorldPoint::new(0.0, 0.0, 0.005),
+    }
 }
 
 fn looks_only_after_a_reset(world: &mut dyn World) {
     assert!(matches!(world.observe(), Err(WorldError::NotReset)));
-    assert!(matches!(world.act(&corner_to_center(), &Interrupt::default()), Err(WorldError::NotReset)));
+    assert!(matches!(
+        world.act(&corner_to_center(), &Interrupt::default()),
+        Err(WorldError::NotReset)
+    ));
     assert_eq!(world.particles(), None);
 }
 
@@ -38,29 +52,50 @@ fn two_looks_are_equal(world: &mut dyn World) {
     let (first, second) = (world.observe().unwrap(), world.observe().unwrap());
     assert_eq!(first.rgb, second.rgb);
     assert_eq!(first.depth_m, second.depth_m);
-    assert_eq!(first.rgb.dimensions(), first.depth_m.dimensions(), "colour and depth are not registered");
+    assert_eq!(
+        first.rgb.dimensions(),
+        first.depth_m.dimensions(),
+        "colour and depth are not registered"
+    );
 }
 
 fn a_fold_moves_the_cloth_and_a_reset_brings_it_back(world: &mut dyn World) {
     world.reset(&start()).unwrap();
     let before = world.observe().unwrap();
-    let executed = world.act(&corner_to_center(), &Interrupt::default()).unwrap();
+    let executed = world
+        .act(&corner_to_center(), &Interrupt::default())
+        .unwrap();
     assert_ne!(executed.grasp, Grasp::Missed);
     assert!(executed.duration_s > 0.0);
-    assert_ne!(world.observe().unwrap().rgb, before.rgb, "the fold is not to be seen");
+    assert_ne!(
+        world.observe().unwrap().rgb,
+        before.rgb,
+        "the fold is not to be seen"
+    );
     if let Some(particles) = world.particles() {
         assert_eq!(particles.len(), start().positions.len());
-        assert!(particles.iter().flatten().all(|coordinate| coordinate.is_finite()));
+        assert!(
+            particles
+                .iter()
+                .flatten()
+                .all(|coordinate| coordinate.is_finite())
+        );
         assert_ne!(particles, start().positions);
     }
     world.reset(&start()).unwrap();
-    assert_eq!(world.observe().unwrap().rgb, before.rgb, "a reset does not lay the cloth as before");
+    assert_eq!(
+        world.observe().unwrap().rgb,
+        before.rgb,
+        "a reset does not lay the cloth as before"
+    );
 }
 
 fn equal_actions_have_equal_results(one: &mut dyn World, other: &mut dyn World) {
     let fold = |world: &mut dyn World| {
         world.reset(&start()).unwrap();
-        world.act(&corner_to_center(), &Interrupt::default()).unwrap();
+        world
+            .act(&corner_to_center(), &Interrupt::default())
+            .unwrap();
     };
     fold(one);
     fold(other);
@@ -71,23 +106,36 @@ fn equal_actions_have_equal_results(one: &mut dyn World, other: &mut dyn World) 
 fn a_pick_beside_the_cloth_grasps_nothing(world: &mut dyn World) {
     world.reset(&start()).unwrap();
     let before = world.particles();
-    let beside = Motion { pick: WorldPoint::new(0.2, 0.2, 0.0), place: WorldPoint::new(0.2, -0.2, 0.0) };
+    let beside = Motion {
+        pick: WorldPoint::new(0.2, 0.2, 0.0),
+        place: WorldPoint::new(0.2, -0.2, 0.0),
+    };
     let executed = world.act(&beside, &Interrupt::default()).unwrap();
     assert_eq!(executed.grasp, Grasp::Missed);
-    assert_eq!(world.particles(), before, "an empty gripper moved the cloth");
+    assert_eq!(
+        world.particles(),
+        before,
+        "an empty gripper moved the cloth"
+    );
 }
 
 fn an_interrupt_ends_an_action(world: &mut dyn World) {
     world.reset(&start()).unwrap();
     let interrupt = Interrupt::default();
     interrupt.raise();
-    assert!(matches!(world.act(&corner_to_center(), &interrupt), Err(WorldError::Interrupted)));
+    assert!(matches!(
+        world.act(&corner_to_center(), &interrupt),
+        Err(WorldError::Interrupted)
+    ));
 }
 
 fn a_broken_start_is_refused(world: &mut dyn World) {
     let mut broken = start();
     broken.positions[3][2] = f32::NAN;
-    assert!(matches!(world.reset(&broken), Err(WorldError::Start { .. })));
+    assert!(matches!(
+        world.reset(&broken),
+        Err(WorldError::Start { .. })
+    ));
     let mut short = start();
     short.positions.pop();
     assert!(matches!(world.reset(&short), Err(WorldError::Start { .. })));

@@ -1,14 +1,13 @@
 //! `stage plan { model text … say … read action }`: the questions to models, and the texts in them.
 
 use super::Context;
-use super::quantity::{Measure, Wanted, read, read_whole};
+use super::model::{self, Checked};
 use super::templates::{self, Place};
-use crate::ast::{
-    Component, Expr, ExprKind, Ident, Pictures, Saying, Sayings, Settings, Stage, Text,
-};
+use super::{pictures, reads};
+use crate::ast::{Component, Ident, Saying, Sayings, Stage, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::{Merged, once};
-use crate::program::{self, ActionField, Arrow, ModelRole, Picture, Read, Template, Which};
+use crate::program::{self, ActionField, ModelRole, Template};
 
 /// The most bytes that all texts of one stage may have.
 const MAX_STAGE_BYTES: usize = 64 << 10;

@@ -97,7 +97,7 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
 /// One source file's name and content hash.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SourceStamp {
-    /// The file as the compiler was given it, or as a `use` names it.
+    /// The file as seen from the entry file's folder, `/` as separator: the same wherever the folder lies.
     pub name: String,
     /// SHA-256 of the text, hex.
     pub sha256: String,

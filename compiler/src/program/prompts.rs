@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 /// One piece of text in the portable Jinja subset.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Template {
-    /// The component's name, `stage.say`, or `check.NAME`.
+    /// The component's name; `STAGE.say` or `STAGE.system` for a text of a stage's own (`STAGE.say.2` for a
+    /// second one); `check.NAME` for the message of a check.
     pub name: String,
     /// Jinja source; every variable in it is a string.
     pub text: String,

@@ -74,7 +74,10 @@ pub struct Message {
 impl Message {
     /// Makes a turn of text alone.
     pub fn text(speaker: Speaker, text: impl Into<String>) -> Self {
-        Message { speaker, parts: vec![Part::Text(text.into())] }
+        Message {
+            speaker,
+            parts: vec![Part::Text(text.into())],
+        }
     }
 }
 
@@ -111,7 +114,10 @@ impl Png {
     /// Wraps the bytes of a PNG file.
     pub fn new(bytes: Vec<u8>) -> Self {
         let sha256 = crate::digest::hex(&Sha256::digest(&bytes));
-        Png { bytes: bytes.into(), sha256 }
+        Png {
+            bytes: bytes.into(),
+            sha256,
+        }
     }
 
     /// Returns the bytes of the PNG file.

@@ -110,8 +110,13 @@ pub(super) struct Keeper {
 
 impl Keeper {
     /// Writes program, start and header.
-    pub(super) fn open(job: &Job<'_>, mut folder: RunFolder, world: &dyn World) -> Result<Keeper, RunError> {
-        let program = serde_json::to_vec_pretty(job.program).expect("a program has string keys and finite numbers");
+    pub(super) fn open(
+        job: &Job<'_>,
+        mut folder: RunFolder,
+        world: &dyn World,
+    ) -> Result<Keeper, RunError> {
+        let program = serde_json::to_vec_pretty(job.program)
+            .expect("a program has string keys and finite numbers");
         let program_file = folder.keep("program.json", &program)?;
         let start_file = folder.keep("start.npy", &npy::encode(&job.start.positions))?;
         let run_id = new_run_id(job, &folder);
@@ -144,26 +149,53 @@ impl Keeper {
             "goal": job.program.goal,
         });
         folder.append(&Line::Header(&header))?;
-        Ok(Keeper { folder, timer: Timer::default(), run_id, params: world.parameters(), steps: 0, final_positions: None })
+        Ok(Keeper {
+            folder,
+            timer: Timer::default(),
+            run_id,
+            params: world.parameters(),
+            steps: 0,
+            final_positions: None,
+        })
     }
 
-    pub(super) fn keep_picture(&self, line: &mut StepLine, what: &str, picture: &RgbImage) -> Result<(), JournalError> {
-        let name = self.folder.keep(&format!("step_{}/{what}.png", line.step), &picture::encode(picture))?;
+    pub(super) fn keep_picture(
+        &self,
+        line: &mut StepLine,
+        what: &str,
+        picture: &RgbImage,
+    ) -> Result<(), JournalError> {
+        let name = self.folder.keep(
+            &format!("step_{}/{what}.png", line.step),
+            &picture::encode(picture),
+        )?;
         line.files.insert(what.to_owned(), json!(name));
         Ok(())
     }
 
     /// Keeps the picture before the step with the action drawn on it, and returns that picture.
-    pub(super) fn keep_action(&self, line: &mut StepLine, before: &RgbImage, action: &Action) -> Result<RgbImage, RunError> {
+    pub(super) fn keep_action(
+        &self,
+        line: &mut StepLine,
+        before: &RgbImage,
+        action: &Action,
+    ) -> Result<RgbImage, RunError> {
         let mut drawn = before.clone();
         vision::draw_action(&mut drawn, action.pick_on_cloth_px, action.place_px)?;
         self.keep_picture(line, "action", &drawn)?;
         Ok(drawn)
     }
 
-    pub(super) fn keep_positions(&mut self, line: &mut StepLine, world: &dyn World) -> Result<(), JournalError> {
+    pub(super) fn keep_positions(
+        &mut self,
+        line: &mut StepLine,
+        world: &dyn World,
+    ) -> Result<(), JournalError> {
         if let Some(positions) = world.particles() {
-            let name = self.folder.keep(&format!("step_{}/positions.npy", line.step), &npy::encode(&positions))?;
+            let name = self.folder.keep(
+                &format!("step_{}/positions.npy", line.step),
+                &npy::encode(&positions),
+            )?;
             line.files.insert("positions".to_owned(), json!(name));
             self.final_positions = Some(name);
         }
@@ -171,7 +203,10 @@ impl Keeper {
     }
 
     pub(super) fn keep_expert(&self, end: &ExpertEnd) -> Result<String, JournalError> {
-        self.folder.keep(&format!("experts/{}.npy", end.sequence + 1), &npy::encode(&end.positions))
+        self.folder.keep(
+            &format!("experts/{}.npy", end.sequence + 1),
+            &npy::encode(&end.positions),
+        )
     }
 
     pub(super) fn count(&mut self, line: &StepLine, timer: &Timer) {
@@ -192,18 +227,31 @@ impl Keeper {
     ) -> Result<Report, RunError> {
         let mut seconds = Map::new();
         self.timer.write(&mut seconds);
-        let (vision, text) = (model_name(job, ModelRole::Vision), model_name(job, ModelRole::Text));
-        let stand_in = [ModelRole::Vision, ModelRole::Text].iter().any(|role| job.models.of(*role).nature() == Nature::StandIn);
+        let (vision, text) = (
+            model_name(job, ModelRole::Vision),
+            model_name(job, ModelRole::Text),
+        );
+        let stand_in = [ModelRole::Vision, ModelRole::Text]
+            .iter()
+            .any(|role| job.models.of(*role).nature() == Nature::StandIn);
         let report = Report {
             task: job.program.task.clone(),
             variant: None,
             outcome,
-            goal_reached: job.program.goal.as_ref().map(|_| outcome == Outcome::GoalReached),
+            goal_reached: job
+                .program
+                .goal
+                .as_ref()
+                .map(|_| outcome == Outcome::GoalReached),
             mean_particle_distance_mm: score.map(|score| score.distance_m * 1000.0),
             coverage: None,
             normalized_improvement: None,
             steps: self.steps,
-            model: if vision == text { vision.to_owned() } else { format!("{vision}, {text}") },
+            model: if vision == text {
+                vision.to_owned()
+            } else {
+                format!("{vision}, {text}")
+            },
             model_is_stand_in: stand_in,
             seed: job.start.seed,
             program: job.program.hash(),
@@ -238,7 +286,15 @@ impl Keeper {
 
 /// Names a run; two runs of the same thing have different names.
 fn new_run_id(job: &Job<'_>, folder: &RunFolder) -> String {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
-    let identity = format!("{} {} {} {} {now}", job.program.hash(), job.start.digest(), folder.path().display(), std::process::id());
+    let now = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |since| since.as_nanos());
+    let identity = format!(
+        "{} {} {} {} {now}",
+        job.program.hash(),
+        job.start.digest(),
+        folder.path().display(),
+        std::process::id()
+    );
     crate::digest::hex(&Sha256::digest(identity))[..12].to_owned()
 }

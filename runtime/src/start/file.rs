@@ -56,7 +56,9 @@ pub enum StartError {
         why: String,
     },
     /// The file is no `.npy` file of floating-point numbers.
-    #[error("the start `{path}` is not a usable .npy file: {why}; right would be float32 or float64 of shape (particles, 3)")]
+    #[error(
+        "the start `{path}` is not a usable .npy file: {why}; right would be float32 or float64 of shape (particles, 3)"
+    )]
     NotPositions {
         /// The file.
         path: PathBuf,
@@ -74,7 +76,9 @@ pub enum StartError {
         wanted: String,
     },
     /// A coordinate is NaN or infinite.
-    #[error("the start `{path}` has the coordinate {value} at particle {particle}; every coordinate must be a finite number of metres")]
+    #[error(
+        "the start `{path}` has the coordinate {value} at particle {particle}; every coordinate must be a finite number of metres"
+    )]
     NotFinite {
         /// The file.
         path: PathBuf,
@@ -84,7 +88,9 @@ pub enum StartError {
         value: f64,
     },
     /// Nobody says which way is up or how the particles are arranged.
-    #[error("nothing says how the start `{path}` is arranged: write `{beside}` with dimx, dimy, spacing_m and up (\"y\" or \"z\"), or give `--dims 55x44 --up y`")]
+    #[error(
+        "nothing says how the start `{path}` is arranged: write `{beside}` with dimx, dimy, spacing_m and up (\"y\" or \"z\"), or give `--dims 55x44 --up y`"
+    )]
     FrameUnknown {
         /// The file.
         path: PathBuf,
@@ -113,11 +119,18 @@ pub(super) fn load(path: &Path, stated: Option<StartFrame>) -> Result<Start, Sta
         return Err(StartError::Shape {
             path: path.to_owned(),
             found: format!("{shape:?}"),
-            wanted: format!("[{wanted}, 3] for a grid of {} by {} particles", grid.dimx, grid.dimy),
+            wanted: format!(
+                "[{wanted}, 3] for a grid of {} by {} particles",
+                grid.dimx, grid.dimy
+            ),
         });
     }
     if let Some(at) = numbers.iter().position(|value| !value.is_finite()) {
-        return Err(StartError::NotFinite { path: path.to_owned(), particle: at / 3, value: numbers[at] });
+        return Err(StartError::NotFinite {
+            path: path.to_owned(),
+            particle: at / 3,
+            value: numbers[at],
+        });
     }
     let positions = numbers
         .as_chunks::<3>()
@@ -128,19 +141,33 @@ pub(super) fn load(path: &Path, stated: Option<StartFrame>) -> Result<Start, Sta
             Up::Z => [x as f32, y as f32, z as f32],
         })
         .collect();
-    Ok(Start { name: path.display().to_string(), seed: None, grid, positions })
+    Ok(Start {
+        name: path.display().to_string(),
+        seed: None,
+        grid,
+        positions,
+    })
 }
 
 /// Reads any two-dimensional array of floats, row by row.
 fn read_npy(path: &Path) -> Result<(Vec<u64>, Vec<f64>), StartError> {
-    let unreadable = |why: String| StartError::Unreadable { path: path.to_owned(), why };
-    let wrong = |why: String| StartError::NotPositions { path: path.to_owned(), why };
+    let unreadable = |why: String| StartError::Unreadable {
+        path: path.to_owned(),
+        why,
+    };
+    let wrong = |why: String| StartError::NotPositions {
+        path: path.to_owned(),
+        why,
+    };
     let information = fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
     if information.is_dir() {
         return Err(unreadable("it is a directory".to_owned()));
     }
     if information.len() > MAX_BYTES {
-        return Err(unreadable(format!("it has {} bytes, more than the limit of {MAX_BYTES}", information.len())));
+        return Err(unreadable(format!(
+            "it has {} bytes, more than the limit of {MAX_BYTES}",
+            information.len()
+        )));
     }
     let bytes = fs::read(path).map_err(|error| unreadable(error.to_string()))?;
     let array = npyz::NpyFile::new(&bytes[..]).map_err(|error| wrong(error.to_string()))?;
@@ -153,14 +180,25 @@ fn read_npy(path: &Path) -> Result<(Vec<u64>, Vec<f64>), StartError> {
         });
     }
     if array.order() != npyz::Order::C {
-        return Err(wrong("it is stored column by column (Fortran order)".to_owned()));
+        return Err(wrong(
+            "it is stored column by column (Fortran order)".to_owned(),
+        ));
     }
     // A header may promise more than the file holds; never reserve memory on its word.
-    if shape[0].checked_mul(3 * 4).is_none_or(|least| least > bytes.len() as u64) {
-        return Err(wrong(format!("its header promises {} particles, its {} bytes hold fewer", shape[0], bytes.len())));
+    if shape[0]
+        .checked_mul(3 * 4)
+        .is_none_or(|least| least > bytes.len() as u64)
+    {
+        return Err(wrong(format!(
+            "its header promises {} particles, its {} bytes hold fewer",
+            shape[0],
+            bytes.len()
+        )));
     }
     let numbers = match array.dtype().descr().as_str() {
-        "'<f4'" => array.into_vec::<f32>().map(|values| values.into_iter().map(f64::from).collect()),
+        "'<f4'" => array
+            .into_vec::<f32>()
+            .map(|values| values.into_iter().map(f64::from).collect()),
         "'<f8'" => array.into_vec::<f64>(),
         other => return Err(wrong(format!("its numbers are of type {other}"))),
     };
@@ -170,8 +208,12 @@ fn read_npy(path: &Path) -> Result<(Vec<u64>, Vec<f64>), StartError> {
 fn find_frame(path: &Path) -> Result<StartFrame, StartError> {
     let beside = path.with_extension("json");
     if beside.is_file() {
-        let wrong = |why: String| StartError::Description { path: beside.clone(), why };
-        let frame: StartFrame = serde_json::from_value(read_json(&beside)?).map_err(|error| wrong(error.to_string()))?;
+        let wrong = |why: String| StartError::Description {
+            path: beside.clone(),
+            why,
+        };
+        let frame: StartFrame = serde_json::from_value(read_json(&beside)?)
+            .map_err(|error| wrong(error.to_string()))?;
         return check_grid(frame, &beside);
     }
     let mut folder = path.parent().map(Path::to_owned);
@@ -183,31 +225,59 @@ fn find_frame(path: &Path) -> Result<StartFrame, StartError> {
         }
         folder = here.parent().map(Path::to_owned);
     }
-    Err(StartError::FrameUnknown { path: path.to_owned(), beside })
+    Err(StartError::FrameUnknown {
+        path: path.to_owned(),
+        beside,
+    })
 }
 
 /// Finds the entry of a recorded data set that names this file; its paths are relative to the
 /// manifest's grandparent folder, and recorded data is y-up at 6.25 mm.
 fn frame_in_manifest(manifest: &Path, start: &Path) -> Result<StartFrame, StartError> {
-    let wrong = |why: String| StartError::Description { path: manifest.to_owned(), why };
+    let wrong = |why: String| StartError::Description {
+        path: manifest.to_owned(),
+        why,
+    };
     let value = read_json(manifest)?;
-    let root = manifest.parent().and_then(Path::parent).unwrap_or(Path::new(""));
-    let target = start.canonicalize().map_err(|error| wrong(error.to_string()))?;
-    let entries = value.get("entries").or_else(|| value.get("states")).and_then(|entries| entries.as_array());
+    let root = manifest
+        .parent()
+        .and_then(Path::parent)
+        .unwrap_or(Path::new(""));
+    let target = start
+        .canonicalize()
+        .map_err(|error| wrong(error.to_string()))?;
+    let entries = value
+        .get("entries")
+        .or_else(|| value.get("states"))
+        .and_then(|entries| entries.as_array());
     for entry in entries.into_iter().flatten() {
         let text = |key: &str| entry.get(key).and_then(|value| value.as_str());
         let candidate = match (text("dir"), text("pos")) {
-            (Some(folder), _) => root.join(folder).join(target.file_name().unwrap_or_default()),
+            (Some(folder), _) => root
+                .join(folder)
+                .join(target.file_name().unwrap_or_default()),
             (None, Some(file)) => root.join(file),
             (None, None) => continue,
         };
-        if candidate.canonicalize().is_ok_and(|candidate| candidate == target) {
-            let number = |key: &str| entry.get(key).or_else(|| value.get(key)).and_then(|value| value.as_f64());
+        if candidate
+            .canonicalize()
+            .is_ok_and(|candidate| candidate == target)
+        {
+            let number = |key: &str| {
+                entry
+                    .get(key)
+                    .or_else(|| value.get(key))
+                    .and_then(|value| value.as_f64())
+            };
             let (Some(dimx), Some(dimy)) = (number("dimx"), number("dimy")) else {
                 return Err(wrong("the start's entry lacks dimx or dimy".to_owned()));
             };
             let spacing_m = number("spacing_m").unwrap_or(0.00625);
-            let grid = Grid { dimx: dimx as u32, dimy: dimy as u32, spacing_m };
+            let grid = Grid {
+                dimx: dimx as u32,
+                dimy: dimy as u32,
+                spacing_m,
+            };
             return check_grid(StartFrame { grid, up: Up::Y }, manifest);
         }
     }
@@ -215,21 +285,33 @@ fn frame_in_manifest(manifest: &Path, start: &Path) -> Result<StartFrame, StartE
 }
 
 fn check_grid(frame: StartFrame, described_in: &Path) -> Result<StartFrame, StartError> {
-    let Grid { dimx, dimy, spacing_m } = frame.grid;
+    let Grid {
+        dimx,
+        dimy,
+        spacing_m,
+    } = frame.grid;
     if dimx < 2 || dimy < 2 || !(spacing_m.is_finite() && spacing_m > 0.0) {
         return Err(StartError::Description {
             path: described_in.to_owned(),
-            why: format!("a grid of {dimx} by {dimy} particles {spacing_m} m apart; both counts must be at least 2 and the spacing above 0"),
+            why: format!(
+                "a grid of {dimx} by {dimy} particles {spacing_m} m apart; both counts must be at least 2 and the spacing above 0"
+            ),
         });
     }
     Ok(frame)
 }
 
 fn read_json(path: &Path) -> Result<serde_json::Value, StartError> {
-    let wrong = |why: String| StartError::Description { path: path.to_owned(), why };
+    let wrong = |why: String| StartError::Description {
+        path: path.to_owned(),
+        why,
+    };
     let information = fs::metadata(path).map_err(|error| wrong(error.to_string()))?;
     if information.len() > MAX_BYTES {
-        return Err(wrong(format!("it has {} bytes, more than the limit of {MAX_BYTES}", information.len())));
+        return Err(wrong(format!(
+            "it has {} bytes, more than the limit of {MAX_BYTES}",
+            information.len()
+        )));
     }
     let text = fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
     serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))

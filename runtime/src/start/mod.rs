@@ -43,7 +43,11 @@ impl Start {
     }
 
     fn turned(name: String, seed: Option<u64>, cloth: &Cloth, angle_rad: f64) -> Start {
-        let grid = Grid { dimx: cloth.dimx, dimy: cloth.dimy, spacing_m: cloth.spacing_m };
+        let grid = Grid {
+            dimx: cloth.dimx,
+            dimy: cloth.dimy,
+            spacing_m: cloth.spacing_m,
+        };
         let (sin, cos) = angle_rad.sin_cos();
         let mut positions = Vec::with_capacity((grid.dimx * grid.dimy) as usize);
         for iy in 0..grid.dimy {
@@ -57,7 +61,12 @@ impl Start {
                 ]);
             }
         }
-        Start { name, seed, grid, positions }
+        Start {
+            name,
+            seed,
+            grid,
+            positions,
+        }
     }
 
     /// Reads a start from a `.npy` file of shape `[dimx * dimy, 3]`, metres.
@@ -107,7 +116,11 @@ mod tests {
     use super::*;
 
     fn cloth() -> Cloth {
-        Cloth { dimx: 5, dimy: 3, spacing_m: 0.00625 }
+        Cloth {
+            dimx: 5,
+            dimy: 3,
+            spacing_m: 0.00625,
+        }
     }
 
     #[test]
@@ -122,11 +135,20 @@ mod tests {
     #[test]
     fn equal_seeds_give_equal_starts_and_turn_at_most_45_degrees() {
         assert_eq!(Start::seeded(&cloth(), 7), Start::seeded(&cloth(), 7));
-        assert_ne!(Start::seeded(&cloth(), 7).digest(), Start::seeded(&cloth(), 8).digest());
+        assert_ne!(
+            Start::seeded(&cloth(), 7).digest(),
+            Start::seeded(&cloth(), 8).digest()
+        );
         for seed in 0..200 {
             let positions = Start::seeded(&cloth(), seed).positions;
-            let edge = [positions[4][0] - positions[0][0], positions[4][1] - positions[0][1]];
-            assert!(edge[0] >= edge[1].abs() * 0.9999, "seed {seed} turns further: {edge:?}");
+            let edge = [
+                positions[4][0] - positions[0][0],
+                positions[4][1] - positions[0][1],
+            ];
+            assert!(
+                edge[0] >= edge[1].abs() * 0.9999,
+                "seed {seed} turns further: {edge:?}"
+            );
         }
     }
 }

@@ -24,8 +24,14 @@ impl SimulatedWorld {
     ///
     /// Fails where the camera's numbers are outside what the renderer accepts.
     pub fn new(camera: &program::Camera) -> Result<SimulatedWorld, WorldError> {
-        let lens = TopDownCamera::new(camera.height_m as f32, camera.fov_rad as f32, camera.image_px)
-            .map_err(|error| WorldError::Camera { why: error.to_string() })?;
+        let lens = TopDownCamera::new(
+            camera.height_m as f32,
+            camera.fov_rad as f32,
+            camera.image_px,
+        )
+        .map_err(|error| WorldError::Camera {
+            why: error.to_string(),
+        })?;
         Ok(SimulatedWorld {
             parameters: Params::default(),
             look: Look::default(),
@@ -59,9 +65,16 @@ impl World for SimulatedWorld {
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
-        let wrong = |why: String| WorldError::Start { start: start.name.clone(), why };
-        let grid = Grid::new(start.grid.dimx as usize, start.grid.dimy as usize, start.grid.spacing_m as f32)
-            .map_err(|error| wrong(error.to_string()))?;
+        let wrong = |why: String| WorldError::Start {
+            start: start.name.clone(),
+            why,
+        };
+        let grid = Grid::new(
+            start.grid.dimx as usize,
+            start.grid.dimy as usize,
+            start.grid.spacing_m as f32,
+        )
+        .map_err(|error| wrong(error.to_string()))?;
         let cloth = Simulator::from_positions(grid, &start.positions, &self.parameters);
         self.cloth = Some(cloth.map_err(|error| wrong(error.to_string()))?);
         Ok(())
@@ -69,11 +82,14 @@ impl World for SimulatedWorld {
 
     fn observe(&mut self) -> Result<Observation, WorldError> {
         let cloth = self.cloth()?;
-        let frame = self.lens.render(cloth.grid(), &cloth.positions(), &self.look);
+        let frame = self
+            .lens
+            .render(cloth.grid(), &cloth.positions(), &self.look);
         const INVARIANT: &str = "a frame holds width * height pixels";
         Ok(Observation {
             rgb: RgbImage::from_raw(frame.width, frame.height, frame.rgb).expect(INVARIANT),
-            depth_m: DepthImage::from_raw(frame.width, frame.height, frame.depth_m).expect(INVARIANT),
+            depth_m: DepthImage::from_raw(frame.width, frame.height, frame.depth_m)
+                .expect(INVARIANT),
             camera: self.camera.clone(),
             time_s: cloth.time_s(),
         })
@@ -83,14 +99,20 @@ impl World for SimulatedWorld {
         let cloth = self.cloth.as_mut().ok_or(WorldError::NotReset)?;
         let on_table = |point: &super::WorldPoint| [point.x as f32, point.y as f32];
         let done = cloth
-            .pick_and_place(on_table(&motion.pick), on_table(&motion.place), &|| interrupt.is_raised())
+            .pick_and_place(on_table(&motion.pick), on_table(&motion.place), &|| {
+                interrupt.is_raised()
+            })
             .map_err(|error| match error {
                 SimError::Interrupted { .. } => WorldError::Interrupted,
-                other => WorldError::Motion { why: other.to_string() },
+                other => WorldError::Motion {
+                    why: other.to_string(),
+                },
             })?;
         Ok(Executed {
             motion: *motion,
-            grasp: done.grasped.map_or(Grasp::Missed, |particle| Grasp::Particle(particle as u32)),
+            grasp: done
+                .grasped
+                .map_or(Grasp::Missed, |particle| Grasp::Particle(particle as u32)),
             duration_s: done.time_s,
         })
     }

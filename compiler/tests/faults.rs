@@ -1,3 +1,0 @@
-//! dev
-#[path = "../../tests/suite/faults.rs"]
-mod faults;
