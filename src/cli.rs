@@ -20,6 +20,8 @@ pub struct Cli {
 pub enum Verb {
     /// Says what is wrong with .fab files.
     Check(CheckArguments),
+    /// Says what a diagnostic means and what to do.
+    Explain(ExplainArguments),
     /// Prints the exact messages that a model gets, without asking one.
     Render(RenderArguments),
     /// Draws the subgoal pictures of a task from its demonstration and pins them beside the file.
@@ -39,6 +41,14 @@ pub struct CheckArguments {
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `explain`.
+#[derive(Args)]
+pub struct ExplainArguments {
+    /// The code of a message, such as F0203.
+    #[arg(value_name = "CODE")]
+    pub code: String,
 }
 
 /// Arguments of `render`.

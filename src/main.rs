@@ -9,6 +9,7 @@ mod output;
 mod sources;
 
 mod check;
+mod explain;
 mod render;
 #[cfg(feature = "runtime")]
 mod run;
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
 fn run(verb: Verb) -> Exit {
     let done = match verb {
         Verb::Check(arguments) => check::run(&arguments),
+        Verb::Explain(arguments) => explain::run(&arguments),
         Verb::Render(arguments) => render::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Subgoals(arguments) => subgoals::run(&arguments),

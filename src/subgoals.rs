@@ -17,7 +17,7 @@ pub fn run(arguments: &SubgoalsArguments) -> Result<Exit, Failure> {
     let folder = setting::folder_of(&arguments.file);
     let interrupt = setting::interrupt()?;
     let mut world = setting::world(&program).map_err(Failure::environment)?;
-    let drawn = SubgoalSet::draw(&program, world.as_mut(), &interrupt);
+    let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt);
     let set = match drawn {
         Err(runtime::subgoals::SubgoalError::World(WorldError::Interrupted)) => {
             return Ok(Exit::Interrupted);

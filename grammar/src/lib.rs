@@ -7,6 +7,7 @@
 //!
 //! The grammar itself is `fab.pest`; pest's types never leave this crate.
 
+mod fault;
 mod faults;
 mod limits;
 mod measure;
@@ -14,7 +15,7 @@ mod rules;
 mod tree;
 mod vocabulary;
 
-pub use faults::{Fault, Problem};
+pub use fault::{Fault, Problem};
 pub use limits::{MAX_BYTES, MAX_NESTING};
 pub use tree::{Kind, Node, Tree};
 pub use vocabulary::is_keyword;

@@ -3,7 +3,7 @@
 //! The limits are checked before parsing, by a scan that knows strings and comments, so that no input
 //! can exhaust the stack of the parser or of those who walk its tree.
 
-use crate::faults::{Fault, Problem};
+use crate::fault::{Fault, Problem};
 use std::ops::Range;
 
 /// The longest text that is parsed, bytes.

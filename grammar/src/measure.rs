@@ -1,6 +1,6 @@
 //! Measures a piece of text against a strict rule, and names what stands at a place.
 
-use crate::faults::{Fault, Problem};
+use crate::fault::{Fault, Problem};
 use crate::rules::{FabParser, Rule};
 use crate::tree::Tree;
 use crate::vocabulary;

@@ -99,7 +99,7 @@ impl SubgoalSet {
         interrupt: &Interrupt,
     ) -> Result<SubgoalSet, SubgoalError> {
         match &program.subgoals {
-            Subgoals::Images { images } => load_images(images),
+            Subgoals::Images { images } => load_images(images, folder),
             Subgoals::Demonstrate { folds } => match load_pins(program, folds, folder)? {
                 Pinned::Fitting(set) => Ok(set),
                 Pinned::Absent => draw(program, folds, Origin::Drawn, world, interrupt),
@@ -111,11 +111,12 @@ impl SubgoalSet {
     /// Draws the demonstration afresh, whatever is pinned; the author's own pictures are loaded.
     pub fn draw(
         program: &Program,
+        folder: &Path,
         world: &mut dyn World,
         interrupt: &Interrupt,
     ) -> Result<SubgoalSet, SubgoalError> {
         match &program.subgoals {
-            Subgoals::Images { images } => load_images(images),
+            Subgoals::Images { images } => load_images(images, folder),
             Subgoals::Demonstrate { folds } => {
                 draw(program, folds, Origin::Drawn, world, interrupt)
             }
@@ -201,7 +202,7 @@ impl StepPictures {
     }
 }
 
-fn load_images(images: &[SubgoalImage]) -> Result<SubgoalSet, SubgoalError> {
+fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, SubgoalError> {
     let mut set = SubgoalSet {
         pictures: Vec::new(),
         arrows: Vec::new(),
@@ -209,9 +210,8 @@ fn load_images(images: &[SubgoalImage]) -> Result<SubgoalSet, SubgoalError> {
     };
     for image in images {
         // Relative to the file that names it, so that a library's pictures may lie beside the library.
-        let path = Path::new(&image.declared_in)
-            .with_file_name("")
-            .join(&image.path);
+        let declared_beside = Path::new(&image.declared_in).with_file_name("");
+        let path = folder.join(declared_beside).join(&image.path);
         set.pictures.push(picture::load(&path)?);
         let pixel = |point: compiler::program::PixelPoint| [f64::from(point.u), f64::from(point.v)];
         set.arrows

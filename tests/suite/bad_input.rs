@@ -13,7 +13,7 @@ fn write_task(folder: &Path, subgoals: &str) {
     fs::write(folder.join("small.fab"), text).unwrap();
 }
 
-fn demonstrated(folder: &Path) {
+pub(super) fn demonstrated(folder: &Path) {
     write_task(
         folder,
         "demonstrate { fold corner(back_left) -> corner(front_right) }",
@@ -21,7 +21,7 @@ fn demonstrated(folder: &Path) {
 }
 
 /// Runs the command and checks the code, that every expected word is said once, and that it is one message.
-fn refused(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) -> Said {
+pub(super) fn refused(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) -> Said {
     let said = finish(fabc(folder).args(arguments));
     assert_eq!(
         said.code, code,
@@ -49,7 +49,7 @@ fn refused(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) -> Said
 }
 
 /// Whether no run folder was left, not even an empty one.
-fn no_run_in(folder: &Path) -> bool {
+pub(super) fn no_run_in(folder: &Path) -> bool {
     fs::read_dir(folder.join("runs")).map_or(true, |mut entries| entries.next().is_none())
 }
 
@@ -141,158 +141,39 @@ fn an_unknown_model_task_stage_or_step() {
     assert!(no_run_in(folder.path()), "a refused call made a run folder");
 }
 
-/// Writes a .npy file of the given type, shape and bytes.
-fn write_npy(path: &Path, kind: &str, shape: &str, body: &[u8]) {
-    let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
-    while (10 + header.len() + 1) % 64 != 0 {
-        header.push(' ');
-    }
-    header.push('\n');
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.as_bytes());
-    bytes.extend(body);
-    fs::write(path, bytes).unwrap();
-}
-
-fn flat(count: usize) -> Vec<u8> {
-    let position = |index: usize| {
-        [
-            0.00625 * (index % 8) as f32,
-            0.005,
-            0.00625 * (index / 8) as f32,
-        ]
-    };
-    (0..count)
-        .flat_map(position)
-        .flat_map(f32::to_le_bytes)
-        .collect()
-}
-
-#[test]
-fn a_start_of_the_wrong_shape_or_with_nan() {
-    let folder = tempfile::tempdir().unwrap();
-    let here = folder.path();
-    demonstrated(here);
-    let run = [
-        "run",
-        "small.fab",
-        "--start",
-        "start.npy",
-        "--dims",
-        "8x8",
-        "--up",
-        "y",
-    ];
-    refused(here, &run, 2, &["`start.npy`"]);
-    fs::write(here.join("start.npy"), "no numbers").unwrap();
-    refused(here, &run, 2, &["not a usable .npy file", "(particles, 3)"]);
-    write_npy(&here.join("start.npy"), "<f4", "(63, 3)", &flat(63));
-    refused(here, &run, 2, &["[63, 3]", "[64, 3]", "8 by 8"]);
-    write_npy(&here.join("start.npy"), "<f4", "(96, 2)", &flat(64));
-    refused(here, &run, 2, &["[96, 2]", "[particles, 3]"]);
-    write_npy(&here.join("start.npy"), "<i4", "(64, 3)", &flat(64));
-    refused(here, &run, 2, &["<i4"]);
-    write_npy(
-        &here.join("start.npy"),
-        "<f4",
-        "(4000000000000, 3)",
-        &flat(64),
-    );
-    refused(here, &run, 2, &["promises 4000000000000 particles"]);
-    write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &flat(60));
-    refused(here, &run, 2, &["`start.npy`"]);
-    let mut broken = flat(64);
-    broken[12 * 5..12 * 5 + 4].copy_from_slice(&f32::NAN.to_le_bytes());
-    write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &broken);
-    refused(here, &run, 2, &["NaN at particle 5"]);
-    write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &flat(64));
-    refused(
-        here,
-        &["run", "small.fab", "--start", "start.npy"],
-        2,
-        &["`start.json`", "--dims 55x44 --up y"],
-    );
-    refused(
-        here,
-        &[
-            "run",
-            "small.fab",
-            "--start",
-            "start.npy",
-            "--dims",
-            "8by8",
-            "--up",
-            "y",
-        ],
-        64,
-        &["`--dims 8by8`"],
-    );
-    refused(
-        here,
-        &["run", "small.fab", "--dims", "8x8", "--up", "y"],
-        64,
-        &["--start FILE.npy"],
-    );
-    assert!(no_run_in(here), "a refused start made a run folder");
-    let said = finish(fabc(here).args(run));
-    assert!(
-        said.code == 0 || said.code == 3,
-        "the right start is refused: {}",
-        said.stderr
-    );
-}
-
-#[test]
-fn a_start_that_no_cloth_can_have() {
-    let folder = tempfile::tempdir().unwrap();
-    let here = folder.path();
-    demonstrated(here);
-    let run = [
-        "run",
-        "small.fab",
-        "--start",
-        "start.npy",
-        "--dims",
-        "8x8",
-        "--up",
-        "y",
-    ];
-    let mut apart = flat(64);
-    apart[0..4].copy_from_slice(&5.0f32.to_le_bytes());
-    write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &apart);
-    refused(here, &run, 2, &["start.npy", "cannot be laid"]);
-    assert!(no_run_in(here), "a refused start made a run folder");
-}
-
 #[test]
 fn a_subgoal_picture_that_is_none_or_enormous() {
     let folder = tempfile::tempdir().unwrap();
-    let here = folder.path();
+    // A task in another folder than the call: its pictures lie beside the task.
+    let here = &folder.path().join("tasks");
+    fs::create_dir(here).unwrap();
     write_task(
         here,
         "image \"a.png\" arrow (10px, 10px) -> (90px, 90px)\nimage \"b.png\"",
     );
-    refused(here, &["run", "small.fab"], 2, &["a.png"]);
+    refused(folder.path(), &["run", "tasks/small.fab"], 2, &["a.png"]);
     fs::write(here.join("a.png"), "no picture").unwrap();
     refused(
-        here,
-        &["run", "small.fab"],
+        folder.path(),
+        &["run", "tasks/small.fab"],
         2,
         &["a.png", "not a readable PNG"],
     );
     fs::write(here.join("a.png"), png_header(60_000, 60_000)).unwrap();
     refused(
-        here,
-        &["run", "small.fab"],
+        folder.path(),
+        &["run", "tasks/small.fab"],
         2,
         &["60000 by 60000 pixels", "4096"],
     );
     let good = runtime::picture::encode(&image::RgbImage::new(224, 224));
     fs::write(here.join("a.png"), &good).unwrap();
     fs::write(here.join("b.png"), &good[..good.len() / 2]).unwrap();
-    refused(here, &["run", "small.fab"], 2, &["b.png"]);
-    assert!(no_run_in(here), "a refused picture made a run folder");
+    refused(folder.path(), &["run", "tasks/small.fab"], 2, &["b.png"]);
+    assert!(
+        no_run_in(folder.path()),
+        "a refused picture made a run folder"
+    );
 }
 
 /// The first bytes of a PNG file that promises a size.

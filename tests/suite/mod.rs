@@ -4,11 +4,13 @@ mod support;
 
 mod agent_loop;
 mod bad_input;
+mod bad_starts;
 mod faults;
 mod journal;
 mod model_conformance;
 mod peers;
 mod prompts;
+mod readme;
 mod recorded_starts;
 mod tidy;
 mod verbs;

@@ -60,6 +60,19 @@ fn check_reports_every_file_and_exits_with_1() {
 }
 
 #[test]
+fn explain_tells_of_every_code_and_refuses_others() {
+    let folder = tempfile::tempdir().unwrap();
+    for entry in compiler::diag::CODES {
+        let said = finish(fabc(folder.path()).args(["explain", entry.code.as_str()]));
+        assert_eq!(said.code, 0);
+        assert!(said.stdout.contains(entry.title) && said.stdout.contains(entry.explanation));
+    }
+    let said = finish(fabc(folder.path()).args(["explain", "F9999"]));
+    assert_eq!(said.code, 64);
+    assert!(said.stderr.contains("`F9999`"), "{}", said.stderr);
+}
+
+#[test]
 fn render_writes_messages_and_the_pictures_that_a_model_gets() {
     let folder = tempfile::tempdir().unwrap();
     let said = finish(fabc(folder.path()).args([

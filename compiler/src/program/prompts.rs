@@ -12,7 +12,7 @@ pub struct Template {
     pub text: String,
     /// The variables it needs, sorted, as [`crate::render::Bindings`] names them.
     pub variables: Vec<String>,
-    /// The file that declares it, as in [`SourceStamp::name`].
+    /// The file that declares it, as in [`super::SourceStamp::name`].
     pub declared_in: String,
     /// The line of its first character there, from 1.
     pub line: u32,

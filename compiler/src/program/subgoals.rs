@@ -34,7 +34,7 @@ impl Subgoals {
 pub struct SubgoalImage {
     /// Path relative to the file that declares it, `/` as separator.
     pub path: String,
-    /// The file that declares it, as in [`SourceStamp::name`].
+    /// The file that declares it, as in [`super::SourceStamp::name`].
     pub declared_in: String,
     /// Tail and tip in the picture's pixels of the arrow to draw on it; none where the picture already has one.
     pub arrow: Option<[PixelPoint; 2]>,
