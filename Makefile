@@ -8,7 +8,7 @@
 # Runs one command with the pinned toolchain and with OpenCV where the build can find it.
 WITH_ENV = sh scripts/with-env.sh
 
-# More arguments for `fabc run`, as in: make run ARGS="--seed 3"
+# More arguments for `fabc run`, as in: make run ARGS="--start 3"
 ARGS =
 
 .PHONY: help run test test-peers lint bench deps env

@@ -11,11 +11,13 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     let mut diagnostics = Vec::new();
     let mut tasks = Vec::new();
+    let mut errors = Vec::new();
     for file in &arguments.files {
         let compiled = match sources::compile(file) {
             Ok(compiled) => compiled,
             Err(failure) => {
                 output::talk(&format!("error: {failure}"));
+                errors.push(failure.to_string());
                 exit = Exit::Environment;
                 continue;
             }
@@ -62,7 +64,7 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
         }
     }
     if arguments.json {
-        output::json(&json!({ "diagnostics": diagnostics, "tasks": tasks }));
+        output::json(&json!({ "diagnostics": diagnostics, "tasks": tasks, "errors": errors }));
     }
     Ok(exit)
 }

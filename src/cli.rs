@@ -32,6 +32,21 @@ pub enum Verb {
     Run(RunArguments),
 }
 
+impl Verb {
+    /// Returns whether stdout must be one JSON document, whatever happens.
+    pub fn wants_json(&self) -> bool {
+        match self {
+            Verb::Check(arguments) => arguments.json,
+            Verb::Explain(_) => false,
+            Verb::Render(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Subgoals(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Run(arguments) => arguments.json,
+        }
+    }
+}
+
 /// Arguments of `check`.
 #[derive(Args)]
 pub struct CheckArguments {

@@ -1,5 +1,6 @@
 //! Exit codes, and the errors that end a verb.
 
+use serde_json::{Value, json};
 use std::fmt;
 
 /// How the command ends; scripts rely on the codes.
@@ -38,36 +39,54 @@ impl Exit {
 pub struct Failure {
     exit: Exit,
     message: String,
+    diagnostics: Option<Value>,
 }
 
 impl Failure {
+    fn new(exit: Exit, message: String) -> Failure {
+        Failure {
+            exit,
+            message,
+            diagnostics: None,
+        }
+    }
+
     /// The environment failed.
     pub fn environment(error: impl fmt::Display) -> Failure {
-        Failure {
-            exit: Exit::Environment,
-            message: error.to_string(),
-        }
+        Failure::new(Exit::Environment, error.to_string())
     }
 
     /// The command line asks for what there is not.
     pub fn usage(message: impl Into<String>) -> Failure {
+        Failure::new(Exit::Usage, message.into())
+    }
+
+    /// The file is wrong; its diagnostics, as JSON, have been shown as text.
+    pub fn author(message: impl Into<String>, diagnostics: Value) -> Failure {
         Failure {
-            exit: Exit::Usage,
-            message: message.into(),
+            diagnostics: Some(diagnostics),
+            ..Failure::new(Exit::Author, message.into())
         }
     }
 
-    /// The file is wrong; its diagnostics have been shown.
-    pub fn author(message: impl Into<String>) -> Failure {
-        Failure {
-            exit: Exit::Author,
-            message: message.into(),
-        }
+    /// The user stopped it before there was anything to report.
+    #[cfg(feature = "runtime")]
+    pub fn interrupted() -> Failure {
+        Failure::new(Exit::Interrupted, "interrupted".to_owned())
     }
 
     /// Returns the exit that goes with it.
     pub fn exit(&self) -> Exit {
         self.exit
+    }
+
+    /// Returns what `--json` prints in place of a result.
+    pub fn to_json(&self) -> Value {
+        let mut value = json!({ "error": self.message, "exit": self.exit.code() });
+        if let Some(diagnostics) = &self.diagnostics {
+            value["diagnostics"] = diagnostics.clone();
+        }
+        value
     }
 }
 

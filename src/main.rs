@@ -29,17 +29,28 @@ fn main() -> ExitCode {
     let exit = match Cli::try_parse() {
         Ok(cli) => run(cli.verb),
         Err(error) => {
-            let shown = error.print();
+            // A reader that closed the pipe has seen enough of the help.
+            let _ = error.print();
             match error.kind() {
-                ErrorKind::DisplayHelp | ErrorKind::DisplayVersion if shown.is_ok() => Exit::Done,
+                ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Exit::Done,
                 _ => Exit::Usage,
             }
         }
+    };
+    let exit = match output::lost() {
+        Some(why) if exit == Exit::Done => {
+            output::talk(&format!(
+                "error: the result could not be written to stdout: {why}"
+            ));
+            Exit::Environment
+        }
+        _ => exit,
     };
     ExitCode::from(exit.code())
 }
 
 fn run(verb: Verb) -> Exit {
+    let wants_json = verb.wants_json();
     let done = match verb {
         Verb::Check(arguments) => check::run(&arguments),
         Verb::Explain(arguments) => explain::run(&arguments),
@@ -51,6 +62,9 @@ fn run(verb: Verb) -> Exit {
     };
     done.unwrap_or_else(|failure| {
         output::talk(&format!("error: {failure}"));
+        if wants_json {
+            output::json(&failure.to_json());
+        }
         failure.exit()
     })
 }

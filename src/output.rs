@@ -1,11 +1,25 @@
 //! Stdout for data, stderr for talk; a closed pipe is no error.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::sync::OnceLock;
+
+/// Why data could not be written, where that happened.
+static LOST: OnceLock<String> = OnceLock::new();
+
+/// Returns why some data could not be written; a reader that closed the pipe is no such reason.
+pub fn lost() -> Option<&'static str> {
+    LOST.get().map(String::as_str)
+}
 
 /// Writes data and a line end to stdout.
 pub fn data(text: &str) {
     // A reader that has seen enough (`| head`) closes the pipe; nobody is left to be told.
-    let _ = writeln!(std::io::stdout().lock(), "{text}");
+    let mut stdout = std::io::stdout().lock();
+    if let Err(error) = writeln!(stdout, "{text}").and_then(|()| stdout.flush())
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        LOST.get_or_init(|| error.to_string());
+    }
 }
 
 /// Writes a line of talk to stderr.

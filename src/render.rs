@@ -124,8 +124,8 @@ fn bind_scene(program: &Program, path: &Path, bindings: &mut Bindings) -> Result
             path.display()
         ))
     };
-    let text = fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
-    let scene: BTreeMap<String, Vec<PixelPoint>> = serde_json::from_str(&text)
+    let bytes = sources::read_bounded(path).map_err(wrong)?;
+    let scene: BTreeMap<String, Vec<PixelPoint>> = serde_json::from_slice(&bytes)
         .map_err(|error| wrong(format!("{error}; right would be {{\"corners\": [[12, 34], [56, 78]], \"center\": [[40, 50]]}}")))?;
     for keypoint in &program.keypoints {
         let name = keypoint.name.as_str();

@@ -33,7 +33,7 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         Ok(Some(subgoals)) => subgoals,
         Ok(None) => {
             folder.discard();
-            return Ok(Exit::Interrupted);
+            return Err(Failure::interrupted());
         }
         Err(failure) => {
             folder.discard();
@@ -97,6 +97,9 @@ fn prepare(
 fn say_origin(origin: Origin, file: &str) {
     match origin {
         Origin::Author | Origin::Pinned => {}
+        Origin::PinnedByOther => output::talk(&format!(
+            "note: the pinned subgoal pictures were drawn with other simulator parameters; `fabc subgoals {file}` draws them again"
+        )),
         Origin::Drawn => output::talk(&format!(
             "no subgoal pictures are pinned: drawn for this run; `fabc subgoals {file}` pins them"
         )),

@@ -39,6 +39,11 @@ pub fn start(program: &Program, arguments: &StartArguments) -> Result<Start, Fai
         };
     };
     if text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty() {
+        if arguments.dims.is_some() {
+            return Err(Failure::usage(format!(
+                "`--dims` and `--up` describe a start file, and `--start {text}` is a seed"
+            )));
+        }
         let seed = text.parse().map_err(|_| {
             Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX))
         })?;

@@ -4,7 +4,9 @@ use crate::exit::Failure;
 use crate::output;
 use compiler::program::Program;
 use compiler::{Compiled, LoadError, Loader, diag};
-use std::fs;
+use serde_json::json;
+use std::fs::{self, File};
+use std::io::Read;
 use std::path::Path;
 
 /// The largest source file that is read.
@@ -16,22 +18,8 @@ pub struct Disk;
 impl Loader for Disk {
     fn load(&self, name: &str) -> Result<String, LoadError> {
         let wrong = |message: String| LoadError { message };
-        let path = Path::new(name);
-        let information =
-            fs::metadata(path).map_err(|error| wrong(format!("cannot read `{name}`: {error}")))?;
-        if information.is_dir() {
-            return Err(wrong(format!(
-                "cannot read `{name}`: it is a directory, and a .fab file is wanted"
-            )));
-        }
-        if information.len() > MAX_BYTES {
-            return Err(wrong(format!(
-                "cannot read `{name}`: it has {} bytes, and at most {MAX_BYTES} are read",
-                information.len()
-            )));
-        }
-        let bytes =
-            fs::read(path).map_err(|error| wrong(format!("cannot read `{name}`: {error}")))?;
+        let bytes = read_bounded(Path::new(name))
+            .map_err(|why| wrong(format!("cannot read `{name}`: {why}")))?;
         String::from_utf8(bytes).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
             wrong(format!(
@@ -39,6 +27,26 @@ impl Loader for Disk {
             ))
         })
     }
+}
+
+/// Reads a regular file of at most [`MAX_BYTES`]; says why where that is not to be had.
+pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
+    let information = fs::metadata(path).map_err(|error| error.to_string())?;
+    if information.is_dir() {
+        return Err("it is a directory, and a file is wanted".to_owned());
+    }
+    // A device or a pipe has no length to ask for and may have no end.
+    if !information.is_file() {
+        return Err("it is no regular file".to_owned());
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    let read = file.take(MAX_BYTES + 1).read_to_end(&mut bytes);
+    read.map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(format!("it is longer than {MAX_BYTES} bytes"));
+    }
+    Ok(bytes)
 }
 
 /// Compiles a file.
@@ -62,7 +70,11 @@ pub fn compile_task(file: &str, wanted: Option<&str>) -> Result<Program, Failure
         );
     }
     if compiled.has_errors() {
-        return Err(Failure::author(format!("`{file}` cannot be compiled")));
+        let diagnostics = diag::to_json(&compiled.diagnostics, &compiled.sources);
+        return Err(Failure::author(
+            format!("`{file}` cannot be compiled"),
+            diagnostics,
+        ));
     }
     let names: Vec<String> = compiled
         .programs
@@ -83,9 +95,12 @@ pub fn compile_task(file: &str, wanted: Option<&str>) -> Result<Program, Failure
         },
         None => match compiled.programs.len() {
             1 => Ok(compiled.programs.swap_remove(0)),
-            0 => Err(Failure::author(format!(
-                "`{file}` declares no task that can run: one needs at least a cloth, subgoals, actions and stages, its own or from the task it extends"
-            ))),
+            0 => Err(Failure::author(
+                format!(
+                    "`{file}` declares no task that can run: one needs at least a cloth, subgoals, actions and stages, its own or from the task it extends"
+                ),
+                json!([]),
+            )),
             _ => Err(Failure::usage(format!(
                 "`{file}` declares several tasks; choose one with `--task`: {names}"
             ))),

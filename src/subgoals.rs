@@ -5,6 +5,7 @@ use crate::exit::{Exit, Failure};
 use crate::{output, setting, sources};
 use compiler::program::{Arrow, Picture, Which};
 use image::{RgbImage, imageops};
+use runtime::store;
 use runtime::subgoals::{Origin, SubgoalSet};
 use runtime::vision::VisionError;
 use runtime::{picture, world::WorldError};
@@ -20,7 +21,7 @@ pub fn run(arguments: &SubgoalsArguments) -> Result<Exit, Failure> {
     let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt);
     let set = match drawn {
         Err(runtime::subgoals::SubgoalError::World(WorldError::Interrupted)) => {
-            return Ok(Exit::Interrupted);
+            return Err(Failure::interrupted());
         }
         drawn => drawn.map_err(Failure::environment)?,
     };
@@ -34,9 +35,18 @@ pub fn run(arguments: &SubgoalsArguments) -> Result<Exit, Failure> {
         ));
     }
     if let Some(path) = &arguments.sheet {
-        std::fs::write(
+        if path
+            .extension()
+            .is_none_or(|ending| !ending.eq_ignore_ascii_case("png"))
+        {
+            let shown = path.display();
+            return Err(Failure::usage(format!(
+                "`--sheet {shown}` is no PNG file; name one that ends in `.png`"
+            )));
+        }
+        store::write_whole(
             path,
-            picture::encode(&sheet(&set).map_err(Failure::environment)?),
+            &picture::encode(&sheet(&set).map_err(Failure::environment)?),
         )
         .map_err(|error| {
             Failure::environment(format!("cannot write `{}`: {error}", path.display()))

@@ -61,12 +61,11 @@ pub fn ends(
     let mut not_kept = None;
     if !missing.is_empty() {
         announce(missing.len());
-        for (index, result) in simulate(sequences, &missing, start, make_world, interrupt) {
-            let positions = result?;
-            not_kept = cache
-                .put(&keys[index], &npy::encode(&positions))
-                .err()
-                .or(not_kept);
+        for (index, result) in simulate(
+            sequences, &keys, &missing, start, make_world, cache, interrupt,
+        ) {
+            let (positions, lost) = result?;
+            not_kept = lost.or(not_kept);
             known[index] = Some(positions);
         }
     }
@@ -86,14 +85,19 @@ pub fn ends(
     })
 }
 
-/// Runs the missing sequences, one world per thread; results in the order of `missing`.
+/// Positions, and why they could not be kept where that is so.
+type Simulated = Result<(Vec<[f32; 3]>, Option<String>), WorldError>;
+
+/// Runs and keeps the missing sequences, one world per thread; results in the order of `missing`.
 fn simulate(
     sequences: &[Sequence],
+    keys: &[String],
     missing: &[usize],
     start: &Start,
     make_world: &MakeWorld<'_>,
+    cache: &Cache,
     interrupt: &Interrupt,
-) -> Vec<(usize, Result<Vec<[f32; 3]>, WorldError>)> {
+) -> Vec<(usize, Simulated)> {
     let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::with_capacity(missing.len()));
     let threads = thread::available_parallelism()
@@ -104,6 +108,11 @@ fn simulate(
             scope.spawn(|| {
                 while let Some(&index) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let result = end_of(&sequences[index], start, make_world, interrupt);
+                    // Kept at once, so that a stop loses at most what is under way.
+                    let kept = result.as_ref().map_or(Ok(()), |positions| {
+                        cache.put(&keys[index], &npy::encode(positions))
+                    });
+                    let result = result.map(|positions| (positions, kept.err()));
                     let stop = result.is_err();
                     results
                         .lock()
@@ -195,6 +204,7 @@ fn key(sequence: &Sequence, start: &Start, world: &dyn World) -> String {
         &start.digest(),
         &serde_json::to_string(sequence).expect("a sequence holds finite numbers"),
         include_str!("expert.rs"),
+        include_str!("start/mod.rs"),
         include_str!("world/simulated.rs"),
     ] {
         hash.update((part.len() as u64).to_le_bytes());

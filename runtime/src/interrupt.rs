@@ -1,6 +1,7 @@
 //! A flag by which a rollout is asked to end early.
 //!
-//! The command sets it on SIGINT; worlds and the agent loop look at it between two steps of theirs.
+//! The command sets it on SIGINT; worlds look at it between two steps of theirs, a
+//! rollout before each of its own.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -26,6 +26,8 @@ pub const JOURNAL_FILE: &str = "rollout.jsonl";
 pub struct RunFolder {
     path: PathBuf,
     journal: File,
+    /// Whether the folder was there before.
+    found: bool,
     images: BTreeSet<String>,
 }
 
@@ -88,6 +90,7 @@ impl RunFolder {
             path: path.to_owned(),
             why: error.to_string(),
         };
+        let found = path.is_dir();
         fs::create_dir_all(path).map_err(|error| unwritable(path, error))?;
         let mut entries = fs::read_dir(path).map_err(|error| unwritable(path, error))?;
         if entries.next().is_some() {
@@ -104,6 +107,7 @@ impl RunFolder {
         Ok(RunFolder {
             path: path.to_owned(),
             journal,
+            found,
             images: BTreeSet::new(),
         })
     }
@@ -118,7 +122,13 @@ impl RunFolder {
         for number in 1..=9999u32 {
             let candidate = parent.join(format!("{name}-{number:04}"));
             match fs::create_dir(&candidate) {
-                Ok(()) => return RunFolder::create(&candidate),
+                Ok(()) => {
+                    let folder = RunFolder::create(&candidate)?;
+                    return Ok(RunFolder {
+                        found: false,
+                        ..folder
+                    });
+                }
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(unwritable(error)),
             }
@@ -129,12 +139,15 @@ impl RunFolder {
         })
     }
 
-    /// Removes a folder in which nothing has been written yet.
+    /// Takes back the making of a folder in which nothing has been written yet.
     ///
+    /// A folder that was there before stays, empty as it was.
     /// What cannot be removed stays: a folder without a header line is no rollout.
     pub fn discard(self) {
         let _ = fs::remove_file(self.path.join(JOURNAL_FILE));
-        let _ = fs::remove_dir(&self.path);
+        if !self.found {
+            let _ = fs::remove_dir(&self.path);
+        }
     }
 
     /// Returns the folder.

@@ -33,7 +33,8 @@ pub mod subgoals;
 pub mod cache;
 pub mod journal;
 pub mod sheet;
+pub mod store;
 
+mod bounded;
 mod digest;
 mod npy;
-mod store;

@@ -19,8 +19,50 @@ pub fn encode(positions: &[[f32; 3]]) -> Vec<u8> {
     bytes
 }
 
+/// Checks that a header does not promise more than the file holds.
+///
+/// The decoder reserves memory for the header and multiplies the shape on the file's word, so a
+/// damaged or forged header must not reach it. Says what is wrong.
+pub fn check_header(bytes: &[u8]) -> Result<(), String> {
+    let cut = || "it is no .npy file, or a cut one".to_owned();
+    if !bytes.starts_with(b"\x93NUMPY") {
+        return Err("it does not begin as a .npy file does".to_owned());
+    }
+    let (length, begin) = match (bytes.get(6), bytes.get(8..10), bytes.get(8..12)) {
+        (Some(1), Some(&[a, b]), _) => (u32::from(u16::from_le_bytes([a, b])), 10),
+        (Some(2 | 3), _, Some(&[a, b, c, d])) => (u32::from_le_bytes([a, b, c, d]), 12),
+        _ => return Err(cut()),
+    };
+    let header = bytes
+        .get(begin..)
+        .and_then(|rest| rest.get(..length as usize))
+        .ok_or_else(cut)?;
+    let header = String::from_utf8_lossy(header);
+    let shape = header
+        .split("'shape':")
+        .nth(1)
+        .and_then(|rest| rest.split(')').next());
+    let sides = shape
+        .unwrap_or_default()
+        .split(|c: char| !c.is_ascii_digit());
+    let mut count: u64 = 1;
+    for side in sides.filter(|side| !side.is_empty()) {
+        let product = side.parse().ok().and_then(|side| count.checked_mul(side));
+        count = product
+            .filter(|count| *count <= bytes.len() as u64)
+            .ok_or_else(|| {
+                format!(
+                    "its header promises more numbers than its {} bytes hold",
+                    bytes.len()
+                )
+            })?;
+    }
+    Ok(())
+}
+
 /// Decodes what [`encode`] wrote; `None` for anything else.
 pub fn decode(bytes: &[u8]) -> Option<Vec<[f32; 3]>> {
+    check_header(bytes).ok()?;
     let array = npyz::NpyFile::new(bytes).ok()?;
     let &[count, 3] = array.shape() else {
         return None;

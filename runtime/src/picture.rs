@@ -1,5 +1,6 @@
 //! Pictures as PNG files, bounded before they are decoded.
 
+use crate::bounded;
 use image::{ImageFormat, ImageReader, Limits, RgbImage};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -29,9 +30,7 @@ pub enum PictureError {
         why: String,
     },
     /// The picture is too large.
-    #[error(
-        "`{path}` is {found}; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels and {MAX_BYTES} bytes are read"
-    )]
+    #[error("`{path}` is {found}; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels are read")]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -46,17 +45,7 @@ pub fn load(path: &Path) -> Result<RgbImage, PictureError> {
         path: path.to_owned(),
         why,
     };
-    let information = std::fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
-    if information.is_dir() {
-        return Err(unreadable("it is a directory".to_owned()));
-    }
-    if information.len() > MAX_BYTES {
-        return Err(PictureError::TooLarge {
-            path: path.to_owned(),
-            found: format!("{} bytes long", information.len()),
-        });
-    }
-    let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
+    let bytes = bounded::read(path, MAX_BYTES).map_err(unreadable)?;
     decode(&bytes, path)
 }
 

@@ -12,6 +12,11 @@ use image::{Rgb, RgbImage, imageops};
 const MARGIN_PX: u32 = 12;
 const HEADLINE_PX: u32 = 54;
 const CAPTION_PX: u32 = 22;
+/// The largest picture in the sheet, and the smallest in a long one.
+const MAX_CELL_PX: u32 = 224;
+const MIN_CELL_PX: u32 = 32;
+/// Below the tallest picture that can be drawn on.
+const MAX_HEIGHT_PX: u32 = 8000;
 const PAPER: Rgb<u8> = Rgb([255, 255, 255]);
 const INK: [u8; 3] = [30, 30, 30];
 const CAPTIONS: [&str; 3] = [
@@ -38,17 +43,23 @@ impl Sheet {
             subgoal: Which::Now,
             arrow: Arrow::Drawn,
         });
-        self.rows.push([subgoal.clone(), action, after]);
+        // Shrunk at once: a long rollout with a large camera would fill the memory with pictures.
+        self.rows
+            .push([subgoal, &action, &after].map(|picture| fit(picture, MAX_CELL_PX)));
     }
 
     /// Draws the sheet; `None` where no step was executed. Fails where the letters cannot be drawn.
     pub fn picture(&self, report: &RolloutReport) -> Result<Option<RgbImage>, VisionError> {
-        let Some(first) = self.rows.first() else {
+        if self.rows.is_empty() {
             return Ok(None);
-        };
-        let cell = first[1].dimensions();
-        let width = 3 * cell.0 + 4 * MARGIN_PX;
-        let height = HEADLINE_PX + self.rows.len() as u32 * (CAPTION_PX + cell.1 + MARGIN_PX);
+        }
+        let rows = self.rows.len() as u32;
+        let room_px = (MAX_HEIGHT_PX - HEADLINE_PX) / rows;
+        let cell = MAX_CELL_PX
+            .min(room_px.saturating_sub(CAPTION_PX + MARGIN_PX))
+            .max(MIN_CELL_PX);
+        let width = 3 * cell + 4 * MARGIN_PX;
+        let height = HEADLINE_PX + rows * (CAPTION_PX + cell + MARGIN_PX);
         let mut sheet = RgbImage::from_pixel(width, height, PAPER);
         let stand_in = if report.model_is_stand_in {
             " (stand-in)"
@@ -75,9 +86,9 @@ impl Sheet {
             10,
         )?;
         for (number, row) in self.rows.iter().enumerate() {
-            let top = HEADLINE_PX + number as u32 * (CAPTION_PX + cell.1 + MARGIN_PX);
+            let top = HEADLINE_PX + number as u32 * (CAPTION_PX + cell + MARGIN_PX);
             for (column, picture) in row.iter().enumerate() {
-                let left = MARGIN_PX + column as u32 * (cell.0 + MARGIN_PX);
+                let left = MARGIN_PX + column as u32 * (cell + MARGIN_PX);
                 let caption = format!("{}. {}", number + 1, CAPTIONS[column]);
                 vision::draw_label(
                     &mut sheet,
@@ -99,10 +110,10 @@ impl Sheet {
     }
 }
 
-/// Scales a picture of another size to the sheet's cells.
-fn fit(picture: &RgbImage, (width, height): (u32, u32)) -> RgbImage {
-    if picture.dimensions() == (width, height) {
+/// Scales a picture to a square of the given side.
+fn fit(picture: &RgbImage, side_px: u32) -> RgbImage {
+    if picture.dimensions() == (side_px, side_px) {
         return picture.clone();
     }
-    imageops::resize(picture, width, height, imageops::FilterType::Triangle)
+    imageops::resize(picture, side_px, side_px, imageops::FilterType::Triangle)
 }

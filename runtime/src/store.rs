@@ -22,6 +22,10 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
         file.sync_all()
     });
     let moved = written.and_then(|()| fs::rename(&neighbour, path));
+    if let (Ok(()), Some(folder)) = (&moved, path.parent()) {
+        // The new name is on disk only once its folder is; not every system lets a folder be opened.
+        let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    }
     if moved.is_err() {
         // What remains is not the file that was asked for; its own removal may fail as well.
         let _ = fs::remove_file(&neighbour);

@@ -40,6 +40,8 @@ pub enum Origin {
     Author,
     /// Files that `fabc subgoals` drew earlier.
     Pinned,
+    /// Files that `fabc subgoals` drew earlier, by another simulator.
+    PinnedByOther,
     /// Drawn for this run, because none are pinned.
     Drawn,
     /// Drawn for this run, because the pinned ones show another fold, cloth or camera.
@@ -100,7 +102,7 @@ impl SubgoalSet {
     ) -> Result<SubgoalSet, SubgoalError> {
         match &program.subgoals {
             Subgoals::Images { images } => load_images(images, folder),
-            Subgoals::Demonstrate { folds } => match load_pins(program, folds, folder)? {
+            Subgoals::Demonstrate { folds } => match load_pins(program, folds, folder, world)? {
                 Pinned::Fitting(set) => Ok(set),
                 Pinned::Absent => draw(program, folds, Origin::Drawn, world, interrupt),
                 Pinned::OfAnotherFold => draw(program, folds, Origin::DrawnAnew, world, interrupt),
@@ -228,7 +230,12 @@ enum Pinned {
     Absent,
 }
 
-fn load_pins(program: &Program, folds: &[Fold], folder: &Path) -> Result<Pinned, SubgoalError> {
+fn load_pins(
+    program: &Program,
+    folds: &[Fold],
+    folder: &Path,
+    world: &dyn World,
+) -> Result<Pinned, SubgoalError> {
     let source = pin_folder(program, folder);
     let Ok(text) = fs::read_to_string(source.join(PINS_FILE)) else {
         return Ok(Pinned::Absent);
@@ -244,13 +251,21 @@ fn load_pins(program: &Program, folds: &[Fold], folder: &Path) -> Result<Pinned,
     }
     let mut pictures = Vec::new();
     for number in 0..=folds.len() {
-        pictures.push(picture::load(&source.join(format!("{number}.png")))?);
+        let picture = picture::load(&source.join(format!("{number}.png")))?;
+        if picture.dimensions() != (program.camera.image_px, program.camera.image_px) {
+            return Ok(Pinned::OfAnotherFold);
+        }
+        pictures.push(picture);
     }
     let arrows = pins.arrows.into_iter().map(Some).collect();
     Ok(Pinned::Fitting(SubgoalSet {
         pictures,
         arrows,
-        origin: Origin::Pinned,
+        origin: if pins.params == world.parameters() {
+            Origin::Pinned
+        } else {
+            Origin::PinnedByOther
+        },
     }))
 }
 

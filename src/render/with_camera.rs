@@ -24,6 +24,10 @@ pub struct View {
 impl View {
     /// Lays the cloth, executes the demonstrated folds before the step, and looks.
     pub fn at(program: &Program, arguments: &RenderArguments) -> Result<View, Failure> {
+        if arguments.scene.is_some() && arguments.start.start.is_some() {
+            let both = "`--scene` gives the points and `--start` lets the camera find them; give one of them";
+            return Err(Failure::usage(both));
+        }
         let interrupt = Interrupt::default();
         let mut world = setting::world(program).map_err(Failure::environment)?;
         let folder = setting::folder_of(&arguments.file);

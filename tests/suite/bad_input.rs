@@ -94,7 +94,12 @@ fn a_file_that_is_not_text() {
 fn a_file_that_is_enormous() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("task.fab"), "# fold\n".repeat(300_000)).unwrap();
-    refused(folder.path(), &["check", "task.fab"], 2, &["2100000 bytes"]);
+    refused(
+        folder.path(),
+        &["check", "task.fab"],
+        2,
+        &["longer than 1048576 bytes"],
+    );
 }
 
 #[test]

@@ -63,7 +63,16 @@ fn a_start_of_the_wrong_shape_or_with_nan() {
         "(4000000000000, 3)",
         &flat(64),
     );
-    refused(here, &run, 2, &["promises 4000000000000 particles"]);
+    refused(here, &run, 2, &["promises more numbers"]);
+    for shape in [
+        "(18446744073709551615, 3)",
+        "(9223372036854775807, 9223372036854775807, 3)",
+    ] {
+        write_npy(&here.join("start.npy"), "<f4", shape, &flat(64));
+        refused(here, &run, 2, &["promises more numbers"]);
+    }
+    fs::write(here.join("start.npy"), b"\x93NUMPY\x02\x00\x00\x00\x00\xff").unwrap();
+    refused(here, &run, 2, &["cut"]);
     write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &flat(60));
     refused(here, &run, 2, &["`start.npy`"]);
     let mut broken = flat(64);

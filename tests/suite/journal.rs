@@ -62,6 +62,15 @@ fn every_file_that_the_journal_names_is_there_and_nothing_else() {
         2
     );
     let text = serde_json::to_string(&lines).unwrap();
+    let mut named = Vec::new();
+    lines.iter().for_each(|line| names(line, &mut named));
+    assert!(named.len() > 20, "{named:?}");
+    for name in named {
+        assert!(
+            run.join(&name).is_file(),
+            "the journal names `{name}`, which is not there"
+        );
+    }
     let mut files = Vec::new();
     list(&run, &run, &mut files);
     for file in files {
@@ -74,6 +83,22 @@ fn every_file_that_the_journal_names_is_there_and_nothing_else() {
             None => file == "rollout.jsonl" || text.contains(&format!("\"{file}\"")),
         };
         assert!(named, "no line of the journal names `{file}`");
+    }
+}
+
+/// Collects every text of a line that looks like a file of the run.
+fn names(value: &Value, found: &mut Vec<String>) {
+    match value {
+        Value::String(text)
+            if [".png", ".npy", ".json", ".txt"]
+                .iter()
+                .any(|end| text.ends_with(end)) =>
+        {
+            found.push(text.clone());
+        }
+        Value::Array(values) => values.iter().for_each(|value| names(value, found)),
+        Value::Object(entries) => entries.values().for_each(|value| names(value, found)),
+        _ => {}
     }
 }
 

@@ -12,6 +12,7 @@ mod peers;
 mod prompts;
 mod readme;
 mod recorded_starts;
+mod stand_in;
 mod tidy;
 mod verbs;
 mod world_conformance;

@@ -258,3 +258,90 @@ fn version_and_help_end_with_0_and_a_wrong_flag_with_64() {
     assert_eq!(finish(fabc(folder.path()).arg("fold")).code, 64);
     assert_eq!(finish(&mut fabc(folder.path())).code, 64);
 }
+
+#[test]
+fn an_interrupt_ends_a_run_with_130_and_keeps_what_was_finished() {
+    use std::io::{BufRead, BufReader};
+    let folder = tempfile::tempdir().unwrap();
+    let mut child = fabc(folder.path())
+        .args([
+            "run",
+            &project("tasks/double_straight.fab"),
+            "--out",
+            "run",
+            "--json",
+        ])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut talk = BufReader::new(child.stderr.take().unwrap()).lines();
+    // The first step is done; the second takes a while.
+    assert!(
+        talk.by_ref()
+            .any(|line| line.unwrap().starts_with("step 1/3"))
+    );
+    let sent = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(sent.unwrap().success());
+    talk.for_each(|line| assert!(line.is_ok()));
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    assert_eq!(
+        json(&String::from_utf8(output.stdout).unwrap())["outcome"],
+        "interrupted"
+    );
+    let journal = std::fs::read_to_string(folder.path().join("run/rollout.jsonl")).unwrap();
+    let lines: Vec<Value> = journal.lines().map(json).collect();
+    assert_eq!(lines[1]["executed"]["grasp"]["particle"], 0);
+    assert_eq!(lines.last().unwrap()["report"]["outcome"], "interrupted");
+}
+
+#[test]
+fn json_is_one_document_also_where_nothing_was_done() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(
+        folder.path().join("wrong.fab"),
+        "task tiny extends nothing {\n}\n",
+    )
+    .unwrap();
+    for (arguments, code) in [
+        (&["check", "nowhere.fab"][..], 2),
+        (&["render", "nowhere.fab"], 2),
+        (&["subgoals", "nowhere.fab"], 2),
+        (&["run", "nowhere.fab"], 2),
+        (&["run", "wrong.fab"], 1),
+        (
+            &[
+                "run",
+                &project("tasks/double_straight.fab"),
+                "--model",
+                "none",
+            ],
+            64,
+        ),
+    ] {
+        let said = finish(fabc(folder.path()).args(arguments).arg("--json"));
+        assert_eq!(said.code, code, "{arguments:?}");
+        let value = json(&said.stdout);
+        let errors = [&value["error"], &value["errors"][0]];
+        assert!(
+            errors.iter().any(|error| error.is_string()),
+            "{arguments:?} prints {value}"
+        );
+    }
+    let said = finish(fabc(folder.path()).args(["run", "wrong.fab", "--json"]));
+    assert_eq!(json(&said.stdout)["diagnostics"][0]["code"], "F0301");
+}
+
+#[test]
+fn a_result_that_cannot_be_written_is_an_error() {
+    let Ok(full) = std::fs::OpenOptions::new().write(true).open("/dev/full") else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let file = project("tasks/double_straight.fab");
+    let said = finish(fabc(folder.path()).args(["check", &file]).stdout(full));
+    assert_eq!(said.code, 2, "{}", said.stderr);
+}

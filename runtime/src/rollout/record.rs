@@ -262,7 +262,8 @@ impl Keeper {
             seconds,
             wall_s: wall.as_secs_f64(),
         };
-        let sheet = match sheet.picture(&report)? {
+        // A rollout that is done is not lost for want of a picture of it.
+        let sheet = match sheet.picture(&report).unwrap_or_default() {
             Some(picture) => Some(self.folder.keep("sheet.png", &picture::encode(&picture))?),
             None => None,
         };

@@ -4,8 +4,8 @@
 //! [`Start`] in the world frame. Files are bounded before they are read.
 
 use super::Start;
+use crate::{bounded, npy};
 use serde::{Deserialize, Serialize};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The largest file that is read: far above any grid that the simulator accepts.
@@ -159,17 +159,8 @@ fn read_npy(path: &Path) -> Result<(Vec<u64>, Vec<f64>), StartError> {
         path: path.to_owned(),
         why,
     };
-    let information = fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
-    if information.is_dir() {
-        return Err(unreadable("it is a directory".to_owned()));
-    }
-    if information.len() > MAX_BYTES {
-        return Err(unreadable(format!(
-            "it has {} bytes, more than the limit of {MAX_BYTES}",
-            information.len()
-        )));
-    }
-    let bytes = fs::read(path).map_err(|error| unreadable(error.to_string()))?;
+    let bytes = bounded::read(path, MAX_BYTES).map_err(unreadable)?;
+    npy::check_header(&bytes).map_err(wrong)?;
     let array = npyz::NpyFile::new(&bytes[..]).map_err(|error| wrong(error.to_string()))?;
     let shape = array.shape().to_vec();
     if shape.len() != 2 || shape[1] != 3 {
@@ -269,13 +260,17 @@ fn frame_in_manifest(manifest: &Path, start: &Path) -> Result<StartFrame, StartE
                     .or_else(|| value.get(key))
                     .and_then(|value| value.as_f64())
             };
-            let (Some(dimx), Some(dimy)) = (number("dimx"), number("dimy")) else {
-                return Err(wrong("the start's entry lacks dimx or dimy".to_owned()));
+            let count = |key: &str| u32::try_from(entry.get(key)?.as_u64()?).ok();
+            let (Some(dimx), Some(dimy), Some(spacing_m)) =
+                (count("dimx"), count("dimy"), number("spacing_m"))
+            else {
+                let why =
+                    "the start's entry lacks dimx, dimy or spacing_m, or one is no such number";
+                return Err(wrong(why.to_owned()));
             };
-            let spacing_m = number("spacing_m").unwrap_or(0.00625);
             let grid = Grid {
-                dimx: dimx as u32,
-                dimy: dimy as u32,
+                dimx,
+                dimy,
                 spacing_m,
             };
             return check_grid(StartFrame { grid, up: Up::Y }, manifest);
@@ -306,13 +301,6 @@ fn read_json(path: &Path) -> Result<serde_json::Value, StartError> {
         path: path.to_owned(),
         why,
     };
-    let information = fs::metadata(path).map_err(|error| wrong(error.to_string()))?;
-    if information.len() > MAX_BYTES {
-        return Err(wrong(format!(
-            "it has {} bytes, more than the limit of {MAX_BYTES}",
-            information.len()
-        )));
-    }
-    let text = fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
-    serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))
+    let bytes = bounded::read(path, MAX_BYTES).map_err(wrong)?;
+    serde_json::from_slice(&bytes).map_err(|error| wrong(error.to_string()))
 }

@@ -11,7 +11,7 @@ use crate::start::Start;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
-pub use simulated::SimulatedWorld;
+pub use simulated::{Look, SimulatedWorld};
 
 /// A point in the world frame: right-handed, z up, origin at the table's centre, metres.
 pub type WorldPoint = Point3<f64>;

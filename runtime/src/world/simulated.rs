@@ -8,7 +8,8 @@ use crate::start::Start;
 use crate::vision::DepthImage;
 use compiler::program;
 use image::RgbImage;
-use sim::{Grid, Look, Params, SimError, Simulator, TopDownCamera};
+pub use sim::Look;
+use sim::{Grid, Params, SimError, Simulator, TopDownCamera};
 
 /// A simulated cloth under a simulated camera.
 pub struct SimulatedWorld {

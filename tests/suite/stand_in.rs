@@ -1,0 +1,144 @@
+//! The stand-in in whole rollouts: what it may not depend on, and what stops it.
+
+use super::support;
+use compiler::program::Program;
+use runtime::agent::Models;
+use runtime::cache::Cache;
+use runtime::interrupt::Interrupt;
+use runtime::journal::RunFolder;
+use runtime::model::Geometric;
+use runtime::outcome::Outcome;
+use runtime::rollout::{self, Event, Job};
+use runtime::start::Start;
+use runtime::subgoals::SubgoalSet;
+use runtime::world::{Look, SimulatedWorld, World, WorldError};
+
+/// What a rollout of the small task came to: its outcome, and where each pick and place was, metres.
+type Played = (Outcome, Vec<[f64; 4]>);
+
+/// Runs a program; `change` may alter the pictures that the stand-in is shown.
+fn play(program: &Program, look: &Look, change: &dyn Fn(&mut SubgoalSet)) -> Played {
+    let folder = tempfile::tempdir().unwrap();
+    let start = Start::flat(&program.cloth);
+    let make_world = || -> Result<Box<dyn World>, WorldError> {
+        Ok(Box::new(
+            SimulatedWorld::new(&program.camera)?.with_look(look.clone()),
+        ))
+    };
+    let interrupt = Interrupt::default();
+    let mut world = make_world().unwrap();
+    let mut subgoals =
+        SubgoalSet::draw(program, folder.path(), world.as_mut(), &interrupt).unwrap();
+    change(&mut subgoals);
+    let job = Job {
+        program,
+        start: &start,
+        subgoals: &subgoals,
+        models: Models {
+            vision: &Geometric,
+            text: &Geometric,
+        },
+        make_world: &make_world,
+        cache: &Cache::none(),
+        interrupt: &interrupt,
+    };
+    let mut points = Vec::new();
+    let mut watch = |event: Event<'_>| {
+        if let Event::Stepped { action, .. } = event {
+            let (pick, place) = (action.motion.pick, action.motion.place);
+            points.push([pick.x, pick.y, place.x, place.y]);
+        }
+    };
+    let run = RunFolder::create(&folder.path().join("run")).unwrap();
+    let report = rollout::run(&job, run, &mut watch).unwrap();
+    (report.outcome, points)
+}
+
+/// Whether two rollouts picked and placed at the same points, to within `limit_m`.
+fn alike(a: &Played, b: &Played, limit_m: f64) -> bool {
+    let near =
+        |(a, b): (&[f64; 4], &[f64; 4])| a.iter().zip(b).all(|(a, b)| (a - b).abs() < limit_m);
+    a.0 == b.0 && a.1.len() == b.1.len() && a.1.iter().zip(&b.1).all(near)
+}
+
+fn small() -> (Program, Played) {
+    let program = support::small_task();
+    let played = play(&program, &Look::default(), &|_| {});
+    assert_eq!((played.0, played.1.len()), (Outcome::HorizonReached, 2));
+    (program, played)
+}
+
+#[test]
+fn the_tasks_name_changes_nothing() {
+    let (program, played) = small();
+    let renamed = Program {
+        task: "all_corners_inward".to_owned(),
+        ..program
+    };
+    assert_eq!(play(&renamed, &Look::default(), &|_| {}), played);
+}
+
+#[test]
+fn the_cloths_colour_changes_nothing() {
+    let (program, played) = small();
+    let mut look = Look::default();
+    look.top = [40, 90, 200];
+    look.underside = [60, 160, 70];
+    assert!(alike(&play(&program, &look, &|_| {}), &played, 1e-9));
+}
+
+#[test]
+fn another_camera_height_leads_to_the_same_points_on_the_table() {
+    let (program, played) = small();
+    let mut higher = program;
+    higher.camera.height_m = 0.75;
+    for keypoint in &mut higher.keypoints {
+        if let compiler::program::Extractor::DepthMask { below_m } = &mut keypoint.extractor {
+            *below_m = 0.746;
+        }
+    }
+    let seen = play(&higher, &Look::default(), &|_| {});
+    assert!(alike(&seen, &played, 0.008), "{seen:?} against {played:?}");
+}
+
+#[test]
+fn without_its_arrow_the_rollout_ends_by_name() {
+    let (program, _) = small();
+    let erased = play(&program, &Look::default(), &|subgoals| {
+        subgoals.arrows.fill(None)
+    });
+    assert_eq!(erased, (Outcome::MalformedReply, Vec::new()));
+}
+
+#[test]
+fn swapped_pictures_do_not_lead_to_the_same_fold() {
+    let (program, played) = small();
+    let swapped = play(&program, &Look::default(), &|subgoals| {
+        subgoals.pictures.swap(0, 1)
+    });
+    assert_ne!(swapped.1.first(), played.1.first());
+}
+
+#[test]
+fn mirrored_pictures_lead_to_the_mirrored_fold() {
+    let (program, played) = small();
+    let side = f64::from(program.camera.image_px);
+    let mirrored = play(&program, &Look::default(), &|subgoals| {
+        subgoals
+            .pictures
+            .iter_mut()
+            .for_each(image::imageops::flip_horizontal_in_place);
+        let flip = |[u, v]: [f64; 2]| [side - u, v];
+        subgoals
+            .arrows
+            .iter_mut()
+            .flatten()
+            .for_each(|arrow| *arrow = arrow.map(flip));
+    });
+    let ([px, py, qx, qy], [mpx, mpy, mqx, mqy]) = (played.1[0], mirrored.1[0]);
+    let off = [px + mpx, py - mpy, qx + mqx, qy - mqy];
+    assert!(
+        off.iter().all(|off| off.abs() < 0.005),
+        "{played:?} and {mirrored:?}"
+    );
+}
