@@ -13,10 +13,12 @@ pub enum Exit {
     /// A file, the network, a model or the robot failed.
     Environment,
     /// The job ended without reaching its goal.
+    #[cfg(feature = "runtime")]
     Unreached,
     /// The command line is wrong.
     Usage,
     /// The user stopped it.
+    #[cfg(feature = "runtime")]
     Interrupted,
 }
 
@@ -27,8 +29,10 @@ impl Exit {
             Exit::Done => 0,
             Exit::Author => 1,
             Exit::Environment => 2,
+            #[cfg(feature = "runtime")]
             Exit::Unreached => 3,
             Exit::Usage => 64,
+            #[cfg(feature = "runtime")]
             Exit::Interrupted => 130,
         }
     }

@@ -142,10 +142,11 @@ mod tests {
 
     #[test]
     fn recorded_pick_pixels_are_reproduced() {
-        let Some(root) = std::env::var_os("FABC_REFERENCE_DATA") else {
+        let Some(root) = crate::recorded::recorded_data("recorded_pick_pixels_are_reproduced")
+        else {
             return;
         };
-        let path = std::path::Path::new(&root).join("folding120/manifest.json");
+        let path = root.join("folding120/manifest.json");
         let manifest: serde_json::Value =
             serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
         let camera = folding();

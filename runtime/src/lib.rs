@@ -38,3 +38,5 @@ pub mod store;
 mod bounded;
 mod digest;
 mod npy;
+#[cfg(test)]
+mod recorded;

@@ -157,7 +157,9 @@ fn recorded_mask(demo: &Demonstration, image: usize) -> Vec<bool> {
 
 #[test]
 fn recorded_starts_and_ends_cover_the_recorded_pixels() {
-    let Some(demos) = recorded::demonstrations() else {
+    let Some(demos) =
+        recorded::demonstrations_for("recorded_starts_and_ends_cover_the_recorded_pixels")
+    else {
         return;
     };
     let camera = folding_camera(224);

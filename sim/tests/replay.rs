@@ -7,8 +7,8 @@ use recorded::{mean_distance_mm, replay};
 use sim::{Params, RestShortcut};
 
 /// Replays the demonstrations of a task with the given ids (all if empty); returns the errors, millimetres.
-fn errors_mm(task: &str, ids: &[u64]) -> Option<Vec<f64>> {
-    let demos = recorded::demonstrations()?;
+fn errors_mm(test: &str, task: &str, ids: &[u64]) -> Option<Vec<f64>> {
+    let demos = recorded::demonstrations_for(test)?;
     let wanted = demos
         .iter()
         .filter(|demo| demo.task == task && (ids.is_empty() || ids.contains(&demo.id)));
@@ -42,7 +42,11 @@ fn one_demonstration_of_each_task_ends_near_the_recorded_end() {
         ("CornersEdgesInward", 5.0),
         ("DoubleStraight", 35.0),
     ] {
-        let Some(errors) = errors_mm(task, &[10]) else {
+        let Some(errors) = errors_mm(
+            "one_demonstration_of_each_task_ends_near_the_recorded_end",
+            task,
+            &[10],
+        ) else {
             return;
         };
         assert_eq!(errors.len(), 1);
@@ -52,7 +56,9 @@ fn one_demonstration_of_each_task_ends_near_the_recorded_end() {
 
 #[test]
 fn skipping_resting_steps_changes_no_bit_of_a_replay() {
-    let Some(demos) = recorded::demonstrations() else {
+    let Some(demos) =
+        recorded::demonstrations_for("skipping_resting_steps_changes_no_bit_of_a_replay")
+    else {
         return;
     };
     let demo = demos
@@ -72,7 +78,11 @@ fn long_all_demonstrations_end_near_the_recorded_ends() {
         ("CornersEdgesInward", 3.6, 6.0),
         ("DoubleStraight", 27.0, 50.0),
     ] {
-        let Some(errors) = errors_mm(task, &[]) else {
+        let Some(errors) = errors_mm(
+            "long_all_demonstrations_end_near_the_recorded_ends",
+            task,
+            &[],
+        ) else {
             return;
         };
         assert_eq!(errors.len(), 20);

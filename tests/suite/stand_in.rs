@@ -81,9 +81,11 @@ fn the_tasks_name_changes_nothing() {
 #[test]
 fn the_cloths_colour_changes_nothing() {
     let (program, played) = small();
-    let mut look = Look::default();
-    look.top = [40, 90, 200];
-    look.underside = [60, 160, 70];
+    let look = Look {
+        top: [40, 90, 200],
+        underside: [60, 160, 70],
+        ..Look::default()
+    };
     assert!(alike(&play(&program, &look, &|_| {}), &played, 1e-9));
 }
 

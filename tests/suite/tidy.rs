@@ -82,6 +82,11 @@ fn no_file_names_a_folder_of_somebodys_machine() {
     report(&place_faults(&tree()));
 }
 
+#[test]
+fn tests_that_lack_recorded_data_count_as_skipped() {
+    report(&skip_faults(&tree()));
+}
+
 /// Checks the checks: each text breaks exactly one rule, on a known line, or none.
 #[test]
 fn each_rule_finds_what_it_forbids_and_nothing_else() {
@@ -92,6 +97,7 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
         form_faults,
         ignore_faults,
         place_faults,
+        skip_faults,
     ];
     let tilde_home = concat!("see ~/wo", "rk/a and https://host/ho", "me/a\n");
     let machine_path = concat!("one\ncd '/wo", "rk/a'\n");
@@ -352,6 +358,18 @@ fn place_faults(files: &[TextFile]) -> Vec<String> {
         }
     }
     faults
+}
+
+/// What looks for recorded data has to be able to say that a test lacked it.
+fn skip_faults(files: &[TextFile]) -> Vec<String> {
+    let calls = ["var_os", "env::var"].map(|call| format!("{call}(\"FABC_REFERENCE_DATA\")"));
+    let looks = |file: &&TextFile| calls.iter().any(|call| file.text.contains(call));
+    let rule = "a test without its data notes its name in the file of FABC_SKIPPED_FILE";
+    let rust = files.iter().filter(|file| file.path.ends_with(".rs"));
+    rust.filter(looks)
+        .filter(|file| !file.text.contains("FABC_SKIPPED_FILE"))
+        .map(|file| fault(file, 1, rule))
+        .collect()
 }
 
 fn fault(file: &TextFile, line: usize, rule: &str) -> String {

@@ -1,12 +1,14 @@
 //! Reads recorded folding demonstrations for tests and the replay example.
 //!
 //! In: the folder named by `FABC_REFERENCE_DATA`. Out: starts, actions and ends
-//! in this crate's world frame. Recorded points are y-up: `world = (x, -z, y)`.
+//! in this crate's world frame; without the folder a test counts as skipped.
+//! Recorded points are y-up: `world = (x, -z, y)`.
 
 #![allow(dead_code, clippy::unwrap_used)]
 
 use serde_json::Value;
 use sim::{Grid, Params, RestShortcut, Simulator};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// One recorded demonstration.
@@ -23,17 +25,35 @@ pub struct Demonstration {
     pub picked: Vec<usize>,
 }
 
-/// Reads all demonstrations in manifest order, or `None` where the variable is unset.
+/// The recorded data, or `None` where it is not there; the test then counts as skipped.
+pub fn recorded_data(test: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("FABC_REFERENCE_DATA").map(PathBuf::from);
+    if folder.is_none() {
+        eprintln!("skipped: {test}");
+        if let Some(file) = std::env::var_os("FABC_SKIPPED_FILE") {
+            let mut file = std::fs::OpenOptions::new()
+                .create(true)
+                .append(true)
+                .open(file)
+                .unwrap();
+            writeln!(file, "{test}").unwrap();
+        }
+    }
+    folder
+}
+
+/// Reads all demonstrations for a test, or `None` where the data is not there; the test then counts as skipped.
+pub fn demonstrations_for(test: &str) -> Option<Vec<Demonstration>> {
+    recorded_data(test).map(|root| read_all(&root))
+}
+
+/// Reads all demonstrations for the replay example, or `None` where the variable is unset.
 pub fn demonstrations() -> Option<Vec<Demonstration>> {
     let Some(root) = std::env::var_os("FABC_REFERENCE_DATA") else {
         eprintln!("skipped: FABC_REFERENCE_DATA is not set");
         return None;
     };
-    let root = PathBuf::from(root);
-    let text = std::fs::read_to_string(root.join("folding120/manifest.json")).unwrap();
-    let manifest: Value = serde_json::from_str(&text).unwrap();
-    let entries = manifest["entries"].as_array().unwrap();
-    Some(entries.iter().map(|entry| read(&root, entry)).collect())
+    Some(read_all(Path::new(&root)))
 }
 
 /// Simulates a demonstration from its recorded start; returns the cloth and the grasped particles.
@@ -66,6 +86,14 @@ pub fn mean_distance_mm(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
             .sqrt()
     };
     1000.0 * a.iter().zip(b).map(distance).sum::<f64>() / a.len() as f64
+}
+
+/// Reads all demonstrations in manifest order.
+fn read_all(root: &Path) -> Vec<Demonstration> {
+    let text = std::fs::read_to_string(root.join("folding120/manifest.json")).unwrap();
+    let manifest: Value = serde_json::from_str(&text).unwrap();
+    let entries = manifest["entries"].as_array().unwrap();
+    entries.iter().map(|entry| read(root, entry)).collect()
 }
 
 fn read(root: &Path, entry: &Value) -> Demonstration {

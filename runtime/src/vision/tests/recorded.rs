@@ -1,16 +1,13 @@
 //! Detectors and drawings against recorded results of the original pipeline.
 //!
-//! Needs `FABC_REFERENCE_DATA`; without it these tests pass without looking.
+//! Needs `FABC_REFERENCE_DATA`; without it these tests count as skipped.
 
 use super::super::*;
 use super::harris;
+use crate::recorded::recorded_data;
 use image::Luma;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-
-fn reference() -> Option<PathBuf> {
-    std::env::var_os("FABC_REFERENCE_DATA").map(PathBuf::from)
-}
+use std::path::Path;
 
 fn manifest(folder: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(folder.join("manifest.json")).unwrap()).unwrap()
@@ -35,7 +32,9 @@ fn truncated(found: Vec<[f32; 2]>) -> Vec<[i64; 2]> {
 
 #[test]
 fn harris_corners_match_the_recorded_lists_in_order() {
-    let Some(root) = reference() else { return };
+    let Some(root) = recorded_data("harris_corners_match_the_recorded_lists_in_order") else {
+        return;
+    };
     let mut n_pictures = 0;
     for fixture in manifest(&root.join("vision/harris128"))["fixtures"]
         .as_array()
@@ -60,7 +59,9 @@ fn harris_corners_match_the_recorded_lists_in_order() {
 
 #[test]
 fn shi_tomasi_corners_match_the_recorded_lists_in_order() {
-    let Some(root) = reference() else { return };
+    let Some(root) = recorded_data("shi_tomasi_corners_match_the_recorded_lists_in_order") else {
+        return;
+    };
     let fixtures = manifest(&root.join("vision/shi_tomasi"));
     let mut n_pictures = 0;
     for fixture in fixtures["fixtures"].as_array().unwrap() {
@@ -89,7 +90,9 @@ fn shi_tomasi_corners_match_the_recorded_lists_in_order() {
 
 #[test]
 fn every_recorded_pick_is_near_a_detected_corner() {
-    let Some(root) = reference() else { return };
+    let Some(root) = recorded_data("every_recorded_pick_is_near_a_detected_corner") else {
+        return;
+    };
     let (mut worst_px, mut n_steps) = (0.0_f64, 0);
     for entry in manifest(&root.join("folding120"))["entries"]
         .as_array()
@@ -129,7 +132,9 @@ fn every_recorded_pick_is_near_a_detected_corner() {
 
 #[test]
 fn subgoal_arrows_are_drawn_as_recorded_pixel_for_pixel() {
-    let Some(root) = reference() else { return };
+    let Some(root) = recorded_data("subgoal_arrows_are_drawn_as_recorded_pixel_for_pixel") else {
+        return;
+    };
     let subgoals = manifest(&root.join("subgoals"));
     let mut n_pictures = 0;
     for (task, entry) in subgoals.as_object().unwrap() {
