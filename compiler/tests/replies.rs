@@ -120,7 +120,7 @@ proptest! {
 }
 
 #[test]
-fn long_answers_and_texts_are_refused() {
+fn answers_and_texts_that_are_long_are_refused() {
     let program = common::program("task.fab", common::TASK);
     let right = "Pick Point = (1, 2)\nPlace Point = (3, 4)\n";
     let padded = |length: usize| format!("{right}{}", " ".repeat(length - right.len()));

@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn long_lists_are_cut() {
+    fn lists_that_are_long_are_cut() {
         let names: Vec<String> = (0..20).map(|number| number.to_string()).collect();
         let listed = among(names.iter().map(String::as_str));
         assert!(listed.ends_with("`11` or 8 more"), "{listed}");
