@@ -79,7 +79,7 @@ proptest! {
 }
 
 #[test]
-fn a_hundred_thousand_open_brackets_are_one_error() {
+fn a_file_full_of_open_brackets_is_one_error() {
     for bracket in ["(", "{", "sequence {", "not (", "{ (", "f("] {
         for prefix in [
             "",
@@ -87,7 +87,8 @@ fn a_hundred_thousand_open_brackets_are_one_error() {
             "task t { verify { check a { ",
             "experts e { ",
         ] {
-            let text = format!("{prefix}{}", bracket.repeat(100_000));
+            let most = (grammar::MAX_BYTES - prefix.len()) / bracket.len();
+            let text = format!("{prefix}{}", bracket.repeat(most));
             let compiled = compile("task.fab", &text);
             assert_eq!(compiled.diagnostics.len(), 1, "{prefix}{bracket}");
             assert_eq!(compiled.diagnostics[0].code.as_str(), "F0112");

@@ -133,7 +133,7 @@ fn the_list_of_words_that_name_nothing_is_complete() {
 fn limits_are_as_stated() {
     let text = reference();
     for row in [
-        format!("| a file | {} MiB |", grammar::MAX_BYTES >> 20),
+        format!("| a file | {} KiB |", grammar::MAX_BYTES >> 10),
         format!(
             "| files in one compilation | {}, each {} `use`s deep |",
             compiler::MAX_FILES,

@@ -219,7 +219,7 @@ fn files_beyond_the_limits_are_refused() {
     assert_eq!(
         messages(&long),
         [format!(
-            "F0001 the file has {} bytes, at most 1048576 are accepted",
+            "F0001 the file has {} bytes, at most 131072 are accepted",
             long.len()
         )]
     );

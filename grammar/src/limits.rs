@@ -7,7 +7,7 @@ use crate::fault::{Fault, Problem};
 use std::ops::Range;
 
 /// The longest text that is parsed, bytes.
-pub const MAX_BYTES: usize = 1 << 20;
+pub const MAX_BYTES: usize = 128 << 10;
 
 /// The most brackets and braces that may be open at once.
 pub const MAX_NESTING: usize = 32;

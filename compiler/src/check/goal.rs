@@ -10,7 +10,7 @@ use crate::program::{Goal, Metric, Sequence, Subgoals};
 const LIMIT: Wanted = Wanted {
     measure: Measure::Length,
     range: 1e-6..=10.0,
-    range_words: "a distance above `0mm` and at most `10m`",
+    range_words: "a distance from `0.001mm` to `10m`",
 };
 
 const STEPS: Wanted = Wanted {

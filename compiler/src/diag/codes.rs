@@ -62,7 +62,7 @@ impl Code {
 codes! {
     "F0001" FileTooLong Error
     "a file is too long"
-    "A file may have at most 1 MiB. Nothing in it is checked. Split it, and join the parts with `use`."
+    "A file may have at most 128 KiB, fifty times a long task. Nothing in it is checked. Split it, and join the parts with `use`."
 
     "F0002" UnreadableUse Error
     "a file that `use` names cannot be read"

@@ -2,14 +2,24 @@
 
 /// Returns the candidate nearest to `word`, within an edit distance of `max(1, len / 3)`.
 ///
-/// The first of equally near ones wins, so the order of the candidates decides.
+/// The first of equally near ones wins, so the order of the candidates decides. Words and lists far beyond
+/// what people write are not searched: time would grow with the square of the file.
 pub(crate) fn nearest<'c>(
     word: &str,
     candidates: impl IntoIterator<Item = &'c str>,
 ) -> Option<&'c str> {
+    const MOST: usize = 200;
+    const LONGEST: usize = 64;
+    if word.len() > LONGEST {
+        return None;
+    }
     let limit = (word.chars().count() / 3).max(1);
     let mut best: Option<(usize, &str)> = None;
-    for candidate in candidates {
+    for candidate in candidates
+        .into_iter()
+        .take(MOST)
+        .filter(|name| name.len() <= LONGEST)
+    {
         let distance = edit_distance(word, candidate);
         if distance <= limit && best.is_none_or(|(least, _)| distance < least) {
             best = Some((distance, candidate));
@@ -21,16 +31,18 @@ pub(crate) fn nearest<'c>(
 /// Writes names as `a`, `b` or `c`, at most twelve of them.
 pub(crate) fn among<'c>(names: impl IntoIterator<Item = &'c str>) -> String {
     const MOST: usize = 12;
-    let names: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
+    let all: Vec<&str> = names.into_iter().collect();
+    let count = all.len();
+    let names: Vec<String> = all
+        .iter()
+        .take(MOST)
+        .map(|name| format!("`{name}`"))
+        .collect();
     match names.as_slice() {
         [] => String::new(),
         [one] => one.clone(),
-        [first @ .., last] if names.len() <= MOST => format!("{} or {last}", first.join(", ")),
-        _ => format!(
-            "{} or {} more",
-            names[..MOST].join(", "),
-            names.len() - MOST
-        ),
+        [first @ .., last] if count <= MOST => format!("{} or {last}", first.join(", ")),
+        _ => format!("{} or {} more", names.join(", "), count - MOST),
     }
 }
 
