@@ -39,4 +39,5 @@ mod bounded;
 mod digest;
 mod npy;
 #[cfg(test)]
+#[path = "../../tests/recorded_data.rs"]
 mod recorded;

@@ -4,7 +4,7 @@
 //! rollout's first scene. Prompts are filled from it and checks are judged on it.
 
 use crate::observation::Observation;
-use crate::vision::{self, Corner, CornerSearch, Detector, Mask, VisionError};
+use crate::vision::{self, Corner, CornerSearch, Mask, VisionError};
 use compiler::program::{Extractor, Moment, PixelPoint, Program};
 use compiler::render::Bindings;
 use compiler::verify::SceneView;
@@ -76,27 +76,6 @@ impl Scene {
         extractor: &Extractor,
         observation: &Observation,
     ) -> Result<Found, SceneError> {
-        let corners = |mask: &str,
-                       image_px: u32,
-                       max: u32,
-                       quality: f64,
-                       spacing_px: f64,
-                       detector: Detector| {
-            let search = CornerSearch {
-                image_px,
-                max,
-                quality,
-                spacing_px,
-                detector,
-            };
-            let points = vision::corners(&observation.depth_m, self.mask(mask)?, &search)?;
-            if points.is_empty() {
-                return Err(SceneError::NoCandidates {
-                    keypoint: name.to_owned(),
-                });
-            }
-            Ok(Found::Points(points))
-        };
         match extractor {
             Extractor::DepthMask { below_m } => {
                 let mask = vision::depth_mask(&observation.depth_m, *below_m);
@@ -107,35 +86,28 @@ impl Scene {
                 }
                 Ok(Found::Mask(mask))
             }
-            Extractor::Harris {
+            Extractor::Corners {
                 mask,
                 image_px,
                 max,
                 quality,
                 spacing_px,
-                k,
-            } => corners(
-                mask,
-                *image_px,
-                *max,
-                *quality,
-                *spacing_px,
-                Detector::Harris { k: *k },
-            ),
-            Extractor::ShiTomasi {
-                mask,
-                image_px,
-                max,
-                quality,
-                spacing_px,
-            } => corners(
-                mask,
-                *image_px,
-                *max,
-                *quality,
-                *spacing_px,
-                Detector::ShiTomasi,
-            ),
+                response,
+            } => {
+                let search = CornerSearch {
+                    image_px: *image_px,
+                    max: *max,
+                    quality: *quality,
+                    spacing_px: *spacing_px,
+                    response: *response,
+                };
+                let corners = vision::corners(&observation.depth_m, self.mask(mask)?, &search)?;
+                if corners.is_empty() {
+                    let keypoint = name.to_owned();
+                    return Err(SceneError::NoCandidates { keypoint });
+                }
+                Ok(Found::Points(corners))
+            }
             Extractor::Centroid { mask } => vision::centroid(self.mask(mask)?)
                 .map(Found::Point)
                 .ok_or_else(|| SceneError::OutOfView { mask: mask.clone() }),

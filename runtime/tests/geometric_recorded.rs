@@ -4,33 +4,19 @@
 //! Needs `FABC_REFERENCE_DATA`; without it the tests count as skipped.
 #![allow(clippy::unwrap_used)]
 
-use compiler::program::PixelPoint;
+#[path = "../../tests/recorded_data.rs"]
+mod recorded;
+
+use compiler::program::{PixelPoint, Response};
 use image::{GrayImage, Luma};
+use recorded::recorded_data;
 use runtime::model::{Geometric, Message, Model, ModelRole, Part, Png, Request, Speaker};
-use runtime::vision::{CornerSearch, DepthImage, Detector, centroid, corners, depth_mask};
+use runtime::vision::{CornerSearch, DepthImage, centroid, corners, depth_mask};
 use serde_json::Value;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// The farthest that a chosen point may be from the recorded one, pixels. Detected corners are off by up to 4.
 const NEAR_PX: f64 = 6.0;
-
-/// The recorded data, or `None` where it is not there; the test then counts as skipped.
-fn recorded_data(test: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("FABC_REFERENCE_DATA").map(PathBuf::from);
-    if folder.is_none() {
-        eprintln!("skipped: {test}");
-        if let Some(file) = std::env::var_os("FABC_SKIPPED_FILE") {
-            let mut file = std::fs::OpenOptions::new()
-                .create(true)
-                .append(true)
-                .open(file)
-                .unwrap();
-            writeln!(file, "{test}").unwrap();
-        }
-    }
-    folder
-}
 
 fn ask(role: ModelRole, parts: Vec<Part>) -> String {
     let messages = vec![Message {
@@ -108,7 +94,7 @@ fn corners_in(levels: &GrayImage) -> Vec<PixelPoint> {
         max: 27,
         quality: 0.04,
         spacing_px: 10.0,
-        detector: Detector::Harris { k: 0.04 },
+        response: Response::Harris { k: 0.04 },
     };
     let found = corners(&depth, &mask, &search).unwrap();
     found.into_iter().map(|corner| corner.pixel).collect()

@@ -20,7 +20,7 @@ struct Outcome {
 }
 
 fn main() {
-    let Some(mut demos) = recorded::demonstrations() else {
+    let Some(mut demos) = recorded::demonstrations("the replay") else {
         return;
     };
     let mut values = serde_json::to_value(Params::default()).expect("parameters are plain numbers");

@@ -158,7 +158,7 @@ fn recorded_mask(demo: &Demonstration, image: usize) -> Vec<bool> {
 #[test]
 fn recorded_starts_and_ends_cover_the_recorded_pixels() {
     let Some(demos) =
-        recorded::demonstrations_for("recorded_starts_and_ends_cover_the_recorded_pixels")
+        recorded::demonstrations("recorded_starts_and_ends_cover_the_recorded_pixels")
     else {
         return;
     };

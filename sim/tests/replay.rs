@@ -8,7 +8,7 @@ use sim::{Params, RestShortcut};
 
 /// Replays the demonstrations of a task with the given ids (all if empty); returns the errors, millimetres.
 fn errors_mm(test: &str, task: &str, ids: &[u64]) -> Option<Vec<f64>> {
-    let demos = recorded::demonstrations_for(test)?;
+    let demos = recorded::demonstrations(test)?;
     let wanted = demos
         .iter()
         .filter(|demo| demo.task == task && (ids.is_empty() || ids.contains(&demo.id)));
@@ -56,8 +56,7 @@ fn one_demonstration_of_each_task_ends_near_the_recorded_end() {
 
 #[test]
 fn skipping_resting_steps_changes_no_bit_of_a_replay() {
-    let Some(demos) =
-        recorded::demonstrations_for("skipping_resting_steps_changes_no_bit_of_a_replay")
+    let Some(demos) = recorded::demonstrations("skipping_resting_steps_changes_no_bit_of_a_replay")
     else {
         return;
     };

@@ -1,17 +1,17 @@
 //! The agent loop under scripted models: what ends it, what it asks again, what it never does.
 
-use super::support::{self, Scripted};
-use compiler::program::Program;
+use super::support::{self, Scripted, Trial};
+use compiler::program::{Extractor, Program, Response};
 use compiler::verify::Verdict;
 use runtime::agent::{Finding, Models};
 use runtime::cache::Cache;
 use runtime::interrupt::Interrupt;
-use runtime::journal::RunFolder;
 use runtime::model::{Part, Request, Speaker};
 use runtime::outcome::Outcome;
-use runtime::rollout::{self, Event, Job, RolloutReport};
+use runtime::rollout::{Event, RolloutReport};
 use runtime::start::Start;
-use runtime::subgoals::SubgoalSet;
+use runtime::subgoals::{Origin, SubgoalSet};
+use runtime::world::Look;
 
 const WORDS: &str = "Instructions: fold the back left corner onto the front left corner.\nExplanation: the arrow says so.";
 
@@ -38,27 +38,21 @@ fn play(vision: &[&str], text: &[&str]) -> Played {
 
 fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Interrupt) -> Played {
     let folder = tempfile::tempdir().unwrap();
-    let start = Start::flat(&program.cloth);
     let (vision, text) = (Scripted::new(vision), Scripted::new(text));
-    let make_world = || support::world(program);
-    let blank = image::RgbImage::new(32, 32);
     let steps = program.subgoals.steps();
+    // Scripted models do not look, so that nothing need be drawn for them.
     let subgoals = SubgoalSet {
-        pictures: vec![blank; steps + 1],
+        pictures: vec![image::RgbImage::new(32, 32); steps + 1],
         arrows: vec![None; steps],
-        origin: runtime::subgoals::Origin::Author,
+        origin: Origin::Author,
     };
-    let job = Job {
+    let trial = Trial {
         program,
-        start: &start,
-        subgoals: &subgoals,
-        models: Models {
-            vision: &vision,
-            text: &text,
-        },
-        make_world: &make_world,
-        cache: &Cache::none(),
-        interrupt,
+        start: Start::flat(&program.cloth),
+        subgoals,
+        look: Look::default(),
+        cache: Cache::none(),
+        interrupt: interrupt.clone(),
     };
     let mut findings = Vec::new();
     let mut watch = |event: Event<'_>| {
@@ -66,12 +60,11 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
             findings.push(attempt.finding.clone());
         }
     };
-    let report = rollout::run(
-        &job,
-        RunFolder::create(&folder.path().join("run")).unwrap(),
-        &mut watch,
-    )
-    .unwrap();
+    let models = Models {
+        vision: &vision,
+        text: &text,
+    };
+    let report = trial.run(models, &folder.path().join("run"), &mut watch);
     Played {
         report,
         seen: vision.asked.into_inner().unwrap(),
@@ -213,7 +206,7 @@ fn a_model_without_an_answer_ends_the_rollout() {
 fn a_cloth_outside_the_picture_is_a_named_outcome() {
     let mut program = support::small_task();
     for keypoint in &mut program.keypoints {
-        if let compiler::program::Extractor::DepthMask { below_m } = &mut keypoint.extractor {
+        if let Extractor::DepthMask { below_m } = &mut keypoint.extractor {
             *below_m = 0.5;
         }
     }
@@ -226,9 +219,9 @@ fn a_cloth_outside_the_picture_is_a_named_outcome() {
 fn a_detector_without_a_corner_is_a_named_outcome() {
     let mut program = support::small_task();
     for keypoint in &mut program.keypoints {
-        if let compiler::program::Extractor::Harris { k, .. } = &mut keypoint.extractor {
+        if let Extractor::Corners { response, .. } = &mut keypoint.extractor {
             // With k = 1 Harris' response, det - k trace^2, is nowhere above zero.
-            *k = 1.0;
+            *response = Response::Harris { k: 1.0 };
         }
     }
     let played = play_task(&program, &[], &[], &Interrupt::default());

@@ -5,6 +5,18 @@ use super::support::{fabc, finish};
 use std::fs;
 use std::path::Path;
 
+/// Runs the task from a start of 8 by 8 particles.
+const RUN: [&str; 8] = [
+    "run",
+    "small.fab",
+    "--start",
+    "start.npy",
+    "--dims",
+    "8x8",
+    "--up",
+    "y",
+];
+
 /// Writes a .npy file of the given type, shape and bytes.
 fn write_npy(path: &Path, kind: &str, shape: &str, body: &[u8]) {
     let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
@@ -38,47 +50,37 @@ fn a_start_of_the_wrong_shape_or_with_nan() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     demonstrated(here);
-    let run = [
-        "run",
-        "small.fab",
-        "--start",
-        "start.npy",
-        "--dims",
-        "8x8",
-        "--up",
-        "y",
-    ];
-    refused(here, &run, 2, &["`start.npy`"]);
+    refused(here, &RUN, 2, &["`start.npy`"]);
     fs::write(here.join("start.npy"), "no numbers").unwrap();
-    refused(here, &run, 2, &["not a usable .npy file", "(particles, 3)"]);
+    refused(here, &RUN, 2, &["not a usable .npy file", "(particles, 3)"]);
     write_npy(&here.join("start.npy"), "<f4", "(63, 3)", &flat(63));
-    refused(here, &run, 2, &["[63, 3]", "[64, 3]", "8 by 8"]);
+    refused(here, &RUN, 2, &["[63, 3]", "[64, 3]", "8 by 8"]);
     write_npy(&here.join("start.npy"), "<f4", "(96, 2)", &flat(64));
-    refused(here, &run, 2, &["[96, 2]", "[particles, 3]"]);
+    refused(here, &RUN, 2, &["[96, 2]", "[particles, 3]"]);
     write_npy(&here.join("start.npy"), "<i4", "(64, 3)", &flat(64));
-    refused(here, &run, 2, &["<i4"]);
+    refused(here, &RUN, 2, &["<i4"]);
     write_npy(
         &here.join("start.npy"),
         "<f4",
         "(4000000000000, 3)",
         &flat(64),
     );
-    refused(here, &run, 2, &["promises more numbers"]);
+    refused(here, &RUN, 2, &["promises more numbers"]);
     for shape in [
         "(18446744073709551615, 3)",
         "(9223372036854775807, 9223372036854775807, 3)",
     ] {
         write_npy(&here.join("start.npy"), "<f4", shape, &flat(64));
-        refused(here, &run, 2, &["promises more numbers"]);
+        refused(here, &RUN, 2, &["promises more numbers"]);
     }
     fs::write(here.join("start.npy"), b"\x93NUMPY\x02\x00\x00\x00\x00\xff").unwrap();
-    refused(here, &run, 2, &["cut"]);
+    refused(here, &RUN, 2, &["cut"]);
     write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &flat(60));
-    refused(here, &run, 2, &["`start.npy`"]);
+    refused(here, &RUN, 2, &["`start.npy`"]);
     let mut broken = flat(64);
     broken[12 * 5..12 * 5 + 4].copy_from_slice(&f32::NAN.to_le_bytes());
     write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &broken);
-    refused(here, &run, 2, &["NaN at particle 5"]);
+    refused(here, &RUN, 2, &["NaN at particle 5"]);
     write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &flat(64));
     refused(
         here,
@@ -108,7 +110,7 @@ fn a_start_of_the_wrong_shape_or_with_nan() {
         &["--start FILE.npy"],
     );
     assert!(no_run_in(here), "a refused start made a run folder");
-    let said = finish(fabc(here).args(run));
+    let said = finish(fabc(here).args(RUN));
     assert!(
         said.code == 0 || said.code == 3,
         "the right start is refused: {}",
@@ -121,19 +123,9 @@ fn a_start_that_no_cloth_can_have() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     demonstrated(here);
-    let run = [
-        "run",
-        "small.fab",
-        "--start",
-        "start.npy",
-        "--dims",
-        "8x8",
-        "--up",
-        "y",
-    ];
     let mut apart = flat(64);
     apart[0..4].copy_from_slice(&5.0f32.to_le_bytes());
     write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &apart);
-    refused(here, &run, 2, &["start.npy", "cannot be laid"]);
+    refused(here, &RUN, 2, &["start.npy", "cannot be laid"]);
     assert!(no_run_in(here), "a refused start made a run folder");
 }

@@ -1,44 +1,22 @@
 //! The run folder: whole lines, nothing overwritten, and enough to recompute the result.
 
-use super::support::{self, Scripted};
+use super::support::{self, Scripted, Trial};
 use runtime::agent::Models;
 use runtime::cache::Cache;
-use runtime::interrupt::Interrupt;
 use runtime::journal::{JournalError, RunFolder};
 use runtime::model::Geometric;
-use runtime::rollout::{self, Job};
-use runtime::start::Start;
-use runtime::subgoals::SubgoalSet;
+use runtime::rollout::RolloutReport;
+use runtime::world::Look;
 use serde_json::Value;
 use std::path::Path;
 
 /// Runs the small task with two expert sequences into `folder`.
-fn run_small(folder: &Path) -> rollout::RolloutReport {
+fn run_small(folder: &Path) -> RolloutReport {
     let mut program = support::small_task();
     program.experts = support::task("double_triangle").experts[..2].to_vec();
-    let start = Start::flat(&program.cloth);
-    let make_world = || support::world(&program);
-    let interrupt = Interrupt::default();
-    let subgoals =
-        SubgoalSet::obtain(&program, folder, make_world().unwrap().as_mut(), &interrupt).unwrap();
-    let job = Job {
-        program: &program,
-        start: &start,
-        subgoals: &subgoals,
-        models: Models {
-            vision: &Geometric,
-            text: &Geometric,
-        },
-        make_world: &make_world,
-        cache: &Cache::at(folder.join("cache")),
-        interrupt: &interrupt,
-    };
-    rollout::run(
-        &job,
-        RunFolder::create(&folder.join("run")).unwrap(),
-        &mut |_| {},
-    )
-    .unwrap()
+    let mut trial = Trial::new(&program, folder, Look::default());
+    trial.cache = Cache::at(folder.join("cache"));
+    trial.run_stand_in(&folder.join("run"))
 }
 
 fn lines(run: &Path) -> Vec<Value> {
@@ -228,33 +206,14 @@ fn numbered_run_folders_do_not_collide() {
 fn a_rollout_that_is_cut_off_leaves_no_end_line() {
     let folder = tempfile::tempdir().unwrap();
     let program = support::small_task();
-    let start = Start::flat(&program.cloth);
-    let make_world = || support::world(&program);
-    let interrupt = Interrupt::default();
-    let subgoals = SubgoalSet::obtain(
-        &program,
-        folder.path(),
-        make_world().unwrap().as_mut(),
-        &interrupt,
-    )
-    .unwrap();
-    let scripted = Scripted::new(&[]);
-    let job = Job {
-        program: &program,
-        start: &start,
-        subgoals: &subgoals,
-        models: Models {
-            vision: &Geometric,
-            text: &scripted,
-        },
-        make_world: &make_world,
-        cache: &Cache::none(),
-        interrupt: &interrupt,
-    };
+    let trial = Trial::new(&program, folder.path(), Look::default());
     let run = folder.path().join("run");
-    let opened = RunFolder::create(&run).unwrap();
+    let models = Models {
+        vision: &Geometric,
+        text: &Scripted::new(&[]),
+    };
     let cut = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-        rollout::run(&job, opened, &mut |_| {
+        trial.run(models, &run, &mut |_| {
             std::panic::resume_unwind(Box::new("the power fails"))
         })
     }));

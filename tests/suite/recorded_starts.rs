@@ -1,16 +1,11 @@
 //! Recorded Double Straight starts, folded by the stand-in and compared with the recorded ends.
 
-use super::support::{self, recorded_data};
-use runtime::agent::Models;
-use runtime::cache::Cache;
-use runtime::interrupt::Interrupt;
-use runtime::journal::RunFolder;
+use super::support::{self, Trial};
+use crate::recorded_data::recorded_data;
 use runtime::metrics::mean_particle_distance_m;
-use runtime::model::Geometric;
 use runtime::outcome::Outcome;
-use runtime::rollout::{self, Job};
 use runtime::start::Start;
-use runtime::subgoals::SubgoalSet;
+use runtime::world::Look;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -27,37 +22,11 @@ const MORE_IDS: [u32; 10] = [20, 22, 24, 26, 28, 30, 32, 34, 36, 38];
 fn fold(entry: &Path) -> f64 {
     let mut program = support::task("double_straight");
     program.experts.clear();
-    let start = Start::load(&entry.join("init_pos.npy"), None).unwrap();
-    let recorded = Start::load(&entry.join("final_pos.npy"), None).unwrap();
-    let make_world = || support::world(&program);
-    let interrupt = Interrupt::default();
-    let mut world = make_world().unwrap();
-    let subgoals = SubgoalSet::obtain(
-        &program,
-        &support::root().join("tasks"),
-        world.as_mut(),
-        &interrupt,
-    )
-    .unwrap();
-    let job = Job {
-        program: &program,
-        start: &start,
-        subgoals: &subgoals,
-        models: Models {
-            vision: &Geometric,
-            text: &Geometric,
-        },
-        make_world: &make_world,
-        cache: &Cache::none(),
-        interrupt: &interrupt,
-    };
     let folder = tempfile::tempdir().unwrap();
-    let report = rollout::run(
-        &job,
-        RunFolder::create(&folder.path().join("run")).unwrap(),
-        &mut |_| {},
-    )
-    .unwrap();
+    let mut trial = Trial::new(&program, &support::root().join("tasks"), Look::default());
+    trial.start = Start::load(&entry.join("init_pos.npy"), None).unwrap();
+    let recorded = Start::load(&entry.join("final_pos.npy"), None).unwrap();
+    let report = trial.run_stand_in(&folder.path().join("run"));
     assert_eq!(
         report.outcome,
         Outcome::HorizonReached,
@@ -67,7 +36,7 @@ fn fold(entry: &Path) -> f64 {
     let end = Start::load(
         &folder.path().join("run/step_3/positions.npy"),
         Some(runtime::start::StartFrame {
-            grid: start.grid,
+            grid: trial.start.grid,
             up: runtime::start::Up::Z,
         }),
     );

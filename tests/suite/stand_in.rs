@@ -1,17 +1,13 @@
 //! The stand-in in whole rollouts: what it may not depend on, and what stops it.
 
-use super::support;
+use super::support::{self, Trial};
 use compiler::program::Program;
 use runtime::agent::Models;
-use runtime::cache::Cache;
-use runtime::interrupt::Interrupt;
-use runtime::journal::RunFolder;
 use runtime::model::Geometric;
 use runtime::outcome::Outcome;
-use runtime::rollout::{self, Event, Job};
-use runtime::start::Start;
+use runtime::rollout::Event;
 use runtime::subgoals::SubgoalSet;
-use runtime::world::{Look, SimulatedWorld, World, WorldError};
+use runtime::world::Look;
 
 /// What a rollout of the small task came to: its outcome, and where each pick and place was, metres.
 type Played = (Outcome, Vec<[f64; 4]>);
@@ -19,29 +15,8 @@ type Played = (Outcome, Vec<[f64; 4]>);
 /// Runs a program; `change` may alter the pictures that the stand-in is shown.
 fn play(program: &Program, look: &Look, change: &dyn Fn(&mut SubgoalSet)) -> Played {
     let folder = tempfile::tempdir().unwrap();
-    let start = Start::flat(&program.cloth);
-    let make_world = || -> Result<Box<dyn World>, WorldError> {
-        Ok(Box::new(
-            SimulatedWorld::new(&program.camera)?.with_look(look.clone()),
-        ))
-    };
-    let interrupt = Interrupt::default();
-    let mut world = make_world().unwrap();
-    let mut subgoals =
-        SubgoalSet::draw(program, folder.path(), world.as_mut(), &interrupt).unwrap();
-    change(&mut subgoals);
-    let job = Job {
-        program,
-        start: &start,
-        subgoals: &subgoals,
-        models: Models {
-            vision: &Geometric,
-            text: &Geometric,
-        },
-        make_world: &make_world,
-        cache: &Cache::none(),
-        interrupt: &interrupt,
-    };
+    let mut trial = Trial::new(program, folder.path(), look.clone());
+    change(&mut trial.subgoals);
     let mut points = Vec::new();
     let mut watch = |event: Event<'_>| {
         if let Event::Stepped { action, .. } = event {
@@ -49,8 +24,11 @@ fn play(program: &Program, look: &Look, change: &dyn Fn(&mut SubgoalSet)) -> Pla
             points.push([pick.x, pick.y, place.x, place.y]);
         }
     };
-    let run = RunFolder::create(&folder.path().join("run")).unwrap();
-    let report = rollout::run(&job, run, &mut watch).unwrap();
+    let models = Models {
+        vision: &Geometric,
+        text: &Geometric,
+    };
+    let report = trial.run(models, &folder.path().join("run"), &mut watch);
     (report.outcome, points)
 }
 

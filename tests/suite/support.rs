@@ -2,11 +2,17 @@
 
 use compiler::program::Program;
 use compiler::{LoadError, Loader};
-use runtime::model::{Model, ModelError, Nature, Reply, Request};
-use runtime::world::{SimulatedWorld, World, WorldError};
+use runtime::agent::Models;
+use runtime::cache::Cache;
+use runtime::interrupt::Interrupt;
+use runtime::journal::RunFolder;
+use runtime::model::{Geometric, Model, ModelError, Nature, Reply, Request};
+use runtime::rollout::{self, Event, Job, RolloutReport};
+use runtime::start::Start;
+use runtime::subgoals::SubgoalSet;
+use runtime::world::{Look, SimulatedWorld, World, WorldError};
 use std::collections::VecDeque;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::Mutex;
 
@@ -48,28 +54,6 @@ pub fn finish(command: &mut Command) -> Said {
         code: status.code().unwrap_or(-1),
         stdout: String::from_utf8(stdout).unwrap(),
         stderr: String::from_utf8(stderr).unwrap(),
-    }
-}
-
-/// The recorded data, or `None` where it is not there; the test then counts as skipped.
-pub fn recorded_data(test: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("FABC_REFERENCE_DATA").map(PathBuf::from);
-    if folder.is_none() {
-        count_as_skipped(test);
-    }
-    folder
-}
-
-/// Tells `make test` that a test could not do its work here.
-pub fn count_as_skipped(test: &str) {
-    eprintln!("skipped: {test}");
-    if let Some(file) = std::env::var_os("FABC_SKIPPED_FILE") {
-        let mut file = std::fs::OpenOptions::new()
-            .create(true)
-            .append(true)
-            .open(file)
-            .unwrap();
-        writeln!(file, "{test}").unwrap();
     }
 }
 
@@ -118,6 +102,68 @@ pub fn small_task() -> Program {
 /// A fresh simulated world for a program.
 pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
     Ok(Box::new(SimulatedWorld::new(&program.camera)?))
+}
+
+/// Everything about a rollout but its models; a test changes the fields that it is about.
+pub struct Trial<'p> {
+    pub program: &'p Program,
+    pub start: Start,
+    pub subgoals: SubgoalSet,
+    pub look: Look,
+    pub cache: Cache,
+    pub interrupt: Interrupt,
+}
+
+impl<'p> Trial<'p> {
+    /// A rollout from the flat cloth, with the pictures that are pinned or drawn for a task in `folder`.
+    pub fn new(program: &'p Program, folder: &Path, look: Look) -> Trial<'p> {
+        let interrupt = Interrupt::default();
+        let mut world = SimulatedWorld::new(&program.camera)
+            .unwrap()
+            .with_look(look.clone());
+        let subgoals = SubgoalSet::obtain(program, folder, &mut world, &interrupt).unwrap();
+        let start = Start::flat(&program.cloth);
+        Trial {
+            program,
+            start,
+            subgoals,
+            look,
+            cache: Cache::none(),
+            interrupt,
+        }
+    }
+
+    /// Runs it with the stand-in in both roles, into the new folder `run`.
+    pub fn run_stand_in(&self, run: &Path) -> RolloutReport {
+        let models = Models {
+            vision: &Geometric,
+            text: &Geometric,
+        };
+        self.run(models, run, &mut |_| {})
+    }
+
+    /// Runs it, into the new folder `run`.
+    pub fn run(
+        &self,
+        models: Models<'_>,
+        run: &Path,
+        watch: &mut dyn FnMut(Event<'_>),
+    ) -> RolloutReport {
+        let make_world = || -> Result<Box<dyn World>, WorldError> {
+            let world = SimulatedWorld::new(&self.program.camera)?;
+            Ok(Box::new(world.with_look(self.look.clone())))
+        };
+        let job = Job {
+            program: self.program,
+            start: &self.start,
+            subgoals: &self.subgoals,
+            models,
+            make_world: &make_world,
+            cache: &self.cache,
+            interrupt: &self.interrupt,
+        };
+        rollout::run(&job, RunFolder::create(run).unwrap(), watch).unwrap()
+    }
 }
 
 /// A model that says what it was told to say, and keeps what it was asked.

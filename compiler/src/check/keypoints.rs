@@ -1,14 +1,14 @@
 //! `keypoints { cloth = mask(depth < 646mm) … }`.
 
 use super::Context;
-use super::arguments::{Bound, bare, bind, named, optional};
+use super::arguments::{Bound, Parameter, bare, bind, named, optional};
 use super::camera::IMAGE;
 use super::names::Meaning;
 use super::quantity::{Measure, Wanted, read, read_whole};
-use crate::ast::{Expr, ExprKind, Ident, Keypoint};
+use crate::ast::{Argument, Expr, ExprKind, Ident, Keypoint};
 use crate::diag::{Code, Diagnostic, among};
 use crate::merge::Merged;
-use crate::program::{self, Camera, Extractor, KeypointShape, Moment};
+use crate::program::{self, Camera, Extractor, KeypointShape, Moment, Response};
 
 /// Harris' free parameter where none is stated: the detector's usual one (protocol, section 6).
 const DEFAULT_HARRIS_K: f64 = 0.04;
@@ -75,14 +75,6 @@ fn extractor(
         );
         return None;
     };
-    let corners = [
-        bare("mask"),
-        named("image"),
-        named("max"),
-        named("quality"),
-        named("spacing"),
-        optional("at"),
-    ];
     match name.text.as_str() {
         "mask" => {
             let bound = bind(name, arguments, &[bare("depth < limit")], context)?;
@@ -90,57 +82,16 @@ fn extractor(
             Some((Moment::Now, Extractor::DepthMask { below_m }))
         }
         "harris" => {
-            let [mask, image, max, quality, spacing, at] = corners;
-            let bound = bind(
-                name,
-                arguments,
-                &[mask, image, max, quality, spacing, optional("k"), at],
-                context,
-            )?;
-            let corners = Corners::read(&bound, earlier, context);
+            let bound = corner_arguments(name, arguments, Some(optional("k")), context)?;
             let k = bound
                 .get("k")
                 .map_or(Some(DEFAULT_HARRIS_K), |k| read(k, &HARRIS_K, context));
-            let Corners {
-                mask,
-                image_px,
-                max,
-                quality,
-                spacing_px,
-                moment,
-            } = corners?;
-            Some((
-                moment,
-                Extractor::Harris {
-                    mask,
-                    image_px,
-                    max,
-                    quality,
-                    spacing_px,
-                    k: k?,
-                },
-            ))
+            let response = k.map(|k| Response::Harris { k });
+            corners(&bound, response, earlier, context)
         }
         "shi_tomasi" => {
-            let bound = bind(name, arguments, &corners, context)?;
-            let Corners {
-                mask,
-                image_px,
-                max,
-                quality,
-                spacing_px,
-                moment,
-            } = Corners::read(&bound, earlier, context)?;
-            Some((
-                moment,
-                Extractor::ShiTomasi {
-                    mask,
-                    image_px,
-                    max,
-                    quality,
-                    spacing_px,
-                },
-            ))
+            let bound = corner_arguments(name, arguments, None, context)?;
+            corners(&bound, Some(Response::ShiTomasi), earlier, context)
         }
         "centroid" => {
             let bound = bind(name, arguments, &[bare("mask"), optional("at")], context)?;
@@ -191,33 +142,46 @@ fn depth_limit(expr: &Expr, camera: Option<&Camera>, context: &mut Context<'_>) 
     Some(below_m)
 }
 
-/// What both corner detectors take.
-struct Corners {
-    mask: String,
-    image_px: u32,
-    max: u32,
-    quality: f64,
-    spacing_px: f64,
-    moment: Moment,
+/// Matches what every corner detector takes, and what only one does.
+fn corner_arguments<'a>(
+    name: &Ident,
+    arguments: &'a [Argument],
+    own: Option<Parameter>,
+    context: &mut Context<'_>,
+) -> Option<Bound<'a>> {
+    let mut parameters = vec![
+        bare("mask"),
+        named("image"),
+        named("max"),
+        named("quality"),
+        named("spacing"),
+    ];
+    parameters.extend(own);
+    parameters.push(optional("at"));
+    bind(name, arguments, &parameters, context)
 }
 
-impl Corners {
-    fn read(bound: &Bound<'_>, earlier: &[&str], context: &mut Context<'_>) -> Option<Corners> {
-        let mask = mask(bound.get("mask")?, earlier, context);
-        let image_px = read_whole(bound.get("image")?, &IMAGE, context);
-        let max = read_whole(bound.get("max")?, &MAX_POINTS, context);
-        let quality = read(bound.get("quality")?, &QUALITY, context);
-        let spacing_px = read(bound.get("spacing")?, &SPACING, context);
-        let moment = moment(bound.get("at"), context);
-        Some(Corners {
-            mask: mask?,
-            image_px: image_px?,
-            max: max?,
-            quality: quality?,
-            spacing_px: spacing_px?,
-            moment: moment?,
-        })
-    }
+fn corners(
+    bound: &Bound<'_>,
+    response: Option<Response>,
+    earlier: &[&str],
+    context: &mut Context<'_>,
+) -> Option<(Moment, Extractor)> {
+    let mask = mask(bound.get("mask")?, earlier, context);
+    let image_px = read_whole(bound.get("image")?, &IMAGE, context);
+    let max = read_whole(bound.get("max")?, &MAX_POINTS, context);
+    let quality = read(bound.get("quality")?, &QUALITY, context);
+    let spacing_px = read(bound.get("spacing")?, &SPACING, context);
+    let moment = moment(bound.get("at"), context);
+    let extractor = Extractor::Corners {
+        mask: mask?,
+        image_px: image_px?,
+        max: max?,
+        quality: quality?,
+        spacing_px: spacing_px?,
+        response: response?,
+    };
+    Some((moment?, extractor))
 }
 
 fn mask(expr: &Expr, earlier: &[&str], context: &mut Context<'_>) -> Option<String> {

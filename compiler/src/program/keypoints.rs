@@ -32,8 +32,8 @@ pub enum Extractor {
         /// Depth limit along the optical axis, metres, exclusive.
         below_m: f64,
     },
-    /// Harris corners of the masked depth image (OpenCV's goodFeaturesToTrack). Gives points.
-    Harris {
+    /// Corners of the masked depth image (OpenCV's goodFeaturesToTrack). Gives points.
+    Corners {
         /// The mask's name.
         mask: String,
         /// Side of the square image that the detector sees, pixels of that image; results are scaled back.
@@ -44,27 +44,27 @@ pub enum Extractor {
         quality: f64,
         /// Least distance between corners, pixels of the detector's image.
         spacing_px: f64,
-        /// Harris' free parameter.
-        k: f64,
-    },
-    /// Shi-Tomasi corners of the masked depth image. Gives points.
-    ShiTomasi {
-        /// The mask's name.
-        mask: String,
-        /// As for Harris.
-        image_px: u32,
-        /// As for Harris.
-        max: u32,
-        /// As for Harris.
-        quality: f64,
-        /// As for Harris.
-        spacing_px: f64,
+        /// What counts as a strong response.
+        response: Response,
     },
     /// The mean of a mask's pixels, truncated to whole pixels. Gives a point.
     Centroid {
         /// The mask's name.
         mask: String,
     },
+}
+
+/// What a corner detector takes for a strong response.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Response {
+    /// Harris' measure.
+    Harris {
+        /// Its free parameter.
+        k: f64,
+    },
+    /// The smaller eigenvalue.
+    ShiTomasi,
 }
 
 /// What an extractor gives.
@@ -83,7 +83,7 @@ impl Extractor {
     pub fn shape(&self) -> KeypointShape {
         match self {
             Extractor::DepthMask { .. } => KeypointShape::Mask,
-            Extractor::Harris { .. } | Extractor::ShiTomasi { .. } => KeypointShape::Points,
+            Extractor::Corners { .. } => KeypointShape::Points,
             Extractor::Centroid { .. } => KeypointShape::Point,
         }
     }

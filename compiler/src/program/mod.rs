@@ -19,7 +19,7 @@ pub use checks::{Check, Comparison, Expr, Length, PointRef, Verify};
 pub use cloth::Cloth;
 pub use folds::{ClothPoint, Fold, Sequence};
 pub use goal::{Goal, Metric};
-pub use keypoints::{ActionField, Extractor, Keypoint, KeypointShape, Moment};
+pub use keypoints::{ActionField, Extractor, Keypoint, KeypointShape, Moment, Response};
 pub use prompts::{Arrow, ModelRole, Picture, Read, Stage, Template, Which};
 pub use subgoals::{SubgoalImage, Subgoals};
 

@@ -6,7 +6,7 @@
 
 use super::mask::has_reading;
 use super::{DepthImage, MAX_SIDE_PX, Mask, VisionError, check_size};
-use compiler::program::PixelPoint;
+use compiler::program::{PixelPoint, Response};
 use image::imageops::{self, FilterType};
 use opencv::core::{Mat, Point2f, Size, TermCriteria, TermCriteria_Type, Vector, no_array};
 use opencv::imgproc;
@@ -23,19 +23,7 @@ pub struct CornerSearch {
     /// Least distance between corners, pixels of the detector's picture.
     pub spacing_px: f64,
     /// What counts as a strong response.
-    pub detector: Detector,
-}
-
-/// What counts as a strong response.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Detector {
-    /// Harris' measure.
-    Harris {
-        /// Its free parameter.
-        k: f64,
-    },
-    /// The smaller eigenvalue.
-    ShiTomasi,
+    pub response: Response,
 }
 
 /// Side of the neighbourhood whose gradients are summed, pixels; OpenCV's default, which the paper keeps.
@@ -161,9 +149,9 @@ pub fn corners_of_gray(
     check_search(search)?;
     let (rows, columns) = (gray.height() as i32, gray.width() as i32);
     let picture = Mat::new_rows_cols_with_data::<u8>(rows, columns, gray.as_raw())?;
-    let (is_harris, k) = match search.detector {
-        Detector::Harris { k } => (true, k),
-        Detector::ShiTomasi => (false, 0.0),
+    let (is_harris, k) = match search.response {
+        Response::Harris { k } => (true, k),
+        Response::ShiTomasi => (false, 0.0),
     };
     let mut found = Vector::<Point2f>::new();
     imgproc::good_features_to_track(
@@ -183,9 +171,9 @@ pub fn corners_of_gray(
 /// Refuses settings that OpenCV would misread; to it, no corners at most means no limit.
 fn check_search(search: &CornerSearch) -> Result<(), VisionError> {
     let side = f64::from(search.image_px);
-    let harris_k = match search.detector {
-        Detector::Harris { k } => k,
-        Detector::ShiTomasi => 0.0,
+    let harris_k = match search.response {
+        Response::Harris { k } => k,
+        Response::ShiTomasi => 0.0,
     };
     let limits = [
         (

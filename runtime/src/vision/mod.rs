@@ -11,7 +11,7 @@ mod mask;
 #[cfg(test)]
 mod tests;
 
-pub use corners::{Corner, CornerSearch, Detector, corners, corners_of_gray};
+pub use corners::{Corner, CornerSearch, corners, corners_of_gray};
 pub use draw::{draw_action, draw_arrow, draw_label, draw_points};
 pub use mask::{Mask, centroid, depth_mask};
 

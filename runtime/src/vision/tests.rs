@@ -4,7 +4,7 @@
 mod recorded;
 
 use super::*;
-use compiler::program::PixelPoint;
+use compiler::program::{PixelPoint, Response};
 use image::{Luma, Rgb, RgbImage};
 use proptest::prelude::*;
 
@@ -22,7 +22,7 @@ fn harris() -> CornerSearch {
         max: 27,
         quality: 0.04,
         spacing_px: 10.0,
-        detector: Detector::Harris { k: 0.04 },
+        response: Response::Harris { k: 0.04 },
     }
 }
 
@@ -202,7 +202,7 @@ fn settings_and_sizes_out_of_range_are_refused() {
         (
             "k",
             CornerSearch {
-                detector: Detector::Harris { k: f64::NAN },
+                response: Response::Harris { k: f64::NAN },
                 ..harris()
             },
         ),

@@ -6,9 +6,11 @@
 
 #![allow(dead_code, clippy::unwrap_used)]
 
+#[path = "../../../tests/recorded_data.rs"]
+mod data;
+
 use serde_json::Value;
 use sim::{Grid, Params, RestShortcut, Simulator};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// One recorded demonstration.
@@ -25,35 +27,9 @@ pub struct Demonstration {
     pub picked: Vec<usize>,
 }
 
-/// The recorded data, or `None` where it is not there; the test then counts as skipped.
-pub fn recorded_data(test: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("FABC_REFERENCE_DATA").map(PathBuf::from);
-    if folder.is_none() {
-        eprintln!("skipped: {test}");
-        if let Some(file) = std::env::var_os("FABC_SKIPPED_FILE") {
-            let mut file = std::fs::OpenOptions::new()
-                .create(true)
-                .append(true)
-                .open(file)
-                .unwrap();
-            writeln!(file, "{test}").unwrap();
-        }
-    }
-    folder
-}
-
-/// Reads all demonstrations for a test, or `None` where the data is not there; the test then counts as skipped.
-pub fn demonstrations_for(test: &str) -> Option<Vec<Demonstration>> {
-    recorded_data(test).map(|root| read_all(&root))
-}
-
-/// Reads all demonstrations for the replay example, or `None` where the variable is unset.
-pub fn demonstrations() -> Option<Vec<Demonstration>> {
-    let Some(root) = std::env::var_os("FABC_REFERENCE_DATA") else {
-        eprintln!("skipped: FABC_REFERENCE_DATA is not set");
-        return None;
-    };
-    Some(read_all(Path::new(&root)))
+/// Reads all demonstrations, or `None` where the data is not there; a test then counts as skipped.
+pub fn demonstrations(test: &str) -> Option<Vec<Demonstration>> {
+    data::recorded_data(test).map(|root| read_all(&root))
 }
 
 /// Simulates a demonstration from its recorded start; returns the cloth and the grasped particles.

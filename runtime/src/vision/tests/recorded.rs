@@ -5,6 +5,7 @@
 use super::super::*;
 use super::harris;
 use crate::recorded::recorded_data;
+use compiler::program::Response;
 use image::Luma;
 use serde_json::Value;
 use std::path::Path;
@@ -74,7 +75,7 @@ fn shi_tomasi_corners_match_the_recorded_lists_in_order() {
             max: fixture["corner_limit"].as_u64().unwrap() as u32,
             quality: 0.1,
             spacing_px: 20.0,
-            detector: Detector::ShiTomasi,
+            response: Response::ShiTomasi,
         };
         let found = truncated(corners_of_gray(&gray(&path), &search).unwrap());
         assert_eq!(
