@@ -13,6 +13,9 @@
 mod ast;
 mod check;
 pub mod diag;
+mod eval;
+mod exact;
+pub mod facts;
 mod form;
 mod load;
 mod merge;
@@ -21,6 +24,7 @@ pub mod program;
 pub mod render;
 pub mod reply;
 mod source;
+pub mod space;
 pub mod verify;
 
 pub use load::{MAX_FILES, MAX_USE_DEPTH};

@@ -6,7 +6,7 @@ use super::names::Meaning;
 use crate::ast::{self, Field, Ident};
 use crate::diag::{Code, Diagnostic, nearest};
 use crate::merge::unique;
-use crate::program::{ActionField, KeypointShape};
+use crate::program::{ActionField, Choices, KeypointShape};
 
 /// The fields that an action has, each once.
 pub(super) const FIELDS: [&str; 2] = ["pick", "place"];
@@ -65,7 +65,9 @@ fn field(part: &Field, context: &mut Context<'_>) -> ActionField {
         .map(|choice| choice.text.clone());
     ActionField {
         name: part.name.text.clone(),
-        one_of: one_of.collect(),
+        choices: Choices::Points {
+            keypoints: one_of.collect(),
+        },
     }
 }
 

@@ -5,7 +5,7 @@ use super::arguments::{bind, named};
 use super::quantity::{Measure, Wanted, read, read_whole};
 use crate::ast::{ExprKind, Statement};
 use crate::diag::{Code, Diagnostic};
-use crate::program::{Camera, Cloth};
+use crate::program::{Camera, Cloth, ImageUp};
 use std::f64::consts::PI;
 
 const HEIGHT: Wanted = Wanted {
@@ -50,6 +50,7 @@ pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<
         height_m: height_m?,
         fov_rad: fov_rad?,
         image_px: image_px?,
+        up: ImageUp::Y,
     })
 }
 

@@ -5,7 +5,7 @@ use super::arguments::{Bound, bare, bind};
 use super::quantity::{Measure, Wanted, read, read_whole};
 use crate::ast::{Expr, ExprKind, Statement};
 use crate::diag::{Code, Diagnostic};
-use crate::program::Cloth;
+use crate::program::{Cloth, ClothStart};
 
 /// Distance between particles, metres: the grid that the paper's cloths have (protocol, section 1).
 const SPACING_M: f64 = 0.00625;
@@ -52,6 +52,7 @@ pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<
                 dimx: dimx?,
                 dimy: dimy?,
                 spacing_m: SPACING_M,
+                start: ClothStart::Flat,
             })
         }
         "square" => measured(statement, &bound, ["side", "side"], context),
@@ -78,6 +79,7 @@ fn measured(
         dimx: particles(width_m),
         dimy: particles(depth_m),
         spacing_m: SPACING_M,
+        start: ClothStart::Flat,
     };
     let side_mm = |n_particles: u32| f64::from(n_particles - 1) * SPACING_M * 1000.0;
     let is_exact =

@@ -7,7 +7,7 @@ use super::names::Meaning;
 use super::quantity::{Measure, Wanted, read};
 use crate::ast::{self, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic};
-use crate::program::{Comparison, Expr, KeypointShape, Length, PointRef};
+use crate::program::{Comparison, Condition, KeypointShape, Length, Point};
 
 const PIXELS: Wanted = Wanted {
     measure: Measure::Pixels,
@@ -16,22 +16,22 @@ const PIXELS: Wanted = Wanted {
 };
 
 /// Builds a condition; None, with a report, where it is wrong.
-pub(crate) fn check(expr: &ast::Expr, context: &mut Context<'_>) -> Option<Expr> {
+pub(crate) fn check(expr: &ast::Expr, context: &mut Context<'_>) -> Option<Condition> {
     match &expr.kind {
-        ExprKind::All(parts) => Some(Expr::All {
+        ExprKind::All(parts) => Some(Condition::All {
             of: all(parts, context)?,
         }),
-        ExprKind::Any(parts) => Some(Expr::Any {
+        ExprKind::Any(parts) => Some(Condition::Any {
             of: all(parts, context)?,
         }),
-        ExprKind::Not(part) => Some(Expr::Not {
+        ExprKind::Not(part) => Some(Condition::Not {
             of: Box::new(check(part, context)?),
         }),
         ExprKind::Compare { left, sign, right } => {
             let is = comparison(sign, context);
             let left = length(left, context);
             let right = length(right, context);
-            Some(Expr::Compare {
+            Some(Condition::Lengths {
                 left: left?,
                 is: is?,
                 right: right?,
@@ -47,9 +47,9 @@ pub(crate) fn check(expr: &ast::Expr, context: &mut Context<'_>) -> Option<Expr>
                 .map_or(Some(0.0), |margin| read(margin, &PIXELS, context));
             let point = self::point(point, context);
             let mask = self::mask(mask, context);
-            Some(Expr::Within {
+            Some(Condition::Within {
                 point: point?,
-                mask: mask?,
+                region: mask?,
                 margin_px: margin_px?,
             })
         }
@@ -69,8 +69,8 @@ pub(crate) fn check(expr: &ast::Expr, context: &mut Context<'_>) -> Option<Expr>
 }
 
 /// Checks every part before giving up, so that each is reported.
-fn all(parts: &[ast::Expr], context: &mut Context<'_>) -> Option<Vec<Expr>> {
-    let checked: Vec<Option<Expr>> = parts.iter().map(|part| check(part, context)).collect();
+fn all(parts: &[ast::Expr], context: &mut Context<'_>) -> Option<Vec<Condition>> {
+    let checked: Vec<Option<Condition>> = parts.iter().map(|part| check(part, context)).collect();
     checked.into_iter().collect()
 }
 
@@ -102,8 +102,8 @@ fn comparison(sign: &Ident, context: &mut Context<'_>) -> Option<Comparison> {
 
 fn length(expr: &ast::Expr, context: &mut Context<'_>) -> Option<Length> {
     match &expr.kind {
-        ExprKind::Quantity { .. } => Some(Length::Pixels {
-            px: read(expr, &PIXELS, context)?,
+        ExprKind::Quantity { .. } => Some(Length::Constant {
+            value: read(expr, &PIXELS, context)?,
         }),
         ExprKind::Call { name, arguments } if name.text == "distance" => {
             let bound = bind(name, arguments, &[bare("a"), bare("b")], context)?;
@@ -130,12 +130,12 @@ fn length(expr: &ast::Expr, context: &mut Context<'_>) -> Option<Length> {
     }
 }
 
-fn point(expr: &ast::Expr, context: &mut Context<'_>) -> Option<PointRef> {
+fn point(expr: &ast::Expr, context: &mut Context<'_>) -> Option<Point> {
     let name = name(expr, "a point", context)?;
     match context.names.get(&name.text) {
-        Some(Meaning::Field) => Some(PointRef::Action { field: name.text }),
+        Some(Meaning::Field) => Some(Point::Action { field: name.text }),
         Some(Meaning::Keypoint(Some(KeypointShape::Point))) => {
-            Some(PointRef::Keypoint { name: name.text })
+            Some(Point::Keypoint { name: name.text })
         }
         // Its own declaration is wrong and reported there.
         Some(Meaning::Keypoint(None)) => None,

@@ -5,7 +5,7 @@ use super::quantity::{Measure, Wanted, read, read_whole};
 use crate::ast::{ExprKind, Ident, Statement};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::Merged;
-use crate::program::{Goal, Metric, Sequence, Subgoals};
+use crate::program::{Comparison, Goal, Metric, Sequence, Subgoals};
 
 const LIMIT: Wanted = Wanted {
     measure: Measure::Length,
@@ -84,7 +84,8 @@ pub(crate) fn check(
     }
     Some(Goal {
         metric: Metric::ParticleDistance,
-        below_m,
+        is: Comparison::Less,
+        limit: below_m,
     })
 }
 

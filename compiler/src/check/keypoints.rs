@@ -8,7 +8,7 @@ use super::quantity::{Measure, Wanted, read, read_whole};
 use crate::ast::{Argument, Expr, ExprKind, Ident, Keypoint};
 use crate::diag::{Code, Diagnostic, among};
 use crate::merge::Merged;
-use crate::program::{self, Camera, Extractor, KeypointShape, Moment, Response};
+use crate::program::{self, Camera, Extractor, KeypointShape, Moment, Response, Sight};
 
 /// Harris' free parameter where none is stated: the detector's usual one (protocol, section 6).
 const DEFAULT_HARRIS_K: f64 = 0.04;
@@ -175,10 +175,12 @@ fn corners(
     let moment = moment(bound.get("at"), context);
     let extractor = Extractor::Corners {
         mask: mask?,
+        of: Sight::Depth,
         image_px: image_px?,
         max: max?,
         quality: quality?,
         spacing_px: spacing_px?,
+        block_px: 3,
         response: response?,
     };
     Some((moment?, extractor))
@@ -227,6 +229,8 @@ fn mask(expr: &Expr, earlier: &[&str], context: &mut Context<'_>) -> Option<Stri
 pub(super) fn wrong_kind(name: &Ident, shape: KeypointShape, wanted: &str) -> Diagnostic {
     let is = match shape {
         KeypointShape::Mask => "a mask, a set of pixels",
+        KeypointShape::Box => "a box",
+        KeypointShape::Outline => "an outline",
         KeypointShape::Points => "a list of points",
         KeypointShape::Point => "a point",
     };

@@ -54,8 +54,8 @@ fn picture(expr: &Expr, with: Option<&Ident>, context: &mut Context<'_>) -> Opti
             return None;
         }
     };
-    Some(Picture {
-        subgoal: which?,
+    Some(Picture::Subgoal {
+        which: which?,
         arrow,
     })
 }

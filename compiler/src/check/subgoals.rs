@@ -7,7 +7,7 @@ use crate::ast::{self, Image};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::once;
 use crate::path;
-use crate::program::{PixelPoint, SubgoalImage, Subgoals};
+use crate::program::{FileRef, PixelPoint, SubgoalImage, Subgoals};
 
 /// The most pictures an author brings.
 const MAX_IMAGES: usize = 101;
@@ -113,10 +113,9 @@ fn image(part: &Image, context: &mut Context<'_>) -> Option<SubgoalImage> {
         Some([tail, tip]) => Some([pixel(tail, context)?, pixel(tip, context)?]),
         None => None,
     };
-    let declared_in = context.loaded.portable_names[part.span.file.0].clone();
+    let path = path::beside(&context.loaded.portable_names[part.span.file.0], &path);
     Some(SubgoalImage {
-        path,
-        declared_in,
+        file: FileRef { path },
         arrow,
     })
 }

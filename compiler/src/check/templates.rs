@@ -8,9 +8,9 @@ use super::keypoints::wrong_kind;
 use super::names::Meaning;
 use crate::ast::{Ident, Piece, Text};
 use crate::diag::{Code, Diagnostic};
-use crate::program::{ActionField, KeypointShape, Template};
-use crate::reply;
+use crate::program::{ActionField, KeypointShape, Shown, Template, Variable};
 use crate::source::line_and_column;
+use crate::space;
 use std::collections::BTreeSet;
 
 /// The most bytes of one text.
@@ -61,7 +61,7 @@ pub(crate) fn template(
         match piece {
             Piece::Literal(literal) => jinja.literal(literal),
             Piece::Variable { path, .. } if path == FORMAT => {
-                jinja.literal(&reply::format_of(actions))
+                jinja.literal(&space::format(actions))
             }
             Piece::Variable { path, span } => {
                 is_right &= is_known(
@@ -81,7 +81,11 @@ pub(crate) fn template(
     let template = Template {
         name: name.to_owned(),
         text: jinja.finish(),
-        variables: variables.into_iter().collect(),
+        when: None,
+        variables: variables
+            .into_iter()
+            .map(|name| variable(name, actions, context))
+            .collect(),
         declared_in: context.loaded.portable_names[text.span.file.0].clone(),
         line: line_and_column(&source.text, text.start).0 as u32,
     };
@@ -162,4 +166,17 @@ impl Jinja {
         self.settle(false);
         self.text
     }
+}
+
+fn variable(name: String, actions: &[ActionField], context: &Context<'_>) -> Variable {
+    let value = match context.names.get(&name) {
+        Some(Meaning::Text { .. }) => Shown::Text { name: name.clone() },
+        Some(Meaning::Field) if actions.iter().any(|field| field.name == name) => Shown::Field {
+            field: name.clone(),
+        },
+        _ => Shown::Points {
+            keypoint: name.clone(),
+        },
+    };
+    Variable { name, value }
 }

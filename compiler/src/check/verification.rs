@@ -32,6 +32,7 @@ pub(crate) fn check(
     let mut verify = Verify {
         checks: Vec::new(),
         attempts: DEFAULT_ATTEMPTS,
+        relaxed: Vec::new(),
     };
     let Some(part) = merged.verify else {
         return verify;
@@ -100,6 +101,7 @@ fn one(
     let template = templates::template(&name, text, Place::Message, actions, context);
     let check = Check {
         name: check.name.text.clone(),
+        when: None,
         holds: holds?,
         message: name,
     };

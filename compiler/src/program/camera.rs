@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A camera that looks straight down; image right is world +X, image up is world +Y.
+/// A camera that looks straight down.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// Height of the optical centre above the table, metres.
@@ -11,6 +11,25 @@ pub struct Camera {
     pub fov_rad: f64,
     /// Side of the square image, pixels.
     pub image_px: u32,
+    /// Which way of the table is up in the image.
+    pub up: ImageUp,
+}
+
+impl Camera {
+    /// Returns the pixels in one metre on the table.
+    pub fn px_per_m(&self) -> f64 {
+        f64::from(self.image_px) / (2.0 * libm::tan(self.fov_rad / 2.0) * self.height_m)
+    }
+}
+
+/// Which way of the table is up in an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ImageUp {
+    /// World +Y, so that image right is +X (the paper's folding).
+    Y,
+    /// World +X, so that image right is -Y (the paper's smoothing).
+    X,
 }
 
 /// A whole pixel of the camera image: column from the left, row from the top, written `[u, v]`.

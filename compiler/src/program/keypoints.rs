@@ -1,5 +1,6 @@
-//! What is found in each observation, and the choices that an action has among it.
+//! What is found in each observation.
 
+use super::PixelPoint;
 use serde::{Deserialize, Serialize};
 
 /// Something found in every observation.
@@ -32,10 +33,21 @@ pub enum Extractor {
         /// Depth limit along the optical axis, metres, exclusive.
         below_m: f64,
     },
-    /// Corners of the masked depth image (OpenCV's goodFeaturesToTrack). Gives points.
+    /// The pixels whose colour lies within three ranges, both ends included. Gives a mask.
+    ColorMask {
+        /// Hue, degrees, 0 to 360; a range that ends below its beginning passes through 360.
+        hue_deg: [f64; 2],
+        /// Saturation, 0 to 1.
+        saturation: [f64; 2],
+        /// Value (brightness), 0 to 1.
+        value: [f64; 2],
+    },
+    /// Corners that a mask shows (OpenCV's goodFeaturesToTrack). Gives points.
     Corners {
         /// The mask's name.
         mask: String,
+        /// What the detector looks at.
+        of: Sight,
         /// Side of the square image that the detector sees, pixels of that image; results are scaled back.
         image_px: u32,
         /// The most corners kept, strongest first.
@@ -44,6 +56,8 @@ pub enum Extractor {
         quality: f64,
         /// Least distance between corners, pixels of the detector's image.
         spacing_px: f64,
+        /// Side of the square over which a response is averaged, pixels of the detector's image, odd.
+        block_px: u32,
         /// What counts as a strong response.
         response: Response,
     },
@@ -52,6 +66,52 @@ pub enum Extractor {
         /// The mask's name.
         mask: String,
     },
+    /// The upright box around a mask. Gives a box.
+    BoundingBox {
+        /// The mask's name.
+        mask: String,
+    },
+    /// The middle of a box: `floor((right - left) / 2) + left`, likewise for rows (protocol, section 4). Gives a point.
+    BoxCenter {
+        /// The box's name.
+        of: String,
+    },
+    /// The outline of a mask's largest piece as a polygon. Gives an outline.
+    Contour {
+        /// The mask's name.
+        mask: String,
+        /// How far the polygon may run beside the outline, pixels; 0 keeps every bend.
+        tolerance_px: f64,
+    },
+    /// The middle of each side of an outline, in its order. Gives points.
+    EdgeMiddles {
+        /// The outline's name.
+        outline: String,
+    },
+    /// Points at equal distances along an outline, from its first one on. Gives points.
+    Along {
+        /// The outline's name.
+        outline: String,
+        /// How many.
+        count: u32,
+    },
+    /// Points that are always the same. Gives points.
+    Fixed {
+        /// The points.
+        points: Vec<PixelPoint>,
+    },
+}
+
+/// What a corner detector looks at; outside of the mask all is black.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sight {
+    /// The depth image (the paper's folding).
+    Depth,
+    /// The mask itself, white (the paper's smoothing).
+    Mask,
+    /// The camera's picture in grey.
+    Picture,
 }
 
 /// What a corner detector takes for a strong response.
@@ -72,6 +132,10 @@ pub enum Response {
 pub enum KeypointShape {
     /// A set of pixels.
     Mask,
+    /// An upright rectangle.
+    Box,
+    /// A closed polygon.
+    Outline,
     /// A list of points.
     Points,
     /// One point.
@@ -82,18 +146,14 @@ impl Extractor {
     /// Returns what this extractor gives.
     pub fn shape(&self) -> KeypointShape {
         match self {
-            Extractor::DepthMask { .. } => KeypointShape::Mask,
-            Extractor::Corners { .. } => KeypointShape::Points,
-            Extractor::Centroid { .. } => KeypointShape::Point,
+            Extractor::DepthMask { .. } | Extractor::ColorMask { .. } => KeypointShape::Mask,
+            Extractor::BoundingBox { .. } => KeypointShape::Box,
+            Extractor::Contour { .. } => KeypointShape::Outline,
+            Extractor::Corners { .. }
+            | Extractor::EdgeMiddles { .. }
+            | Extractor::Along { .. }
+            | Extractor::Fixed { .. } => KeypointShape::Points,
+            Extractor::Centroid { .. } | Extractor::BoxCenter { .. } => KeypointShape::Point,
         }
     }
-}
-
-/// One field of an answer and what it may be.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ActionField {
-    /// `pick` or `place`.
-    pub name: String,
-    /// The keypoints (points or a point) that are offered, in this order.
-    pub one_of: Vec<String>,
 }

@@ -5,6 +5,8 @@
 //! `[column, row]`, origin top-left. What the data means is defined beside it: [`crate::render`] fills
 //! the templates, [`crate::reply`] reads answers, [`crate::verify`] judges them.
 
+mod actions;
+mod annotate;
 mod camera;
 mod checks;
 mod cloth;
@@ -13,21 +15,31 @@ mod goal;
 mod keypoints;
 mod prompts;
 mod subgoals;
+mod trials;
+mod units;
+mod values;
 
-pub use camera::{Camera, PixelPoint};
-pub use checks::{Check, Comparison, Expr, Length, PointRef, Verify};
-pub use cloth::Cloth;
+pub use actions::{ActionField, Choices, Direction, LengthChoice, Value};
+pub use annotate::{Layer, Mark, Spot};
+pub use camera::{Camera, ImageUp, PixelPoint};
+pub use checks::{Check, Verify};
+pub use cloth::{Cloth, ClothStart};
 pub use folds::{ClothPoint, Fold, Sequence};
 pub use goal::{Goal, Metric};
-pub use keypoints::{ActionField, Extractor, Keypoint, KeypointShape, Moment, Response};
-pub use prompts::{Arrow, ModelRole, Picture, Read, Stage, Template, Which};
+pub use keypoints::{Extractor, Keypoint, KeypointShape, Moment, Response, Sight};
+pub use prompts::{
+    Arrow, Example, Layers, ModelRole, Picture, Read, Stage, Template, Variable, Which,
+};
 pub use subgoals::{SubgoalImage, Subgoals};
+pub use trials::{Expect, Given, Test};
+pub use units::LengthUnit;
+pub use values::{Comparison, Condition, End, Heading, Length, Number, Point, Shown, Written};
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// Version of the shape of [`Program`]; it changes whenever an older reader would misread the data.
-pub const PROGRAM_FORMAT: u32 = 1;
+pub const PROGRAM_FORMAT: u32 = 2;
 
 /// Everything a rollout needs to know about one task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,18 +50,22 @@ pub struct Program {
     pub compiler: String,
     /// The task's name as written in the file.
     pub task: String,
+    /// The variant of the task that this is; none: the task itself.
+    pub variant: Option<String>,
     /// The files that went in, in the order in which they were first read.
     pub sources: Vec<SourceStamp>,
     /// The cloth that the task is about.
     pub cloth: Cloth,
     /// The camera whose pixels every point is given in.
     pub camera: Camera,
-    /// The pictures that show what to do, step by step.
-    pub subgoals: Subgoals,
+    /// The pictures that show what to do, step by step, where the task has any.
+    pub subgoals: Option<Subgoals>,
     /// Fold sequences that count as right; the score is the distance to the nearest of their results.
     pub experts: Vec<Sequence>,
     /// What is found in each observation, in declaration order; an extractor uses only earlier ones.
     pub keypoints: Vec<Keypoint>,
+    /// What is drawn on the camera's picture, in order.
+    pub layers: Vec<Layer>,
     /// The discretised action space, one entry per field of an answer.
     pub actions: Vec<ActionField>,
     /// Every piece of text that can reach a model, by name.
@@ -83,6 +99,19 @@ impl Program {
         self.keypoints.iter().find(|keypoint| keypoint.name == name)
     }
 
+    /// Returns the field of that name.
+    pub fn field(&self, name: &str) -> Option<&ActionField> {
+        self.actions.iter().find(|field| field.name == name)
+    }
+
+    /// Returns the task's name, and the variant's behind a slash.
+    pub fn title(&self) -> String {
+        match &self.variant {
+            Some(variant) => format!("{}/{variant}", self.task),
+            None => self.task.clone(),
+        }
+    }
+
     /// Returns the largest number of model calls in one step: every stage, asked as often as it may be.
     pub fn calls_per_step(&self) -> u32 {
         self.stages.len() as u32 * self.verify.attempts
@@ -101,4 +130,11 @@ pub struct SourceStamp {
     pub name: String,
     /// SHA-256 of the text, hex.
     pub sha256: String,
+}
+
+/// A file that a task names: a picture, or particle positions.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileRef {
+    /// Path relative to the entry file's folder, `/` as separator, never above it.
+    pub path: String,
 }

@@ -1,5 +1,6 @@
 //! The texts that reach a model, and the questions they make up.
 
+use super::{Condition, FileRef, Shown};
 use serde::{Deserialize, Serialize};
 
 /// One piece of text in the portable Jinja subset.
@@ -8,14 +9,25 @@ pub struct Template {
     /// The component's name; `STAGE.say` or `STAGE.system` for a text of a stage's own (`STAGE.say.2` for a
     /// second one); `check.NAME` for the message of a check.
     pub name: String,
+    /// When it is said; always, where there is none.
+    pub when: Option<Condition>,
     /// Jinja source; every variable in it is a string.
     pub text: String,
-    /// The variables it needs, sorted, as [`crate::render::Bindings`] names them.
-    pub variables: Vec<String>,
+    /// The variables it needs, by name.
+    pub variables: Vec<Variable>,
     /// The file that declares it, as in [`super::SourceStamp::name`].
     pub declared_in: String,
     /// The line of its first character there, from 1.
     pub line: u32,
+}
+
+/// A variable of a template.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Variable {
+    /// What the template calls it: names joined by dots.
+    pub name: String,
+    /// What it shows.
+    pub value: Shown,
 }
 
 /// One question to a model.
@@ -27,16 +39,31 @@ pub struct Stage {
     pub model: ModelRole,
     /// Sampling temperature, where the task states one.
     pub temperature: Option<f64>,
+    /// Nucleus sampling, 0 to 1, where the task states it.
+    pub top_p: Option<f64>,
     /// The longest answer, tokens, where the task states one.
     pub max_tokens: Option<u32>,
     /// Templates of the system message, joined by a blank line; empty: no system message.
     pub system: Vec<String>,
+    /// Questions with their answers that are told before this one.
+    pub examples: Vec<Example>,
     /// Templates of the user message, joined by a blank line.
     pub say: Vec<String>,
     /// Pictures that follow the user message's text, in order.
     pub show: Vec<Picture>,
     /// What is taken from the answer.
     pub read: Read,
+}
+
+/// A question with its answer, told to a model as if it had been asked before.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Example {
+    /// The question.
+    pub say: String,
+    /// Pictures that follow it.
+    pub images: Vec<FileRef>,
+    /// The answer; the stage's own reader can read it.
+    pub reply: String,
 }
 
 /// The kind of model that a stage asks.
@@ -51,11 +78,20 @@ pub enum ModelRole {
 
 /// A picture shown to a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Picture {
-    /// Which subgoal picture.
-    pub subgoal: Which,
-    /// Whether the step's arrow is drawn on it.
-    pub arrow: Arrow,
+#[serde(tag = "picture", rename_all = "snake_case")]
+pub enum Picture {
+    /// A subgoal.
+    Subgoal {
+        /// Which one.
+        which: Which,
+        /// Whether the step's arrow is drawn on it.
+        arrow: Arrow,
+    },
+    /// What the camera sees now.
+    Scene {
+        /// Whether the task's layers are drawn on it.
+        layers: Layers,
+    },
 }
 
 /// Which of the two pictures around a step.
@@ -73,6 +109,16 @@ pub enum Which {
 #[serde(rename_all = "snake_case")]
 pub enum Arrow {
     /// A ring at the pick, a line, and a tip at the place (protocol, section 6).
+    Drawn,
+    /// The bare picture.
+    Absent,
+}
+
+/// Whether the task's annotation layers are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Layers {
+    /// All of them, in order.
     Drawn,
     /// The bare picture.
     Absent,

@@ -1,6 +1,6 @@
 //! The pictures that show what to do, step by step.
 
-use super::{Fold, PixelPoint};
+use super::{FileRef, Fold, PixelPoint};
 use serde::{Deserialize, Serialize};
 
 /// Where the subgoal pictures come from; `n` folds have `n + 1` pictures.
@@ -32,10 +32,8 @@ impl Subgoals {
 /// One picture of the author's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SubgoalImage {
-    /// Path relative to the file that declares it, `/` as separator.
-    pub path: String,
-    /// The file that declares it, as in [`super::SourceStamp::name`].
-    pub declared_in: String,
+    /// The picture.
+    pub file: FileRef,
     /// Tail and tip in the picture's pixels of the arrow to draw on it; none where the picture already has one.
     pub arrow: Option<[PixelPoint; 2]>,
 }

@@ -6,8 +6,9 @@
 
 use super::cursor::{Cursor, decorates, starts_with_word};
 use super::pixel::{self, Brackets, Found};
-use super::{Malformed, Proposal, Reading, bounded, format_of, quoted, statement};
-use crate::program::{PixelPoint, Program};
+use super::{Malformed, Proposal, Reading, bounded, quoted};
+use crate::program::{ActionField, PixelPoint, Program, Value};
+use crate::space;
 
 /// The most characters between a field's name and its point.
 const MAX_BETWEEN: usize = 100;
@@ -62,13 +63,16 @@ pub fn read_action(program: &Program, reply: &str) -> Result<Reading<Proposal>, 
         fields: Vec::with_capacity(names.len()),
     };
     let mut repairs = Vec::new();
-    for name in &names {
-        let found = field(name, &names, reply).map_err(|why| Malformed {
-            field: (*name).to_owned(),
+    for declared in &program.actions {
+        let name = &declared.name;
+        let found = field(declared, &names, reply).map_err(|why| Malformed {
+            field: name.clone(),
             message: complaint(&why, program),
         })?;
         repairs.extend(found.repairs);
-        proposal.fields.push(((*name).to_owned(), found.value));
+        proposal
+            .fields
+            .push((name.clone(), Value::Point(found.value)));
     }
     Ok(Reading {
         value: proposal,
@@ -79,11 +83,16 @@ pub fn read_action(program: &Program, reply: &str) -> Result<Reading<Proposal>, 
 fn complaint(why: &str, program: &Program) -> String {
     format!(
         "{why} Answer again and state the action in exactly this format, with numbers for x and y:\n{}",
-        format_of(&program.actions)
+        space::format(&program.actions)
     )
 }
 
-fn field(name: &str, names: &[&str], reply: &str) -> Result<Reading<PixelPoint>, String> {
+fn field(
+    declared: &ActionField,
+    names: &[&str],
+    reply: &str,
+) -> Result<Reading<PixelPoint>, String> {
+    let name = declared.name.as_str();
     let mut statements: Vec<Statement<'_>> = Vec::new();
     let mut bad: Option<String> = None;
     for at in occurrences(reply, name) {
@@ -118,7 +127,9 @@ fn field(name: &str, names: &[&str], reply: &str) -> Result<Reading<PixelPoint>,
         ));
     }
     let mut repairs = Vec::new();
-    if first.text != self::statement(name, &first.point.to_string()) && first.rounding.is_none() {
+    if first.text != space::statement(declared, &first.point.to_string())
+        && first.rounding.is_none()
+    {
         repairs.push(format!(
             "read `{}` as the {name} point {}",
             quoted(first.text),

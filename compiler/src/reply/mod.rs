@@ -14,7 +14,8 @@ pub use action::read_action;
 pub use schema::schema;
 pub use text::read_text;
 
-use crate::program::{ActionField, PixelPoint, Program};
+use crate::program::{PixelPoint, Program, Value};
+use crate::space;
 
 /// The longest answer that is read, bytes.
 pub const MAX_REPLY_BYTES: usize = 64 << 10;
@@ -23,19 +24,27 @@ pub const MAX_REPLY_BYTES: usize = 64 << 10;
 pub const MAX_TEXT_CHARS: usize = 2_000;
 
 /// An action as a model states it, not yet judged.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Proposal {
-    /// Each field's point, in the order of the declaration.
-    pub fields: Vec<(String, PixelPoint)>,
+    /// Each field's value, in the order of the declaration.
+    pub fields: Vec<(String, Value)>,
 }
 
 impl Proposal {
-    /// Returns a field's point.
-    pub fn get(&self, field: &str) -> Option<PixelPoint> {
+    /// Returns a field's value.
+    pub fn get(&self, field: &str) -> Option<&Value> {
         self.fields
             .iter()
             .find(|(name, _)| name == field)
-            .map(|(_, point)| *point)
+            .map(|(_, value)| value)
+    }
+
+    /// Returns a field's point; None where it is none.
+    pub fn point(&self, field: &str) -> Option<PixelPoint> {
+        match self.get(field)? {
+            Value::Point(point) => Some(*point),
+            _ => None,
+        }
     }
 }
 
@@ -59,26 +68,7 @@ pub struct Malformed {
 
 /// Returns the lines in which an answer states an action; what `{{ actions.format }}` becomes.
 pub fn answer_format(program: &Program) -> String {
-    format_of(&program.actions)
-}
-
-pub(crate) fn format_of(actions: &[ActionField]) -> String {
-    let lines: Vec<String> = actions
-        .iter()
-        .map(|field| statement(&field.name, "(x, y)"))
-        .collect();
-    lines.join("\n")
-}
-
-/// Writes a field and its value as the format asks for them.
-fn statement(field: &str, value: &str) -> String {
-    let mut letters = field.chars();
-    let first = letters.next().map(|letter| letter.to_ascii_uppercase());
-    format!(
-        "{}{} Point = {value}",
-        first.map(String::from).unwrap_or_default(),
-        letters.as_str()
-    )
+    space::format(&program.actions)
 }
 
 /// Refuses an answer that is too long to be read.

@@ -1,0 +1,241 @@
+//! Fills templates: the one place where a template becomes text.
+//!
+//! In: a program and [`Facts`], which become strings first. Out: the exact messages for a model. The
+//! templates keep to a subset of Jinja that minijinja and Python's jinja2 render byte for byte alike;
+//! a missing value is an error, nothing is escaped, and rendering is bounded.
+
+mod show;
+
+use crate::eval::{Eval, Notes};
+use crate::facts::{Facts, Missing};
+use crate::program::{Check, FileRef, Picture, Program, Stage};
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::Value;
+use minijinja::{AutoEscape, Environment, UndefinedBehavior};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// The most steps that minijinja may take for one template.
+const FUEL: u64 = 1_000_000;
+
+/// The longest text that a template may become, bytes.
+const MAX_BYTES: usize = 1 << 20;
+
+/// Where the values of a text come from.
+#[derive(Clone, Copy)]
+pub enum Values<'a> {
+    /// From what is known.
+    Known(Facts<'a>),
+    /// From nowhere: each stands as words in angle brackets that say what it would be.
+    ///
+    /// Texts that stand under a condition are shown, since some scene would show them.
+    Typed,
+}
+
+/// Who speaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PromptSpeaker {
+    /// The frame of the conversation.
+    System,
+    /// The question.
+    User,
+    /// The answer of an example.
+    Assistant,
+}
+
+/// One message for a model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PromptMessage {
+    /// Who speaks.
+    pub speaker: PromptSpeaker,
+    /// The text.
+    pub text: String,
+    /// The pictures that follow it, in order.
+    pub pictures: Vec<PromptPicture>,
+}
+
+/// A picture of a message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PromptPicture {
+    /// One that the runtime draws.
+    Drawn(Picture),
+    /// One of the author's.
+    File(FileRef),
+}
+
+/// Renders the messages of a stage: the system message, if it has one, its examples, and the question.
+///
+/// Fails where a value is missing or the program was edited by hand.
+pub fn messages(
+    program: &Program,
+    stage: &Stage,
+    values: Values<'_>,
+) -> Result<Vec<PromptMessage>, RenderError> {
+    let mut messages = Vec::with_capacity(2 + 2 * stage.examples.len());
+    let mut say = |speaker, text, pictures| {
+        messages.push(PromptMessage {
+            speaker,
+            text,
+            pictures,
+        });
+    };
+    if !stage.system.is_empty() {
+        let text = joined(program, &stage.system, values)?;
+        say(PromptSpeaker::System, text, Vec::new());
+    }
+    for example in &stage.examples {
+        let images = example.images.iter().cloned().map(PromptPicture::File);
+        say(PromptSpeaker::User, example.say.clone(), images.collect());
+        say(PromptSpeaker::Assistant, example.reply.clone(), Vec::new());
+    }
+    let pictures = stage.show.iter().copied().map(PromptPicture::Drawn);
+    let text = joined(program, &stage.say, values)?;
+    say(PromptSpeaker::User, text, pictures.collect());
+    Ok(messages)
+}
+
+/// Renders what a model is told when a check fails.
+pub fn correction(
+    program: &Program,
+    check: &Check,
+    facts: Facts<'_>,
+) -> Result<String, RenderError> {
+    let text = one(program, &check.message, Values::Known(facts))?;
+    Ok(text.unwrap_or_default())
+}
+
+/// Renders one template; None where its condition does not hold.
+///
+/// Fails where a value is missing or the program was edited by hand.
+pub fn one(
+    program: &Program,
+    name: &str,
+    values: Values<'_>,
+) -> Result<Option<String>, RenderError> {
+    let Some(template) = program.template(name) else {
+        return Err(RenderError::UnknownTemplate {
+            template: name.to_owned(),
+        });
+    };
+    if let (Some(when), Values::Known(facts)) = (&template.when, values) {
+        let eval = Eval { program, facts };
+        if !eval.holds(when, &mut Notes::new())? {
+            return Ok(None);
+        }
+    }
+    let mut context = BTreeMap::new();
+    for variable in &template.variables {
+        let text = match values {
+            Values::Known(facts) => show::known(program, facts, &variable.value)?,
+            Values::Typed => show::typed(program, &variable.value),
+        };
+        put(&mut context, &variable.name, text);
+    }
+    fill(&template.text, &context)
+        .map(Some)
+        .map_err(|why| RenderError::BadTemplate {
+            template: name.to_owned(),
+            why,
+        })
+}
+
+fn joined(program: &Program, names: &[String], values: Values<'_>) -> Result<String, RenderError> {
+    let mut texts = Vec::with_capacity(names.len());
+    for name in names {
+        texts.extend(one(program, name, values)?);
+    }
+    Ok(texts.join("\n\n"))
+}
+
+/// Sets a name; one with a dot becomes an attribute.
+fn put(context: &mut BTreeMap<String, Value>, name: &str, text: String) {
+    let Some((object, attribute)) = name.split_once('.') else {
+        context.insert(name.to_owned(), Value::from(text));
+        return;
+    };
+    let mut attributes: BTreeMap<String, Value> = BTreeMap::new();
+    if let Some(known) = context.get(object)
+        && let Ok(names) = known.try_iter()
+    {
+        for key in names {
+            if let Ok(value) = known.get_item(&key) {
+                attributes.insert(key.to_string(), value);
+            }
+        }
+    }
+    put(&mut attributes, attribute, text);
+    context.insert(object.to_owned(), Value::from(attributes));
+}
+
+/// Fills Jinja source; says why where that is impossible.
+pub(crate) fn fill(source: &str, context: &BTreeMap<String, Value>) -> Result<String, String> {
+    let text = environment()
+        .render_str(source, Value::from(context.clone()))
+        .map_err(|error| error.to_string())?;
+    if text.len() > MAX_BYTES {
+        return Err(format!(
+            "it becomes {} bytes long, at most {MAX_BYTES} are accepted",
+            text.len()
+        ));
+    }
+    Ok(text)
+}
+
+/// Returns minijinja with the settings under which it agrees with Python's jinja2.
+fn environment() -> Environment<'static> {
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.set_auto_escape_callback(|_| AutoEscape::None);
+    let syntax = SyntaxConfig::builder()
+        .keep_trailing_newline(true)
+        .trim_blocks(false)
+        .lstrip_blocks(false)
+        .build();
+    environment.set_syntax(syntax.expect("the usual delimiters differ from each other"));
+    environment.set_fuel(Some(FUEL));
+    environment
+}
+
+/// Why a template does not become a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RenderError {
+    /// The program has no such template.
+    UnknownTemplate {
+        /// Its name.
+        template: String,
+    },
+    /// A keypoint, a field or a text that is needed is not there.
+    MissingFact {
+        /// Its name.
+        name: String,
+    },
+    /// The template cannot be rendered; the compiler emits none such.
+    BadTemplate {
+        /// The template.
+        template: String,
+        /// What the template engine said.
+        why: String,
+    },
+}
+
+impl fmt::Display for RenderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            RenderError::UnknownTemplate { template } => {
+                write!(f, "the program has no template `{template}`")
+            }
+            RenderError::MissingFact { name } => write!(f, "`{name}` is not known here"),
+            RenderError::BadTemplate { template, why } => {
+                write!(f, "the template `{template}` cannot be rendered: {why}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for RenderError {}
+
+impl From<Missing> for RenderError {
+    fn from(missing: Missing) -> Self {
+        RenderError::MissingFact { name: missing.name }
+    }
+}

@@ -1,0 +1,103 @@
+//! The action space of a program: what each field may be, and how it is written.
+//!
+//! In: the declaration, and a scene for fields that choose among its points. Out: values and their texts.
+//! Prompt, answer format, schema, reader, verifier and sampler all go through here, so that they cannot
+//! drift apart.
+
+use crate::exact::written;
+use crate::facts::SceneView;
+use crate::program::{ActionField, Choices, PixelPoint, Value};
+
+/// The most digits behind the point of a number in a prompt.
+pub(crate) const DECIMALS: usize = 4;
+
+/// Returns what a field may be in a scene, in the order in which a prompt lists it, each once.
+///
+/// A keypoint that the scene does not have offers nothing.
+pub fn choices(field: &ActionField, scene: &dyn SceneView) -> Vec<Value> {
+    match &field.choices {
+        Choices::Points { keypoints } => {
+            let mut offered: Vec<PixelPoint> = Vec::new();
+            let points = keypoints
+                .iter()
+                .filter_map(|keypoint| scene.points(keypoint));
+            for point in points.flatten() {
+                if !offered.contains(&point) {
+                    offered.push(point);
+                }
+            }
+            offered.into_iter().map(Value::Point).collect()
+        }
+        _ => declared(field),
+    }
+}
+
+/// Returns what a field may be whatever the scene shows; nothing for one that chooses among points.
+pub fn declared(field: &ActionField) -> Vec<Value> {
+    match &field.choices {
+        Choices::Points { .. } => Vec::new(),
+        Choices::Directions { choices } => choices
+            .iter()
+            .map(|choice| Value::Direction { deg: choice.deg })
+            .collect(),
+        Choices::Lengths { choices, .. } => choices
+            .iter()
+            .map(|choice| Value::Length {
+                length: choice.value,
+            })
+            .collect(),
+        Choices::Words { choices } => choices.iter().cloned().map(Value::Word).collect(),
+    }
+}
+
+/// Writes a value as prompts list it and answers state it.
+pub fn text(field: &ActionField, value: &Value) -> String {
+    match value {
+        Value::Point(point) => point.to_string(),
+        Value::Direction { deg } => format!("{} deg", written(*deg, DECIMALS)),
+        Value::Length { length } => match &field.choices {
+            Choices::Lengths { unit, .. } => {
+                format!("{} {}", written(*length, DECIMALS), unit.as_str())
+            }
+            _ => written(*length, DECIMALS),
+        },
+        Value::Word(word) => word.clone(),
+    }
+}
+
+/// Writes values one after the other, as prompts do.
+pub fn listed(field: &ActionField, values: &[Value]) -> String {
+    let texts: Vec<String> = values.iter().map(|value| text(field, value)).collect();
+    texts.join(", ")
+}
+
+/// Writes a field and its value as the format asks for them.
+pub fn statement(field: &ActionField, value: &str) -> String {
+    let mut letters = field.name.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_uppercase());
+    let noun = match field.choices {
+        Choices::Points { .. } => " Point",
+        _ => "",
+    };
+    format!(
+        "{}{}{noun} = {value}",
+        first.map(String::from).unwrap_or_default(),
+        letters.as_str().replace('_', " ")
+    )
+}
+
+/// Returns the lines in which an answer states an action; what `{{ actions.format }}` becomes.
+pub fn format(actions: &[ActionField]) -> String {
+    let line = |field: &ActionField| {
+        let values: Vec<String> = declared(field)
+            .iter()
+            .map(|value| text(field, value))
+            .collect();
+        let values = match field.choices {
+            Choices::Points { .. } => "(x, y)".to_owned(),
+            _ => values.join(" | "),
+        };
+        statement(field, &values)
+    };
+    actions.iter().map(line).collect::<Vec<_>>().join("\n")
+}
