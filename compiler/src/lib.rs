@@ -21,6 +21,7 @@ mod load;
 mod merge;
 mod path;
 pub mod program;
+pub mod proof;
 pub mod render;
 pub mod reply;
 mod source;
@@ -32,7 +33,7 @@ pub use merge::MAX_EXTENDS_DEPTH;
 pub use source::{FileId, Source, Sources, Span, line_and_column};
 
 use diag::{Diagnostic, Report, Severity};
-use program::Program;
+use program::{Program, Test};
 
 /// Gives the compiler texts; all its access to the outside.
 pub trait Loader {
@@ -61,8 +62,11 @@ impl std::error::Error for LoadError {}
 /// What came of a compilation.
 #[derive(Clone, Debug)]
 pub struct Compiled {
-    /// The tasks of the entry file that are right and can run by themselves, in source order.
+    /// The tasks of the entry file that are right and can run by themselves, in source order, each followed
+    /// by its variants.
     pub programs: Vec<Program>,
+    /// The tests of those tasks, in source order.
+    pub tests: Vec<Test>,
     /// What is wrong in any file, by file and place.
     pub diagnostics: Vec<Diagnostic>,
     /// Every file that was read.
@@ -84,9 +88,10 @@ impl Compiled {
 pub fn compile(entry: &str, loader: &dyn Loader) -> Result<Compiled, LoadError> {
     let mut report = Report::default();
     let loaded = load::load(entry, loader, &mut report)?;
-    let programs = check::check(&loaded, &mut report);
+    let checked = check::check(&loaded, &mut report);
     Ok(Compiled {
-        programs,
+        programs: checked.programs,
+        tests: checked.tests,
         diagnostics: report.into_sorted(),
         sources: loaded.sources,
     })

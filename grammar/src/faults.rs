@@ -8,7 +8,7 @@ use crate::fault::{Fault, Problem};
 use crate::measure::{is_word, measure, token_at, unexpected};
 use crate::rules::Rule;
 use crate::tree::{Kind, Node, Tree};
-use crate::vocabulary::{ITEMS, SECTIONS, STAGE, SUBGOALS, VERIFY};
+use crate::vocabulary::{EXAMPLE, ITEMS, SECTIONS, STAGE, SUBGOALS, TEST, VERIFY, parts};
 use std::ops::Range;
 
 /// Returns every fault of a tree, in source order.
@@ -99,10 +99,15 @@ fn judge(
             },
         ),
         Kind::BadEscape => fault(node.span(), Problem::BadEscape),
+        // A placeholder stands on one line, so that texts keep their lines.
+        Kind::Placeholder if node.text().contains(['\n', '\r']) => {
+            let start = node.span().start;
+            fault(start..start + 2, Problem::LoneBraces)
+        }
         Kind::LoneBraces => fault(node.span(), Problem::LoneBraces),
         Kind::Stray => Some(stray(tree, node)),
         Kind::Junk | Kind::JunkSection => junk(tree, parent, previous, node),
-        Kind::JunkCondition => {
+        Kind::JunkCondition | Kind::JunkGuard => {
             let span = trimmed(node);
             Some(
                 measure(tree, Rule::only_expr, span.clone())
@@ -116,7 +121,12 @@ fn judge(
 /// Reports a head without a name, and a check without a condition.
 fn lacking(node: Node<'_>) -> Option<Fault> {
     match node.kind() {
-        Kind::TaskHead | Kind::Extends | Kind::StageHead | Kind::CheckHead | Kind::ExpertsHead
+        Kind::TaskHead
+        | Kind::Extends
+        | Kind::StageHead
+        | Kind::CheckHead
+        | Kind::ExpertsHead
+        | Kind::VariantHead
             if node.child(Kind::Name).is_none() =>
         {
             let word = node.children().find(|child| child.kind() == Kind::Token)?;
@@ -204,6 +214,10 @@ fn junk(
 ) -> Option<Fault> {
     let (rule, known): (Rule, &'static [&'static str]) = match parent.kind() {
         Kind::Task => (Rule::only_section, SECTIONS),
+        Kind::Variant => (Rule::only_section, parts()),
+        Kind::Annotate => (Rule::only_keypoint, &[]),
+        Kind::Example => (Rule::only_example_part, EXAMPLE),
+        Kind::Test => (Rule::only_test_part, TEST),
         Kind::Subgoals => (Rule::only_subgoals_part, SUBGOALS),
         Kind::Keypoints => (Rule::only_keypoint, &[]),
         Kind::Actions => (Rule::only_field, &[]),
@@ -279,6 +293,10 @@ fn is_statement(kind: Kind) -> bool {
             | Kind::VerifyHead
             | Kind::ExpertsHead
             | Kind::SequenceHead
+            | Kind::AnnotateHead
+            | Kind::VariantHead
+            | Kind::ExampleHead
+            | Kind::TestHead
     )
 }
 

@@ -6,13 +6,16 @@ use pest::Parser;
 /// Returns how a person would name what `rule` matches; none where it says nothing by itself.
 pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
     let words = match rule {
-        Rule::name | Rule::label => "a name",
+        Rule::name | Rule::label | Rule::path => "a name",
+        Rule::target => "a unit",
         Rule::expr
         | Rule::conjunction
         | Rule::negation
         | Rule::relation
         | Rule::group
-        | Rule::call => "a value",
+        | Rule::call
+        | Rule::operand
+        | Rule::heading => "a value",
         Rule::quantity | Rule::number => "a number",
         Rule::block_text | Rule::string | Rule::triple | Rule::quote | Rule::curly_text => {
             "a text in quotes"
@@ -23,6 +26,7 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::pair => "a pixel such as `(12px, 40px)`",
         Rule::saying => "a component or a text",
         Rule::picture => "a picture such as `subgoal(now)`",
+        Rule::reply => "`reply`",
         Rule::setting => "a setting such as `temperature 0`",
         Rule::argument => "an argument",
         Rule::open => "`{`",
@@ -39,6 +43,11 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::and_word => "`and`",
         Rule::component_word => "`component`",
         Rule::else_word => "`else`",
+        Rule::guard | Rule::when_word => "`when`",
+        Rule::in_word => "`in`",
+        Rule::to_word => "`to`",
+        Rule::then_word | Rule::relax => "`then`",
+        Rule::without_word => "`without`",
         Rule::extends_word => "`extends`",
         Rule::from_word => "`from`",
         Rule::of_word | Rule::margin => "`of`",
@@ -59,6 +68,12 @@ pub(crate) fn is_continuation(rule: Rule) -> bool {
             | Rule::or_word
             | Rule::compare
             | Rule::within_word
+            | Rule::in_word
+            | Rule::to_word
+            | Rule::path
+            | Rule::guard
+            | Rule::when_word
+            | Rule::relax
             | Rule::unit
             | Rule::known_unit
             | Rule::open_paren
@@ -70,6 +85,7 @@ pub(crate) const ITEMS: &[&str] = &["use", "task", "experts"];
 
 /// The words that begin a task's sections.
 pub(crate) const SECTIONS: &[&str] = &[
+    "const",
     "cloth",
     "camera",
     "goal",
@@ -77,19 +93,34 @@ pub(crate) const SECTIONS: &[&str] = &[
     "subgoals",
     "experts",
     "keypoints",
+    "annotate",
     "actions",
     "component",
     "override",
     "without",
     "stage",
     "verify",
+    "variant",
+    "ablate",
+    "test",
 ];
+
+/// The words that begin a variant's sections: all but the last three of a task's.
+pub(crate) fn parts() -> &'static [&'static str] {
+    &SECTIONS[..SECTIONS.len() - 3]
+}
 
 /// The words that begin a line of `subgoals`.
 pub(crate) const SUBGOALS: &[&str] = &["demonstrate", "image"];
 
 /// The words that begin a line of a stage.
-pub(crate) const STAGE: &[&str] = &["model", "show", "system", "say", "read"];
+pub(crate) const STAGE: &[&str] = &["model", "show", "system", "say", "read", "example"];
+
+/// The words that begin a line of an example.
+pub(crate) const EXAMPLE: &[&str] = &["say", "image", "reply"];
+
+/// The words that begin a line of a test.
+pub(crate) const TEST: &[&str] = &["given", "reply", "expect"];
 
 /// The words that begin a line of `verify`.
 pub(crate) const VERIFY: &[&str] = &["check", "attempts"];

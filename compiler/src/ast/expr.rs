@@ -1,6 +1,6 @@
 //! Expressions: numbers with units, names, calls, comparisons, conditions.
 
-use super::Ident;
+use super::{Ident, Text, text};
 use crate::source::{FileId, Span};
 use grammar::{Kind, Node};
 
@@ -18,6 +18,26 @@ pub(crate) enum ExprKind {
         unit: Option<Ident>,
     },
     Name(String),
+    /// Names joined by dots.
+    Path(String),
+    Text(Text),
+    /// `(A, B)`.
+    Pair(Box<[Expr; 2]>),
+    /// `VALUE in UNIT`.
+    Converted {
+        value: Box<Expr>,
+        target: Ident,
+    },
+    /// `from A to B`.
+    Heading {
+        from: Box<Expr>,
+        to: Box<Expr>,
+    },
+    /// `A to B`.
+    Range {
+        low: Box<Expr>,
+        high: Box<Expr>,
+    },
     Call {
         name: Ident,
         arguments: Vec<Argument>,
@@ -71,7 +91,14 @@ pub(super) fn expr(file: FileId, node: Node<'_>) -> Option<Expr> {
         Kind::Conjunction => return Some(joined(span, all(file, node), ExprKind::All)),
         Kind::Negation => return negation(file, node),
         Kind::Relation => return relation(file, node),
-        Kind::Group => return first(file, node),
+        Kind::Group => return group(file, node),
+        Kind::Operand => return operand(file, node),
+        Kind::Heading => {
+            let [from, to] = two(file, node)?;
+            ExprKind::Heading { from, to }
+        }
+        Kind::Path => ExprKind::Path(node.text().to_owned()),
+        Kind::String => ExprKind::Text(text::text(file, node)?),
         Kind::Quantity => quantity(file, node)?,
         Kind::Name => ExprKind::Name(node.text().to_owned()),
         Kind::Call => ExprKind::Call {
@@ -111,6 +138,37 @@ fn negation(file: FileId, node: Node<'_>) -> Option<Expr> {
     })
 }
 
+fn two(file: FileId, node: Node<'_>) -> Option<[Box<Expr>; 2]> {
+    let mut parts = all(file, node).into_iter().map(Box::new);
+    Some([parts.next()?, parts.next()?])
+}
+
+fn group(file: FileId, node: Node<'_>) -> Option<Expr> {
+    let mut parts = all(file, node).into_iter();
+    let first = parts.next()?;
+    Some(match parts.next() {
+        None => first,
+        Some(second) => Expr {
+            span: Span::new(file, node.span()),
+            kind: ExprKind::Pair(Box::new([first, second])),
+        },
+    })
+}
+
+fn operand(file: FileId, node: Node<'_>) -> Option<Expr> {
+    let value = first(file, node)?;
+    Some(match node.child(Kind::Target) {
+        None => value,
+        Some(target) => Expr {
+            span: Span::new(file, node.span()),
+            kind: ExprKind::Converted {
+                value: Box::new(value),
+                target: ident(file, target),
+            },
+        },
+    })
+}
+
 fn relation(file: FileId, node: Node<'_>) -> Option<Expr> {
     let span = Span::new(file, node.span());
     let mut operands = all(file, node).into_iter();
@@ -124,6 +182,10 @@ fn relation(file: FileId, node: Node<'_>) -> Option<Expr> {
             left,
             sign: ident(file, sign),
             right,
+        },
+        None if node.child(Kind::ToWord).is_some() => ExprKind::Range {
+            low: left,
+            high: right,
         },
         None => {
             let margin = node

@@ -2,9 +2,8 @@
 
 use super::expr::{self, ident};
 use super::{
-    Actions, Check, Component, Declares, Experts, Field, File, Folds, Ident, Image, Keypoint,
-    Keypoints, Move, Pictures, Read, Reference, Saying, Sayings, Settings, Stage, Statement,
-    Subgoals, Task, Verify, text,
+    Actions, Body, Component, Declares, Experts, Field, File, Folds, Ident, Image, Keypoint,
+    Keypoints, Move, Reference, Statement, Subgoals, Task, Variant, text,
 };
 use crate::source::{FileId, Span};
 use grammar::{Kind, Node, Tree};
@@ -46,7 +45,12 @@ pub(crate) fn lower(file: FileId, tree: &Tree) -> File {
 fn is_junk(kind: Kind) -> bool {
     matches!(
         kind,
-        Kind::Junk | Kind::JunkSection | Kind::JunkCondition | Kind::Stray | Kind::Surplus
+        Kind::Junk
+            | Kind::JunkSection
+            | Kind::JunkCondition
+            | Kind::JunkGuard
+            | Kind::Stray
+            | Kind::Surplus
     )
 }
 
@@ -57,39 +61,39 @@ fn is_half(node: Node<'_>) -> bool {
 }
 
 /// Returns the whole statements of a kind.
-fn whole<'t>(block: Node<'t>, kind: Kind) -> impl Iterator<Item = Node<'t>> {
+pub(super) fn whole<'t>(block: Node<'t>, kind: Kind) -> impl Iterator<Item = Node<'t>> {
     block.all(kind).filter(|node| !is_half(*node))
 }
 
 /// Returns whether something directly in a block does not fit.
-fn has_faults(block: Node<'_>) -> bool {
+pub(super) fn has_faults(block: Node<'_>) -> bool {
     block
         .children()
         .any(|child| is_junk(child.kind()) || matches!(child.kind(), Kind::NoOpen | Kind::NoClose))
 }
 
-struct Reader {
-    file: FileId,
+pub(super) struct Reader {
+    pub(super) file: FileId,
 }
 
 impl Reader {
-    fn span(&self, node: Node<'_>) -> Span {
+    pub(super) fn span(&self, node: Node<'_>) -> Span {
         Span::new(self.file, node.span())
     }
 
     /// Returns the first name directly below a node.
-    fn name(&self, node: Node<'_>) -> Option<Ident> {
+    pub(super) fn name(&self, node: Node<'_>) -> Option<Ident> {
         node.child(Kind::Name).map(|name| ident(self.file, name))
     }
 
-    fn names(&self, node: Node<'_>) -> Vec<Ident> {
+    pub(super) fn names(&self, node: Node<'_>) -> Vec<Ident> {
         node.all(Kind::Name)
             .map(|name| ident(self.file, name))
             .collect()
     }
 
     /// Returns the place of a block's first words.
-    fn head(&self, node: Node<'_>) -> Span {
+    pub(super) fn head(&self, node: Node<'_>) -> Span {
         let head = node.children().next().unwrap_or(node);
         let length = head.text().trim_end().len();
         Span::new(self.file, head.span().start..head.span().start + length)
@@ -128,11 +132,34 @@ impl Reader {
     }
 
     fn task(&self, node: Node<'_>) -> Option<Task> {
+        let variant = |part: Node<'_>| {
+            Some(Variant {
+                name: self.name(part.child(Kind::VariantHead)?)?,
+                body: self.body(part),
+            })
+        };
         Some(Task {
             name: self.name(node.child(Kind::TaskHead)?)?,
             extends: node
                 .child(Kind::Extends)
                 .and_then(|extends| self.name(extends)),
+            body: self.body(node),
+            variants: node.all(Kind::Variant).filter_map(variant).collect(),
+            ablated: whole(node, Kind::Ablate)
+                .flat_map(|part| self.names(part))
+                .collect(),
+            tests: node
+                .all(Kind::Test)
+                .map(|part| self.test(part))
+                .collect(),
+        })
+    }
+
+    fn body(&self, node: Node<'_>) -> Body {
+        Body {
+            constants: whole(node, Kind::Constant)
+                .filter_map(|part| self.named_value(part))
+                .collect(),
             cloth: self.statements(node, Kind::Cloth),
             camera: self.statements(node, Kind::Camera),
             goal: self.statements(node, Kind::Goal),
@@ -146,6 +173,10 @@ impl Reader {
                 .collect(),
             keypoints: node
                 .all(Kind::Keypoints)
+                .map(|part| self.keypoints(part))
+                .collect(),
+            annotate: node
+                .all(Kind::Annotate)
                 .map(|part| self.keypoints(part))
                 .collect(),
             actions: node
@@ -168,8 +199,9 @@ impl Reader {
                 .all(Kind::Verify)
                 .map(|part| self.verify(part))
                 .collect(),
+            bytes: node.span().len(),
             has_faults: has_faults(node),
-        })
+        }
     }
 
     fn statements(&self, node: Node<'_>, kind: Kind) -> Vec<Statement> {
@@ -203,7 +235,7 @@ impl Reader {
         }
     }
 
-    fn image(&self, node: Node<'_>) -> Option<Image> {
+    pub(super) fn image(&self, node: Node<'_>) -> Option<Image> {
         let mut pairs = node
             .all(Kind::Pair)
             .filter_map(|pair| <[_; 2]>::try_from(expr::all(self.file, pair)).ok());
@@ -216,24 +248,28 @@ impl Reader {
     }
 
     fn keypoints(&self, node: Node<'_>) -> Keypoints {
-        let keypoint = |part| {
-            Some(Keypoint {
-                name: self.name(part)?,
-                value: last_expr(self.file, part)?,
-            })
-        };
         Keypoints {
             span: self.head(node),
-            list: whole(node, Kind::Keypoint).filter_map(keypoint).collect(),
+            list: whole(node, Kind::Keypoint)
+                .filter_map(|part| self.named_value(part))
+                .collect(),
         }
+    }
+
+    fn named_value(&self, node: Node<'_>) -> Option<Keypoint> {
+        Some(Keypoint {
+            name: self.name(node)?,
+            // The name itself reads as an expression too.
+            value: expr::all(self.file, node).pop()?,
+        })
     }
 
     fn actions(&self, node: Node<'_>) -> Actions {
         let field = |part| {
-            let mut names = self.names(part);
-            let one_of = names.split_off(1.min(names.len()));
+            let mut choices = expr::all(self.file, part);
+            let one_of = choices.split_off(1.min(choices.len()));
             Some(Field {
-                name: names.pop()?,
+                name: self.name(part)?,
                 one_of,
             })
         };
@@ -242,6 +278,11 @@ impl Reader {
             fields: whole(node, Kind::Field).filter_map(field).collect(),
             has_faults: has_faults(node),
         }
+    }
+
+    pub(super) fn guard(&self, node: Node<'_>) -> Option<expr::Expr> {
+        node.child(Kind::Guard)
+            .and_then(|guard| expr::first(self.file, guard))
     }
 
     fn component(&self, node: Node<'_>) -> Option<Component> {
@@ -253,99 +294,8 @@ impl Reader {
         Some(Component {
             declares,
             name: self.name(node)?,
+            when: self.guard(node),
             text: text::first(self.file, node)?,
         })
     }
-
-    fn stage(&self, node: Node<'_>) -> Option<Stage> {
-        let sayings = |kind| whole(node, kind).map(|part| self.sayings(part)).collect();
-        Some(Stage {
-            name: self.name(node.child(Kind::StageHead)?)?,
-            model: whole(node, Kind::Model)
-                .map(|part| self.settings(part))
-                .collect(),
-            show: whole(node, Kind::Show)
-                .map(|part| self.pictures(part))
-                .collect(),
-            say: sayings(Kind::Say),
-            system: sayings(Kind::System),
-            read: whole(node, Kind::Read)
-                .filter_map(|part| self.read(part))
-                .collect(),
-            has_faults: has_faults(node),
-        })
-    }
-
-    fn settings(&self, node: Node<'_>) -> Settings {
-        let setting = |part: Node<'_>| {
-            let value = part
-                .child(Kind::Quantity)
-                .and_then(|quantity| expr::expr(self.file, quantity));
-            Some((self.name(part)?, value))
-        };
-        Settings {
-            span: self.span(node),
-            list: node.all(Kind::Setting).filter_map(setting).collect(),
-        }
-    }
-
-    fn pictures(&self, node: Node<'_>) -> Pictures {
-        let picture = |part: Node<'_>| {
-            Some((
-                expr::expr(self.file, part.child(Kind::Expr)?)?,
-                self.name(part),
-            ))
-        };
-        Pictures {
-            span: self.span(node),
-            list: node.all(Kind::Picture).filter_map(picture).collect(),
-        }
-    }
-
-    fn sayings(&self, node: Node<'_>) -> Sayings {
-        let saying = |part: Node<'_>| match self.name(part) {
-            Some(name) => Some(Saying::Component(name)),
-            None => text::first(self.file, part).map(Saying::Text),
-        };
-        Sayings {
-            span: self.span(node),
-            list: node.all(Kind::Saying).filter_map(saying).collect(),
-        }
-    }
-
-    fn read(&self, node: Node<'_>) -> Option<Read> {
-        Some(Read {
-            span: self.span(node),
-            name: self.name(node)?,
-            pattern: text::first(self.file, node),
-        })
-    }
-
-    fn verify(&self, node: Node<'_>) -> Verify {
-        Verify {
-            span: self.head(node),
-            checks: whole(node, Kind::Check)
-                .filter_map(|part| self.check(part))
-                .collect(),
-            attempts: self.statements(node, Kind::Attempts),
-        }
-    }
-
-    fn check(&self, node: Node<'_>) -> Option<Check> {
-        let head = node.child(Kind::CheckHead)?;
-        Some(Check {
-            span: self.head(node),
-            name: self.name(head)?,
-            condition: node
-                .child(Kind::Expr)
-                .and_then(|condition| expr::expr(self.file, condition)),
-            message: text::first(self.file, node),
-            has_faults: has_faults(node),
-        })
-    }
-}
-
-/// Returns the value of `NAME = value`: the name itself reads as an expression too.
-fn last_expr(file: FileId, node: Node<'_>) -> Option<expr::Expr> {
-    expr::all(file, node).pop()
 }

@@ -5,6 +5,7 @@
 
 mod expr;
 mod lower;
+mod talk;
 mod text;
 
 pub(crate) use expr::{Argument, Expr, ExprKind};
@@ -62,6 +63,16 @@ pub(crate) struct Move {
 pub(crate) struct Task {
     pub name: Ident,
     pub extends: Option<Ident>,
+    pub body: Body,
+    pub variants: Vec<Variant>,
+    pub ablated: Vec<Ident>,
+    pub tests: Vec<Test>,
+}
+
+/// The sections of a task or a variant.
+#[derive(Clone, Debug)]
+pub(crate) struct Body {
+    pub constants: Vec<Keypoint>,
     pub cloth: Vec<Statement>,
     pub camera: Vec<Statement>,
     pub goal: Vec<Statement>,
@@ -69,13 +80,60 @@ pub(crate) struct Task {
     pub subgoals: Vec<Subgoals>,
     pub experts: Vec<Reference>,
     pub keypoints: Vec<Keypoints>,
+    pub annotate: Vec<Keypoints>,
     pub actions: Vec<Actions>,
     pub components: Vec<Component>,
     pub without: Vec<Ident>,
     pub stages: Vec<Stage>,
     pub verify: Vec<Verify>,
+    /// Its length, bytes.
+    pub bytes: usize,
     /// Whether something in it does not fit, so that what it lacks says nothing.
     pub has_faults: bool,
+}
+
+/// `variant NAME { … }`.
+#[derive(Clone, Debug)]
+pub(crate) struct Variant {
+    pub name: Ident,
+    pub body: Body,
+}
+
+/// `test "…" { … }`.
+#[derive(Clone, Debug)]
+pub(crate) struct Test {
+    /// The head.
+    pub span: Span,
+    pub name: Option<Text>,
+    pub given: Vec<Given>,
+    pub replies: Vec<Reply>,
+    pub expect: Vec<Expect>,
+    pub has_faults: bool,
+}
+
+/// `given NAME = …`.
+#[derive(Clone, Debug)]
+pub(crate) struct Given {
+    pub name: Ident,
+    pub values: Vec<Expr>,
+    pub text: Option<Text>,
+}
+
+/// `reply "…"`.
+#[derive(Clone, Debug)]
+pub(crate) struct Reply {
+    pub span: Span,
+    pub stage: Option<Ident>,
+    pub text: Text,
+}
+
+/// `expect reject(CHECK)`.
+#[derive(Clone, Debug)]
+pub(crate) struct Expect {
+    pub span: Span,
+    pub what: Ident,
+    pub check: Option<Ident>,
+    pub text: Option<Text>,
 }
 
 /// A keyword and its value.
@@ -135,7 +193,7 @@ pub(crate) struct Actions {
 #[derive(Clone, Debug)]
 pub(crate) struct Field {
     pub name: Ident,
-    pub one_of: Vec<Ident>,
+    pub one_of: Vec<Expr>,
 }
 
 /// Whether a component is new or replaces one.
@@ -145,11 +203,12 @@ pub(crate) enum Declares {
     Override,
 }
 
-/// `component NAME …`, with or without `override`.
+/// `component NAME …`, with or without `override` and `when`.
 #[derive(Clone, Debug)]
 pub(crate) struct Component {
     pub declares: Declares,
     pub name: Ident,
+    pub when: Option<Expr>,
     pub text: Text,
 }
 
@@ -162,6 +221,18 @@ pub(crate) struct Stage {
     pub say: Vec<Sayings>,
     pub system: Vec<Sayings>,
     pub read: Vec<Read>,
+    pub examples: Vec<Example>,
+    pub has_faults: bool,
+}
+
+/// `example { … }`.
+#[derive(Clone, Debug)]
+pub(crate) struct Example {
+    /// The head.
+    pub span: Span,
+    pub say: Vec<Sayings>,
+    pub images: Vec<Image>,
+    pub replies: Vec<Reply>,
     pub has_faults: bool,
 }
 
@@ -206,7 +277,15 @@ pub(crate) struct Read {
 pub(crate) struct Verify {
     pub span: Span,
     pub checks: Vec<Check>,
-    pub attempts: Vec<Statement>,
+    pub attempts: Vec<Attempts>,
+}
+
+/// `attempts N, then without NAME, …`.
+#[derive(Clone, Debug)]
+pub(crate) struct Attempts {
+    pub span: Span,
+    pub count: Expr,
+    pub relaxed: Vec<Ident>,
 }
 
 /// `check NAME { … } else "…"`.
@@ -214,6 +293,7 @@ pub(crate) struct Verify {
 pub(crate) struct Check {
     pub span: Span,
     pub name: Ident,
+    pub when: Option<Expr>,
     /// None where the condition does not fit.
     pub condition: Option<Expr>,
     pub message: Option<Text>,

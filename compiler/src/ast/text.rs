@@ -3,6 +3,7 @@
 //! A text between triple quotes loses the indentation that its lines share, its first line break and its
 //! last; every line end becomes a line feed. Nothing else is changed.
 
+use super::expr::{self, Expr};
 use crate::source::{FileId, Span};
 use grammar::{Kind, Node};
 use std::ops::Range;
@@ -20,7 +21,7 @@ pub(crate) struct Text {
 #[derive(Clone, Debug)]
 pub(crate) enum Piece {
     Literal(String),
-    Variable { path: String, span: Span },
+    Value(Expr),
 }
 
 impl Text {
@@ -30,7 +31,7 @@ impl Text {
         for piece in &self.pieces {
             match piece {
                 Piece::Literal(text) => plain.push_str(text),
-                Piece::Variable { .. } => return None,
+                Piece::Value(_) => return None,
             }
         }
         Some(plain)
@@ -44,7 +45,7 @@ impl Text {
     pub fn literal_bytes(&self) -> usize {
         let length = |piece: &Piece| match piece {
             Piece::Literal(text) => text.len(),
-            Piece::Variable { .. } => 0,
+            Piece::Value(_) => 0,
         };
         self.pieces.iter().map(length).sum()
     }
@@ -193,11 +194,8 @@ impl Pieces {
             let text = literal.text();
             self.literal(&text[1..text.len() - 1]);
         }
-        if let Some(path) = node.child(Kind::Path) {
-            self.list.push(Piece::Variable {
-                path: path.text().to_owned(),
-                span: Span::new(file, path.span()),
-            });
+        if let Some(value) = expr::first(file, node) {
+            self.list.push(Piece::Value(value));
         }
     }
 

@@ -18,6 +18,8 @@ pub(crate) enum Given {
     Bare,
     /// By its name: `image: 224px`.
     Named,
+    /// One or more, all that have no name.
+    Rest,
 }
 
 /// Whether an argument must be given.
@@ -43,6 +45,14 @@ pub(crate) const fn named(name: &'static str) -> Parameter {
     }
 }
 
+pub(crate) const fn rest(name: &'static str) -> Parameter {
+    Parameter {
+        name,
+        given: Given::Rest,
+        need: Need::Required,
+    }
+}
+
 pub(crate) const fn optional(name: &'static str) -> Parameter {
     Parameter {
         name,
@@ -54,9 +64,15 @@ pub(crate) const fn optional(name: &'static str) -> Parameter {
 /// The arguments of one call, by the parameters' names.
 pub(crate) struct Bound<'e> {
     values: Vec<(&'static str, &'e Expr)>,
+    rest: Vec<&'e Expr>,
 }
 
 impl<'e> Bound<'e> {
+    /// Returns the arguments without a name, where the call takes any number of them.
+    pub fn rest(&self) -> &[&'e Expr] {
+        &self.rest
+    }
+
     pub fn get(&self, name: &str) -> Option<&'e Expr> {
         self.values
             .iter()
@@ -72,12 +88,25 @@ pub(crate) fn bind<'e>(
     parameters: &[Parameter],
     context: &mut Context<'_>,
 ) -> Option<Bound<'e>> {
-    let mut bound = Bound { values: Vec::new() };
+    let mut bound = Bound {
+        values: Vec::new(),
+        rest: Vec::new(),
+    };
+    let rest = parameters
+        .iter()
+        .find(|parameter| parameter.given == Given::Rest);
     let mut places = parameters
         .iter()
         .filter(|parameter| parameter.given == Given::Bare);
     let mut fits = true;
     for argument in arguments {
+        if let (None, Some(rest)) = (&argument.label, rest) {
+            bound.rest.push(&argument.value);
+            if bound.rest.len() == 1 {
+                bound.values.push((rest.name, &argument.value));
+            }
+            continue;
+        }
         let parameter = match &argument.label {
             None => places
                 .next()
@@ -173,6 +202,7 @@ fn surplus(call: &Ident, argument: &Argument, parameters: &[Parameter]) -> Diagn
 fn form(call: &Ident, parameters: &[Parameter]) -> String {
     let part = |parameter: &Parameter| match (parameter.given, parameter.need) {
         (Given::Bare, _) => parameter.name.to_uppercase(),
+        (Given::Rest, _) => format!("{}, …", parameter.name.to_uppercase()),
         (Given::Named, Need::Required) => format!("{}: …", parameter.name),
         (Given::Named, Need::Optional) => format!("[{}: …]", parameter.name),
     };

@@ -1,11 +1,11 @@
 //! `camera top_down(height: 650mm, fov: 45deg, image: 224px)`.
 
 use super::Context;
-use super::arguments::{bind, named};
+use super::arguments::{bind, named, optional};
 use super::quantity::{Measure, Wanted, read, read_whole};
-use crate::ast::{ExprKind, Statement};
+use crate::ast::{Expr, ExprKind, Statement};
 use crate::diag::{Code, Diagnostic};
-use crate::program::{Camera, Cloth, ImageUp};
+use crate::program::{Camera, ImageUp};
 use std::f64::consts::PI;
 
 const HEIGHT: Wanted = Wanted {
@@ -40,28 +40,47 @@ pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<
     let bound = bind(
         name,
         arguments,
-        &[named("height"), named("fov"), named("image")],
+        &[
+            named("height"),
+            named("fov"),
+            named("image"),
+            optional("up"),
+        ],
         context,
     )?;
     let height_m = read(bound.get("height")?, &HEIGHT, context);
     let fov_rad = read(bound.get("fov")?, &FOV, context);
     let image_px = read_whole(bound.get("image")?, &IMAGE, context);
+    let up = bound.get("up").map_or(Some(ImageUp::Y), |up| image_up(up, context));
     Some(Camera {
         height_m: height_m?,
         fov_rad: fov_rad?,
         image_px: image_px?,
-        up: ImageUp::Y,
+        up: up?,
     })
 }
 
+fn image_up(expr: &Expr, context: &mut Context<'_>) -> Option<ImageUp> {
+    match &expr.kind {
+        ExprKind::Name(name) if name == "x" => Some(ImageUp::X),
+        ExprKind::Name(name) if name == "y" => Some(ImageUp::Y),
+        _ => {
+            let found = context.written(expr.span);
+            let message = format!("expected `x` or `y`, found `{found}`");
+            context.push(
+                Diagnostic::new(Code::WrongForm, expr.span, message)
+                    .help("the axis of the table that is up in the picture"),
+            );
+            None
+        }
+    }
+}
+
 /// Warns where the flat cloth, however it is turned, does not fit into the picture.
-pub(crate) fn compare(
-    cloth: &Cloth,
-    laid: &Statement,
-    camera: &Camera,
-    seen: &Statement,
-    context: &mut Context<'_>,
-) {
+pub(crate) fn compare(laid: &Statement, seen: &Statement, context: &mut Context<'_>) {
+    let (Some(cloth), Some(camera)) = (&context.cloth, &context.camera) else {
+        return;
+    };
     let view_m = 2.0 * camera.height_m * (camera.fov_rad / 2.0).tan();
     let side_m = |n_particles: u32| f64::from(n_particles - 1) * cloth.spacing_m;
     let diagonal_m = side_m(cloth.dimx).hypot(side_m(cloth.dimy));

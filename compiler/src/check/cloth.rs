@@ -1,9 +1,9 @@
 //! `cloth grid(55, 44)`, `cloth square(250mm)`, `cloth rectangle(338mm, 269mm)`.
 
 use super::Context;
-use super::arguments::{Bound, bare, bind};
-use super::quantity::{Measure, Wanted, read, read_whole};
-use crate::ast::{Expr, ExprKind, Statement};
+use super::arguments::{Bound, bare, bind, optional};
+use super::quantity::{Measure, Wanted, quantity, read, read_whole};
+use crate::ast::{Expr, ExprKind, Ident, Statement};
 use crate::diag::{Code, Diagnostic};
 use crate::program::{Cloth, ClothStart};
 
@@ -36,14 +36,30 @@ pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<
         }
     };
     let parameters: &[_] = match name.text.as_str() {
-        "grid" | "rectangle" => &[bare("width"), bare("depth")],
-        "square" => &[bare("side")],
+        "grid" | "rectangle" => &[bare("width"), bare("depth"), optional("start")],
+        "square" => &[bare("side"), optional("start")],
         _ => {
             context.unknown("cloth", name, ["grid", "rectangle", "square"]);
             return None;
         }
     };
     let bound = bind(name, arguments, parameters, context)?;
+    let start = bound
+        .get("start")
+        .map_or(Some(ClothStart::Flat), |start| self::start(start, context));
+    let cloth = sized(name, statement, &bound, context);
+    Some(Cloth {
+        start: start?,
+        ..cloth?
+    })
+}
+
+fn sized(
+    name: &Ident,
+    statement: &Statement,
+    bound: &Bound<'_>,
+    context: &mut Context<'_>,
+) -> Option<Cloth> {
     match name.text.as_str() {
         "grid" => {
             let dimx = read_whole(bound.get("width")?, &COUNT, context);
@@ -55,8 +71,29 @@ pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<
                 start: ClothStart::Flat,
             })
         }
-        "square" => measured(statement, &bound, ["side", "side"], context),
-        _ => measured(statement, &bound, ["width", "depth"], context),
+        "square" => measured(statement, bound, ["side", "side"], context),
+        _ => measured(statement, bound, ["width", "depth"], context),
+    }
+}
+
+/// Reads how the cloth lies at first.
+fn start(expr: &Expr, context: &mut Context<'_>) -> Option<ClothStart> {
+    match &expr.kind {
+        ExprKind::Name(name) if name == "flat" => Some(ClothStart::Flat),
+        ExprKind::Name(name) if name == "crumpled" => Some(ClothStart::Crumpled),
+        ExprKind::Text(text) => {
+            let file = super::files::named(text, "a start file", context)?;
+            Some(ClothStart::File { file })
+        }
+        _ => {
+            let found = context.written(expr.span);
+            let message = format!("expected a way to lie, found `{found}`");
+            context.push(
+                Diagnostic::new(Code::WrongForm, expr.span, message)
+                    .help("write `start: flat`, `start: crumpled`, or the path of a start file in quotes"),
+            );
+            None
+        }
     }
 }
 
@@ -71,6 +108,18 @@ fn measured(
     sides: [&str; 2],
     context: &mut Context<'_>,
 ) -> Option<Cloth> {
+    for side in sides {
+        if let Some(side) = bound.get(side)
+            && quantity(side, context).is_some_and(|side| side.unit == "edge")
+        {
+            let message = "a side of the cloth is counted in the cloth's own side";
+            context.push(
+                Diagnostic::new(Code::WrongQuantity, side.span, message)
+                    .help("write a length such as `250mm`"),
+            );
+            return None;
+        }
+    }
     let [width_m, depth_m] =
         sides.map(|side| bound.get(side).and_then(|side| read(side, &SIDE, context)));
     let (width_m, depth_m) = (width_m?, depth_m?);

@@ -1,6 +1,7 @@
 //! Folds between points of the cloth: `corner(back_left) -> center at 0.9`.
 
 use super::Context;
+use super::arguments::{Bound, bare, bind};
 use super::quantity::{Measure, Wanted, read};
 use crate::ast::{Experts, Expr, ExprKind, Folds, Ident, Move};
 use crate::diag::{Code, Diagnostic, among, nearest};
@@ -27,6 +28,12 @@ const FRACTION: Wanted = Wanted {
     measure: Measure::Number,
     range: f64::MIN_POSITIVE..=1.0,
     range_words: "a fraction above `0` and at most `1`",
+};
+
+const PLACE: Wanted = Wanted {
+    measure: Measure::Number,
+    range: 0.0..=1.0,
+    range_words: "a fraction from `0` to `1`",
 };
 
 /// The most folds in a sequence.
@@ -130,9 +137,56 @@ fn fold(part: &Move, context: &mut Context<'_>) -> Option<Fold> {
     Some(fold)
 }
 
+/// Builds the point at a fraction of the way from one point of the cloth to another.
+fn between(bound: &Bound<'_>, context: &mut Context<'_>) -> Option<ClothPoint> {
+    let mut ends = [None, None];
+    for (end, name) in ends.iter_mut().zip(["a", "b"]) {
+        let expr = bound.get(name)?;
+        *end = match point(expr, context) {
+            Some(ClothPoint::Particle { right, front }) => Some([right, front]),
+            Some(ClothPoint::Center) => {
+                context.push(
+                    Diagnostic::new(
+                        Code::WrongForm,
+                        expr.span,
+                        "`center` is a point of the table, not of the cloth",
+                    )
+                    .help("write `point(0.5, 0.5)` for the middle of the cloth"),
+                );
+                None
+            }
+            None => None,
+        };
+    }
+    let fraction = read(bound.get("fraction")?, &PLACE, context);
+    let ([Some(a), Some(b)], Some(fraction)) = (ends, fraction) else {
+        return None;
+    };
+    let at = |axis: usize| a[axis] + fraction * (b[axis] - a[axis]);
+    Some(ClothPoint::Particle {
+        right: at(0),
+        front: at(1),
+    })
+}
+
 fn point(expr: &Expr, context: &mut Context<'_>) -> Option<ClothPoint> {
-    const FORMS: &str = "write `corner(back_left)`, `middle(left)` or `center`";
+    const FORMS: &str =
+        "write `corner(back_left)`, `middle(left)`, `center`, `point(0.25, 0.5)` or `between(A, B, 0.3)`";
     match &expr.kind {
+        ExprKind::Call { name, arguments } if name.text == "point" => {
+            let bound = bind(name, arguments, &[bare("right"), bare("front")], context)?;
+            let right = read(bound.get("right")?, &PLACE, context);
+            let front = read(bound.get("front")?, &PLACE, context);
+            return Some(ClothPoint::Particle {
+                right: right?,
+                front: front?,
+            });
+        }
+        ExprKind::Call { name, arguments } if name.text == "between" => {
+            let parameters = [bare("a"), bare("b"), bare("fraction")];
+            let bound = bind(name, arguments, &parameters, context)?;
+            return between(&bound, context);
+        }
         ExprKind::Name(name) if name == "center" => return Some(ClothPoint::Center),
         ExprKind::Call { name, arguments } if matches!(name.text.as_str(), "corner" | "middle") => {
             let places = if name.text == "corner" {
@@ -167,7 +221,7 @@ fn point(expr: &Expr, context: &mut Context<'_>) -> Option<ClothPoint> {
                 name.span,
                 format!("`{}` is no point of the cloth", name.text),
             );
-            context.push(match nearest(&name.text, ["corner", "middle"]) {
+            context.push(match nearest(&name.text, ["corner", "middle", "point", "between"]) {
                 Some(meant) => diagnostic
                     .help(format!("did you mean `{meant}`?"))
                     .edit(name.span, meant),

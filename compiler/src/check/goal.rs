@@ -2,8 +2,10 @@
 
 use super::Context;
 use super::quantity::{Measure, Wanted, read, read_whole};
-use crate::ast::{ExprKind, Ident, Statement};
+use super::untouched;
+use crate::ast::{Expr, ExprKind, Ident, Statement};
 use crate::diag::{Code, Diagnostic};
+use crate::exact;
 use crate::merge::Merged;
 use crate::program::{Comparison, Goal, Metric, Sequence, Subgoals};
 
@@ -19,6 +21,20 @@ const STEPS: Wanted = Wanted {
     range_words: "a number of steps from `1` to `100`",
 };
 
+const FRACTION: Wanted = Wanted {
+    measure: Measure::Number,
+    range: -1.0..=1.2,
+    range_words: "a fraction up to `1.2`",
+};
+
+const METRICS: [Metric; 3] = [
+    Metric::ParticleDistance,
+    Metric::Coverage,
+    Metric::NormalizedImprovement,
+];
+
+const FORM: &str = "write `goal particle_distance < 40mm`, `goal coverage > 0.9` or `goal normalized_improvement > 0.95`";
+
 /// Builds the goal.
 pub(crate) fn check(
     statement: &Statement,
@@ -26,7 +42,6 @@ pub(crate) fn check(
     experts: &[Sequence],
     context: &mut Context<'_>,
 ) -> Option<Goal> {
-    let form = "write `goal particle_distance < 40mm`";
     let ExprKind::Compare { left, sign, right } = &statement.value.kind else {
         context.push(
             Diagnostic::new(
@@ -34,45 +49,30 @@ pub(crate) fn check(
                 statement.value.span,
                 "expected a measure and its limit",
             )
-            .help(form),
+            .help(FORM),
         );
         return None;
     };
-    match &left.kind {
-        ExprKind::Name(name) if name == "particle_distance" => {}
-        ExprKind::Name(name) => {
-            context.unknown(
-                "measure",
-                &Ident {
-                    text: name.clone(),
-                    span: left.span,
-                },
-                ["particle_distance"],
-            );
-            return None;
-        }
-        _ => {
-            context.push(
-                Diagnostic::new(Code::WrongForm, left.span, "expected the name of a measure")
-                    .help(form),
-            );
-            return None;
-        }
-    }
-    if sign.text != "<" {
-        let message = format!("a goal is reached below its limit, not by `{}`", sign.text);
-        context.push(
-            Diagnostic::new(Code::WrongForm, sign.span, message)
-                .help("write `<`")
-                .edit(sign.span, "<"),
-        );
-        return None;
-    }
-    let below_m = read(right, &LIMIT, context)?;
+    let metric = metric(left, context)?;
+    let is = direction(metric, sign, context)?;
+    let wanted = match metric {
+        Metric::ParticleDistance => &LIMIT,
+        Metric::Coverage | Metric::NormalizedImprovement => &FRACTION,
+    };
+    let goal = Goal {
+        metric,
+        is,
+        limit: read(right, wanted, context)?,
+    };
     let brings_images = merged
         .subgoals
-        .is_some_and(|part| !part.images.is_empty() && part.demonstrate.is_empty());
-    if experts.is_empty() && merged.experts.is_none() && brings_images {
+        .is_none_or(|part| !part.images.is_empty() && part.demonstrate.is_empty());
+    if metric == Metric::ParticleDistance
+        && experts.is_empty()
+        && merged.experts.is_none()
+        && brings_images
+        && (merged.subgoals.is_some() || !merged.stages.is_empty() && merged.cloth.is_some())
+    {
         context.push(
             Diagnostic::new(
                 Code::NothingToCompare,
@@ -82,10 +82,63 @@ pub(crate) fn check(
             .help("name `experts`: images do not say how the cloth ends"),
         );
     }
-    Some(Goal {
-        metric: Metric::ParticleDistance,
-        is: Comparison::Less,
-        limit: below_m,
+    if let Some(cloth) = &context.cloth
+        && let Some(score) = untouched::score(&goal, cloth, experts)
+        && goal.is_met(score)
+    {
+        let written = match metric {
+            Metric::ParticleDistance => format!("about {}mm", exact::written(score * 1000.0, 0)),
+            _ => exact::written(score, 2),
+        };
+        let message = format!("an untouched cloth meets this goal: it scores {written}");
+        context.push(
+            Diagnostic::new(Code::GoalMetAtStart, statement.value.span, message)
+                .help("demand more, so that a rollout that does nothing fails"),
+        );
+    }
+    Some(goal)
+}
+
+fn metric(expr: &Expr, context: &mut Context<'_>) -> Option<Metric> {
+    let ExprKind::Name(name) = &expr.kind else {
+        context.push(
+            Diagnostic::new(Code::WrongForm, expr.span, "expected the name of a measure")
+                .help(FORM),
+        );
+        return None;
+    };
+    let found = METRICS.into_iter().find(|metric| metric.as_str() == name);
+    if found.is_none() {
+        let name = Ident {
+            text: name.clone(),
+            span: expr.span,
+        };
+        context.unknown("measure", &name, METRICS.map(Metric::as_str));
+    }
+    found
+}
+
+/// Returns the comparison, if it is the way in which the measure gets better.
+fn direction(metric: Metric, sign: &Ident, context: &mut Context<'_>) -> Option<Comparison> {
+    let (wanted, words, right) = match metric {
+        Metric::ParticleDistance => (["<", "<="], "below", "<"),
+        Metric::Coverage | Metric::NormalizedImprovement => ([">", ">="], "above", ">"),
+    };
+    if !wanted.contains(&sign.text.as_str()) {
+        let name = metric.as_str();
+        let message = format!("`{name}` is reached {words} its limit, not by `{}`", sign.text);
+        context.push(
+            Diagnostic::new(Code::WrongForm, sign.span, message)
+                .help(format!("write `{right}`"))
+                .edit(sign.span, right),
+        );
+        return None;
+    }
+    Some(match sign.text.as_str() {
+        "<" => Comparison::Less,
+        "<=" => Comparison::AtMost,
+        ">" => Comparison::Greater,
+        _ => Comparison::AtLeast,
     })
 }
 
@@ -97,6 +150,15 @@ pub(crate) fn horizon(
 ) -> Option<u32> {
     let shown = subgoals.map(|subgoals| subgoals.steps() as u32);
     let Some(statement) = merged.horizon else {
+        let is_runnable = merged.cloth.is_some() && !merged.stages.is_empty();
+        if merged.subgoals.is_none() && is_runnable && !merged.has_faults && !merged.is_broken {
+            let name = &merged.task.name;
+            let message = format!("`{}` has neither subgoals nor a `horizon`", name.text);
+            context.push(
+                Diagnostic::new(Code::NoHorizon, name.span, message)
+                    .help("write `horizon 10` for at most ten actions, or show `subgoals`"),
+            );
+        }
         return shown;
     };
     let stated = read_whole(&statement.value, &STEPS, context)?;

@@ -9,33 +9,76 @@ mod arguments;
 mod camera;
 mod cloth;
 mod conditions;
+mod constants;
+mod examples;
+mod extractors;
+mod files;
 mod folds;
 mod goal;
 mod keypoints;
+mod layers;
 mod model;
 mod names;
 mod pictures;
+mod points;
 mod quantity;
 mod reads;
+mod shown;
 mod stages;
 mod subgoals;
+mod task;
 mod templates;
+mod trials;
+mod untouched;
+mod uses;
+mod values;
 mod verification;
 
-use crate::ast::{Ident, Task};
+use crate::ast::{self, Ident};
 use crate::diag::{Code, Diagnostic, Report, among, nearest};
 use crate::load::Loaded;
-use crate::merge::{self, Merged};
-use crate::program::{PROGRAM_FORMAT, Program, SourceStamp, hex};
+use crate::merge;
+use crate::program::{ActionField, Camera, Cloth, Layer, Program, Test};
 use crate::source::Span;
 use names::Names;
-use sha2::{Digest, Sha256};
+use std::collections::{BTreeMap, BTreeSet};
+use templates::Variables;
 
 /// What the checks of one task share.
 pub(crate) struct Context<'a> {
     pub loaded: &'a Loaded,
     pub report: &'a mut Report,
     pub names: Names<'a>,
+    pub constants: BTreeMap<&'a str, &'a ast::Keypoint>,
+    /// Each known once its section is checked; later sections depend on it.
+    pub cloth: Option<Cloth>,
+    pub camera: Option<Camera>,
+    pub actions: Vec<ActionField>,
+    pub layers: Vec<Layer>,
+    /// Layers that need the action before.
+    pub last_layers: BTreeSet<String>,
+    /// Layers that the texts of the stage under way name.
+    pub named_layers: Vec<(String, Span)>,
+    pub variables: Variables,
+}
+
+impl<'a> Context<'a> {
+    /// Returns what is known outside of tasks: nothing.
+    fn empty(loaded: &'a Loaded, report: &'a mut Report) -> Context<'a> {
+        Context {
+            loaded,
+            report,
+            names: Names::none(loaded),
+            constants: BTreeMap::new(),
+            cloth: None,
+            camera: None,
+            actions: Vec::new(),
+            layers: Vec::new(),
+            last_layers: BTreeSet::new(),
+            named_layers: Vec::new(),
+            variables: Variables::default(),
+        }
+    }
 }
 
 impl Context<'_> {
@@ -80,8 +123,20 @@ impl Context<'_> {
     }
 }
 
+/// What comes of checking.
+#[derive(Default)]
+pub(crate) struct Checked {
+    /// The tasks and variants of the entry that can run.
+    pub programs: Vec<Program>,
+    /// Their tests.
+    pub tests: Vec<Test>,
+}
+
+/// What all tasks of a compilation may inherit together, bytes: each is checked with all that it inherits.
+const MAX_MERGED_BYTES: usize = 64 << 20;
+
 /// Checks every task of every file; returns the programs of the entry's.
-pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Vec<Program> {
+pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Checked {
     merge::unique(
         loaded
             .files
@@ -100,157 +155,56 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Vec<Program> {
         "list of experts",
         report,
     );
-    let mut context = Context {
-        loaded,
-        report,
-        names: Names::none(loaded),
-    };
+    let mut context = Context::empty(loaded, report);
     for experts in loaded.files.iter().flat_map(|file| &file.experts) {
         folds::experts(experts, &mut context);
     }
     let faulty_files = report.files_with_errors();
-    let mut programs = Vec::new();
+    let bases = task::bases(loaded);
+    let mut checked = Checked::default();
+    let mut merged_bytes = 0;
     for file in &loaded.files {
+        let is_entry = file.id == loaded.entry().id;
+        let sees_faults = loaded
+            .visible_from(file.id)
+            .any(|seen| faulty_files.contains(&seen.id));
         for task in &file.tasks {
             // Each task has its own report: what it inherits must count against it, though it is shown once.
-            let mut own = Report::default();
-            let program = self::task(task, loaded, &mut own);
-            let is_right = own.errors() == 0
-                && loaded
-                    .visible_from(file.id)
-                    .all(|seen| !faulty_files.contains(&seen.id));
-            report.absorb(own);
-            programs.extend(program.filter(|_| is_right && file.id == loaded.entry().id));
+            let mut variants = vec![None];
+            let mut number = 0;
+            while number < variants.len() {
+                let mut own = Report::default();
+                let merged = merge::merge(task, variants[number].take(), loaded, &mut own);
+                merged_bytes += merged.bytes;
+                if merged_bytes > MAX_MERGED_BYTES {
+                    report.absorb(own);
+                    report.push(too_large(&task.name));
+                    return checked;
+                }
+                // Variants of tasks in other files are checked where those are compiled.
+                if number == 0 && is_entry {
+                    variants.extend(merged.applicable_variants().map(Some));
+                }
+                let built = task::check(&merged, &bases, loaded, &mut own);
+                let is_right = own.errors() == 0 && !sees_faults;
+                report.absorb(own);
+                if is_right && is_entry && let Some((program, tests)) = built {
+                    checked.programs.push(program);
+                    checked.tests.extend(tests);
+                }
+                number += 1;
+            }
         }
     }
-    programs
+    checked
 }
 
-/// Checks one task; the program counts only where nothing was reported.
-fn task(task: &Task, loaded: &Loaded, report: &mut Report) -> Option<Program> {
-    let merged = merge::merge(task, loaded, report);
-    let names = Names::of(&merged, loaded);
-    let mut context = Context {
-        loaded,
-        report,
-        names,
-    };
-    let cloth = merged
-        .cloth
-        .and_then(|statement| cloth::check(statement, &mut context));
-    let camera = merged
-        .camera
-        .and_then(|statement| camera::check(statement, &mut context));
-    if let (Some(cloth), Some(laid), Some(camera), Some(seen)) =
-        (&cloth, merged.cloth, &camera, merged.camera)
-    {
-        camera::compare(cloth, laid, camera, seen, &mut context);
-    }
-    let keypoints = keypoints::check(&merged, camera.as_ref(), &mut context);
-    let actions = merged
-        .actions
-        .map_or(Vec::new(), |part| actions::check(part, &mut context));
-    let subgoals = merged
-        .subgoals
-        .and_then(|part| subgoals::check(part, &mut context));
-    let experts = folds::expert_sequences(&merged, subgoals.as_ref(), &mut context);
-    let horizon = goal::horizon(&merged, subgoals.as_ref(), &mut context);
-    let goal = merged
-        .goal
-        .and_then(|statement| goal::check(statement, &merged, &experts, &mut context));
-    let mut prompts = stages::check(&merged, &actions, &mut context);
-    let verify = verification::check(&merged, &actions, &mut prompts.templates, &mut context);
-    if !is_complete(&merged, loaded, report) {
-        return None;
-    }
-    Some(Program {
-        format: PROGRAM_FORMAT,
-        compiler: env!("CARGO_PKG_VERSION").to_owned(),
-        task: task.name.text.clone(),
-        variant: None,
-        sources: stamps(loaded),
-        cloth: cloth?,
-        camera: camera?,
-        subgoals: Some(subgoals?),
-        experts,
-        keypoints,
-        layers: Vec::new(),
-        actions,
-        templates: prompts.templates,
-        stages: prompts.stages,
-        verify,
-        horizon: horizon?,
-        goal,
-    })
-}
-
-fn stamps(loaded: &Loaded) -> Vec<SourceStamp> {
-    let stamp = |(source, name): (&crate::Source, &String)| SourceStamp {
-        name: name.clone(),
-        sha256: hex(&Sha256::digest(source.text.as_bytes())),
-    };
-    loaded
-        .sources
-        .iter()
-        .zip(&loaded.portable_names)
-        .map(stamp)
-        .collect()
-}
-
-/// Returns whether the task has all that a rollout needs, and says what it lacks.
-///
-/// A task with cloth, subgoals and stages is meant to run, so that a lack of anything else is an error; one
-/// without them may serve as a base.
-fn is_complete(merged: &Merged<'_>, loaded: &Loaded, report: &mut Report) -> bool {
-    let lacks = |parts: &[(&'static str, bool)]| -> Vec<&'static str> {
-        parts
-            .iter()
-            .filter(|(_, is_there)| !is_there)
-            .map(|(name, _)| *name)
-            .collect()
-    };
-    let own = lacks(&[
-        ("cloth", merged.cloth.is_some()),
-        ("subgoals", merged.subgoals.is_some()),
-        ("stage", !merged.stages.is_empty()),
-    ]);
-    let shared = lacks(&[
-        ("camera", merged.camera.is_some()),
-        ("keypoints", !merged.keypoints.is_empty()),
-        ("actions", merged.actions.is_some()),
-    ]);
-    let is_complete = own.is_empty() && shared.is_empty();
-    if is_complete || merged.has_faults || merged.is_broken {
-        return is_complete;
-    }
-    let name = &merged.task.name;
-    if own.is_empty() {
-        for section in shared {
-            let message = format!("`{}` has no `{section}`", name.text);
-            report.push(
-                Diagnostic::new(Code::MissingSection, name.span, message)
-                    .help("write the section, or extend a task that has it"),
-            );
-        }
-        return false;
-    }
-    let all = loaded.files.iter().flat_map(|file| &file.tasks);
-    let mut bases = all.filter_map(|task| task.extends.as_ref());
-    let is_base = bases.any(|base| {
-        merge::find_task(loaded, base.span.file, &base.text)
-            .is_some_and(|task| task.name.span == name.span)
-    });
-    if !is_base && name.span.file == loaded.entry().id {
-        let lacking: Vec<&str> = own.into_iter().chain(shared).collect();
-        let message = format!(
-            "`{}` cannot run by itself: it has no {}",
-            name.text,
-            among(lacking)
-        );
-        report.push(
-            Diagnostic::new(Code::BaseOnly, name.span, message)
-                .help("that is right for a task that others extend"),
-        );
-    }
-    false
+fn too_large(name: &Ident) -> Diagnostic {
+    let message = format!(
+        "with `{}` the tasks come to more than {} MiB, counting what each inherits",
+        name.text,
+        MAX_MERGED_BYTES >> 20
+    );
+    Diagnostic::new(Code::TasksTooLarge, name.span, message)
+        .help("nothing further is checked; extend smaller tasks, or compile the files one by one")
 }

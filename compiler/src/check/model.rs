@@ -12,6 +12,11 @@ const TEMPERATURE: Wanted = Wanted {
     range: 0.0..=2.0,
     range_words: "a number from `0` to `2`",
 };
+const TOP_P: Wanted = Wanted {
+    measure: Measure::Number,
+    range: 0.0..=1.0,
+    range_words: "a fraction from `0` to `1`",
+};
 const TOKENS: Wanted = Wanted {
     measure: Measure::Number,
     range: 1.0..=100_000.0,
@@ -22,6 +27,7 @@ const TOKENS: Wanted = Wanted {
 pub(crate) struct Checked {
     pub role: ModelRole,
     pub temperature: Option<f64>,
+    pub top_p: Option<f64>,
     pub max_tokens: Option<u32>,
 }
 
@@ -47,6 +53,7 @@ pub(crate) fn check(part: &Settings, context: &mut Context<'_>) -> Option<Checke
     let mut checked = Checked {
         role: ModelRole::Text,
         temperature: None,
+        top_p: None,
         max_tokens: None,
     };
     unique(
@@ -60,6 +67,7 @@ pub(crate) fn check(part: &Settings, context: &mut Context<'_>) -> Option<Checke
         };
         match name.text.as_str() {
             "temperature" => checked.temperature = read(value, &TEMPERATURE, context),
+            "top_p" => checked.top_p = read(value, &TOP_P, context),
             _ => checked.max_tokens = read_whole(value, &TOKENS, context),
         }
     }
@@ -74,8 +82,8 @@ fn required<'e>(
     value: Option<&'e Expr>,
     context: &mut Context<'_>,
 ) -> Option<&'e Expr> {
-    if !matches!(name.text.as_str(), "temperature" | "tokens") {
-        context.unknown("setting", name, ["temperature", "tokens"]);
+    if !matches!(name.text.as_str(), "temperature" | "top_p" | "tokens") {
+        context.unknown("setting", name, ["temperature", "top_p", "tokens"]);
         return None;
     }
     if value.is_none() {

@@ -2,7 +2,6 @@
 //!
 //! Keypoints, texts that stages read, and action fields share one space: all can be written in a text.
 
-use super::actions::FIELDS;
 use crate::ast::{ExprKind, Ident};
 use crate::load::Loaded;
 use crate::merge::Merged;
@@ -42,12 +41,12 @@ impl<'a> Names<'a> {
         }
         // A field that is missing or misspelt is reported where the action is declared.
         if merged.actions.is_some() {
-            known.extend(FIELDS.map(|field| (field, Meaning::Field)));
+            known.extend(["pick", "place"].map(|field| (field, Meaning::Field)));
         }
         for field in merged.actions.iter().flat_map(|part| &part.fields) {
             known.insert(&field.name.text, Meaning::Field);
         }
-        for keypoint in &merged.keypoints {
+        for keypoint in merged.keypoints.iter() {
             known.insert(
                 &keypoint.name.text,
                 Meaning::Keypoint(shape(&keypoint.value.kind)),
@@ -104,8 +103,10 @@ fn shape(value: &ExprKind) -> Option<KeypointShape> {
     };
     match text.as_str() {
         "mask" => Some(KeypointShape::Mask),
-        "harris" | "shi_tomasi" => Some(KeypointShape::Points),
-        "centroid" => Some(KeypointShape::Point),
+        "bounding_box" => Some(KeypointShape::Box),
+        "contour" => Some(KeypointShape::Outline),
+        "harris" | "shi_tomasi" | "edge_middles" | "along" | "points" => Some(KeypointShape::Points),
+        "centroid" | "center" => Some(KeypointShape::Point),
         _ => None,
     }
 }

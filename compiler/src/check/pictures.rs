@@ -3,7 +3,7 @@
 use super::Context;
 use crate::ast::{Expr, ExprKind, Ident, Pictures};
 use crate::diag::{Code, Diagnostic};
-use crate::program::{Arrow, Picture, Which};
+use crate::program::{Arrow, Layers, Picture, Which};
 
 /// The most pictures in one question.
 const MAX_PICTURES: usize = 16;
@@ -25,6 +25,19 @@ pub(crate) fn check(part: &Pictures, context: &mut Context<'_>) -> Vec<Picture> 
 }
 
 fn picture(expr: &Expr, with: Option<&Ident>, context: &mut Context<'_>) -> Option<Picture> {
+    if let ExprKind::Name(name) = &expr.kind
+        && name == "scene"
+    {
+        let layers = match with {
+            None => Layers::Absent,
+            Some(name) if name.text == "annotations" => Layers::Drawn,
+            Some(name) => {
+                context.unknown("drawing", name, ["annotations"]);
+                return None;
+            }
+        };
+        return Some(Picture::Scene { layers });
+    }
     let which = match &expr.kind {
         ExprKind::Call { name, arguments } if name.text == "subgoal" => {
             match arguments.as_slice() {
@@ -42,8 +55,9 @@ fn picture(expr: &Expr, with: Option<&Ident>, context: &mut Context<'_>) -> Opti
         let found = context.written(expr.span);
         let message = format!("expected a picture, found `{found}`");
         context.push(
-            Diagnostic::new(Code::WrongForm, expr.span, message)
-                .help("write `subgoal(now)` or `subgoal(next)`"),
+            Diagnostic::new(Code::WrongForm, expr.span, message).help(
+                "write `subgoal(now)` or `subgoal(next)`, or `scene` for what the camera sees",
+            ),
         );
     }
     let arrow = match with {

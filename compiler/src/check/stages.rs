@@ -2,12 +2,14 @@
 
 use super::Context;
 use super::model::{self, Checked};
-use super::templates::{self, Place};
-use super::{pictures, reads};
-use crate::ast::{Component, Ident, Saying, Sayings, Stage, Text};
+use super::templates::{self, Place, Scope};
+use super::{conditions, examples, pictures, reads, uses};
+use crate::ast::{Component, Expr, Ident, Saying, Sayings, Stage, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::{Merged, once};
-use crate::program::{self, ActionField, ModelRole, Template};
+use crate::program::{self, Condition, Layers, ModelRole, Picture, Template};
+use crate::source::Span;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The most bytes that all texts of one stage may have.
 const MAX_STAGE_BYTES: usize = 64 << 10;
@@ -21,19 +23,25 @@ pub(crate) struct Prompts {
     pub templates: Vec<Template>,
 }
 
+/// What a stage speaks of, and whether it shows it.
+struct Spoken {
+    shows_layers: bool,
+    layers: Vec<(String, Span)>,
+}
+
 /// Builds the stages; what is wrong is left out.
 pub(crate) fn check(
     merged: &Merged<'_>,
-    actions: &[ActionField],
     context: &mut Context<'_>,
 ) -> Prompts {
     let mut builder = Builder {
         merged,
-        actions,
         templates: Vec::new(),
-        said: Vec::new(),
+        places: BTreeMap::new(),
+        said: BTreeSet::new(),
+        spoken: Vec::new(),
     };
-    if let Some(beyond) = merged.stages.get(MAX_STAGES) {
+    if let Some(beyond) = merged.stages.iter().nth(MAX_STAGES) {
         let message = format!(
             "there are {} stages, at most {MAX_STAGES} are accepted",
             merged.stages.len()
@@ -53,6 +61,7 @@ pub(crate) fn check(
     who_reads_the_action(merged, context);
     read_names(merged, context);
     builder.unsaid(context);
+    builder.layers(context);
     Prompts {
         stages,
         templates: builder.in_order(),
@@ -61,7 +70,8 @@ pub(crate) fn check(
 
 /// Reports where the action is not read by the last stage alone.
 fn who_reads_the_action(merged: &Merged<'_>, context: &mut Context<'_>) {
-    let Some((last, earlier)) = merged.stages.split_last() else {
+    let mut earlier = merged.stages.iter();
+    let Some(last) = earlier.next_back() else {
         return;
     };
     let action = |stage: &Stage| {
@@ -114,10 +124,13 @@ fn read_names(merged: &Merged<'_>, context: &mut Context<'_>) {
 
 struct Builder<'m, 'a> {
     merged: &'m Merged<'a>,
-    actions: &'m [ActionField],
     templates: Vec<Template>,
+    /// Where each template is, by its name.
+    places: BTreeMap<String, usize>,
     /// Components that some stage says.
-    said: Vec<&'m str>,
+    said: BTreeSet<&'m str>,
+    /// For each stage that is right so far.
+    spoken: Vec<Spoken>,
 }
 
 impl<'m, 'a> Builder<'m, 'a> {
@@ -163,25 +176,48 @@ impl<'m, 'a> Builder<'m, 'a> {
                 None => diagnostic,
             });
         }
+        let shows_layers = pictures.iter().any(|picture| {
+            matches!(
+                picture,
+                Picture::Scene {
+                    layers: Layers::Drawn
+                }
+            )
+        });
+        if let (true, None, Some(part)) = (shows_layers, self.merged.annotate, show) {
+            let message = "no annotations are declared";
+            context.push(
+                Diagnostic::new(Code::NothingToDraw, part.span, message)
+                    .help("add `annotate { … }`, or write `show scene`"),
+            );
+        }
+        context.named_layers.clear();
         let system = system.map_or(Vec::new(), |part| {
             self.sayings(number, stage, "system", part, context)
         });
         let asked = say.map(|part| self.sayings(number, stage, "say", part, context));
         self.limit(stage, system.iter().chain(asked.iter().flatten()), context);
+        self.spoken.push(Spoken {
+            shows_layers,
+            layers: std::mem::take(&mut context.named_layers),
+        });
         let read = read.and_then(|read| reads::check(read, context));
+        let role = settings.as_ref().map(|settings| settings.role);
+        let examples = examples::check(stage, role, read.as_ref(), context);
         let Checked {
             role,
             temperature,
+            top_p,
             max_tokens,
         } = settings?;
         Some(program::Stage {
             name: stage.name.text.clone(),
             model: role,
             temperature,
-            top_p: None,
+            top_p,
             max_tokens,
             system,
-            examples: Vec::new(),
+            examples,
             say: asked?,
             show: pictures,
             read: read?,
@@ -210,7 +246,7 @@ impl<'m, 'a> Builder<'m, 'a> {
                         format!(".{n_texts}")
                     };
                     let name = format!("{}.{part}{suffix}", stage.name.text);
-                    self.build(&name, text, number, context);
+                    self.build(&name, text, None, number, context);
                     names.push(name);
                 }
             }
@@ -236,11 +272,7 @@ impl<'m, 'a> Builder<'m, 'a> {
         context: &mut Context<'_>,
     ) -> Option<String> {
         let merged = self.merged;
-        let Some(component) = merged
-            .components
-            .iter()
-            .find(|component| component.name.text == name.text)
-        else {
+        let Some(component) = merged.components.get(&name.text) else {
             if !merged.removed.contains(name.text.as_str()) {
                 context.unknown(
                     "component",
@@ -253,15 +285,39 @@ impl<'m, 'a> Builder<'m, 'a> {
             }
             return None;
         };
-        self.said.push(&name.text);
-        self.build(&name.text, &component.text, number, context);
+        self.said.insert(&name.text);
+        let guard = component.when.as_ref();
+        self.build(&name.text, &component.text, guard, number, context);
         Some(name.text.clone())
     }
 
-    fn build(&mut self, name: &str, text: &Text, stage: usize, context: &mut Context<'_>) {
-        let template = templates::template(name, text, Place::Stage(stage), self.actions, context);
-        if !self.templates.iter().any(|known| known.name == name) {
-            self.templates.extend(template);
+    /// Builds a template, once; said in a second stage it is checked again, as other names may be known there.
+    fn build(
+        &mut self,
+        name: &str,
+        text: &Text,
+        guard: Option<&Expr>,
+        stage: usize,
+        context: &mut Context<'_>,
+    ) {
+        let when = match guard.map(|guard| self::guard(guard, context)) {
+            None => None,
+            Some(Some(when)) => Some(when),
+            // The condition is wrong and reported; the text is checked as if it held.
+            Some(None) => Some(Condition::Last),
+        };
+        let guarded = format!("component {name}");
+        let scope = Scope {
+            place: Place::Stage(stage),
+            has_last: when.as_ref().is_some_and(uses::implies_last),
+            guarded: &guarded,
+        };
+        let template = templates::template(name, text, when, scope, context);
+        if let Some(template) = template
+            && !self.places.contains_key(name)
+        {
+            self.places.insert(name.to_owned(), self.templates.len());
+            self.templates.push(template);
         }
     }
 
@@ -272,10 +328,9 @@ impl<'m, 'a> Builder<'m, 'a> {
         context: &mut Context<'_>,
     ) {
         let length = |name: &String| {
-            self.templates
-                .iter()
-                .find(|template| template.name == *name)
-                .map_or(0, |template| template.text.len())
+            self.places
+                .get(name)
+                .map_or(0, |place| self.templates[*place].text.len())
         };
         let bytes: usize = names.map(length).sum();
         if bytes > MAX_STAGE_BYTES {
@@ -289,18 +344,23 @@ impl<'m, 'a> Builder<'m, 'a> {
 
     /// Warns of components of this task itself that no stage says, and checks their names all the same.
     fn unsaid(&mut self, context: &mut Context<'_>) {
-        for component in &self.merged.components {
+        for component in self.merged.components.iter() {
             let Component { name, text, .. } = component;
-            if self.said.contains(&name.text.as_str()) {
+            if self.said.contains(name.text.as_str()) {
                 continue;
             }
-            templates::template(&name.text, text, Place::Nowhere, self.actions, context);
-            let is_own = self
-                .merged
-                .task
-                .components
-                .iter()
-                .any(|own| own.name.span == name.span);
+            let when = component
+                .when
+                .as_ref()
+                .and_then(|guard| self::guard(guard, context));
+            let scope = Scope {
+                place: Place::Nowhere,
+                has_last: true,
+                guarded: "",
+            };
+            templates::template(&name.text, text, when, scope, context);
+            let is_own = name.span.file == self.merged.task.name.span.file
+                && self.merged.is_own_component(name.span);
             if is_own && !self.merged.stages.is_empty() && !self.merged.is_broken {
                 let message = format!("the component `{}` is said nowhere", name.text);
                 context.push(
@@ -311,20 +371,66 @@ impl<'m, 'a> Builder<'m, 'a> {
         }
     }
 
+    /// Reports layers that are drawn and not named, or named and not drawn.
+    fn layers(&self, context: &mut Context<'_>) {
+        let mut named = BTreeSet::new();
+        for spoken in &self.spoken {
+            for (layer, span) in &spoken.layers {
+                named.insert(layer.as_str());
+                if !spoken.shows_layers {
+                    let message = format!("no picture of this stage shows `{layer}`");
+                    context.push(
+                        Diagnostic::new(Code::LayerNotShown, *span, message)
+                            .help("write `show scene with annotations` in the stage"),
+                    );
+                }
+            }
+        }
+        let Some(part) = self.merged.annotate.filter(|_| !self.merged.stages.is_empty()) else {
+            return;
+        };
+        // What a variant leaves out is not the author's slip.
+        if self.merged.variant.is_some() || self.merged.has_faults {
+            return;
+        }
+        let all: Vec<String> = context.layers.iter().map(|layer| layer.name.clone()).collect();
+        for layer in &part.list {
+            let name = layer.name.text.as_str();
+            if all.iter().any(|known| known == name) && !named.contains(name) {
+                let message = format!("the layer `{name}` is drawn and no prompt says what it is");
+                context.push(
+                    Diagnostic::new(Code::LayerNotNamed, layer.name.span, message)
+                        .help(format!("write `{{{{ {name} }}}}` in a text of the stage that shows it")),
+                );
+            }
+        }
+    }
+
     /// Returns the components as they are declared, then the texts of the stages.
     fn in_order(self) -> Vec<Template> {
         let order = |template: &Template| {
-            let declared = self
-                .merged
-                .components
-                .iter()
-                .position(|component| component.name.text == template.name);
-            declared.unwrap_or(self.merged.components.len())
+            let declared = self.merged.components.place(&template.name);
+            declared.unwrap_or(usize::MAX)
         };
         let mut templates = self.templates;
         templates.sort_by_key(order);
         templates
     }
+}
+
+/// Builds the condition under which a component is said.
+fn guard(expr: &Expr, context: &mut Context<'_>) -> Option<Condition> {
+    let when = conditions::check(expr, context)?;
+    let uses = uses::Uses::of_condition(&when);
+    if uses.action {
+        uses::needs_action(expr.span, context);
+        return None;
+    }
+    if uses.last && !uses::implies_last(&when) {
+        uses::needs_last(expr.span, "… when last and …", context);
+        return None;
+    }
+    Some(when)
 }
 
 fn part_help(part: &str) -> &'static str {

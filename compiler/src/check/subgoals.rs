@@ -1,18 +1,17 @@
 //! `subgoals { demonstrate { … } }` or `subgoals { image "…" … }`.
 
 use super::Context;
-use super::folds;
+use super::{files, folds};
 use super::quantity::{Measure, Wanted, read_whole};
 use crate::ast::{self, Image};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::once;
-use crate::path;
-use crate::program::{FileRef, PixelPoint, SubgoalImage, Subgoals};
+use crate::program::{PixelPoint, SubgoalImage, Subgoals};
 
 /// The most pictures an author brings.
 const MAX_IMAGES: usize = 101;
 
-const PIXEL: Wanted = Wanted {
+pub(super) const PIXEL: Wanted = Wanted {
     measure: Measure::Pixels,
     range: 0.0..=8191.0,
     range_words: "a pixel from `0px` to `8191px`",
@@ -87,40 +86,15 @@ fn images(part: &ast::Subgoals, context: &mut Context<'_>) -> Option<Subgoals> {
 }
 
 fn image(part: &Image, context: &mut Context<'_>) -> Option<SubgoalImage> {
-    let path = match part.path.plain() {
-        Some(path) => path,
-        None => {
-            context.push(
-                Diagnostic::new(
-                    Code::BadPath,
-                    part.path.span,
-                    "the path of an image has a placeholder",
-                )
-                .help("write the path itself"),
-            );
-            return None;
-        }
-    };
-    if let Some(fault) = path::fault(&path) {
-        context.push(Diagnostic::new(
-            Code::BadPath,
-            part.path.span,
-            format!("the path `{path}` {fault}"),
-        ));
-        return None;
-    }
+    let file = files::named(&part.path, "an image", context)?;
     let arrow = match &part.arrow {
         Some([tail, tip]) => Some([pixel(tail, context)?, pixel(tip, context)?]),
         None => None,
     };
-    let path = path::beside(&context.loaded.portable_names[part.span.file.0], &path);
-    Some(SubgoalImage {
-        file: FileRef { path },
-        arrow,
-    })
+    Some(SubgoalImage { file, arrow })
 }
 
-fn pixel([u, v]: &[ast::Expr; 2], context: &mut Context<'_>) -> Option<PixelPoint> {
+pub(super) fn pixel([u, v]: &[ast::Expr; 2], context: &mut Context<'_>) -> Option<PixelPoint> {
     let u = read_whole(u, &PIXEL, context);
     let v = read_whole(v, &PIXEL, context);
     Some(PixelPoint::new(u? as i32, v? as i32))

@@ -1,23 +1,18 @@
 //! Texts become templates in the portable Jinja subset.
 //!
-//! Every variable is a name that is known where the text is said; everything else is literal, and a `{`
+//! Every variable is a value that is known where the text is said; everything else is literal, and a `{`
 //! that Jinja could take for its own is escaped.
 
 use super::Context;
-use super::keypoints::wrong_kind;
-use super::names::Meaning;
-use crate::ast::{Ident, Piece, Text};
+use super::shown::{self, Placed};
+use crate::ast::{Piece, Text};
 use crate::diag::{Code, Diagnostic};
-use crate::program::{ActionField, KeypointShape, Shown, Template, Variable};
+use crate::program::{Condition, Shown, Template, Variable};
 use crate::source::line_and_column;
-use crate::space;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// The most bytes of one text.
 pub(crate) const MAX_TEXT_BYTES: usize = 16 << 10;
-
-/// The name of the constant that spells the answer's format.
-const FORMAT: &str = "actions.format";
 
 /// Where a text is said, which decides what it may name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,12 +25,59 @@ pub(crate) enum Place {
     Nowhere,
 }
 
+/// Where and under which condition a text is said.
+#[derive(Clone, Copy)]
+pub(crate) struct Scope<'s> {
+    pub place: Place,
+    /// Whether there was an action before, wherever it is said.
+    pub has_last: bool,
+    /// How the text is introduced, for advice.
+    pub guarded: &'s str,
+}
+
+/// Gives each value of a task one name, and each name one value.
+#[derive(Default)]
+pub(crate) struct Variables {
+    /// By the value's JSON.
+    names: BTreeMap<String, String>,
+    /// For each name that is taken, the number that its next namesake tries.
+    taken: BTreeMap<String, u32>,
+}
+
+impl Variables {
+    /// Returns the variable's name of a value that is written so in the source.
+    fn name(&mut self, shown: &Shown, written: &str) -> String {
+        const MOST: usize = 48;
+        let key = serde_json::to_string(shown).expect("a value has string keys and finite numbers");
+        if let Some(name) = self.names.get(&key) {
+            return name.clone();
+        }
+        let words = written
+            .split(|character: char| !character.is_ascii_alphanumeric() && character != '_')
+            .filter(|word| !word.is_empty());
+        let mut base = words.collect::<Vec<_>>().join("_");
+        base.truncate(MOST);
+        if !base.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_') {
+            base.insert(0, '_');
+        }
+        let mut name = base.clone();
+        while self.taken.contains_key(&name) {
+            let number = self.taken.entry(base.clone()).or_insert(2);
+            name = format!("{base}_{number}");
+            *number += 1;
+        }
+        self.taken.insert(name.clone(), 2);
+        self.names.insert(key, name.clone());
+        name
+    }
+}
+
 /// Builds the template of a text; None, with a report, where the text is wrong.
 pub(crate) fn template(
     name: &str,
     text: &Text,
-    place: Place,
-    actions: &[ActionField],
+    when: Option<Condition>,
+    scope: Scope<'_>,
     context: &mut Context<'_>,
 ) -> Option<Template> {
     if text.is_blank() {
@@ -55,78 +97,41 @@ pub(crate) fn template(
         return None;
     }
     let mut jinja = Jinja::default();
-    let mut variables = BTreeSet::new();
+    let mut variables: BTreeMap<String, Shown> = BTreeMap::new();
     let mut is_right = true;
     for piece in &text.pieces {
-        match piece {
-            Piece::Literal(literal) => jinja.literal(literal),
-            Piece::Variable { path, .. } if path == FORMAT => {
-                jinja.literal(&space::format(actions))
+        let expr = match piece {
+            Piece::Literal(literal) => {
+                jinja.literal(literal);
+                continue;
             }
-            Piece::Variable { path, span } => {
-                is_right &= is_known(
-                    &Ident {
-                        text: path.clone(),
-                        span: *span,
-                    },
-                    place,
-                    context,
-                );
-                jinja.variable(path);
-                variables.insert(path.clone());
+            Piece::Value(expr) => expr,
+        };
+        match shown::check(expr, scope, context) {
+            None => is_right = false,
+            Some(Placed::Literal(words)) => jinja.literal(&words),
+            Some(Placed::Value(shown)) => {
+                let written = context.loaded.sources.text(expr.span);
+                let name = context.variables.name(&shown, written);
+                jinja.variable(&name);
+                variables.insert(name, shown);
             }
         }
     }
     let source = context.loaded.sources.get(text.span.file);
     let template = Template {
         name: name.to_owned(),
+        when,
         text: jinja.finish(),
-        when: None,
         variables: variables
             .into_iter()
-            .map(|name| variable(name, actions, context))
+            .map(|(name, value)| Variable { name, value })
             .collect(),
         declared_in: context.loaded.portable_names[text.span.file.0].clone(),
         line: line_and_column(&source.text, text.start).0 as u32,
     };
     is_right.then_some(template)
 }
-
-fn is_known(name: &Ident, place: Place, context: &mut Context<'_>) -> bool {
-    let late = |message: String, help: &str| {
-        Diagnostic::new(Code::NotYetKnown, name.span, message).help(help)
-    };
-    let diagnostic = match (context.names.get(&name.text), place) {
-        (None, _) => {
-            let mut candidates = context.names.that(|meaning| match (meaning, place) {
-                (Meaning::Keypoint(shape), _) => shape != Some(KeypointShape::Mask),
-                (Meaning::Text { stage }, Place::Stage(here)) => stage < here,
-                (Meaning::Field, Place::Stage(_)) => false,
-                (Meaning::Text { .. } | Meaning::Field, Place::Message | Place::Nowhere) => true,
-            });
-            candidates.push(FORMAT);
-            context.unknown("value", name, candidates);
-            return false;
-        }
-        (Some(Meaning::Keypoint(Some(KeypointShape::Mask))), _) => wrong_kind(
-            name,
-            KeypointShape::Mask,
-            "something that can be written as text",
-        ),
-        (Some(Meaning::Text { stage }), Place::Stage(here)) if stage >= here => late(
-            format!("`{}` is not read before this stage", name.text),
-            "stages run in order; a text is known to the stages after the one that reads it",
-        ),
-        (Some(Meaning::Field), Place::Stage(_)) => late(
-            format!("`{}` is known only when an action is proposed", name.text),
-            "fields of the action can be written in the messages of checks",
-        ),
-        (Some(_), _) => return true,
-    };
-    context.push(diagnostic);
-    false
-}
-
 /// Writes Jinja source.
 #[derive(Default)]
 struct Jinja {
@@ -168,15 +173,3 @@ impl Jinja {
     }
 }
 
-fn variable(name: String, actions: &[ActionField], context: &Context<'_>) -> Variable {
-    let value = match context.names.get(&name) {
-        Some(Meaning::Text { .. }) => Shown::Text { name: name.clone() },
-        Some(Meaning::Field) if actions.iter().any(|field| field.name == name) => Shown::Field {
-            field: name.clone(),
-        },
-        _ => Shown::Points {
-            keypoint: name.clone(),
-        },
-    };
-    Variable { name, value }
-}

@@ -1,13 +1,14 @@
 //! `verify { check NAME { … } else "…" … attempts 3 }`.
 
 use super::Context;
-use super::conditions;
 use super::quantity::{Measure, Wanted, read_whole};
-use super::templates::{self, Place};
+use super::templates::{self, Place, Scope};
+use super::{conditions, uses};
 use crate::ast;
 use crate::diag::{Code, Diagnostic};
 use crate::merge::{Merged, once, unique};
-use crate::program::{ActionField, Check, Template, Verify};
+use crate::diag::{among, nearest};
+use crate::program::{Check, Condition, Template, Verify};
 use crate::verify::OFFERED;
 
 /// Questions per stage and step where none are stated: the paper's.
@@ -25,7 +26,6 @@ const ATTEMPTS: Wanted = Wanted {
 /// Builds the checks, and adds their messages to `templates`; what is wrong is left out.
 pub(crate) fn check(
     merged: &Merged<'_>,
-    actions: &[ActionField],
     templates: &mut Vec<Template>,
     context: &mut Context<'_>,
 ) -> Verify {
@@ -51,39 +51,90 @@ pub(crate) fn check(
         return verify;
     }
     for check in &part.checks {
-        if let Some((check, template)) = self::one(check, actions, context) {
+        if let Some((check, template)) = self::one(check, context) {
             verify.checks.push(check);
             templates.push(template);
         }
     }
-    if let Some(statement) = once(
+    let attempts = once(
         &part.attempts,
         "`attempts`",
         |part| part.span,
         context.report,
-    ) && let Some(attempts) = read_whole(&statement.value, &ATTEMPTS, context)
-    {
-        verify.attempts = attempts;
+    );
+    if let Some(statement) = attempts {
+        if let Some(attempts) = read_whole(&statement.count, &ATTEMPTS, context) {
+            verify.attempts = attempts;
+        }
+        verify.relaxed = relaxed(statement, part, context);
     }
     verify
 }
 
-fn one(
-    check: &ast::Check,
-    actions: &[ActionField],
+/// Returns the checks that are left out at last; reports names that no check has.
+fn relaxed(
+    statement: &ast::Attempts,
+    part: &ast::Verify,
     context: &mut Context<'_>,
-) -> Option<(Check, Template)> {
+) -> Vec<String> {
+    unique(statement.relaxed.iter(), "check", context.report);
+    let mut relaxed = Vec::new();
+    for name in &statement.relaxed {
+        let known = || part.checks.iter().map(|check| check.name.text.as_str());
+        if known().any(|known| known == name.text) {
+            relaxed.push(name.text.clone());
+        } else if name.text == OFFERED {
+            let message = format!("`{OFFERED}` cannot be left out");
+            context.push(
+                Diagnostic::new(Code::NothingToRemove, name.span, message)
+                    .help("what was never offered cannot be carried out"),
+            );
+        } else if !context.names.may_be_declared(&name.text) {
+            let message = format!("there is no check `{}` to leave out", name.text);
+            let diagnostic = Diagnostic::new(Code::NothingToRemove, name.span, message);
+            context.push(match nearest(&name.text, known()) {
+                Some(meant) => diagnostic
+                    .help(format!("did you mean `{meant}`?"))
+                    .edit(name.span, meant),
+                None => diagnostic.help(format!("there is {}", among(known()))),
+            });
+        }
+    }
+    relaxed
+}
+
+fn one(check: &ast::Check, context: &mut Context<'_>) -> Option<(Check, Template)> {
     if check.name.text == OFFERED {
         let message = format!("every task has a check `{OFFERED}` already");
         context.push(
             Diagnostic::new(Code::DuplicateName, check.name.span, message)
-                .help("it refuses points that were not offered; choose another name"),
+                .help("it refuses what was not offered; choose another name"),
         );
     }
-    let holds = check
-        .condition
-        .as_ref()
-        .and_then(|condition| conditions::check(condition, context));
+    let when = match &check.when {
+        None => None,
+        // Where the guard is wrong, the rest is checked as if it held.
+        Some(guard) => Some(conditions::check(guard, context).unwrap_or(Condition::Last)),
+    };
+    let has_last = when.as_ref().is_some_and(uses::implies_last);
+    let guarded = format!("check {}", check.name.text);
+    let mut holds = None;
+    if let Some(expr) = &check.condition {
+        holds = conditions::check(expr, context);
+        if let Some(condition) = &holds
+            && uses::Uses::of_condition(condition).last
+            && !has_last
+        {
+            uses::needs_last(expr.span, &guarded, context);
+            holds = None;
+        }
+    }
+    if let (Some(expr), Some(when)) = (&check.when, &when)
+        && uses::Uses::of_condition(when).last
+        && !has_last
+    {
+        uses::needs_last(expr.span, "… when last and …", context);
+    }
     let Some(text) = &check.message else {
         if !check.has_faults {
             let message = format!(
@@ -98,10 +149,15 @@ fn one(
         return None;
     };
     let name = format!("check.{}", check.name.text);
-    let template = templates::template(&name, text, Place::Message, actions, context);
+    let scope = Scope {
+        place: Place::Message,
+        has_last,
+        guarded: &guarded,
+    };
+    let template = templates::template(&name, text, None, scope, context);
     let check = Check {
         name: check.name.text.clone(),
-        when: None,
+        when,
         holds: holds?,
         message: name,
     };

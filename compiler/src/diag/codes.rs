@@ -1,7 +1,7 @@
 //! Every code: its title, what it means, and what to do.
 //!
 //! Groups: F00 files, F01 form, F02 quantities and arguments, F03 names, F04 composition, F05 folds and
-//! goals, F06 prompts, F07 actions and checks. A code keeps its meaning for ever; the name describes
+//! goals, F06 prompts, F07 actions and checks, F08 annotations, F09 tests. A code keeps its meaning for ever; the name describes
 //! the fault, not the cure.
 
 use super::Severity::{self, Error, Note, Warning};
@@ -168,6 +168,14 @@ codes! {
     "a mask reaches the table"
     "The table is as far from the camera as the camera is high. A depth limit beyond that puts every pixel into the mask."
 
+    "F0211" MixedFrames Error
+    "two frames are mixed"
+    "Pixels belong to a picture, millimetres to the table. Convert one side: `20mm in px` is what the camera sees of 20mm on the table, `distance(pick, place) in mm` what the table has under that distance in the picture. `edge` counts the longer side of the cloth and is a length on the table."
+
+    "F0212" NoConversion Error
+    "a value cannot be converted so"
+    "Behind `in` stands a unit of the same kind: `mm`, `cm`, `m`, `edge` and `px` for lengths, `deg` and `rad` for angles, `percent` for fractions. The message names the value and the unit."
+
     "F0301" UnknownName Error
     "a name is unknown"
     "Nothing of this kind has this name here. Where one is near, the message suggests it."
@@ -183,6 +191,10 @@ codes! {
     "F0304" NotYetKnown Error
     "a name is used before it is known"
     "Stages run in order: what one reads is known to the stages after it. Action fields are known only in the messages of checks. An extractor uses only keypoints above it."
+
+    "F0305" NeedsLast Error
+    "the action before is not known in the first step"
+    "`last.pick` and `last.place` are where the action before this one was carried out, and the first step has none. Say the component or ask the check only `when last`."
 
     "F0401" CircularExtends Error
     "tasks extend each other in a circle"
@@ -216,6 +228,10 @@ codes! {
     "a task cannot run by itself"
     "It lacks a part that every rollout needs. That is right for a task that others extend."
 
+    "F0409" TasksTooLarge Error
+    "the tasks of a compilation are too large together"
+    "Each task and each variant is checked with everything that it inherits. What all of them inherit may come to 64 MiB. Extend smaller tasks, or compile the files one by one."
+
     "F0501" NoFolds Error
     "there are no folds"
     "A demonstration, and a sequence of an expert, consists of at least one fold; a list of experts of at least one sequence."
@@ -243,6 +259,14 @@ codes! {
     "F0507" MixedSubgoals Error
     "subgoals are both demonstrated and brought"
     "Either `demonstrate` the folds once, or list an `image` for each subgoal."
+
+    "F0508" GoalMetAtStart Warning
+    "an untouched cloth meets the goal already"
+    "The goal is reached before anything is done, so a rollout that does nothing counts as a success. The message says what the untouched cloth scores. For folds that is the score of an ideal sheet of paper, an estimate."
+
+    "F0509" NoHorizon Error
+    "it is not said how many steps there are"
+    "A task without subgoals has no steps to count, so it states a `horizon`."
 
     "F0601" SaidNowhere Warning
     "a component is said nowhere"
@@ -272,6 +296,10 @@ codes! {
     "a text is empty"
     "A component, a question and a message say something. To leave a component of an extended task out, write `without component`."
 
+    "F0608" BadExample Error
+    "an example cannot be used"
+    "An example has one `say` and one `reply`, and the answer is one that the stage can read: what the model is shown is what is asked of it. The message says what is missing or cannot be read."
+
     "F0701" MissingField Error
     "an action lacks a field"
     "An action has a `pick` and a `place`."
@@ -287,6 +315,30 @@ codes! {
     "F0704" MissingMessage Error
     "a check does not say why it refuses"
     "After its condition a check has `else \"…\"`, which the model is told when it fails."
+
+    "F0705" MixedChoices Error
+    "the choices of a field are of different kinds"
+    "A field offers either keypoints, or directions such as `45deg`, or lengths on the table in one unit, or words in quotes. Split it into several fields."
+
+    "F0706" Contradiction Error
+    "the action space contradicts itself"
+    "What a prompt offers must be read back as the same value, and two choices must not be written alike. The compiler tries every choice; the message says which one fails. Rename it, or remove one of the two."
+
+    "F0801" LayerNotNamed Error
+    "something is drawn and no prompt says what it is"
+    "Each layer of `annotate` is named in a text of every stage that shows the annotated picture, such as `The corners are {{ corner_dots }}.`: a model has to know what the marks mean. Name it, or remove the layer."
+
+    "F0802" LayerNotShown Error
+    "a text speaks of a layer that its stage does not show"
+    "The text names a layer of `annotate`, and no picture of the stage is shown `with annotations`. Write `show scene with annotations`, or leave the name out."
+
+    "F0803" NothingToDraw Error
+    "annotations are shown and none are declared"
+    "`show scene with annotations` draws the layers of `annotate`, and the task has none. Declare some, or write `show scene`."
+
+    "F0901" TestIncomplete Error
+    "a test lacks a part"
+    "A test has a name in quotes, a `reply`, and one `expect`; what the scene shows and earlier stages read is `given`. The message says what is missing."
 }
 
 #[cfg(test)]

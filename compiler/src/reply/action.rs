@@ -53,9 +53,17 @@ struct Statement<'t> {
 /// Fails where a field is not stated, is stated in two ways, or the answer is longer than
 /// [`super::MAX_REPLY_BYTES`].
 pub fn read_action(program: &Program, reply: &str) -> Result<Reading<Proposal>, Malformed> {
+    read_fields(&program.actions, program.cloth.edge_m(), reply)
+}
+
+/// Reads every field of an action; `edge_m` is the cloth's longer side, metres.
+pub(crate) fn read_fields(
+    actions: &[ActionField],
+    _edge_m: f64,
+    reply: &str,
+) -> Result<Reading<Proposal>, Malformed> {
     bounded("action", reply)?;
-    let names: Vec<&str> = program
-        .actions
+    let names: Vec<&str> = actions
         .iter()
         .map(|field| field.name.as_str())
         .collect();
@@ -63,11 +71,11 @@ pub fn read_action(program: &Program, reply: &str) -> Result<Reading<Proposal>, 
         fields: Vec::with_capacity(names.len()),
     };
     let mut repairs = Vec::new();
-    for declared in &program.actions {
+    for declared in actions {
         let name = &declared.name;
         let found = field(declared, &names, reply).map_err(|why| Malformed {
             field: name.clone(),
-            message: complaint(&why, program),
+            message: complaint(&why, actions),
         })?;
         repairs.extend(found.repairs);
         proposal
@@ -80,10 +88,10 @@ pub fn read_action(program: &Program, reply: &str) -> Result<Reading<Proposal>, 
     })
 }
 
-fn complaint(why: &str, program: &Program) -> String {
+fn complaint(why: &str, actions: &[ActionField]) -> String {
     format!(
         "{why} Answer again and state the action in exactly this format, with numbers for x and y:\n{}",
-        space::format(&program.actions)
+        space::format(actions)
     )
 }
 

@@ -11,6 +11,7 @@ mod schema;
 mod text;
 
 pub use action::read_action;
+pub(crate) use action::read_fields;
 pub use schema::schema;
 pub use text::read_text;
 

@@ -1,0 +1,34 @@
+//! Files that a task names: pictures and particle positions.
+
+use super::Context;
+use crate::ast::Text;
+use crate::diag::{Code, Diagnostic};
+use crate::path;
+use crate::program::FileRef;
+
+/// Returns the file that a text names; None, with a report, where it names none below the entry's folder.
+pub(crate) fn named(text: &Text, what: &str, context: &mut Context<'_>) -> Option<FileRef> {
+    let Some(written) = text.plain() else {
+        let message = format!("the path of {what} has a placeholder");
+        context.push(
+            Diagnostic::new(Code::BadPath, text.span, message).help("write the path itself"),
+        );
+        return None;
+    };
+    let bad = |fault: &str| {
+        Diagnostic::new(Code::BadPath, text.span, format!("the path `{written}` {fault}"))
+    };
+    if let Some(fault) = path::fault(&written) {
+        context.push(bad(fault));
+        return None;
+    }
+    let path = path::beside(&context.loaded.portable_names[text.span.file.0], &written);
+    if path.starts_with("..") {
+        context.push(
+            bad("leaves the folder of the task")
+                .help("what a task needs lies in the folder of the file that is compiled, or below it"),
+        );
+        return None;
+    }
+    Some(FileRef { path })
+}

@@ -1,0 +1,262 @@
+//! Placeholders: what `{{ … }}` of a text stands for.
+
+use super::Context;
+use super::arguments::{bare, bind};
+use super::keypoints::wrong_kind;
+use super::names::Meaning;
+use super::points::{direction_field, heading};
+use super::templates::{Place, Scope};
+use super::uses::{Uses, needs_action, needs_last};
+use super::values::{AsPercent, Frame, FramedLength, NativeLength, Operand, lowered, operand};
+use crate::ast::{Expr, ExprKind, Ident};
+use crate::diag::{Code, Diagnostic};
+use crate::exact;
+use crate::program::{Camera, Choices, Cloth, KeypointShape, Length, Point, Shown, Written};
+use crate::space;
+
+/// The name of the constant that spells the answer's format.
+const FORMAT: &str = "actions.format";
+
+/// What a placeholder becomes.
+pub(crate) enum Placed {
+    /// Words that are known now.
+    Literal(String),
+    /// A value that is known later.
+    Value(Shown),
+}
+
+/// Builds a placeholder; None, with a report, where it is wrong.
+pub(crate) fn check(expr: &Expr, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Placed> {
+    let placed = value(expr, scope, context)?;
+    let Placed::Value(shown) = &placed else {
+        return Some(placed);
+    };
+    let uses = Uses::of_shown(shown);
+    if uses.action && matches!(scope.place, Place::Stage(_)) {
+        needs_action(expr.span, context);
+        return None;
+    }
+    if uses.last && !scope.has_last && scope.place != Place::Nowhere {
+        needs_last(expr.span, scope.guarded, context);
+        return None;
+    }
+    Some(placed)
+}
+
+fn value(expr: &Expr, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Placed> {
+    match &expr.kind {
+        ExprKind::Name(text) if !context.constants.contains_key(text.as_str()) => {
+            let name = Ident {
+                text: text.clone(),
+                span: expr.span,
+            };
+            named(&name, scope, context)
+        }
+        ExprKind::Path(path) => dotted(&path.clone(), expr, context),
+        ExprKind::Call { name, arguments } if name.text == "nearest" => {
+            let bound = bind(name, arguments, &[bare("field"), bare("direction")], context)?;
+            let field = direction_field(bound.get("field")?, context);
+            let to = heading(bound.get("direction")?, context);
+            Some(Placed::Value(Shown::Nearest {
+                field: field?,
+                to: to?,
+            }))
+        }
+        _ => {
+            let value = operand(expr, context)?;
+            written(value, expr, context)
+        }
+    }
+}
+
+fn named(name: &Ident, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Placed> {
+    if let Some(layer) = context.layers.iter().find(|layer| layer.name == name.text) {
+        let words = layer.words.clone();
+        let uses_last = context.last_layers.contains(&name.text);
+        if uses_last && !scope.has_last && scope.place != Place::Nowhere {
+            needs_last(name.span, scope.guarded, context);
+            return None;
+        }
+        context.named_layers.push((name.text.clone(), name.span));
+        return Some(Placed::Literal(words));
+    }
+    let text = name.text.clone();
+    let late = |message: String, help: &str| {
+        Diagnostic::new(Code::NotYetKnown, name.span, message).help(help)
+    };
+    let shown = match context.names.get(&name.text) {
+        Some(Meaning::Keypoint(Some(KeypointShape::Points))) => Shown::Points { keypoint: text },
+        Some(Meaning::Keypoint(Some(KeypointShape::Point))) => Shown::Point {
+            point: Point::Keypoint { name: text },
+        },
+        // Its own declaration is wrong and reported there.
+        Some(Meaning::Keypoint(None)) => return None,
+        Some(Meaning::Keypoint(Some(shape))) => {
+            context.push(wrong_kind(name, shape, "something that can be written as text"));
+            return None;
+        }
+        Some(Meaning::Text { stage }) => {
+            if matches!(scope.place, Place::Stage(here) if stage >= here) {
+                context.push(late(
+                    format!("`{}` is not read before this stage", name.text),
+                    "stages run in order; a text is known to the stages after the one that reads it",
+                ));
+                return None;
+            }
+            Shown::Text { name: text }
+        }
+        Some(Meaning::Field) => match context.actions.iter().any(|field| field.name == text) {
+            true => Shown::Field { field: text },
+            false => {
+                let expr = Expr {
+                    span: name.span,
+                    kind: ExprKind::Name(text),
+                };
+                return operand(&expr, context).and_then(|value| written(value, &expr, context));
+            }
+        },
+        None if name.text == "step" => {
+            let expr = Expr {
+                span: name.span,
+                kind: ExprKind::Name(text),
+            };
+            return operand(&expr, context).and_then(|value| written(value, &expr, context));
+        }
+        None => {
+            unknown(name, scope.place, context);
+            return None;
+        }
+    };
+    Some(Placed::Value(shown))
+}
+
+fn unknown(name: &Ident, place: Place, context: &mut Context<'_>) {
+    let mut candidates = context.names.that(|meaning| match (meaning, place) {
+        (Meaning::Keypoint(shape), _) => shape.is_some_and(|shape| {
+            matches!(shape, KeypointShape::Points | KeypointShape::Point)
+        }),
+        (Meaning::Text { stage }, Place::Stage(here)) => stage < here,
+        (Meaning::Field, Place::Stage(_)) => false,
+        (Meaning::Text { .. } | Meaning::Field, Place::Message | Place::Nowhere) => true,
+    });
+    let constants: Vec<&str> = context.constants.keys().copied().collect();
+    let layers: Vec<String> = context.layers.iter().map(|layer| layer.name.clone()).collect();
+    candidates.extend(constants);
+    candidates.extend(layers.iter().map(String::as_str));
+    candidates.push(FORMAT);
+    context.unknown("value", name, candidates);
+}
+
+/// Builds `actions.format`, `FIELD.choices`, `last.pick` and the like.
+fn dotted(path: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> {
+    if path == FORMAT {
+        return Some(Placed::Literal(space::format(&context.actions)));
+    }
+    if let Some(name) = path.strip_suffix(".choices")
+        && let Some(field) = context.actions.iter().find(|field| field.name == name)
+    {
+        return Some(match field.choices {
+            Choices::Points { .. } => Placed::Value(Shown::Choices {
+                field: name.to_owned(),
+            }),
+            _ => Placed::Literal(space::listed(field, &space::declared(field))),
+        });
+    }
+    if let Some(name) = path.strip_prefix("last.") {
+        if matches!(name, "pick" | "place") {
+            let value = operand(expr, context)?;
+            return written(value, expr, context);
+        }
+        if context.actions.iter().any(|field| field.name == name) {
+            return Some(Placed::Value(Shown::LastField {
+                field: name.to_owned(),
+            }));
+        }
+    }
+    let name = Ident {
+        text: path.to_owned(),
+        span: expr.span,
+    };
+    let mut candidates = vec![FORMAT.to_owned(), "last.pick".to_owned(), "last.place".to_owned()];
+    candidates.extend(context.actions.iter().map(|field| format!("{}.choices", field.name)));
+    context.unknown("value", &name, candidates.iter().map(String::as_str));
+    None
+}
+
+/// Writes a value, whatever it is.
+fn written(value: Operand, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> {
+    let plain = |factor: f64, decimals: u8, unit: &str| Written {
+        factor,
+        decimals,
+        unit: unit.to_owned(),
+    };
+    let of_angle = |unit: &str| match unit {
+        "rad" => plain(std::f64::consts::PI / 180.0, 3, " rad"),
+        _ => plain(1.0, 2, " deg"),
+    };
+    Some(match value {
+        Operand::Length(length) => self::length(&length, context)?,
+        Operand::Angle { deg, unit } => Placed::Literal(number(deg, &of_angle(&unit))),
+        Operand::Between { a, b, unit } => Placed::Value(Shown::Angle {
+            a,
+            b,
+            written: of_angle(&unit),
+        }),
+        Operand::Number(value) => Placed::Literal(exact::written(value, 4)),
+        Operand::Counted { number, as_percent } => Placed::Value(Shown::Number {
+            number,
+            written: match as_percent {
+                AsPercent::Yes => plain(100.0, 0, "%"),
+                AsPercent::No => plain(1.0, 3, ""),
+            },
+        }),
+        Operand::Point(point) => Placed::Value(Shown::Point { point }),
+        Operand::WordField(field) => Placed::Value(Shown::Field { field }),
+        Operand::Word(word) => Placed::Literal(word),
+        Operand::Heading => {
+            let found = context.written(expr.span);
+            let message = format!("the direction `{found}` has no text");
+            context.push(
+                Diagnostic::new(Code::WrongExpression, expr.span, message)
+                    .help("write `nearest(direction, …)` for the choice that is nearest to it"),
+            );
+            return None;
+        }
+    })
+}
+
+fn length(length: &FramedLength, context: &Context<'_>) -> Option<Placed> {
+    let edge_m = context.cloth.as_ref().map_or(f64::NAN, Cloth::edge_m);
+    let px_per_m = context.camera.as_ref().map_or(f64::NAN, Camera::px_per_m);
+    // From metres, or from pixels, to the unit.
+    let (per_m, decimals) = match length.unit.as_str() {
+        "mm" => (1000.0, 1),
+        "cm" => (100.0, 2),
+        "edge" => (1.0 / edge_m, 3),
+        "px" => (1.0, 1),
+        _ => (1.0, 3),
+    };
+    let is_measured = matches!(length.native, NativeLength::Distance(..));
+    let factor = if is_measured && length.frame == Frame::Table {
+        per_m / px_per_m
+    } else {
+        per_m
+    };
+    if factor.is_nan() {
+        return None;
+    }
+    let written = Written {
+        factor,
+        decimals,
+        unit: format!(" {}", length.unit),
+    };
+    Some(match lowered(&length.native, length.frame, context)? {
+        Length::Constant { value } => Placed::Literal(number(value, &written)),
+        length => Placed::Value(Shown::Length { length, written }),
+    })
+}
+
+fn number(value: f64, written: &Written) -> String {
+    let digits = exact::written(value * written.factor, usize::from(written.decimals));
+    format!("{digits}{}", written.unit)
+}

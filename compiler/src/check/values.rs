@@ -1,0 +1,383 @@
+//! Values of conditions and texts: what an expression is, with its frame.
+//!
+//! Lengths carry the frame in which they are compared: the picture or the table. What the camera makes of
+//! the one in the other is only converted where `in` says so.
+
+use super::Context;
+use super::points::{direction_field, heading, is_heading, point};
+use super::arguments::{bare, bind};
+use super::names::Meaning;
+use super::quantity::{Measure, measure_of, no_conversion, quantity};
+use crate::ast::{Expr, ExprKind, Ident};
+use crate::diag::{Code, Diagnostic};
+use crate::exact::normalised_deg;
+use crate::program::{
+    Camera, Choices, Cloth, Heading, KeypointShape, Length, LengthUnit, Number, Point,
+};
+
+/// Where a length is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Frame {
+    Picture,
+    Table,
+}
+
+/// A value.
+#[derive(Clone, Debug)]
+pub(crate) enum Operand {
+    Length(FramedLength),
+    /// A fixed angle, degrees, and the unit that it is written in.
+    Angle { deg: f64, unit: String },
+    Between { a: Heading, b: Heading, unit: String },
+    Number(f64),
+    Counted { number: Number, as_percent: AsPercent },
+    Point(Point),
+    Heading,
+    /// A field that is a word.
+    WordField(String),
+    Word(String),
+}
+
+/// Whether a fraction is written as a percentage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum AsPercent {
+    Yes,
+    No,
+}
+
+/// A length and the frame that it is compared in.
+#[derive(Clone, Debug)]
+pub(crate) struct FramedLength {
+    pub native: NativeLength,
+    pub frame: Frame,
+    /// The unit that it is written in.
+    pub unit: String,
+}
+
+/// A length as it is known.
+#[derive(Clone, Debug)]
+pub(crate) enum NativeLength {
+    /// Pixels.
+    Picture(f64),
+    /// Metres.
+    Table(f64),
+    /// Between two points of the picture.
+    Distance(Point, Point),
+    /// A field that is a length on the table.
+    Field(String),
+}
+
+impl NativeLength {
+    fn is_table(&self) -> bool {
+        matches!(self, NativeLength::Table(_) | NativeLength::Field(_))
+    }
+}
+
+/// Returns a length in pixels or in metres; None where that needs a camera and there is none.
+pub(crate) fn lowered(length: &NativeLength, frame: Frame, context: &Context<'_>) -> Option<Length> {
+    let px_per_m = context.camera.as_ref().map(Camera::px_per_m);
+    let constant = |value: f64| (!value.is_nan()).then_some(Length::Constant { value });
+    match (length, frame) {
+        (NativeLength::Picture(px), Frame::Picture) => constant(*px),
+        (NativeLength::Picture(px), Frame::Table) => constant(px / px_per_m?),
+        (NativeLength::Table(m), Frame::Table) => constant(*m),
+        (NativeLength::Table(m), Frame::Picture) => constant(m * px_per_m?),
+        (NativeLength::Distance(a, b), _) => Some(Length::Distance {
+            a: a.clone(),
+            b: b.clone(),
+        }),
+        (NativeLength::Field(field), Frame::Table) => Some(Length::Field {
+            field: field.clone(),
+            scale: 1.0,
+        }),
+        (NativeLength::Field(field), Frame::Picture) => Some(Length::Field {
+            field: field.clone(),
+            scale: px_per_m?,
+        }),
+    }
+}
+
+/// Returns the frame in which two lengths can both be known: the picture, where one is measured in it.
+pub(crate) fn common_frame(a: &NativeLength, b: &NativeLength) -> Frame {
+    if a.is_table() && b.is_table() {
+        Frame::Table
+    } else {
+        Frame::Picture
+    }
+}
+
+/// Builds a value; None, with a report unless it is made elsewhere, where there is none.
+pub(crate) fn operand(expr: &Expr, context: &mut Context<'_>) -> Option<Operand> {
+    match &expr.kind {
+        ExprKind::Converted { value, target } => {
+            let value = operand(value, context)?;
+            converted(value, target, context)
+        }
+        ExprKind::Quantity { .. } => constant(expr, context),
+        ExprKind::Name(name) if context.constants.contains_key(name.as_str()) => {
+            constant(expr, context)
+        }
+        ExprKind::Name(name) if name == "step" && context.names.get(name).is_none() => {
+            Some(Operand::Counted {
+                number: Number::Step,
+                as_percent: AsPercent::No,
+            })
+        }
+        ExprKind::Name(name) => named(name, expr, context),
+        ExprKind::Path(_) if is_heading(expr, context) => heading(expr, context).map(|_| Operand::Heading),
+        ExprKind::Path(_) => point(expr, context).map(Operand::Point),
+        ExprKind::Heading { .. } => heading(expr, context).map(|_| Operand::Heading),
+        ExprKind::Text(text) => match text.plain() {
+            Some(word) => Some(Operand::Word(word)),
+            None => {
+                let message = "a word to compare with has no `{{ … }}`";
+                context.push(Diagnostic::new(Code::WrongExpression, expr.span, message));
+                None
+            }
+        },
+        ExprKind::Call { name, .. } => call(name, expr, context),
+        _ => {
+            let found = context.written(expr.span);
+            let message = format!("expected a value, found `{found}`");
+            context.push(
+                Diagnostic::new(Code::WrongExpression, expr.span, message)
+                    .help("write such as `distance(pick, place)` or `10px`"),
+            );
+            None
+        }
+    }
+}
+
+fn constant(expr: &Expr, context: &mut Context<'_>) -> Option<Operand> {
+    let found = quantity(expr, context)?;
+    let length = |native, frame| {
+        Operand::Length(FramedLength {
+            native,
+            frame,
+            unit: found.unit.clone(),
+        })
+    };
+    // Numbers of absurd size would overflow when they are squared.
+    if found.value.abs() > 1e6 {
+        let written = context.written(expr.span);
+        context.push(
+            Diagnostic::new(Code::OutOfRange, expr.span, format!("`{written}` is out of range"))
+                .help("accepted are values up to a million in pixels, metres or degrees"),
+        );
+        return None;
+    }
+    let is_length = matches!(found.measure, Measure::Length | Measure::Pixels);
+    if is_length && found.value < 0.0 {
+        let written = context.written(expr.span);
+        context.push(
+            Diagnostic::new(Code::OutOfRange, expr.span, format!("`{written}` is out of range"))
+                .help("a length is never negative"),
+        );
+        return None;
+    }
+    Some(match found.measure {
+        Measure::Pixels => length(NativeLength::Picture(found.value), Frame::Picture),
+        Measure::Length => length(NativeLength::Table(found.value), Frame::Table),
+        Measure::Angle => Operand::Angle {
+            // Whole degrees stay whole: they are not passed through radians.
+            deg: if found.unit == "deg" {
+                found.number
+            } else {
+                found.value.to_degrees()
+            },
+            unit: found.unit,
+        },
+        Measure::Number => Operand::Number(found.value),
+    })
+}
+
+fn named(name: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Operand> {
+    let field = context.actions.iter().find(|field| field.name == name);
+    let choices = field.map(|field| field.choices.clone());
+    match (context.names.get(name), choices) {
+        (Some(Meaning::Field), Some(Choices::Lengths { unit, .. })) => {
+            Some(Operand::Length(FramedLength {
+                native: NativeLength::Field(name.to_owned()),
+                frame: Frame::Table,
+                unit: unit.as_str().to_owned(),
+            }))
+        }
+        (Some(Meaning::Field), Some(Choices::Directions { .. })) => {
+            Some(Operand::Heading)
+        }
+        (Some(Meaning::Field), Some(Choices::Words { .. })) => {
+            Some(Operand::WordField(name.to_owned()))
+        }
+        _ => point(expr, context).map(Operand::Point),
+    }
+}
+
+fn call(name: &Ident, expr: &Expr, context: &mut Context<'_>) -> Option<Operand> {
+    let ExprKind::Call { arguments, .. } = &expr.kind else {
+        return None;
+    };
+    match name.text.as_str() {
+        "distance" => {
+            let bound = bind(name, arguments, &[bare("a"), bare("b")], context)?;
+            let a = point(bound.get("a")?, context);
+            let b = point(bound.get("b")?, context);
+            Some(Operand::Length(FramedLength {
+                native: NativeLength::Distance(a?, b?),
+                frame: Frame::Picture,
+                unit: "px".to_owned(),
+            }))
+        }
+        "angle_between" => {
+            let bound = bind(name, arguments, &[bare("a"), bare("b")], context)?;
+            let a = heading(bound.get("a")?, context);
+            let b = heading(bound.get("b")?, context);
+            Some(Operand::Between {
+                a: a?,
+                b: b?,
+                unit: "deg".to_owned(),
+            })
+        }
+        "count" => {
+            let bound = bind(name, arguments, &[bare("points")], context)?;
+            let shapes = [KeypointShape::Points];
+            let keypoint = keypoint(bound.get("points")?, &shapes, "points to count", context)?;
+            Some(Operand::Counted {
+                number: Number::Count { keypoint },
+                as_percent: AsPercent::No,
+            })
+        }
+        "coverage" => {
+            let bound = bind(name, arguments, &[bare("mask")], context)?;
+            let mask = keypoint(bound.get("mask")?, &[KeypointShape::Mask], "a mask", context)?;
+            let px_per_m = context.camera.as_ref().map(Camera::px_per_m)?;
+            let area_m2 = context.cloth.as_ref().map(Cloth::area_m2)?;
+            Some(Operand::Counted {
+                number: Number::Coverage {
+                    mask,
+                    flat_px: area_m2 * px_per_m * px_per_m,
+                },
+                as_percent: AsPercent::No,
+            })
+        }
+        "mirror" => point(expr, context).map(Operand::Point),
+        "nearest" => {
+            let bound = bind(name, arguments, &[bare("field"), bare("direction")], context)?;
+            direction_field(bound.get("field")?, context)?;
+            heading(bound.get("direction")?, context)?;
+            let message = "`nearest` is written in texts, as `{{ nearest(direction, from center to pick) }}`";
+            context.push(Diagnostic::new(Code::WrongExpression, expr.span, message));
+            None
+        }
+        _ => {
+            let known = ["distance", "angle_between", "count", "coverage", "mirror"];
+            context.unknown("measure", name, known);
+            None
+        }
+    }
+}
+
+/// Returns the name of a keypoint of one of the wanted shapes.
+pub(super) fn keypoint(
+    expr: &Expr,
+    wanted: &[KeypointShape],
+    words: &str,
+    context: &mut Context<'_>,
+) -> Option<String> {
+    let ExprKind::Name(text) = &expr.kind else {
+        let found = context.written(expr.span);
+        let message = format!("expected {words}, found `{found}`");
+        context.push(Diagnostic::new(Code::WrongExpression, expr.span, message));
+        return None;
+    };
+    let name = Ident {
+        text: text.clone(),
+        span: expr.span,
+    };
+    match context.names.get(text) {
+        Some(Meaning::Keypoint(Some(shape))) if wanted.contains(&shape) => Some(name.text),
+        // Its own declaration is wrong and reported there.
+        Some(Meaning::Keypoint(None)) => None,
+        Some(Meaning::Keypoint(Some(shape))) => {
+            context.push(super::keypoints::wrong_kind(&name, shape, words));
+            None
+        }
+        _ => {
+            let fits = |meaning| matches!(meaning, Meaning::Keypoint(Some(shape)) if wanted.contains(&shape));
+            let candidates = context.names.that(fits);
+            context.unknown("keypoint", &name, candidates);
+            None
+        }
+    }
+}
+
+fn converted(value: Operand, target: &Ident, context: &mut Context<'_>) -> Option<Operand> {
+    let unit = target.text.clone();
+    match (value, measure_of(&target.text)) {
+        (Operand::Length(length), Some(Measure::Pixels)) => Some(Operand::Length(FramedLength {
+            frame: Frame::Picture,
+            unit,
+            ..length
+        })),
+        (Operand::Length(length), Some(Measure::Length)) => Some(Operand::Length(FramedLength {
+            frame: Frame::Table,
+            unit,
+            ..length
+        })),
+        (Operand::Angle { deg, .. }, Some(Measure::Angle)) => Some(Operand::Angle { deg, unit }),
+        (Operand::Between { a, b, .. }, Some(Measure::Angle)) => {
+            Some(Operand::Between { a, b, unit })
+        }
+        (Operand::Counted { number, .. }, None) if unit == "percent" => Some(Operand::Counted {
+            number,
+            as_percent: AsPercent::Yes,
+        }),
+        (value, _) => {
+            let message = format!("{} has no size in `{unit}`", kind_of(&value));
+            context.push(no_conversion(target, message));
+            None
+        }
+    }
+}
+
+/// Says what a value is.
+pub(crate) fn kind_of(value: &Operand) -> &'static str {
+    match value {
+        Operand::Length(FramedLength {
+            frame: Frame::Picture,
+            ..
+        }) => "a length in the picture",
+        Operand::Length(_) => "a length on the table",
+        Operand::Angle { .. } | Operand::Between { .. } => "an angle",
+        Operand::Number(_) | Operand::Counted { .. } => "a number",
+        Operand::Point(_) => "a point",
+        Operand::Heading => "a direction",
+        Operand::WordField(_) | Operand::Word(_) => "a word",
+    }
+}
+
+/// Returns the unit of that name.
+pub(crate) fn length_unit(name: &str) -> Option<LengthUnit> {
+    [
+        LengthUnit::Mm,
+        LengthUnit::Cm,
+        LengthUnit::M,
+        LengthUnit::Edge,
+    ]
+    .into_iter()
+    .find(|unit| unit.as_str() == name)
+}
+
+/// Returns a fixed direction, degrees within one turn.
+pub(crate) fn fixed_deg(expr: &Expr, context: &mut Context<'_>) -> Option<f64> {
+    match constant(expr, context)? {
+        Operand::Angle { deg, .. } => Some(normalised_deg(deg)),
+        other => {
+            let message = format!("expected a direction, found {}", kind_of(&other));
+            context.push(
+                Diagnostic::new(Code::WrongQuantity, expr.span, message)
+                    .help("write an angle such as `45deg`, counter-clockwise from the image's right"),
+            );
+            None
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Lists of parts that have names.
+
+use crate::ast::Ident;
+use crate::diag::{Code, Diagnostic, Report};
+use crate::source::Span;
+use std::collections::BTreeMap;
+
+/// Parts in order, found by name.
+pub(crate) struct Indexed<'a, T> {
+    list: Vec<Option<&'a T>>,
+    places: BTreeMap<&'a str, usize>,
+}
+
+impl<T> Default for Indexed<'_, T> {
+    fn default() -> Self {
+        Indexed {
+            list: Vec::new(),
+            places: BTreeMap::new(),
+        }
+    }
+}
+
+impl<'a, T> Indexed<'a, T> {
+    /// Replaces the part of that name in its place, or adds one.
+    pub fn put(&mut self, name: &'a str, part: &'a T) {
+        match self.places.get(name) {
+            Some(place) => self.list[*place] = Some(part),
+            None => {
+                self.places.insert(name, self.list.len());
+                self.list.push(Some(part));
+            }
+        }
+    }
+
+    /// Takes a part out.
+    pub fn remove(&mut self, name: &str) -> Option<&'a T> {
+        let place = self.places.remove(name)?;
+        self.list[place].take()
+    }
+
+    pub fn get(&self, name: &str) -> Option<&'a T> {
+        self.places.get(name).and_then(|place| self.list[*place])
+    }
+
+    /// Returns the place of a part among those that ever were there; later ones have higher numbers.
+    pub fn place(&self, name: &str) -> Option<usize> {
+        self.places.get(name).copied()
+    }
+
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &'a T> {
+        self.list.iter().filter_map(|part| *part)
+    }
+
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+}
+
+/// Returns the one statement there should be, and reports further ones.
+pub(crate) fn once<'a, T>(
+    list: &'a [T],
+    what: &str,
+    span: impl Fn(&T) -> Span,
+    report: &mut Report,
+) -> Option<&'a T> {
+    let first = list.first()?;
+    for again in &list[1..] {
+        report.push(
+            Diagnostic::new(
+                Code::Repeated,
+                span(again),
+                format!("{what} is stated twice"),
+            )
+            .also(span(first), "stated here first"),
+        );
+    }
+    Some(first)
+}
+
+/// Reports names that appear twice.
+pub(crate) fn unique<'a>(names: impl Iterator<Item = &'a Ident>, kind: &str, report: &mut Report) {
+    let mut seen: BTreeMap<&str, &Ident> = BTreeMap::new();
+    for name in names {
+        match seen.get(name.text.as_str()) {
+            Some(first) => report.push(
+                Diagnostic::new(
+                    Code::DuplicateName,
+                    name.span,
+                    format!("the {kind} `{}` is declared twice", name.text),
+                )
+                .also(first.span, "declared here first"),
+            ),
+            None => {
+                seen.insert(&name.text, name);
+            }
+        }
+    }
+}
