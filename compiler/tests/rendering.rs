@@ -4,27 +4,35 @@
 
 mod common;
 
-use common::{TASK, program};
-use compiler::program::{PixelPoint, Program};
-use compiler::render::{self, Bindings, PromptSpeaker, RenderError};
+use common::{Known, TASK, pixels, program};
+use compiler::program::Program;
+use compiler::render::{self, PromptMessage, PromptSpeaker, RenderError, Values};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 use std::io::Write;
 use std::process::{Command, Stdio};
 
-fn bindings() -> Bindings {
-    let mut bindings = Bindings::new();
-    bindings.points("corners", &[PixelPoint::new(1, 2), PixelPoint::new(-3, 4)]);
-    bindings.point("center", PixelPoint::new(5, 6));
-    bindings.text("instruction", "fold {{ it }} & <b>");
-    bindings
+fn known() -> Known {
+    Known {
+        points: vec![
+            ("corners", pixels(&[(1, 2), (-3, 4)])),
+            ("center", pixels(&[(5, 6)])),
+        ],
+        texts: [("instruction".to_owned(), "fold {{ it }} & <b>".to_owned())].into(),
+        ..Known::default()
+    }
+}
+
+/// Renders a stage's messages.
+fn rendered(program: &Program, stage: usize, known: &Known) -> Result<Vec<PromptMessage>, RenderError> {
+    render::messages(program, &program.stages[stage], Values::Known(known.facts()))
 }
 
 #[test]
 fn a_stage_becomes_its_messages() {
     let program = program("task.fab", TASK);
-    let messages = render::messages(&program, &program.stages[1], &bindings()).unwrap();
+    let messages = rendered(&program, 1, &known()).unwrap();
     assert_eq!(
         (messages[0].speaker, messages[0].text.as_str()),
         (PromptSpeaker::System, "You fold cloth.")
@@ -33,7 +41,7 @@ fn a_stage_becomes_its_messages() {
         messages[1].text,
         "- Instruction: fold {{ it }} & <b>\n- Corners: (1, 2), (-3, 4)\n- Center: (5, 6)\n\nPick Point = (x, y)\nPlace Point = (x, y)"
     );
-    let asked = render::messages(&program, &program.stages[0], &Bindings::new()).unwrap();
+    let asked = rendered(&program, 0, &Known::default()).unwrap();
     assert_eq!(
         (asked.len(), asked[0].pictures.len()),
         (1, 2),
@@ -44,31 +52,25 @@ fn a_stage_becomes_its_messages() {
 #[test]
 fn a_missing_value_is_named() {
     let program = program("task.fab", TASK);
-    let error = render::messages(&program, &program.stages[1], &Bindings::new()).unwrap_err();
+    let error = rendered(&program, 1, &Known::default()).unwrap_err();
     assert_eq!(
         error,
-        RenderError::MissingValue {
-            template: "plan.say".to_owned(),
-            variable: "center".to_owned()
+        RenderError::MissingFact {
+            name: "center".to_owned()
         }
     );
-    assert_eq!(
-        error.to_string(),
-        "the template `plan.say` needs a value for `center`"
-    );
+    assert_eq!(error.to_string(), "`center` is not known here");
 }
 
 #[test]
-fn placeholders_cover_every_variable() {
+fn typed_placeholders_cover_every_variable() {
     let program = program("task.fab", TASK);
-    let bindings = render::placeholders(&program);
-    for stage in &program.stages {
-        render::messages(&program, stage, &bindings).unwrap();
+    let mut all = String::new();
+    for template in &program.templates {
+        all += &render::one(&program, &template.name, Values::Typed).unwrap().unwrap();
     }
-    for check in &program.verify.checks {
-        render::correction(&program, check, &bindings).unwrap();
-    }
-    assert_eq!(bindings.get("corners"), Some("<corners: points (x, y), …>"));
+    assert!(all.contains("- Corners: <corners: points (x, y), …>"), "{all}");
+    assert!(all.contains("- Instruction: <instruction: the answer of stage describe>"), "{all}");
 }
 
 #[test]
@@ -117,7 +119,7 @@ fn braces_of_jinja_are_literal() {
 /// Returns what a text becomes when a stage says it.
 fn said(text: &str) -> Option<String> {
     let program = with_text(text)?;
-    let messages = render::messages(&program, &program.stages[0], &bindings()).unwrap();
+    let messages = rendered(&program, 0, &known()).unwrap();
     Some(messages[0].text.clone())
 }
 
@@ -168,7 +170,7 @@ proptest! {
     fn every_accepted_text_can_be_rendered(text in hard_texts()) {
         let quoted = format!("\"\"\"{text}\"\"\"");
         if let Some(program) = with_text(&quoted) {
-            prop_assert!(render::messages(&program, &program.stages[0], &bindings()).is_ok());
+            prop_assert!(rendered(&program, 0, &known()).is_ok());
         }
     }
 }
@@ -189,7 +191,7 @@ fn peer_python_renders_every_template_alike() {
     while templates.len() < 2000 {
         let text = hard_texts().new_tree(&mut runner).unwrap().current();
         if let Some(program) = with_text(&format!("\"\"\"{text}\"\"\"")) {
-            let rendered = render::messages(&program, &program.stages[0], &bindings()).unwrap()[0]
+            let rendered = rendered(&program, 0, &known()).unwrap()[0]
                 .text
                 .clone();
             templates.push((
@@ -198,11 +200,11 @@ fn peer_python_renders_every_template_alike() {
             ));
         }
     }
-    let bindings = bindings();
-    let values: serde_json::Map<String, serde_json::Value> = ["corners", "center", "instruction"]
-        .map(|name| (name.to_owned(), bindings.get(name).unwrap().into()))
-        .into_iter()
-        .collect();
+    let values = serde_json::json!({
+        "corners": "(1, 2), (-3, 4)",
+        "center": "(5, 6)",
+        "instruction": "fold {{ it }} & <b>",
+    });
     let asked: Vec<_> = templates
         .iter()
         .map(|(text, _)| serde_json::json!([text, values]))

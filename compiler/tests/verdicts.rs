@@ -4,42 +4,25 @@
 
 mod common;
 
-use common::{TASK, program};
-use compiler::program::{PixelPoint, Program};
-use compiler::render::Bindings;
-use compiler::reply::Proposal;
-use compiler::verify::{self, SceneView, Verdict};
+use common::{Known, TASK, pick_and_place, pixels, program};
+use compiler::program::Program;
+use compiler::verify::{self, Strictness, Verdict};
 
 /// A scene whose cloth is everything with a column below 100.
-struct Table;
-
-impl SceneView for Table {
-    fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
-        match keypoint {
-            "corners" => Some(
-                [(10, 10), (90, 10), (105, 50), (120, 50), (90, 10)]
-                    .map(|(u, v)| PixelPoint::new(u, v))
-                    .to_vec(),
-            ),
-            "center" => Some(vec![PixelPoint::new(95, 14)]),
-            _ => None,
-        }
-    }
-
-    fn distance_to_mask_px(&self, mask: &str, point: PixelPoint) -> Option<f64> {
-        (mask == "cloth").then(|| f64::from((point.u - 99).max(0)))
+fn table() -> Known {
+    Known {
+        points: vec![
+            ("corners", pixels(&[(10, 10), (90, 10), (105, 50), (120, 50), (90, 10)])),
+            ("center", pixels(&[(95, 14)])),
+        ],
+        regions: vec![("cloth", [-1000, -1000, 99, 1000])],
+        ..Known::default()
     }
 }
 
 fn judge(program: &Program, pick: (i32, i32), place: (i32, i32)) -> Verdict {
-    let point = |(u, v)| PixelPoint::new(u, v);
-    let proposal = Proposal {
-        fields: vec![
-            ("pick".to_owned(), point(pick)),
-            ("place".to_owned(), point(place)),
-        ],
-    };
-    verify::verdict(program, &Table, &proposal, &Bindings::new()).unwrap()
+    let proposal = pick_and_place(pick, place);
+    verify::verdict(program, table().facts(), &proposal, Strictness::Full).unwrap()
 }
 
 fn with_condition(condition: &str) -> Program {
@@ -153,23 +136,13 @@ fn conditions_mean_what_they_say() {
 
 #[test]
 fn an_empty_or_unknown_mask_is_infinitely_far() {
-    struct Bare;
-    impl SceneView for Bare {
-        fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
-            Table.points(keypoint)
-        }
-        fn distance_to_mask_px(&self, _: &str, _: PixelPoint) -> Option<f64> {
-            None
-        }
-    }
-    let program = program("task.fab", TASK);
-    let proposal = Proposal {
-        fields: vec![
-            ("pick".to_owned(), PixelPoint::new(10, 10)),
-            ("place".to_owned(), PixelPoint::new(90, 10)),
-        ],
+    let bare = Known {
+        regions: Vec::new(),
+        ..table()
     };
-    let verdict = verify::verdict(&program, &Bare, &proposal, &Bindings::new()).unwrap();
+    let program = program("task.fab", TASK);
+    let proposal = pick_and_place((10, 10), (90, 10));
+    let verdict = verify::verdict(&program, bare.facts(), &proposal, Strictness::Full).unwrap();
     assert!(matches!(verdict, Verdict::Reject { check, .. } if check == "on_cloth"));
 }
 

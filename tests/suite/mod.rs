@@ -5,7 +5,6 @@ mod support;
 mod agent_loop;
 mod bad_input;
 mod bad_starts;
-mod faults;
 mod journal;
 mod model_conformance;
 mod peers;

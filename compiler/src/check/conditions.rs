@@ -140,7 +140,11 @@ fn unlike(
     let (left_kind, right_kind) = (kind_of(left), kind_of(right));
     let written = |expr: &Expr| context.written(expr.span);
     let (left_words, right_words) = (written(left_expr), written(right_expr));
-    let (code, span, message) = if left_kind == right_kind {
+    let are_places = matches!(left, Operand::Point(_) | Operand::Heading);
+    let (code, span, message) = if left_kind == right_kind && are_places {
+        let message = format!("`{left_words}` and `{right_words}` have no order: each is {left_kind}");
+        (Code::WrongExpression, whole.span, message)
+    } else if left_kind == right_kind {
         let message = format!("`{left_words}` and `{right_words}` do not depend on the action");
         (Code::WrongExpression, whole.span, message)
     } else if let Operand::Number(_) = right {

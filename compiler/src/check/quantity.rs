@@ -213,10 +213,10 @@ fn measured(expr: &Expr, wanted: Measure, context: &mut Context<'_>) -> Option<f
             format!("expected a number without a unit, found `{written}`"),
         )
         .label(format!("this is {}", measure.noun())),
-        (Measure::Pixels, Measure::Length) => {
+        (Measure::Pixels, Measure::Length) if context.camera.is_some() => {
             mixed(expr, wanted, measure, format!("write `{written} in px`"))
         }
-        (Measure::Length, Measure::Pixels) => {
+        (Measure::Length, Measure::Pixels) if context.camera.is_some() => {
             mixed(expr, wanted, measure, format!("write `{written} in mm`"))
         }
         _ => Diagnostic::new(

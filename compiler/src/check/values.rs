@@ -304,7 +304,13 @@ pub(super) fn keypoint(
         _ => {
             let fits = |meaning| matches!(meaning, Meaning::Keypoint(Some(shape)) if wanted.contains(&shape));
             let candidates = context.names.that(fits);
-            context.unknown("keypoint", &name, candidates);
+            let kind = match wanted {
+                [KeypointShape::Mask, ..] => "mask",
+                [KeypointShape::Box] => "box",
+                [KeypointShape::Outline] => "outline",
+                _ => "keypoint",
+            };
+            context.unknown(kind, &name, candidates);
             None
         }
     }

@@ -2,7 +2,9 @@
 
 #![allow(dead_code, clippy::unwrap_used)]
 
-use compiler::program::Program;
+use compiler::facts::{Done, Facts, SceneView};
+use compiler::program::{PixelPoint, Program, Value};
+use compiler::reply::Proposal;
 use compiler::{Compiled, LoadError, Loader};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -67,4 +69,60 @@ pub fn workspace() -> PathBuf {
         .parent()
         .unwrap()
         .to_owned()
+}
+
+/// Points, masks and texts that a test knows.
+#[derive(Default)]
+pub struct Known {
+    pub points: Vec<(&'static str, Vec<PixelPoint>)>,
+    /// Masks and boxes as rectangles: left, top, right, bottom, all included.
+    pub regions: Vec<(&'static str, [i32; 4])>,
+    pub texts: BTreeMap<String, String>,
+    pub last: Option<Done>,
+}
+
+impl Known {
+    pub fn facts(&self) -> Facts<'_> {
+        Facts {
+            scene: self,
+            texts: &self.texts,
+            step: if self.last.is_some() { 2 } else { 1 },
+            last: self.last.as_ref(),
+            proposal: None,
+        }
+    }
+}
+
+impl SceneView for Known {
+    fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
+        let found = self.points.iter().find(|(name, _)| *name == keypoint);
+        found.map(|(_, points)| points.clone())
+    }
+
+    fn distance_px(&self, region: &str, point: PixelPoint) -> Option<f64> {
+        let (_, [left, top, right, bottom]) =
+            self.regions.iter().find(|(name, _)| *name == region)?;
+        let beyond = |at: i32, low: i32, high: i32| f64::from((low - at).max(at - high).max(0));
+        Some(beyond(point.u, *left, *right).hypot(beyond(point.v, *top, *bottom)))
+    }
+
+    fn area_px(&self, mask: &str) -> Option<f64> {
+        let (_, [left, top, right, bottom]) = self.regions.iter().find(|(name, _)| *name == mask)?;
+        Some(f64::from((right - left + 1) * (bottom - top + 1)))
+    }
+}
+
+pub fn pixels(points: &[(i32, i32)]) -> Vec<PixelPoint> {
+    points.iter().map(|(u, v)| PixelPoint::new(*u, *v)).collect()
+}
+
+/// An action by pick and place.
+pub fn pick_and_place(pick: (i32, i32), place: (i32, i32)) -> Proposal {
+    let point = |(u, v)| Value::Point(PixelPoint::new(u, v));
+    Proposal {
+        fields: vec![
+            ("pick".to_owned(), point(pick)),
+            ("place".to_owned(), point(place)),
+        ],
+    }
 }

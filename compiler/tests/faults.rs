@@ -12,6 +12,8 @@
 //! or in another file, a comment anywhere says `# at FILE:LINE:COLUMN error[…]: …` instead. All findings
 //! must be expected, and all expectations found.
 
+mod common;
+
 use compiler::diag::{self, CODES, Color, Diagnostic};
 use compiler::{Compiled, LoadError, Loader, line_and_column};
 use std::collections::BTreeSet;
@@ -232,16 +234,8 @@ fn fixtures() -> Vec<String> {
     names
 }
 
-/// Finds the fixtures from the package at the root and from one of its crates.
 fn folder() -> PathBuf {
-    let package = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    let below = |root: &std::path::Path| root.join("tests/fixtures/faults");
-    let own = below(&package);
-    if own.is_dir() {
-        own
-    } else {
-        below(package.parent().expect("a crate lies in the workspace"))
-    }
+    common::workspace().join("tests/fixtures/faults")
 }
 
 struct Fixtures;
