@@ -26,6 +26,7 @@ pub mod render;
 pub mod reply;
 mod source;
 pub mod space;
+pub mod trial;
 pub mod verify;
 
 pub use load::{MAX_FILES, MAX_USE_DEPTH};

@@ -5,11 +5,12 @@
 
 use crate::eval::{Eval, Notes};
 use crate::facts::{Facts, SceneView};
-use crate::program::{ActionField, Check, Program, Value};
+use crate::program::{ActionField, Check, Choices, Program, Value};
 use crate::render::{self, RenderError};
 use crate::reply::Proposal;
 use crate::space;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// The name of the check that every task has: each field is one of the offered values.
 pub const OFFERED: &str = "offered";
@@ -101,6 +102,24 @@ pub fn offered(program: &Program, scene: &dyn SceneView, field: &str) -> Vec<Val
     program
         .field(field)
         .map_or(Vec::new(), |field| space::choices(field, scene))
+}
+
+/// Returns the keypoints that the verdict on an action can depend on, in alphabetical order.
+///
+/// What only messages show is not among them.
+pub fn keypoints(program: &Program) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for field in &program.actions {
+        if let Choices::Points { keypoints } = &field.choices {
+            names.extend(keypoints.iter().cloned());
+        }
+    }
+    for check in &program.verify.checks {
+        for condition in check.when.iter().chain([&check.holds]) {
+            condition.keypoints(&mut names);
+        }
+    }
+    names
 }
 
 fn not_offered(field: &ActionField, value: &Value, choices: &[Value]) -> Verdict {

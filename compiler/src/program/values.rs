@@ -4,6 +4,7 @@
 //! What it comes to is defined by [`crate::eval`].
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// A point of the camera's picture, pixels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -198,6 +199,62 @@ pub enum Condition {
     },
     /// An action was carried out before this one.
     Last,
+}
+
+impl Point {
+    /// Adds the keypoints that it depends on.
+    fn keypoints(&self, names: &mut BTreeSet<String>) {
+        match self {
+            Point::Keypoint { name } => {
+                names.insert(name.clone());
+            }
+            Point::Mirror { of, about } => {
+                of.keypoints(names);
+                about.keypoints(names);
+            }
+            Point::Carried { from, .. } => from.keypoints(names),
+            Point::Action { .. } | Point::Last { .. } => {}
+        }
+    }
+}
+
+impl Condition {
+    /// Adds the keypoints that it depends on.
+    pub(crate) fn keypoints(&self, names: &mut BTreeSet<String>) {
+        match self {
+            Condition::All { of } | Condition::Any { of } => {
+                of.iter().for_each(|part| part.keypoints(names));
+            }
+            Condition::Not { of } => of.keypoints(names),
+            Condition::Lengths { left, right, .. } => {
+                for length in [left, right] {
+                    if let Length::Distance { a, b } = length {
+                        a.keypoints(names);
+                        b.keypoints(names);
+                    }
+                }
+            }
+            Condition::Angle { a, b, .. } => {
+                for heading in [a, b] {
+                    if let Heading::FromTo { from, to } = heading {
+                        from.keypoints(names);
+                        to.keypoints(names);
+                    }
+                }
+            }
+            Condition::Number { left, .. } => match left {
+                Number::Count { keypoint: name } | Number::Coverage { mask: name, .. } => {
+                    names.insert(name.clone());
+                }
+                Number::Step => {}
+            },
+            Condition::Within { point, region, .. } => {
+                point.keypoints(names);
+                names.insert(region.clone());
+            }
+            Condition::Word { .. } | Condition::Last => {}
+        }
+    }
 }
 
 /// How two numbers compare.

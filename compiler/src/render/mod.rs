@@ -127,7 +127,7 @@ pub fn one(
     for variable in &template.variables {
         let text = match values {
             Values::Known(facts) => show::known(program, facts, &variable.value)?,
-            Values::Typed => show::typed(program, &variable.value),
+            Values::Typed => show::typed(program, &variable.name, &variable.value),
         };
         put(&mut context, &variable.name, text);
     }

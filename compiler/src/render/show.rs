@@ -3,7 +3,7 @@
 use crate::eval::{Eval, rounded};
 use crate::exact;
 use crate::facts::{Facts, Missing};
-use crate::program::{PixelPoint, Program, Shown, Value, Written};
+use crate::program::{PixelPoint, Program, Read, Shown, Value, Written};
 use crate::space;
 
 /// Writes what is known.
@@ -49,27 +49,24 @@ pub(super) fn known(program: &Program, facts: Facts<'_>, shown: &Shown) -> Resul
 }
 
 /// Says what would stand there.
-pub(super) fn typed(program: &Program, shown: &Shown) -> String {
-    let reader = |name: &str| {
-        let reads = program.stages.iter().find(|stage| {
-            matches!(&stage.read, crate::program::Read::Text { name: read, .. } if read == name)
-        });
+pub(super) fn typed(program: &Program, name: &str, shown: &Shown) -> String {
+    let reader = |text: &str| {
+        let reads = program.stages.iter().find(
+            |stage| matches!(&stage.read, Read::Text { name: read, .. } if read == text),
+        );
         reads.map_or("another stage", |stage| stage.name.as_str())
     };
-    let (name, what) = match shown {
-        Shown::Text { name } => (
-            name.as_str(),
-            format!("the answer of stage {}", reader(name)),
-        ),
-        Shown::Points { keypoint } => (keypoint.as_str(), "points (x, y), …".to_owned()),
-        Shown::Point { .. } => return "<a point (x, y)>".to_owned(),
-        Shown::Length { written, .. } => return format!("<a length in{}>", written.unit),
-        Shown::Angle { written, .. } => return format!("<an angle in{}>", written.unit),
-        Shown::Number { .. } => return "<a number>".to_owned(),
-        Shown::Field { field } => (field.as_str(), "the proposed value".to_owned()),
-        Shown::LastField { field } => (field.as_str(), "the value of the action before".to_owned()),
-        Shown::Choices { field } => (field.as_str(), "what it may be".to_owned()),
-        Shown::Nearest { field, .. } => (field.as_str(), "the nearest choice".to_owned()),
+    let what = match shown {
+        Shown::Text { name } => format!("the answer of stage {}", reader(name)),
+        Shown::Points { .. } => "points (x, y), …".to_owned(),
+        Shown::Point { .. } => "a point (x, y)".to_owned(),
+        Shown::Length { written, .. } => format!("a length in{}", written.unit),
+        Shown::Angle { written, .. } => format!("an angle in{}", written.unit),
+        Shown::Number { .. } => "a number".to_owned(),
+        Shown::Field { .. } => "the proposed value".to_owned(),
+        Shown::LastField { .. } => "the value in the action before".to_owned(),
+        Shown::Choices { .. } => "what it may be".to_owned(),
+        Shown::Nearest { .. } => "the nearest choice".to_owned(),
     };
     format!("<{name}: {what}>")
 }
