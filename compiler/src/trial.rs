@@ -70,7 +70,10 @@ impl fmt::Display for Finding {
             Finding::Malformed { message } => write!(f, "the answer is malformed\n{message}"),
             Finding::Text { text } => write!(f, "the answer's text is `{text}`"),
             Finding::Lacking { name } => {
-                write!(f, "the test does not give `{name}`; write `given {name} = …`")
+                write!(
+                    f,
+                    "the test does not give `{name}`; write `given {name} = …`"
+                )
             }
         }
     }
@@ -80,7 +83,9 @@ impl fmt::Display for Finding {
 pub fn run(program: &Program, test: &Test) -> Trial {
     let (finding, repairs) = finding(program, test);
     let is_expected = match (&test.expect, &finding) {
-        (Expect::Accept, Finding::Accepted) | (Expect::Malformed, Finding::Malformed { .. }) => true,
+        (Expect::Accept, Finding::Accepted) | (Expect::Malformed, Finding::Malformed { .. }) => {
+            true
+        }
         (Expect::Reject { check: wanted }, Finding::Rejected { check, .. }) => wanted == check,
         (Expect::Text { text: wanted }, Finding::Text { text }) => wanted == text,
         _ => false,
@@ -163,12 +168,7 @@ impl Rectangles<'_> {
     /// Returns left, top, right and bottom, all included.
     fn region(&self, name: &str) -> Option<[i32; 4]> {
         let (_, [a, b]) = self.given.regions.iter().find(|(known, _)| known == name)?;
-        Some([
-            a.u.min(b.u),
-            a.v.min(b.v),
-            a.u.max(b.u),
-            a.v.max(b.v),
-        ])
+        Some([a.u.min(b.u), a.v.min(b.v), a.u.max(b.u), a.v.max(b.v)])
     }
 }
 

@@ -25,8 +25,16 @@ fn known() -> Known {
 }
 
 /// Renders a stage's messages.
-fn rendered(program: &Program, stage: usize, known: &Known) -> Result<Vec<PromptMessage>, RenderError> {
-    render::messages(program, &program.stages[stage], Values::Known(known.facts()))
+fn rendered(
+    program: &Program,
+    stage: usize,
+    known: &Known,
+) -> Result<Vec<PromptMessage>, RenderError> {
+    render::messages(
+        program,
+        &program.stages[stage],
+        Values::Known(known.facts()),
+    )
 }
 
 #[test]
@@ -67,10 +75,18 @@ fn typed_placeholders_cover_every_variable() {
     let program = program("task.fab", TASK);
     let mut all = String::new();
     for template in &program.templates {
-        all += &render::one(&program, &template.name, Values::Typed).unwrap().unwrap();
+        all += &render::one(&program, &template.name, Values::Typed)
+            .unwrap()
+            .unwrap();
     }
-    assert!(all.contains("- Corners: <corners: points (x, y), …>"), "{all}");
-    assert!(all.contains("- Instruction: <instruction: the answer of stage describe>"), "{all}");
+    assert!(
+        all.contains("- Corners: <corners: points (x, y), …>"),
+        "{all}"
+    );
+    assert!(
+        all.contains("- Instruction: <instruction: the answer of stage describe>"),
+        "{all}"
+    );
 }
 
 #[test]
@@ -191,9 +207,7 @@ fn peer_python_renders_every_template_alike() {
     while templates.len() < 2000 {
         let text = hard_texts().new_tree(&mut runner).unwrap().current();
         if let Some(program) = with_text(&format!("\"\"\"{text}\"\"\"")) {
-            let rendered = rendered(&program, 0, &known()).unwrap()[0]
-                .text
-                .clone();
+            let rendered = rendered(&program, 0, &known()).unwrap()[0].text.clone();
             templates.push((
                 program.template("describe.say").unwrap().text.clone(),
                 rendered,

@@ -12,7 +12,10 @@ use compiler::verify::{self, Strictness, Verdict};
 fn table() -> Known {
     Known {
         points: vec![
-            ("corners", pixels(&[(10, 10), (90, 10), (105, 50), (120, 50), (90, 10)])),
+            (
+                "corners",
+                pixels(&[(10, 10), (90, 10), (105, 50), (120, 50), (90, 10)]),
+            ),
             ("center", pixels(&[(95, 14)])),
         ],
         regions: vec![("cloth", [-1000, -1000, 99, 1000])],

@@ -272,8 +272,17 @@ fn looks_like_statement(line: &str, first: &str, known: &[&str]) -> bool {
     if known.is_empty() {
         is_word(first) && rest.starts_with([':', '='])
     } else {
-        known.contains(&first)
+        // Only sections are recognised misspelt: inside of them an unclosed block would look the same.
+        let are_sections = known.contains(&"verify");
+        known.contains(&first) || are_sections && is_word(first) && opens_block(rest)
     }
+}
+
+/// Returns whether a line goes on with `{`, or with a name or a text and `{`: a block, perhaps misspelt.
+fn opens_block(rest: &str) -> bool {
+    let line = rest.split(['\n', '\r']).next().unwrap_or(rest);
+    let head = line.split('{').next().unwrap_or(line);
+    head.len() < line.len() && head.len() < 64 && head.split_whitespace().count() <= 1
 }
 
 fn is_statement(kind: Kind) -> bool {

@@ -148,10 +148,7 @@ impl Reader {
             ablated: whole(node, Kind::Ablate)
                 .flat_map(|part| self.names(part))
                 .collect(),
-            tests: node
-                .all(Kind::Test)
-                .map(|part| self.test(part))
-                .collect(),
+            tests: node.all(Kind::Test).map(|part| self.test(part)).collect(),
         })
     }
 

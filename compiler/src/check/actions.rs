@@ -107,6 +107,16 @@ fn field(part: &Field, context: &mut Context<'_>) -> Option<ActionField> {
     if part.one_of.iter().any(|choice| is_broken(choice, context)) {
         return None;
     }
+    if let Some(bare) = part.one_of.iter().find(|choice| is_bare(choice, context)) {
+        let written = context.written(bare.span);
+        let unit = if name == "direction" { "deg" } else { "mm" };
+        let message = format!("`{written}` has no unit");
+        context.push(
+            Diagnostic::new(Code::MissingUnit, bare.span, message)
+                .help(format!("write `{written}{unit}`, or words in quotes")),
+        );
+        return None;
+    }
     let kinds: Vec<Kind> = part
         .one_of
         .iter()
@@ -120,8 +130,10 @@ fn field(part: &Field, context: &mut Context<'_>) -> Option<ActionField> {
             kinds[other].words()
         );
         context.push(
-            Diagnostic::new(Code::MixedChoices, part.one_of[other].span, message)
-                .also(part.one_of[0].span, format!("this is one of {}", first.words())),
+            Diagnostic::new(Code::MixedChoices, part.one_of[other].span, message).also(
+                part.one_of[0].span,
+                format!("this is one of {}", first.words()),
+            ),
         );
         return None;
     }
@@ -142,6 +154,14 @@ fn field(part: &Field, context: &mut Context<'_>) -> Option<ActionField> {
     Some(ActionField { name, choices })
 }
 
+/// Returns whether a choice is a number without a unit.
+fn is_bare(choice: &Expr, context: &Context<'_>) -> bool {
+    matches!(
+        resolved(choice, context).kind,
+        ExprKind::Quantity { unit: None, .. }
+    )
+}
+
 /// What a field offers.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -156,7 +176,11 @@ impl Kind {
         match &resolved(choice, context).kind {
             ExprKind::Quantity {
                 unit: Some(unit), ..
-            } if matches!(unit.text.as_str(), "deg" | "rad" | "°" | "degree" | "degrees") => {
+            } if matches!(
+                unit.text.as_str(),
+                "deg" | "rad" | "°" | "degree" | "degrees"
+            ) =>
+            {
                 Kind::Directions
             }
             ExprKind::Quantity { .. } => Kind::Lengths,
@@ -223,8 +247,7 @@ fn is_offered(choice: &Ident, context: &mut Context<'_>) -> bool {
         }
         Some(Meaning::Keypoint(_)) => true,
         _ => {
-            let has_points =
-                |meaning| matches!(meaning, Meaning::Keypoint(shape) if shape.is_none_or(are_points));
+            let has_points = |meaning| matches!(meaning, Meaning::Keypoint(shape) if shape.is_none_or(are_points));
             context.unknown("keypoint", choice, context.names.that(has_points));
             false
         }
@@ -285,7 +308,10 @@ fn lengths(part: &Field, context: &mut Context<'_>) -> Option<Choices> {
         if let Some(first) = &first_unit
             && *first != unit
         {
-            let message = format!("`{}` offers lengths in `{first}` and in `{unit}`", part.name.text);
+            let message = format!(
+                "`{}` offers lengths in `{first}` and in `{unit}`",
+                part.name.text
+            );
             context.push(
                 Diagnostic::new(Code::MixedChoices, choice.span, message)
                     .help("write all of them in one unit, which prompts and answers use"),
@@ -297,7 +323,10 @@ fn lengths(part: &Field, context: &mut Context<'_>) -> Option<Choices> {
             twice(choice, first, context);
         }
         // Without a cloth the task is no program, and `edge` has no size.
-        choices.push(LengthChoice { value: number, m: value });
+        choices.push(LengthChoice {
+            value: number,
+            m: value,
+        });
     }
     Some(Choices::Lengths {
         unit: length_unit(&first_unit?)?,

@@ -1,8 +1,9 @@
 //! Arguments of a call: which there are, which are given.
 
 use super::Context;
-use crate::ast::{Argument, Expr, Ident};
+use crate::ast::{Argument, Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic, among, nearest};
+use crate::source::Span;
 
 /// One argument that a call takes.
 pub(crate) struct Parameter {
@@ -110,7 +111,7 @@ pub(crate) fn bind<'e>(
         let parameter = match &argument.label {
             None => places
                 .next()
-                .ok_or_else(|| Box::new(surplus(call, argument, parameters))),
+                .ok_or_else(|| Box::new(surplus(call, argument, parameters, context))),
             Some(label) => named_parameter(call, label, parameters),
         };
         let parameter = match parameter {
@@ -184,7 +185,28 @@ fn named_parameter<'p>(
     }))
 }
 
-fn surplus(call: &Ident, argument: &Argument, parameters: &[Parameter]) -> Diagnostic {
+fn surplus(
+    call: &Ident,
+    argument: &Argument,
+    parameters: &[Parameter],
+    context: &Context<'_>,
+) -> Diagnostic {
+    let span = argument.value.span;
+    let before = &context.loaded.sources.get(span.file).text[..span.start];
+    let is_number = matches!(argument.value.kind, ExprKind::Quantity { .. });
+    if let Some(whole) = before.strip_suffix(',')
+        && is_number
+        && whole.ends_with(|last: char| last.is_ascii_digit())
+    {
+        let comma = Span {
+            start: span.start - 1,
+            end: span.start,
+            ..span
+        };
+        let message = "decimals stand behind a point, not a comma";
+        return Diagnostic::new(Code::WrongArguments, comma, message)
+            .help("write `.`, or a blank behind the comma if these are two numbers");
+    }
     let n_bare = parameters
         .iter()
         .filter(|parameter| parameter.given == Given::Bare)

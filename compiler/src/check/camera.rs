@@ -51,7 +51,9 @@ pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<
     let height_m = read(bound.get("height")?, &HEIGHT, context);
     let fov_rad = read(bound.get("fov")?, &FOV, context);
     let image_px = read_whole(bound.get("image")?, &IMAGE, context);
-    let up = bound.get("up").map_or(Some(ImageUp::Y), |up| image_up(up, context));
+    let up = bound
+        .get("up")
+        .map_or(Some(ImageUp::Y), |up| image_up(up, context));
     Some(Camera {
         height_m: height_m?,
         fov_rad: fov_rad?,

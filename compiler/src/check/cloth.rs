@@ -88,10 +88,9 @@ fn start(expr: &Expr, context: &mut Context<'_>) -> Option<ClothStart> {
         _ => {
             let found = context.written(expr.span);
             let message = format!("expected a way to lie, found `{found}`");
-            context.push(
-                Diagnostic::new(Code::WrongForm, expr.span, message)
-                    .help("write `start: flat`, `start: crumpled`, or the path of a start file in quotes"),
-            );
+            context.push(Diagnostic::new(Code::WrongForm, expr.span, message).help(
+                "write `start: flat`, `start: crumpled`, or the path of a start file in quotes",
+            ));
             None
         }
     }

@@ -17,8 +17,7 @@ const PIXELS: Wanted = Wanted {
     range_words: "a length from `0px` to `10000px`",
 };
 
-const FORMS: &str =
-    "write such as `distance(pick, place) > 10px` or `pick within 8px of cloth`";
+const FORMS: &str = "write such as `distance(pick, place) > 10px` or `pick within 8px of cloth`";
 
 /// Builds a condition; None, with a report, where it is wrong.
 pub(crate) fn check(expr: &Expr, context: &mut Context<'_>) -> Option<Condition> {
@@ -82,6 +81,17 @@ fn compare(
     context: &mut Context<'_>,
 ) -> Option<Condition> {
     let left = operand(left_expr, context);
+    if let (Some(Operand::WordField(field)), ExprKind::Name(word)) = (&left, &right_expr.kind)
+        && context.names.get(word).is_none()
+    {
+        let message = format!("`{field}` is compared with `{word}`, which is no text in quotes");
+        context.push(
+            Diagnostic::new(Code::WrongExpression, right_expr.span, message)
+                .help(format!("write `\"{word}\"`"))
+                .edit(right_expr.span, format!("\"{word}\"")),
+        );
+        return None;
+    }
     let right = operand(right_expr, context);
     let (left, right) = (left?, right?);
     match (left, right) {
@@ -142,7 +152,8 @@ fn unlike(
     let (left_words, right_words) = (written(left_expr), written(right_expr));
     let are_places = matches!(left, Operand::Point(_) | Operand::Heading);
     let (code, span, message) = if left_kind == right_kind && are_places {
-        let message = format!("`{left_words}` and `{right_words}` have no order: each is {left_kind}");
+        let message =
+            format!("`{left_words}` and `{right_words}` have no order: each is {left_kind}");
         (Code::WrongExpression, whole.span, message)
     } else if left_kind == right_kind {
         let message = format!("`{left_words}` and `{right_words}` do not depend on the action");
@@ -160,8 +171,9 @@ fn unlike(
     let diagnostic = Diagnostic::new(code, span, message);
     context.push(match (left, right) {
         _ if left_kind == right_kind => diagnostic.help(FORMS),
-        (Operand::Heading, _) | (_, Operand::Heading) => diagnostic
-            .help("write `angle_between(direction, from center to pick) < 45deg`"),
+        (Operand::Heading, _) | (_, Operand::Heading) => {
+            diagnostic.help("write `angle_between(direction, from center to pick) < 45deg`")
+        }
         _ => diagnostic
             .label(format!("expected {left_kind}"))
             .also(left_expr.span, format!("this is {left_kind}")),
@@ -247,8 +259,12 @@ fn angle(expr: &Expr, deg: f64, context: &mut Context<'_>) -> Option<()> {
     }
     let written = context.written(expr.span);
     context.push(
-        Diagnostic::new(Code::OutOfRange, expr.span, format!("`{written}` is out of range"))
-            .help("the angle between two directions is from `0deg` to `180deg`"),
+        Diagnostic::new(
+            Code::OutOfRange,
+            expr.span,
+            format!("`{written}` is out of range"),
+        )
+        .help("the angle between two directions is from `0deg` to `180deg`"),
     );
     None
 }

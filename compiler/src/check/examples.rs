@@ -39,7 +39,12 @@ fn one(
     context: &mut Context<'_>,
 ) -> Option<Example> {
     let say = once(&example.say, "`say`", |part| part.span, context.report);
-    let reply = once(&example.replies, "`reply`", |part| part.span, context.report);
+    let reply = once(
+        &example.replies,
+        "`reply`",
+        |part| part.span,
+        context.report,
+    );
     for (part, is_there) in [("say", say.is_some()), ("reply", reply.is_some())] {
         if !is_there && !example.has_faults {
             let message = format!("the example has no `{part}`");
@@ -101,7 +106,8 @@ pub(super) fn literal(text: &Text, context: &mut Context<'_>) -> Option<String> 
     if plain.is_none() {
         let message = "this text stands as it is and has no `{{ … }}`";
         context.push(
-            Diagnostic::new(Code::BadExample, text.span, message).help("write the values themselves"),
+            Diagnostic::new(Code::BadExample, text.span, message)
+                .help("write the values themselves"),
         );
     }
     plain
@@ -126,7 +132,10 @@ fn answer(reply: &Reply, read: Option<&Read>, context: &mut Context<'_>) -> Opti
 
 /// Says why an answer cannot be read as an action whose fixed choices are offered; None: it can.
 fn unreadable_action(said: &str, context: &Context<'_>) -> Option<String> {
-    let edge_m = context.cloth.as_ref().map_or(f64::NAN, |cloth| cloth.edge_m());
+    let edge_m = context
+        .cloth
+        .as_ref()
+        .map_or(f64::NAN, |cloth| cloth.edge_m());
     let reading = match reply::read_fields(&context.actions, edge_m, said) {
         Ok(reading) => reading,
         Err(malformed) => return Some(malformed.message),

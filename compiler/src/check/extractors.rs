@@ -202,8 +202,12 @@ fn block(bound: &Bound<'_>, context: &mut Context<'_>) -> Option<u32> {
     }
     let written = context.written(expr.span);
     context.push(
-        Diagnostic::new(Code::OutOfRange, expr.span, format!("`{written}` is out of range"))
-            .help(format!("accepted is {}", BLOCK.range_words)),
+        Diagnostic::new(
+            Code::OutOfRange,
+            expr.span,
+            format!("`{written}` is out of range"),
+        )
+        .help(format!("accepted is {}", BLOCK.range_words)),
     );
     None
 }
@@ -308,8 +312,9 @@ pub(super) fn fixed(
             let written = context.written(expr.span);
             let message = format!("`{written}` lies outside of the picture");
             context.push(
-                Diagnostic::new(Code::OutOfRange, expr.span, message)
-                    .help("the camera's `image` says how large the picture is; pixels count from 0"),
+                Diagnostic::new(Code::OutOfRange, expr.span, message).help(
+                    "the camera's `image` says how large the picture is; pixels count from 0",
+                ),
             );
             return None;
         }

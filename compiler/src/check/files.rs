@@ -10,13 +10,16 @@ use crate::program::FileRef;
 pub(crate) fn named(text: &Text, what: &str, context: &mut Context<'_>) -> Option<FileRef> {
     let Some(written) = text.plain() else {
         let message = format!("the path of {what} has a placeholder");
-        context.push(
-            Diagnostic::new(Code::BadPath, text.span, message).help("write the path itself"),
-        );
+        context
+            .push(Diagnostic::new(Code::BadPath, text.span, message).help("write the path itself"));
         return None;
     };
     let bad = |fault: &str| {
-        Diagnostic::new(Code::BadPath, text.span, format!("the path `{written}` {fault}"))
+        Diagnostic::new(
+            Code::BadPath,
+            text.span,
+            format!("the path `{written}` {fault}"),
+        )
     };
     if let Some(fault) = path::fault(&written) {
         context.push(bad(fault));
@@ -24,10 +27,9 @@ pub(crate) fn named(text: &Text, what: &str, context: &mut Context<'_>) -> Optio
     }
     let path = path::beside(&context.loaded.portable_names[text.span.file.0], &written);
     if path.starts_with("..") {
-        context.push(
-            bad("leaves the folder of the task")
-                .help("what a task needs lies in the folder of the file that is compiled, or below it"),
-        );
+        context.push(bad("leaves the folder of the task").help(
+            "what a task needs lies in the folder of the file that is compiled, or below it",
+        ));
         return None;
     }
     Some(FileRef { path })

@@ -170,8 +170,7 @@ fn between(bound: &Bound<'_>, context: &mut Context<'_>) -> Option<ClothPoint> {
 }
 
 fn point(expr: &Expr, context: &mut Context<'_>) -> Option<ClothPoint> {
-    const FORMS: &str =
-        "write `corner(back_left)`, `middle(left)`, `center`, `point(0.25, 0.5)` or `between(A, B, 0.3)`";
+    const FORMS: &str = "write `corner(back_left)`, `middle(left)`, `center`, `point(0.25, 0.5)` or `between(A, B, 0.3)`";
     match &expr.kind {
         ExprKind::Call { name, arguments } if name.text == "point" => {
             let bound = bind(name, arguments, &[bare("right"), bare("front")], context)?;
@@ -200,7 +199,18 @@ fn point(expr: &Expr, context: &mut Context<'_>) -> Option<ClothPoint> {
                 && let ExprKind::Name(place) = &argument.value.kind
             {
                 let found = places.iter().find(|(known, ..)| known == place);
-                if found.is_none() {
+                // Back is the picture's top, front its bottom.
+                let turned = place.replace("top", "back").replace("bottom", "front");
+                if found.is_none() && places.iter().any(|(known, ..)| *known == turned) {
+                    let message = format!("there is no {} `{place}`", name.text);
+                    context.push(
+                        Diagnostic::new(Code::UnknownName, argument.value.span, message)
+                            .help(format!(
+                                "write `{turned}`: back is the top of the picture, front its bottom"
+                            ))
+                            .edit(argument.value.span, turned),
+                    );
+                } else if found.is_none() {
                     let place = Ident {
                         text: place.clone(),
                         span: argument.value.span,
@@ -221,23 +231,25 @@ fn point(expr: &Expr, context: &mut Context<'_>) -> Option<ClothPoint> {
                 name.span,
                 format!("`{}` is no point of the cloth", name.text),
             );
-            context.push(match nearest(&name.text, ["corner", "middle", "point", "between"]) {
-                Some(meant) => diagnostic
-                    .help(format!("did you mean `{meant}`?"))
-                    .edit(name.span, meant),
-                None => diagnostic.help(FORMS),
-            });
+            context.push(
+                match nearest(&name.text, ["corner", "middle", "point", "between"]) {
+                    Some(meant) => diagnostic
+                        .help(format!("did you mean `{meant}`?"))
+                        .edit(name.span, meant),
+                    None => diagnostic.help(FORMS),
+                },
+            );
         }
         _ => {
             let found = context.written(expr.span);
-            context.push(
-                Diagnostic::new(
-                    Code::WrongForm,
-                    expr.span,
-                    format!("expected a point of the cloth, found `{found}`"),
-                )
-                .help(FORMS),
-            );
+            let message = format!("expected a point of the cloth, found `{found}`");
+            let diagnostic = Diagnostic::new(Code::WrongForm, expr.span, message);
+            context.push(match nearest(&found, ["center"]) {
+                Some(meant) => diagnostic
+                    .help(format!("did you mean `{meant}`?"))
+                    .edit(expr.span, meant),
+                None => diagnostic.help(FORMS),
+            });
         }
     }
     None

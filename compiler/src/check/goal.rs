@@ -126,7 +126,10 @@ fn direction(metric: Metric, sign: &Ident, context: &mut Context<'_>) -> Option<
     };
     if !wanted.contains(&sign.text.as_str()) {
         let name = metric.as_str();
-        let message = format!("`{name}` is reached {words} its limit, not by `{}`", sign.text);
+        let message = format!(
+            "`{name}` is reached {words} its limit, not by `{}`",
+            sign.text
+        );
         context.push(
             Diagnostic::new(Code::WrongForm, sign.span, message)
                 .help(format!("write `{right}`"))

@@ -2,11 +2,11 @@
 
 use super::Context;
 use super::arguments::{Bound, bare, bind, optional, rest};
+use super::names::Meaning;
 use super::points::point;
 use super::quantity::{Measure, Wanted, read_whole};
 use super::uses::Uses;
 use super::values::keypoint;
-use super::names::Meaning;
 use crate::ast::{Argument, Expr, ExprKind, Ident, Keypoint};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::{Merged, unique};
@@ -65,9 +65,7 @@ fn layer(declared: &Keypoint, context: &mut Context<'_>) -> Option<Layer> {
     const FORMS: &str = "write `dot(corners, color: blue)`, `ring(…)`, `cross(…)`, `number(…)`, `arrow(A, B, …)`, `box(…)` or `outline(…)`";
     let ExprKind::Call { name, arguments } = &declared.value.kind else {
         let message = "expected something to draw";
-        context.push(
-            Diagnostic::new(Code::WrongForm, declared.value.span, message).help(FORMS),
-        );
+        context.push(Diagnostic::new(Code::WrongForm, declared.value.span, message).help(FORMS));
         return None;
     };
     if context.names.get(&declared.name.text).is_some() {
@@ -82,15 +80,19 @@ fn layer(declared: &Keypoint, context: &mut Context<'_>) -> Option<Layer> {
             at,
             radius_px,
         })?,
-        "ring" => spots(name, arguments, context, |at, radius_px, width_px| Mark::Ring {
-            at,
-            radius_px,
-            width_px,
+        "ring" => spots(name, arguments, context, |at, radius_px, width_px| {
+            Mark::Ring {
+                at,
+                radius_px,
+                width_px,
+            }
         })?,
-        "cross" => spots(name, arguments, context, |at, radius_px, width_px| Mark::Cross {
-            at,
-            radius_px,
-            width_px,
+        "cross" => spots(name, arguments, context, |at, radius_px, width_px| {
+            Mark::Cross {
+                at,
+                radius_px,
+                width_px,
+            }
         })?,
         "number" => spots(name, arguments, context, |at, _, _| Mark::Number { at })?,
         "arrow" => arrow(name, arguments, context)?,
@@ -128,15 +130,21 @@ fn plural(word: &str) -> String {
     }
 }
 
-fn color(call: &Ident, arguments: &[Argument], context: &mut Context<'_>) -> Option<(&'static str, [u8; 3])> {
-    let given = arguments
-        .iter()
-        .find(|argument| argument.label.as_ref().is_some_and(|label| label.text == "color"));
+fn color(
+    call: &Ident,
+    arguments: &[Argument],
+    context: &mut Context<'_>,
+) -> Option<(&'static str, [u8; 3])> {
+    let given = arguments.iter().find(|argument| {
+        argument
+            .label
+            .as_ref()
+            .is_some_and(|label| label.text == "color")
+    });
     let Some(argument) = given else {
         let message = format!("`{}` lacks `color`", call.text);
         context.push(
-            Diagnostic::new(Code::WrongArguments, call.span, message)
-                .help("write `color: blue`"),
+            Diagnostic::new(Code::WrongArguments, call.span, message).help("write `color: blue`"),
         );
         return None;
     };
@@ -172,7 +180,12 @@ fn spots<'w>(
     let parameters = match name.text.as_str() {
         "dot" => vec![rest("points"), optional("color"), optional("radius")],
         "number" => vec![rest("points"), optional("color")],
-        _ => vec![rest("points"), optional("color"), optional("radius"), optional("width")],
+        _ => vec![
+            rest("points"),
+            optional("color"),
+            optional("radius"),
+            optional("width"),
+        ],
     };
     let bound = bind(name, arguments, &parameters, context)?;
     let radius_px = size(&bound, "radius", &RADIUS, 3, context);
@@ -232,7 +245,12 @@ fn arrow<'w>(
     arguments: &[Argument],
     context: &mut Context<'_>,
 ) -> Option<Drawn<'w>> {
-    let parameters = [bare("from"), bare("to"), optional("color"), optional("width")];
+    let parameters = [
+        bare("from"),
+        bare("to"),
+        optional("color"),
+        optional("width"),
+    ];
     let bound = bind(name, arguments, &parameters, context)?;
     let from = settled(bound.get("from")?, context);
     let to = settled(bound.get("to")?, context);

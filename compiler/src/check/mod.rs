@@ -188,7 +188,10 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Checked {
                 let built = task::check(&merged, &bases, loaded, &mut own);
                 let is_right = own.errors() == 0 && !sees_faults;
                 report.absorb(own);
-                if is_right && is_entry && let Some((program, tests)) = built {
+                if is_right
+                    && is_entry
+                    && let Some((program, tests)) = built
+                {
                     checked.programs.push(program);
                     checked.tests.extend(tests);
                 }

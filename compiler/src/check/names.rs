@@ -105,7 +105,9 @@ fn shape(value: &ExprKind) -> Option<KeypointShape> {
         "mask" => Some(KeypointShape::Mask),
         "bounding_box" => Some(KeypointShape::Box),
         "contour" => Some(KeypointShape::Outline),
-        "harris" | "shi_tomasi" | "edge_middles" | "along" | "points" => Some(KeypointShape::Points),
+        "harris" | "shi_tomasi" | "edge_middles" | "along" | "points" => {
+            Some(KeypointShape::Points)
+        }
         "centroid" | "center" => Some(KeypointShape::Point),
         _ => None,
     }

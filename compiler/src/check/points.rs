@@ -90,6 +90,14 @@ fn named(name: Ident, context: &mut Context<'_>) -> Option<Point> {
             context.push(wrong_kind(&name, shape, "one point"));
             None
         }
+        (None, _) if name.text == "last" => {
+            let message = "`last` is a condition, not a point";
+            context.push(
+                Diagnostic::new(Code::WrongExpression, name.span, message)
+                    .help("write `last.pick` or `last.place`"),
+            );
+            None
+        }
         (Some(Meaning::Text { .. }) | None, _) => {
             let is_point = |meaning| {
                 matches!(
@@ -111,8 +119,12 @@ fn carried(context: &Context<'_>) -> Option<Point> {
         fields.any(|field| field.name == wanted && fits(&field.choices))
     };
     let is_there = has("pick", |choices| matches!(choices, Choices::Points { .. }))
-        && has("direction", |choices| matches!(choices, Choices::Directions { .. }))
-        && has("distance", |choices| matches!(choices, Choices::Lengths { .. }));
+        && has("direction", |choices| {
+            matches!(choices, Choices::Directions { .. })
+        })
+        && has("distance", |choices| {
+            matches!(choices, Choices::Lengths { .. })
+        });
     let px_per_m = context.camera.as_ref().map(Camera::px_per_m)?;
     is_there.then(|| Point::Carried {
         from: Box::new(Point::Action {

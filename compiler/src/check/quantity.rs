@@ -180,10 +180,7 @@ fn measured(expr: &Expr, wanted: Measure, context: &mut Context<'_>) -> Option<f
     if is_broken(expr, context) {
         return None;
     }
-    if !matches!(
-        resolved(expr, context).kind,
-        ExprKind::Quantity { .. }
-    ) {
+    if !matches!(resolved(expr, context).kind, ExprKind::Quantity { .. }) {
         let message = format!(
             "expected {}, found `{}`",
             wanted.words(),
@@ -253,7 +250,11 @@ fn converted(
     if to != Some(wanted) {
         context.push(no_conversion(
             target,
-            format!("expected {}, found a value in `{}`", wanted.noun(), target.text),
+            format!(
+                "expected {}, found a value in `{}`",
+                wanted.noun(),
+                target.text
+            ),
         ));
         return None;
     }

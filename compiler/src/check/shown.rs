@@ -15,7 +15,7 @@ use crate::program::{Camera, Choices, Cloth, KeypointShape, Length, Point, Shown
 use crate::space;
 
 /// The name of the constant that spells the answer's format.
-const FORMAT: &str = "actions.format";
+pub(super) const FORMAT: &str = "actions.format";
 
 /// What a placeholder becomes.
 pub(crate) enum Placed {
@@ -54,7 +54,12 @@ fn value(expr: &Expr, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pla
         }
         ExprKind::Path(path) => dotted(&path.clone(), expr, context),
         ExprKind::Call { name, arguments } if name.text == "nearest" => {
-            let bound = bind(name, arguments, &[bare("field"), bare("direction")], context)?;
+            let bound = bind(
+                name,
+                arguments,
+                &[bare("field"), bare("direction")],
+                context,
+            )?;
             let field = direction_field(bound.get("field")?, context);
             let to = heading(bound.get("direction")?, context);
             Some(Placed::Value(Shown::Nearest {
@@ -92,7 +97,11 @@ fn named(name: &Ident, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pl
         // Its own declaration is wrong and reported there.
         Some(Meaning::Keypoint(None)) => return None,
         Some(Meaning::Keypoint(Some(shape))) => {
-            context.push(wrong_kind(name, shape, "something that can be written as text"));
+            context.push(wrong_kind(
+                name,
+                shape,
+                "something that can be written as text",
+            ));
             return None;
         }
         Some(Meaning::Text { stage }) => {
@@ -132,15 +141,19 @@ fn named(name: &Ident, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pl
 
 fn unknown(name: &Ident, place: Place, context: &mut Context<'_>) {
     let mut candidates = context.names.that(|meaning| match (meaning, place) {
-        (Meaning::Keypoint(shape), _) => shape.is_some_and(|shape| {
-            matches!(shape, KeypointShape::Points | KeypointShape::Point)
-        }),
+        (Meaning::Keypoint(shape), _) => {
+            shape.is_some_and(|shape| matches!(shape, KeypointShape::Points | KeypointShape::Point))
+        }
         (Meaning::Text { stage }, Place::Stage(here)) => stage < here,
         (Meaning::Field, Place::Stage(_)) => false,
         (Meaning::Text { .. } | Meaning::Field, Place::Message | Place::Nowhere) => true,
     });
     let constants: Vec<&str> = context.constants.keys().copied().collect();
-    let layers: Vec<String> = context.layers.iter().map(|layer| layer.name.clone()).collect();
+    let layers: Vec<String> = context
+        .layers
+        .iter()
+        .map(|layer| layer.name.clone())
+        .collect();
     candidates.extend(constants);
     candidates.extend(layers.iter().map(String::as_str));
     candidates.push(FORMAT);
@@ -177,8 +190,17 @@ fn dotted(path: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> 
         text: path.to_owned(),
         span: expr.span,
     };
-    let mut candidates = vec![FORMAT.to_owned(), "last.pick".to_owned(), "last.place".to_owned()];
-    candidates.extend(context.actions.iter().map(|field| format!("{}.choices", field.name)));
+    let mut candidates = vec![
+        FORMAT.to_owned(),
+        "last.pick".to_owned(),
+        "last.place".to_owned(),
+    ];
+    candidates.extend(
+        context
+            .actions
+            .iter()
+            .map(|field| format!("{}.choices", field.name)),
+    );
     context.unknown("value", &name, candidates.iter().map(String::as_str));
     None
 }

@@ -30,10 +30,7 @@ struct Spoken {
 }
 
 /// Builds the stages; what is wrong is left out.
-pub(crate) fn check(
-    merged: &Merged<'_>,
-    context: &mut Context<'_>,
-) -> Prompts {
+pub(crate) fn check(merged: &Merged<'_>, context: &mut Context<'_>) -> Prompts {
     let mut builder = Builder {
         merged,
         templates: Vec::new(),
@@ -386,21 +383,30 @@ impl<'m, 'a> Builder<'m, 'a> {
                 }
             }
         }
-        let Some(part) = self.merged.annotate.filter(|_| !self.merged.stages.is_empty()) else {
+        let Some(part) = self
+            .merged
+            .annotate
+            .filter(|_| !self.merged.stages.is_empty())
+        else {
             return;
         };
         // What a variant leaves out is not the author's slip.
         if self.merged.variant.is_some() || self.merged.has_faults {
             return;
         }
-        let all: Vec<String> = context.layers.iter().map(|layer| layer.name.clone()).collect();
+        let all: Vec<String> = context
+            .layers
+            .iter()
+            .map(|layer| layer.name.clone())
+            .collect();
         for layer in &part.list {
             let name = layer.name.text.as_str();
             if all.iter().any(|known| known == name) && !named.contains(name) {
                 let message = format!("the layer `{name}` is drawn and no prompt says what it is");
                 context.push(
-                    Diagnostic::new(Code::LayerNotNamed, layer.name.span, message)
-                        .help(format!("write `{{{{ {name} }}}}` in a text of the stage that shows it")),
+                    Diagnostic::new(Code::LayerNotNamed, layer.name.span, message).help(format!(
+                        "write `{{{{ {name} }}}}` in a text of the stage that shows it"
+                    )),
                 );
             }
         }

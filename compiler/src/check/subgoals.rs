@@ -1,8 +1,8 @@
 //! `subgoals { demonstrate { … } }` or `subgoals { image "…" … }`.
 
 use super::Context;
-use super::{files, folds};
 use super::quantity::{Measure, Wanted, read_whole};
+use super::{files, folds};
 use crate::ast::{self, Image};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::once;

@@ -43,7 +43,10 @@ pub(super) fn check(
         context.actions = actions::check(part, &mut context);
     }
     context.layers = layers::check(merged, &mut context);
-    let last_layers = context.layers.iter().filter(|layer| layers::uses_last(layer));
+    let last_layers = context
+        .layers
+        .iter()
+        .filter(|layer| layers::uses_last(layer));
     context.last_layers = last_layers.map(|layer| layer.name.clone()).collect();
     let subgoals = merged
         .subgoals
@@ -67,7 +70,9 @@ pub(super) fn check(
         layers,
         ..
     } = context;
-    if !is_complete(merged, bases, loaded, report) || merged.subgoals.is_some() && subgoals.is_none() {
+    if !is_complete(merged, bases, loaded, report)
+        || merged.subgoals.is_some() && subgoals.is_none()
+    {
         return None;
     }
     let program = Program {
@@ -101,7 +106,10 @@ fn contradictions(program: &Program, merged: &Merged<'_>, report: &mut Report) {
         return;
     };
     for flaw in proof::flaws(program) {
-        let field = part.fields.iter().find(|field| field.name.text == flaw.field);
+        let field = part
+            .fields
+            .iter()
+            .find(|field| field.name.text == flaw.field);
         let span = field.map_or(part.span, |field| field.name.span);
         report.push(Diagnostic::new(Code::Contradiction, span, flaw.to_string()));
     }
@@ -148,7 +156,10 @@ fn is_complete(
     };
     let own = lacks(&[
         ("cloth", merged.cloth.is_some()),
-        ("subgoals", merged.subgoals.is_some() || !merged.needs_subgoals()),
+        (
+            "subgoals",
+            merged.subgoals.is_some() || !merged.needs_subgoals(),
+        ),
         ("stage", !merged.stages.is_empty()),
     ]);
     let shared = lacks(&[

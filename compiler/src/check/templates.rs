@@ -8,7 +8,7 @@ use super::shown::{self, Placed};
 use crate::ast::{Piece, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::program::{Condition, Shown, Template, Variable};
-use crate::source::line_and_column;
+use crate::source::{Span, line_and_column};
 use std::collections::BTreeMap;
 
 /// The most bytes of one text.
@@ -102,6 +102,7 @@ pub(crate) fn template(
     for piece in &text.pieces {
         let expr = match piece {
             Piece::Literal(literal) => {
+                single_braces(literal, text, context);
                 jinja.literal(literal);
                 continue;
             }
@@ -132,6 +133,41 @@ pub(crate) fn template(
     };
     is_right.then_some(template)
 }
+/// Warns of `{name}` where the name has a value: likely one brace was forgotten.
+fn single_braces(literal: &str, text: &Text, context: &mut Context<'_>) {
+    const LONGEST: usize = 64;
+    for (at, _) in literal.match_indices('{') {
+        let rest = &literal[at + 1..];
+        let length = rest
+            .bytes()
+            .take(LONGEST)
+            .position(|byte| !(byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.')));
+        let Some(length) = length.filter(|length| rest[*length..].starts_with('}')) else {
+            continue;
+        };
+        let name = &rest[..length];
+        let is_value = context.names.get(name).is_some()
+            || context.constants.contains_key(name)
+            || context.layers.iter().any(|layer| layer.name == name)
+            || name == shown::FORMAT;
+        if !is_value {
+            continue;
+        }
+        let written = format!("{{{name}}}");
+        let source = &context.loaded.sources.get(text.span.file).text;
+        // Where the same words stand twice, the first place is as good as the other.
+        let start = source[text.span.range()]
+            .find(&written)
+            .map_or(text.span.start, |offset| text.span.start + offset);
+        let span = Span::new(text.span.file, start..start + written.len());
+        let message = format!("`{written}` stands for itself, not for the value `{name}`");
+        context.push(
+            Diagnostic::new(Code::SingleBraces, span, message)
+                .help(format!("write `{{{{ {name} }}}}` for the value")),
+        );
+    }
+}
+
 /// Writes Jinja source.
 #[derive(Default)]
 struct Jinja {
@@ -172,4 +208,3 @@ impl Jinja {
         self.text
     }
 }
-

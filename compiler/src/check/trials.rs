@@ -59,9 +59,8 @@ fn one(
         if !is_there && !test.has_faults {
             let message = format!("the test lacks {part}");
             context.push(
-                Diagnostic::new(Code::TestIncomplete, test.span, message).help(
-                    "write `test \"what it shows\" { given … reply \"…\" expect accept }`",
-                ),
+                Diagnostic::new(Code::TestIncomplete, test.span, message)
+                    .help("write `test \"what it shows\" { given … reply \"…\" expect accept }`"),
             );
         }
     }
@@ -135,13 +134,19 @@ fn given(
                     expected(part, "a text in quotes", context);
                     return None;
                 };
-                given.texts.push((name.text.clone(), literal(text, context)?));
+                given
+                    .texts
+                    .push((name.text.clone(), literal(text, context)?));
             }
             Some(Meaning::Keypoint(Some(KeypointShape::Points | KeypointShape::Point))) => {
-                given.points.push((name.text.clone(), points(part, context)?));
+                given
+                    .points
+                    .push((name.text.clone(), points(part, context)?));
             }
             Some(Meaning::Keypoint(Some(KeypointShape::Mask | KeypointShape::Box))) => {
-                given.regions.push((name.text.clone(), rectangle(part, context)?));
+                given
+                    .regions
+                    .push((name.text.clone(), rectangle(part, context)?));
             }
             // Its own declaration is wrong and reported there.
             Some(Meaning::Keypoint(None)) => return None,
@@ -199,7 +204,11 @@ fn pixel_of(value: &Expr, part: &ast::Given, context: &mut Context<'_>) -> Optio
 
 fn points(part: &ast::Given, context: &mut Context<'_>) -> Option<Vec<PixelPoint>> {
     if part.values.is_empty() || part.values.len() > MAX_POINTS {
-        expected(part, "pixels such as `(40px, 52px), (180px, 52px)`", context);
+        expected(
+            part,
+            "pixels such as `(40px, 52px), (180px, 52px)`",
+            context,
+        );
         return None;
     }
     let points: Vec<Option<PixelPoint>> = part
@@ -233,12 +242,16 @@ fn expect(
     let known = ["accept", "reject", "malformed", "text"];
     let reads_action = matches!(stage.read, Read::Action);
     match what {
-        "accept" | "reject" if !reads_action => {
-            mismatch(part, &format!("the stage `{}` reads a text", stage.name), context)
-        }
-        "text" if reads_action => {
-            mismatch(part, &format!("the stage `{}` reads the action", stage.name), context)
-        }
+        "accept" | "reject" if !reads_action => mismatch(
+            part,
+            &format!("the stage `{}` reads a text", stage.name),
+            context,
+        ),
+        "text" if reads_action => mismatch(
+            part,
+            &format!("the stage `{}` reads the action", stage.name),
+            context,
+        ),
         "accept" => Some(Expect::Accept),
         "malformed" => Some(Expect::Malformed),
         "reject" => {

@@ -29,7 +29,12 @@ fn distance_m(cloth: &Cloth, folds: &[Fold]) -> f64 {
     let sides_m = [cloth.dimx, cloth.dimy].map(|count| f64::from(count - 1) * cloth.spacing_m);
     let fraction = |index: usize| index as f64 / (SIDE - 1) as f64;
     let flat: Vec<[f64; 2]> = (0..SIDE * SIDE)
-        .map(|index| [fraction(index % SIDE) * sides_m[0], fraction(index / SIDE) * sides_m[1]])
+        .map(|index| {
+            [
+                fraction(index % SIDE) * sides_m[0],
+                fraction(index / SIDE) * sides_m[1],
+            ]
+        })
         .collect();
     let mut folded = flat.clone();
     for fold in folds {

@@ -110,7 +110,8 @@ pub(crate) fn needs_last(span: Span, guarded: &str, context: &mut Context<'_>) {
     let written = context.written(span);
     let message = format!("`{written}` is not known in the first step");
     context.push(
-        Diagnostic::new(Code::NeedsLast, span, message).help(format!("write `{guarded} when last`")),
+        Diagnostic::new(Code::NeedsLast, span, message)
+            .help(format!("write `{guarded} when last`")),
     );
 }
 

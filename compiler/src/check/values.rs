@@ -4,9 +4,9 @@
 //! the one in the other is only converted where `in` says so.
 
 use super::Context;
-use super::points::{direction_field, heading, is_heading, point};
 use super::arguments::{bare, bind};
 use super::names::Meaning;
+use super::points::{direction_field, heading, is_heading, point};
 use super::quantity::{Measure, measure_of, no_conversion, quantity};
 use crate::ast::{Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic};
@@ -27,10 +27,20 @@ pub(crate) enum Frame {
 pub(crate) enum Operand {
     Length(FramedLength),
     /// A fixed angle, degrees, and the unit that it is written in.
-    Angle { deg: f64, unit: String },
-    Between { a: Heading, b: Heading, unit: String },
+    Angle {
+        deg: f64,
+        unit: String,
+    },
+    Between {
+        a: Heading,
+        b: Heading,
+        unit: String,
+    },
     Number(f64),
-    Counted { number: Number, as_percent: AsPercent },
+    Counted {
+        number: Number,
+        as_percent: AsPercent,
+    },
     Point(Point),
     Heading,
     /// A field that is a word.
@@ -74,7 +84,11 @@ impl NativeLength {
 }
 
 /// Returns a length in pixels or in metres; None where that needs a camera and there is none.
-pub(crate) fn lowered(length: &NativeLength, frame: Frame, context: &Context<'_>) -> Option<Length> {
+pub(crate) fn lowered(
+    length: &NativeLength,
+    frame: Frame,
+    context: &Context<'_>,
+) -> Option<Length> {
     let px_per_m = context.camera.as_ref().map(Camera::px_per_m);
     let constant = |value: f64| (!value.is_nan()).then_some(Length::Constant { value });
     match (length, frame) {
@@ -124,7 +138,9 @@ pub(crate) fn operand(expr: &Expr, context: &mut Context<'_>) -> Option<Operand>
             })
         }
         ExprKind::Name(name) => named(name, expr, context),
-        ExprKind::Path(_) if is_heading(expr, context) => heading(expr, context).map(|_| Operand::Heading),
+        ExprKind::Path(_) if is_heading(expr, context) => {
+            heading(expr, context).map(|_| Operand::Heading)
+        }
         ExprKind::Path(_) => point(expr, context).map(Operand::Point),
         ExprKind::Heading { .. } => heading(expr, context).map(|_| Operand::Heading),
         ExprKind::Text(text) => match text.plain() {
@@ -161,8 +177,12 @@ fn constant(expr: &Expr, context: &mut Context<'_>) -> Option<Operand> {
     if found.value.abs() > 1e6 {
         let written = context.written(expr.span);
         context.push(
-            Diagnostic::new(Code::OutOfRange, expr.span, format!("`{written}` is out of range"))
-                .help("accepted are values up to a million in pixels, metres or degrees"),
+            Diagnostic::new(
+                Code::OutOfRange,
+                expr.span,
+                format!("`{written}` is out of range"),
+            )
+            .help("accepted are values up to a million in pixels, metres or degrees"),
         );
         return None;
     }
@@ -170,8 +190,12 @@ fn constant(expr: &Expr, context: &mut Context<'_>) -> Option<Operand> {
     if is_length && found.value < 0.0 {
         let written = context.written(expr.span);
         context.push(
-            Diagnostic::new(Code::OutOfRange, expr.span, format!("`{written}` is out of range"))
-                .help("a length is never negative"),
+            Diagnostic::new(
+                Code::OutOfRange,
+                expr.span,
+                format!("`{written}` is out of range"),
+            )
+            .help("a length is never negative"),
         );
         return None;
     }
@@ -202,11 +226,26 @@ fn named(name: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Operand> 
                 unit: unit.as_str().to_owned(),
             }))
         }
-        (Some(Meaning::Field), Some(Choices::Directions { .. })) => {
-            Some(Operand::Heading)
-        }
+        (Some(Meaning::Field), Some(Choices::Directions { .. })) => Some(Operand::Heading),
         (Some(Meaning::Field), Some(Choices::Words { .. })) => {
             Some(Operand::WordField(name.to_owned()))
+        }
+        (None, _) if name != "last" => {
+            let name = Ident {
+                text: name.to_owned(),
+                span: expr.span,
+            };
+            let is_value = |meaning| {
+                matches!(
+                    meaning,
+                    Meaning::Field | Meaning::Keypoint(Some(KeypointShape::Point))
+                )
+            };
+            let mut candidates = context.names.that(is_value);
+            let constants: Vec<&str> = context.constants.keys().copied().collect();
+            candidates.extend(constants);
+            context.unknown("value", &name, candidates);
+            None
         }
         _ => point(expr, context).map(Operand::Point),
     }
@@ -248,7 +287,12 @@ fn call(name: &Ident, expr: &Expr, context: &mut Context<'_>) -> Option<Operand>
         }
         "coverage" => {
             let bound = bind(name, arguments, &[bare("mask")], context)?;
-            let mask = keypoint(bound.get("mask")?, &[KeypointShape::Mask], "a mask", context)?;
+            let mask = keypoint(
+                bound.get("mask")?,
+                &[KeypointShape::Mask],
+                "a mask",
+                context,
+            )?;
             let px_per_m = context.camera.as_ref().map(Camera::px_per_m)?;
             let area_m2 = context.cloth.as_ref().map(Cloth::area_m2)?;
             Some(Operand::Counted {
@@ -261,10 +305,16 @@ fn call(name: &Ident, expr: &Expr, context: &mut Context<'_>) -> Option<Operand>
         }
         "mirror" => point(expr, context).map(Operand::Point),
         "nearest" => {
-            let bound = bind(name, arguments, &[bare("field"), bare("direction")], context)?;
+            let bound = bind(
+                name,
+                arguments,
+                &[bare("field"), bare("direction")],
+                context,
+            )?;
             direction_field(bound.get("field")?, context)?;
             heading(bound.get("direction")?, context)?;
-            let message = "`nearest` is written in texts, as `{{ nearest(direction, from center to pick) }}`";
+            let message =
+                "`nearest` is written in texts, as `{{ nearest(direction, from center to pick) }}`";
             context.push(Diagnostic::new(Code::WrongExpression, expr.span, message));
             None
         }
@@ -380,8 +430,9 @@ pub(crate) fn fixed_deg(expr: &Expr, context: &mut Context<'_>) -> Option<f64> {
         other => {
             let message = format!("expected a direction, found {}", kind_of(&other));
             context.push(
-                Diagnostic::new(Code::WrongQuantity, expr.span, message)
-                    .help("write an angle such as `45deg`, counter-clockwise from the image's right"),
+                Diagnostic::new(Code::WrongQuantity, expr.span, message).help(
+                    "write an angle such as `45deg`, counter-clockwise from the image's right",
+                ),
             );
             None
         }

@@ -6,8 +6,8 @@ use super::templates::{self, Place, Scope};
 use super::{conditions, uses};
 use crate::ast;
 use crate::diag::{Code, Diagnostic};
-use crate::merge::{Merged, once, unique};
 use crate::diag::{among, nearest};
+use crate::merge::{Merged, once, unique};
 use crate::program::{Check, Condition, Template, Verify};
 use crate::verify::OFFERED;
 

@@ -300,6 +300,10 @@ codes! {
     "an example cannot be used"
     "An example has one `say` and one `reply`, and the answer is one that the stage can read: what the model is shown is what is asked of it. The message says what is missing or cannot be read."
 
+    "F0609" SingleBraces Warning
+    "a value stands between single braces"
+    "`{corners}` is literal text, as in JSON; a model would read it as it stands. Write `{{ corners }}` for the value. Where the braces are meant, rename what is between them."
+
     "F0701" MissingField Error
     "an action lacks a field"
     "An action has a `pick` and a `place`."

@@ -13,8 +13,8 @@ pub(crate) use lists::{Indexed, once, unique};
 pub(crate) use variants::{Change, VariantOf};
 
 use crate::ast::{
-    Actions, Body, Component, ExprKind, Ident, Keypoint, Keypoints, Reference, Stage, Statement, Subgoals,
-    Task, Verify,
+    Actions, Body, Component, ExprKind, Ident, Keypoint, Keypoints, Reference, Stage, Statement,
+    Subgoals, Task, Verify,
 };
 use crate::diag::{Code, Diagnostic, Report, among, nearest};
 use crate::load::Loaded;
@@ -198,24 +198,28 @@ impl<'a> Merged<'a> {
 
     /// Returns the variants that make a difference: what is not there cannot be ablated.
     pub fn applicable_variants(&self) -> impl Iterator<Item = VariantOf<'a>> {
-        self.variants.iter().filter(|variant| match variant.change {
-            Change::Body(_) => true,
-            Change::Without(name) => !self.removed.contains(name.text.as_str()),
-        }).cloned()
+        self.variants
+            .iter()
+            .filter(|variant| match variant.change {
+                Change::Body(_) => true,
+                Change::Without(name) => !self.removed.contains(name.text.as_str()),
+            })
+            .cloned()
     }
 
     /// Returns whether one of the task's own components is declared at a place.
     pub fn is_own_component(&self, span: Span) -> bool {
         let own = &self.task.body.components;
         // They are in source order.
-        own.binary_search_by_key(&span, |component| component.name.span).is_ok()
+        own.binary_search_by_key(&span, |component| component.name.span)
+            .is_ok()
     }
 
-    /// Returns whether a rollout needs subgoals: where a stage shows one, or there is no horizon.
+    /// Returns whether a rollout needs subgoals: where a stage shows one.
     pub fn needs_subgoals(&self) -> bool {
         let shows_one = self.stages.iter().flat_map(|stage| &stage.show).any(|show| {
             show.list.iter().any(|(picture, _)| !matches!(&picture.kind, ExprKind::Name(name) if name == "scene"))
         });
-        shows_one || self.horizon.is_none()
+        shows_one
     }
 }

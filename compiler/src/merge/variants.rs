@@ -59,7 +59,11 @@ impl<'a> Merged<'a> {
             own.push(variant);
         }
         for variant in own {
-            match self.variants.iter_mut().find(|known| known.name == variant.name) {
+            match self
+                .variants
+                .iter_mut()
+                .find(|known| known.name == variant.name)
+            {
                 Some(known) => *known = variant,
                 None => self.variants.push(variant),
             }

@@ -51,9 +51,10 @@ pub(super) fn known(program: &Program, facts: Facts<'_>, shown: &Shown) -> Resul
 /// Says what would stand there.
 pub(super) fn typed(program: &Program, name: &str, shown: &Shown) -> String {
     let reader = |text: &str| {
-        let reads = program.stages.iter().find(
-            |stage| matches!(&stage.read, Read::Text { name: read, .. } if read == text),
-        );
+        let reads = program
+            .stages
+            .iter()
+            .find(|stage| matches!(&stage.read, Read::Text { name: read, .. } if read == text));
         reads.map_or("another stage", |stage| stage.name.as_str())
     };
     let what = match shown {

@@ -63,10 +63,7 @@ pub(crate) fn read_fields(
     reply: &str,
 ) -> Result<Reading<Proposal>, Malformed> {
     bounded("action", reply)?;
-    let names: Vec<&str> = actions
-        .iter()
-        .map(|field| field.name.as_str())
-        .collect();
+    let names: Vec<&str> = actions.iter().map(|field| field.name.as_str()).collect();
     let mut proposal = Proposal {
         fields: Vec::with_capacity(names.len()),
     };

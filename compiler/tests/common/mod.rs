@@ -107,13 +107,17 @@ impl SceneView for Known {
     }
 
     fn area_px(&self, mask: &str) -> Option<f64> {
-        let (_, [left, top, right, bottom]) = self.regions.iter().find(|(name, _)| *name == mask)?;
+        let (_, [left, top, right, bottom]) =
+            self.regions.iter().find(|(name, _)| *name == mask)?;
         Some(f64::from((right - left + 1) * (bottom - top + 1)))
     }
 }
 
 pub fn pixels(points: &[(i32, i32)]) -> Vec<PixelPoint> {
-    points.iter().map(|(u, v)| PixelPoint::new(*u, *v)).collect()
+    points
+        .iter()
+        .map(|(u, v)| PixelPoint::new(*u, *v))
+        .collect()
 }
 
 /// An action by pick and place.

@@ -2,6 +2,8 @@
 //!
 //! In: a fault that the grammar found. Out: a diagnostic with the likely repair.
 
+mod slips;
+
 use crate::diag::{Code, Diagnostic, among, nearest};
 use crate::source::{FileId, Span};
 use grammar::{Fault, Problem};
@@ -59,6 +61,11 @@ pub(crate) fn diagnose(fault: &Fault, file: FileId, text: &str) -> Diagnostic {
 }
 
 fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) -> Diagnostic {
+    if let Some(found) = found
+        && let Some(slip) = slips::recognise(found, span, expected, text)
+    {
+        return slip;
+    }
     let found_words = found.map_or("the end of the line".to_owned(), |found| {
         format!("`{found}`")
     });
@@ -66,30 +73,7 @@ fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) ->
         [] => format!("unexpected {found_words}"),
         _ => format!("expected {}, found {found_words}", listed(expected)),
     };
-    let diagnostic = Diagnostic::new(Code::Unexpected, span, message);
-    let expects = |words: &str| expected.contains(&words);
-    let Some(found) = found else {
-        return diagnostic;
-    };
-    match found {
-        "=" if expects("`:`") => diagnostic.help("write `:`").edit(span, ":"),
-        ":" if expects("`=`") => diagnostic.help("write `=`").edit(span, "="),
-        "=" if expects("`)`") => diagnostic
-            .help("an argument's name is followed by `:`")
-            .edit(span, ":"),
-        "→" | "=>" | "–>" | "—>" | "⇒" | "to" if expects("`->`") => {
-            diagnostic.help("write `->`").edit(span, "->")
-        }
-        ":" | "=" => diagnostic.help(format!("remove the `{found}`")),
-        "}" | ")" if text[..span.start].trim_end().ends_with(',') => {
-            diagnostic.help("remove the comma before it")
-        }
-        "“" | "”" | "'" | "‘" | "’" => diagnostic.help("write straight double quotes `\"`"),
-        _ if grammar::is_keyword(found) && expects("a name") => diagnostic.help(format!(
-            "`{found}` is a word of the language; choose another name, or remove a comma before it"
-        )),
-        _ => diagnostic,
-    }
+    Diagnostic::new(Code::Unexpected, span, message)
 }
 
 fn unknown_word(span: Span, word: &str, known: &[&str], block: Option<&str>) -> Diagnostic {
@@ -111,7 +95,7 @@ fn unknown_word(span: Span, word: &str, known: &[&str], block: Option<&str>) -> 
 }
 
 /// Joins expectations, which carry their own backticks.
-fn listed(expected: &[&str]) -> String {
+pub(super) fn listed(expected: &[&str]) -> String {
     match expected {
         [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
         _ => expected.concat(),

@@ -1,0 +1,123 @@
+//! Slips that people make again and again: signs and words of other languages and of handwriting.
+
+use super::listed;
+use crate::diag::{Code, Diagnostic};
+use crate::source::Span;
+
+/// Words what stands at `span` if it is a known slip.
+///
+/// - `found`: what stands there.
+/// - `expected`: what would fit, with its own backticks; may be empty.
+/// - `text`: the whole file.
+pub(super) fn recognise(
+    found: &str,
+    span: Span,
+    expected: &[&str],
+    text: &str,
+) -> Option<Diagnostic> {
+    let expects = |words: &str| expected.contains(&words);
+    let rest = &text[span.start..];
+    let before = text[..span.start].trim_end();
+    let usual = || {
+        let message = match expected {
+            [] => format!("unexpected `{found}`"),
+            _ => format!("expected {}, found `{found}`", listed(expected)),
+        };
+        Diagnostic::new(Code::Unexpected, span, message)
+    };
+    // The sign itself may be longer than what was found.
+    let sign = |sign: &str| Span {
+        end: span.start + sign.len(),
+        ..span
+    };
+    let said = |span: Span, message: String| Diagnostic::new(Code::Unexpected, span, message);
+    let written = |wrong: &str, right: &str| {
+        said(
+            sign(wrong),
+            format!("`{wrong}` is written `{}` here", right.trim()),
+        )
+        .help(format!("write `{}`", right.trim()))
+        .edit(sign(wrong), right)
+    };
+    for (wrong, right) in [("&&", "and"), ("||", "or"), ("//", "#")] {
+        if rest.starts_with(wrong) {
+            return Some(written(wrong, right));
+        }
+    }
+    Some(match found {
+        "=" if expects("`:`") => usual().help("write `:`").edit(span, ":"),
+        ":" if expects("`=`") => usual().help("write `=`").edit(span, "="),
+        "=" if expects("`)`") => usual()
+            .help("an argument's name is followed by `:`")
+            .edit(span, ":"),
+        "→" | "=>" | "–>" | "—>" | "⇒" | "to" if expects("`->`") => {
+            usual().help("write `->`").edit(span, "->")
+        }
+        "!" if !rest.starts_with("!=") => written("!", "not "),
+        "&" => written("&", "and"),
+        "|" => written("|", "or"),
+        "=" if is_in_condition(before) => said(span, "`=` compares nothing".to_owned())
+            .help("write `<`, `<=`, `>` or `>=`; words and counts may also be compared by `==`"),
+        "<" | "<=" | ">" | ">=" | "==" if expected.is_empty() => said(
+            span,
+            format!("a comparison has two sides, and `{found}` begins a third"),
+        )
+        .help("write two comparisons joined by `and`"),
+        ";" => said(span, "`;` ends nothing".to_owned())
+            .help("remove it: a line needs no end")
+            .edit(span, ""),
+        "/" if rest.starts_with("/*") => said(sign("/*"), "`/*` begins no comment".to_owned())
+            .help("a comment begins with `#` and ends with its line"),
+        "True" | "False" | "None" | "true" | "false" | "none" if expected.is_empty() => {
+            said(span, format!("expected a condition, found `{found}`"))
+                .help("a condition says what it depends on; remove what always holds")
+        }
+        "." if rest[1..].starts_with(|next: char| next.is_ascii_digit()) => {
+            said(span, "a number begins with a digit".to_owned())
+                .help("write `0` before the point")
+                .edit(
+                    Span {
+                        end: span.start,
+                        ..span
+                    },
+                    "0",
+                )
+        }
+        "," if is_decimal_comma(before, &rest[1..]) => said(
+            span,
+            "decimals stand behind a point, not a comma".to_owned(),
+        )
+        .help("write `.`")
+        .edit(span, "."),
+        _ if found.starts_with('_')
+            && found[1..].bytes().all(|byte| byte.is_ascii_digit())
+            && before.ends_with(|last: char| last.is_ascii_digit()) =>
+        {
+            said(span, "a number is written without `_`".to_owned())
+                .help(format!("write `{}`", &found[1..]))
+                .edit(span, &found[1..])
+        }
+        ":" | "=" => usual().help(format!("remove the `{found}`")),
+        "}" | ")" if before.ends_with(',') => usual().help("remove the comma before it"),
+        "“" | "”" | "'" | "‘" | "’" => usual().help("write straight double quotes `\"`"),
+        "[" | "]" => {
+            usual().help("lists have no brackets; write the parts with commas between them")
+        }
+        _ if grammar::is_keyword(found) && expects("a name") => usual().help(format!(
+            "`{found}` is a word of the language; choose another name, or remove a comma before it"
+        )),
+        _ => return None,
+    })
+}
+
+/// Returns whether a place lies in the condition of a check: behind its `{` on the same line.
+fn is_in_condition(before: &str) -> bool {
+    let line = before.rsplit('\n').next().unwrap_or(before);
+    line.trim_start().starts_with("check ") && line.contains('{')
+}
+
+/// Returns whether a comma stands between two digits of a number.
+fn is_decimal_comma(before: &str, after: &str) -> bool {
+    let is_digit = |character: char| character.is_ascii_digit();
+    before.ends_with(is_digit) && after.starts_with(is_digit)
+}
