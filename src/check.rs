@@ -2,7 +2,7 @@
 
 use crate::cli::CheckArguments;
 use crate::exit::{Exit, Failure};
-use crate::{output, sources};
+use crate::{fix, output, sources};
 use compiler::diag;
 use serde_json::{Value, json};
 
@@ -13,7 +13,12 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
     let mut tasks = Vec::new();
     let mut errors = Vec::new();
     for file in &arguments.files {
-        let compiled = match sources::compile(file) {
+        let compiled = if arguments.fix {
+            fix::run(file)
+        } else {
+            sources::compile(file)
+        };
+        let compiled = match compiled {
             Ok(compiled) => compiled,
             Err(failure) => {
                 output::talk(&format!("error: {failure}"));
@@ -45,11 +50,13 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
             if !arguments.json {
                 output::data(&format!(
                     "{file}: task `{}` is right; at most {per_step} model calls per step, {calls} in {} steps",
-                    program.task, program.horizon
+                    program.title(),
+                    program.horizon
                 ));
             }
             tasks.push(json!({
                 "task": program.task,
+                "variant": program.variant,
                 "file": file,
                 "program": program.hash(),
                 "horizon": program.horizon,

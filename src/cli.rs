@@ -18,8 +18,10 @@ pub struct Cli {
 /// What to do.
 #[derive(Subcommand)]
 pub enum Verb {
-    /// Says what is wrong with .fab files.
+    /// Says what is wrong with .fab files, and repairs what is certain.
     Check(CheckArguments),
+    /// Runs the tests that tasks carry: what comes of an answer, without a model or a camera.
+    Test(TestArguments),
     /// Says what a diagnostic means and what to do.
     Explain(ExplainArguments),
     /// Prints the exact messages that a model gets, without asking one.
@@ -37,6 +39,7 @@ impl Verb {
     pub fn wants_json(&self) -> bool {
         match self {
             Verb::Check(arguments) => arguments.json,
+            Verb::Test(arguments) => arguments.json,
             Verb::Explain(_) => false,
             Verb::Render(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
@@ -53,9 +56,40 @@ pub struct CheckArguments {
     /// The files to check.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<String>,
+    /// Repair what can be meant in one way only; the rest is reported.
+    #[arg(long)]
+    pub fix: bool,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `test`.
+#[derive(Args)]
+pub struct TestArguments {
+    /// The files whose tests are run.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<String>,
+    /// Only tests whose name contains this.
+    #[arg(long, value_name = "WORDS")]
+    pub only: Option<String>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Which task of a file is meant.
+#[derive(Args)]
+pub struct TaskArguments {
+    /// The file that declares the task.
+    #[arg(value_name = "FILE")]
+    pub file: String,
+    /// The task, where the file declares several.
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// The variant of the task; default: the task itself.
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
 }
 
 /// Arguments of `explain`.
@@ -69,12 +103,8 @@ pub struct ExplainArguments {
 /// Arguments of `render`.
 #[derive(Args)]
 pub struct RenderArguments {
-    /// The file that declares the task.
-    #[arg(value_name = "FILE")]
-    pub file: String,
-    /// The task, where the file declares several.
-    #[arg(long, value_name = "NAME")]
-    pub task: Option<String>,
+    #[command(flatten)]
+    pub task: TaskArguments,
     /// Only this stage.
     #[arg(long, value_name = "NAME")]
     pub stage: Option<String>,
@@ -114,12 +144,8 @@ pub struct StartArguments {
 #[cfg(feature = "runtime")]
 #[derive(Args)]
 pub struct SubgoalsArguments {
-    /// The file that declares the task.
-    #[arg(value_name = "FILE")]
-    pub file: String,
-    /// The task, where the file declares several.
-    #[arg(long, value_name = "NAME")]
-    pub task: Option<String>,
+    #[command(flatten)]
+    pub task: TaskArguments,
     /// Also draw all pictures with their arrows on one sheet.
     #[arg(long, value_name = "PNG")]
     pub sheet: Option<PathBuf>,
@@ -132,12 +158,8 @@ pub struct SubgoalsArguments {
 #[cfg(feature = "runtime")]
 #[derive(Args)]
 pub struct RunArguments {
-    /// The file that declares the task.
-    #[arg(value_name = "FILE")]
-    pub file: String,
-    /// The task, where the file declares several.
-    #[arg(long, value_name = "NAME")]
-    pub task: Option<String>,
+    #[command(flatten)]
+    pub task: TaskArguments,
     /// Who answers; `geometric` is an embedded stand-in that needs no key and no network.
     #[arg(long, value_name = "MODEL", default_value = "geometric")]
     pub model: String,

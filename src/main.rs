@@ -10,11 +10,13 @@ mod sources;
 
 mod check;
 mod explain;
+mod fix;
 mod render;
 #[cfg(feature = "runtime")]
 mod run;
 #[cfg(feature = "runtime")]
 mod subgoals;
+mod test;
 
 #[cfg(feature = "runtime")]
 mod setting;
@@ -53,6 +55,7 @@ fn run(verb: Verb) -> Exit {
     let wants_json = verb.wants_json();
     let done = match verb {
         Verb::Check(arguments) => check::run(&arguments),
+        Verb::Test(arguments) => test::run(&arguments),
         Verb::Explain(arguments) => explain::run(&arguments),
         Verb::Render(arguments) => render::run(&arguments),
         #[cfg(feature = "runtime")]

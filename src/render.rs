@@ -36,7 +36,7 @@ enum ShownPart {
 
 /// Renders every stage, or the one that is asked for.
 pub fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
-    let program = sources::compile_task(&arguments.file, arguments.task.as_deref())?;
+    let program = sources::compile_task(&arguments.task)?;
     let stages = chosen_stages(&program, arguments.stage.as_deref())?;
     if arguments.step > program.horizon {
         return Err(Failure::usage(format!(

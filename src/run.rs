@@ -18,7 +18,7 @@ use std::path::Path;
 
 /// Runs one rollout and reports it.
 pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
-    let program = sources::compile_task(&arguments.file, arguments.task.as_deref())?;
+    let program = sources::compile_task(&arguments.task)?;
     let model = setting::model(&arguments.model)?;
     let start = setting::start(&program, &arguments.start)?;
     let folder = match &arguments.out {
@@ -28,7 +28,7 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     let folder = folder.map_err(Failure::environment)?;
     let interrupt = setting::interrupt()?;
     let make_world = || setting::world(&program);
-    let beside = setting::folder_of(&arguments.file);
+    let beside = setting::folder_of(&arguments.task.file);
     let subgoals = match prepare(&program, &start, &beside, &make_world, &interrupt) {
         Ok(Some(subgoals)) => subgoals,
         Ok(None) => {
@@ -40,7 +40,7 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
             return Err(failure);
         }
     };
-    say_origin(subgoals.origin, &arguments.file);
+    say_origin(subgoals.origin, &arguments.task.file);
     let stand_in = if model.nature() == runtime::model::Nature::StandIn {
         " (a stand-in, no vision-language model)"
     } else {

@@ -1,5 +1,6 @@
 //! Reads `.fab` files from disk and compiles them.
 
+use crate::cli::TaskArguments;
 use crate::exit::Failure;
 use crate::output;
 use compiler::program::Program;
@@ -56,9 +57,10 @@ pub fn compile(file: &str) -> Result<Compiled, Failure> {
 
 /// Compiles a file and returns the task to work on, after showing what is wrong with the file.
 ///
-/// `wanted` is needed where the file declares several tasks.
-pub fn compile_task(file: &str, wanted: Option<&str>) -> Result<Program, Failure> {
-    let mut compiled = compile(file)?;
+/// A task has to be named where the file declares several; without a variant it is the task itself.
+pub fn compile_task(wanted: &TaskArguments) -> Result<Program, Failure> {
+    let file = &wanted.file;
+    let compiled = compile(file)?;
     if !compiled.diagnostics.is_empty() {
         output::talk(
             diag::to_text(
@@ -76,34 +78,60 @@ pub fn compile_task(file: &str, wanted: Option<&str>) -> Result<Program, Failure
             diagnostics,
         ));
     }
-    let names: Vec<String> = compiled
+    let (tasks, variants): (Vec<Program>, Vec<Program>) = compiled
         .programs
-        .iter()
-        .map(|program| format!("`{}`", program.task))
+        .into_iter()
+        .partition(|program| program.variant.is_none());
+    let names = quoted(tasks.iter().map(|program| program.task.as_str()));
+    let chosen = match (&wanted.task, tasks.len()) {
+        (Some(task), _) => tasks
+            .into_iter()
+            .find(|program| program.task == *task)
+            .ok_or_else(|| {
+                Failure::usage(format!(
+                    "`{file}` declares no runnable task `{task}`; it declares {names}"
+                ))
+            }),
+        (None, 0) => Err(Failure::author(
+            format!(
+                "`{file}` declares no task that can run: one needs at least a cloth, a camera, actions, stages, and subgoals or a horizon, its own or from the task it extends"
+            ),
+            json!([]),
+        )),
+        (None, 1) => tasks
+            .into_iter()
+            .next()
+            .ok_or_else(|| Failure::usage(format!("`{file}` declares no task"))),
+        (None, _) => Err(Failure::usage(format!(
+            "`{file}` declares several tasks; choose one with `--task`: {names}"
+        ))),
+    }?;
+    let Some(variant) = &wanted.variant else {
+        return Ok(chosen);
+    };
+    let own: Vec<Program> = variants
+        .into_iter()
+        .filter(|program| program.task == chosen.task)
         .collect();
-    let names = names.join(", ");
-    match wanted {
-        Some(wanted) => match compiled
-            .programs
-            .iter()
-            .position(|program| program.task == wanted)
-        {
-            Some(index) => Ok(compiled.programs.swap_remove(index)),
-            None => Err(Failure::usage(format!(
-                "`{file}` declares no runnable task `{wanted}`; it declares {names}"
-            ))),
-        },
-        None => match compiled.programs.len() {
-            1 => Ok(compiled.programs.swap_remove(0)),
-            0 => Err(Failure::author(
-                format!(
-                    "`{file}` declares no task that can run: one needs at least a cloth, subgoals, actions and stages, its own or from the task it extends"
-                ),
-                json!([]),
-            )),
-            _ => Err(Failure::usage(format!(
-                "`{file}` declares several tasks; choose one with `--task`: {names}"
-            ))),
-        },
-    }
+    let names = quoted(own.iter().filter_map(|program| program.variant.as_deref()));
+    own.into_iter()
+        .find(|program| program.variant.as_ref() == Some(variant))
+        .ok_or_else(|| {
+            let there = if names.is_empty() {
+                "it has none".to_owned()
+            } else {
+                format!("it has {names}")
+            };
+            Failure::usage(format!(
+                "`{}` has no variant `{variant}`; {there}",
+                chosen.task
+            ))
+        })
+}
+
+fn quoted<'n>(names: impl Iterator<Item = &'n str>) -> String {
+    names
+        .map(|name| format!("`{name}`"))
+        .collect::<Vec<_>>()
+        .join(", ")
 }

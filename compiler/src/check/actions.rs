@@ -59,8 +59,7 @@ fn completeness(part: &ast::Actions, fields: &[ActionField], context: &mut Conte
                     field.name.span,
                     format!("the field `{name}` moves nothing"),
                 )
-                .help(format!("did you mean `{meant}`?"))
-                .edit(field.name.span, meant),
+                .meant(field.name.span, meant),
             );
             return;
         }

@@ -178,9 +178,7 @@ fn named_parameter<'p>(
     );
     let near = nearest(&label.text, named().map(|parameter| parameter.name));
     Err(Box::new(match near {
-        Some(meant) => diagnostic
-            .help(format!("did you mean `{meant}`?"))
-            .edit(label.span, meant),
+        Some(meant) => diagnostic.meant(label.span, meant),
         None => diagnostic.help(format!("write `{}`", form(call, parameters))),
     }))
 }

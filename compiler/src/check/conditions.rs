@@ -284,9 +284,7 @@ fn words(
         let names: Vec<&str> = choices.iter().map(String::as_str).collect();
         let diagnostic = Diagnostic::new(Code::UnknownName, written.span, message);
         let diagnostic = match nearest(&word, names.iter().copied()) {
-            Some(meant) => diagnostic
-                .help(format!("did you mean `{meant}`?"))
-                .edit(written.span, format!("\"{meant}\"")),
+            Some(meant) => diagnostic.meant(written.span, &format!("\"{meant}\"")),
             None => diagnostic.help(format!("it is {}", among(names))),
         };
         context.push(diagnostic);

@@ -233,9 +233,7 @@ fn point(expr: &Expr, context: &mut Context<'_>) -> Option<ClothPoint> {
             );
             context.push(
                 match nearest(&name.text, ["corner", "middle", "point", "between"]) {
-                    Some(meant) => diagnostic
-                        .help(format!("did you mean `{meant}`?"))
-                        .edit(name.span, meant),
+                    Some(meant) => diagnostic.meant(name.span, meant),
                     None => diagnostic.help(FORMS),
                 },
             );
@@ -245,9 +243,7 @@ fn point(expr: &Expr, context: &mut Context<'_>) -> Option<ClothPoint> {
             let message = format!("expected a point of the cloth, found `{found}`");
             let diagnostic = Diagnostic::new(Code::WrongForm, expr.span, message);
             context.push(match nearest(&found, ["center"]) {
-                Some(meant) => diagnostic
-                    .help(format!("did you mean `{meant}`?"))
-                    .edit(expr.span, meant),
+                Some(meant) => diagnostic.meant(expr.span, meant),
                 None => diagnostic.help(FORMS),
             });
         }

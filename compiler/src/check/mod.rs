@@ -114,9 +114,7 @@ impl Context<'_> {
             format!("there is no {kind} `{}`", name.text),
         );
         self.push(match nearest(&name.text, candidates.iter().copied()) {
-            Some(meant) => diagnostic
-                .help(format!("did you mean `{meant}`?"))
-                .edit(name.span, meant),
+            Some(meant) => diagnostic.meant(name.span, meant),
             None if candidates.is_empty() => diagnostic,
             None => diagnostic.help(format!("there is {}", among(candidates))),
         });

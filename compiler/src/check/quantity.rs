@@ -289,17 +289,18 @@ fn unit(unit: &Ident, context: &mut Context<'_>) -> Option<(Measure, f64)> {
         .iter()
         .find(|(name, _)| *name == unit.text)
         .map(|(_, right)| *right);
-    let meant = foreign.or_else(|| nearest(&unit.text, UNITS.iter().map(|(name, ..)| *name)));
     let diagnostic = Diagnostic::new(
         Code::UnknownUnit,
         unit.span,
         format!("there is no unit `{}`", unit.text),
     );
-    context.push(match meant {
-        Some(meant) => diagnostic
-            .help(format!("did you mean `{meant}`?"))
-            .edit(unit.span, meant),
-        None => diagnostic.help("units are `mm`, `cm`, `m`, `px`, `deg`, `rad` and `edge`"),
+    let near = nearest(&unit.text, UNITS.iter().map(|(name, ..)| *name));
+    context.push(match (foreign, near) {
+        (Some(right), _) => diagnostic
+            .help(format!("write `{right}`"))
+            .edit(unit.span, right),
+        (None, Some(meant)) => diagnostic.meant(unit.span, meant),
+        (None, None) => diagnostic.help("units are `mm`, `cm`, `m`, `px`, `deg`, `rad` and `edge`"),
     });
     None
 }

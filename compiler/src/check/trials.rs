@@ -296,9 +296,7 @@ fn check_name(check: &Ident, verify: &Verify, context: &mut Context<'_>) -> Opti
         let message = format!("there is no check `{}`", check.text);
         let diagnostic = Diagnostic::new(Code::UnknownName, check.span, message);
         context.push(match nearest(&check.text, known()) {
-            Some(meant) => diagnostic
-                .help(format!("did you mean `{meant}`?"))
-                .edit(check.span, meant),
+            Some(meant) => diagnostic.meant(check.span, meant),
             None => diagnostic.help(format!("there is {}", among(known()))),
         });
     }

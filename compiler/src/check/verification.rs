@@ -93,9 +93,7 @@ fn relaxed(
             let message = format!("there is no check `{}` to leave out", name.text);
             let diagnostic = Diagnostic::new(Code::NothingToRemove, name.span, message);
             context.push(match nearest(&name.text, known()) {
-                Some(meant) => diagnostic
-                    .help(format!("did you mean `{meant}`?"))
-                    .edit(name.span, meant),
+                Some(meant) => diagnostic.meant(name.span, meant),
                 None => diagnostic.help(format!("there is {}", among(known()))),
             });
         }

@@ -1,6 +1,6 @@
 //! Diagnostics for tools and editors; the fields are fixed by the command line's contract.
 
-use super::Diagnostic;
+use super::{Certainty, Diagnostic};
 use crate::source::{Sources, Span, line_and_column};
 use serde_json::{Map, Value, json};
 
@@ -33,7 +33,11 @@ fn object(diagnostic: &Diagnostic, sources: &Sources) -> Value {
     let edits: Vec<Value> = diagnostic
         .edits
         .iter()
-        .map(|edit| with_place(edit.span, sources, "replacement", &edit.replacement))
+        .map(|edit| {
+            let mut object = with_place(edit.span, sources, "replacement", &edit.replacement);
+            object["certain"] = json!(edit.certainty == Certainty::Certain);
+            object
+        })
         .collect();
     let source = sources.get(diagnostic.span.file);
     json!({

@@ -56,7 +56,7 @@ pub struct Diagnostic {
     pub labels: Vec<Label>,
     /// What would be right.
     pub help: Vec<String>,
-    /// Changes that certainly repair it; none where there is no certainty.
+    /// Changes that repair it; all of one certainty.
     pub edits: Vec<Edit>,
 }
 
@@ -76,6 +76,17 @@ pub struct Edit {
     pub span: Span,
     /// By what.
     pub replacement: String,
+    /// Whether it is what the author meant.
+    pub certainty: Certainty,
+}
+
+/// Whether a change is what the author meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Certainty {
+    /// There is no other way to read it; `fabc check --fix` makes the change.
+    Certain,
+    /// It is the nearest name; only the author knows.
+    Likely,
 }
 
 impl Diagnostic {
@@ -115,10 +126,24 @@ impl Diagnostic {
     }
 
     /// Adds a change that certainly repairs it.
-    pub(crate) fn edit(mut self, span: Span, replacement: impl Into<String>) -> Diagnostic {
+    pub(crate) fn edit(self, span: Span, replacement: impl Into<String>) -> Diagnostic {
+        self.with_edit(span, replacement.into(), Certainty::Certain)
+    }
+
+    /// Adds a change to the nearest name, and says so.
+    pub(crate) fn meant(self, span: Span, meant: &str) -> Diagnostic {
+        self.help(format!("did you mean `{meant}`?")).with_edit(
+            span,
+            meant.to_owned(),
+            Certainty::Likely,
+        )
+    }
+
+    fn with_edit(mut self, span: Span, replacement: String, certainty: Certainty) -> Diagnostic {
         self.edits.push(Edit {
             span,
-            replacement: replacement.into(),
+            replacement,
+            certainty,
         });
         self
     }

@@ -84,9 +84,7 @@ fn unknown_word(span: Span, word: &str, known: &[&str], block: Option<&str>) -> 
     };
     let diagnostic = Diagnostic::new(Code::UnknownWord, span, format!("{place} `{word}`"));
     match nearest(word, known.iter().copied()) {
-        Some(meant) => diagnostic
-            .help(format!("did you mean `{meant}`?"))
-            .edit(span, meant),
+        Some(meant) => diagnostic.meant(span, meant),
         None => diagnostic.help(format!(
             "a line here begins with {}",
             among(known.iter().copied())

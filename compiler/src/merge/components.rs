@@ -72,9 +72,7 @@ fn absent(code: Code, doing: &str, name: &Ident, inherited: &BTreeSet<&str>) -> 
     let message = format!("there is no component `{}` to {doing}", name.text);
     let diagnostic = Diagnostic::new(code, name.span, message);
     match nearest(&name.text, inherited.iter().copied()) {
-        Some(meant) => diagnostic
-            .help(format!("did you mean `{meant}`?"))
-            .edit(name.span, meant),
+        Some(meant) => diagnostic.meant(name.span, meant),
         None if inherited.is_empty() => diagnostic
             .help("only components of an extended task can be meant; this one inherits none"),
         None => diagnostic.help(format!("it inherits {}", among(inherited.iter().copied()))),

@@ -155,9 +155,7 @@ fn unknown_task(base: &Ident, loaded: &Loaded) -> Diagnostic {
             "it is declared in `{}`; add a `use` of that file",
             loaded.sources.get(file.id).name
         )),
-        (Some(meant), _) => diagnostic
-            .help(format!("did you mean `{meant}`?"))
-            .edit(base.span, meant),
+        (Some(meant), _) => diagnostic.meant(base.span, meant),
         _ => diagnostic.help(format!("this file sees {}", among(seen()))),
     }
 }

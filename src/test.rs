@@ -1,0 +1,129 @@
+//! `fabc test`: runs the tests that tasks carry.
+
+use crate::cli::TestArguments;
+use crate::exit::{Exit, Failure};
+use crate::{output, sources};
+use compiler::program::{Expect, Program, Test};
+use compiler::trial::{self, Finding, Trial};
+use compiler::{Compiled, diag};
+use serde_json::{Value, json};
+
+/// Runs every test of every file; one that fails exits with 1.
+pub fn run(arguments: &TestArguments) -> Result<Exit, Failure> {
+    let mut exit = Exit::Done;
+    let mut rows = Vec::new();
+    let mut errors = Vec::new();
+    let (mut n_passed, mut n_failed) = (0, 0);
+    for file in &arguments.files {
+        let compiled = match sources::compile(file) {
+            Ok(compiled) => compiled,
+            Err(failure) => {
+                output::talk(&format!("error: {failure}"));
+                errors.push(failure.to_string());
+                exit = Exit::Environment;
+                continue;
+            }
+        };
+        if !compiled.diagnostics.is_empty() {
+            let text = diag::to_text(
+                &compiled.diagnostics,
+                &compiled.sources,
+                output::talk_color(),
+            );
+            output::talk(text.trim_end());
+        }
+        if compiled.has_errors() {
+            errors.push(format!("`{file}` cannot be compiled"));
+            if exit == Exit::Done {
+                exit = Exit::Author;
+            }
+            continue;
+        }
+        for (test, program) in chosen(&compiled, arguments.only.as_deref()) {
+            let trial = trial::run(program, test);
+            if trial.is_expected {
+                n_passed += 1;
+            } else {
+                n_failed += 1;
+            }
+            if !arguments.json {
+                output::data(&line(file, test, &trial));
+            }
+            rows.push(row(file, test, &trial));
+        }
+    }
+    if n_failed > 0 && exit == Exit::Done {
+        exit = Exit::Author;
+    }
+    if arguments.json {
+        output::json(&json!({
+            "passed": n_passed,
+            "failed": n_failed,
+            "tests": rows,
+            "errors": errors,
+        }));
+    } else {
+        output::data(&format!("{n_passed} passed, {n_failed} failed"));
+    }
+    Ok(exit)
+}
+
+/// Returns each test that is wanted with the program of its task.
+fn chosen<'c>(
+    compiled: &'c Compiled,
+    only: Option<&'c str>,
+) -> impl Iterator<Item = (&'c Test, &'c Program)> {
+    let wanted = move |test: &&Test| only.is_none_or(|words| test.name.contains(words));
+    compiled.tests.iter().filter(wanted).filter_map(|test| {
+        let mut programs = compiled.programs.iter();
+        let program =
+            programs.find(|program| program.task == test.task && program.variant.is_none());
+        Some((test, program?))
+    })
+}
+
+fn line(file: &str, test: &Test, trial: &Trial) -> String {
+    let verdict = if trial.is_expected { "ok  " } else { "FAIL" };
+    let mut line = format!("{verdict} {file}:{}: {}", test.line, test.name);
+    if !trial.is_expected {
+        line.push_str(&format!("\n     expected: {}", expected(&test.expect)));
+        let found = trial.finding.to_string().replace('\n', "\n       ");
+        line.push_str(&format!("\n     found: {found}"));
+    }
+    for repair in &trial.repairs {
+        line.push_str(&format!("\n     tolerated: {repair}"));
+    }
+    line
+}
+
+fn expected(expect: &Expect) -> String {
+    match expect {
+        Expect::Accept => "the answer is accepted".to_owned(),
+        Expect::Reject { check } => format!("the check `{check}` refuses the answer"),
+        Expect::Malformed => "the answer is malformed".to_owned(),
+        Expect::Text { text } => format!("the answer's text is `{text}`"),
+    }
+}
+
+fn row(file: &str, test: &Test, trial: &Trial) -> Value {
+    let finding = match &trial.finding {
+        Finding::Accepted => json!({ "finding": "accept" }),
+        Finding::Rejected {
+            check,
+            values,
+            message,
+        } => json!({ "finding": "reject", "check": check, "values": values, "message": message }),
+        Finding::Malformed { message } => json!({ "finding": "malformed", "message": message }),
+        Finding::Text { text } => json!({ "finding": "text", "text": text }),
+        Finding::Lacking { name } => json!({ "finding": "lacking", "name": name }),
+    };
+    json!({
+        "file": file,
+        "line": test.line,
+        "task": test.task,
+        "test": test.name,
+        "passed": trial.is_expected,
+        "found": finding,
+        "repairs": trial.repairs,
+    })
+}
