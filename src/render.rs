@@ -10,8 +10,11 @@ mod camera;
 use crate::cli::RenderArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, sources};
-use compiler::program::{KeypointShape, PixelPoint, Program, Read, Stage};
-use compiler::render::{self, Bindings};
+use compiler::facts::SceneView;
+use compiler::program::{
+    Arrow, KeypointShape, Layers, Picture, PixelPoint, Program, Read, Stage, Which,
+};
+use compiler::render::PromptPicture;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
@@ -41,20 +44,21 @@ pub fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
     if arguments.step > program.horizon {
         return Err(Failure::usage(format!(
             "`{}` has {} steps; there is no step {}",
-            program.task, program.horizon, arguments.step
+            program.title(),
+            program.horizon,
+            arguments.step
         )));
     }
-    let mut bindings = render::placeholders(&program);
+    let listed = match &arguments.scene {
+        Some(path) => Some(Listed::read(&program, path)?),
+        None => None,
+    };
     let view = camera::View::at(&program, arguments)?;
-    match &arguments.scene {
-        Some(path) => bind_scene(&program, path, &mut bindings)?,
-        None => view.bind(&mut bindings),
-    }
     say_placeholders(&program, &stages);
     let mut shown = Vec::with_capacity(stages.len());
     for stage in stages {
         let messages = view
-            .messages(&program, stage, &bindings)
+            .messages(&program, stage, listed.as_ref())
             .map_err(Failure::environment)?;
         shown.push((stage.name.as_str(), messages));
     }
@@ -116,40 +120,76 @@ fn say_placeholders(program: &Program, stages: &[&Stage]) {
     }
 }
 
-/// Takes the points of every keypoint from a file.
-fn bind_scene(program: &Program, path: &Path, bindings: &mut Bindings) -> Result<(), Failure> {
-    let wrong = |why: String| {
-        Failure::environment(format!(
-            "the scene `{}` cannot be used: {why}",
-            path.display()
-        ))
-    };
-    let bytes = sources::read_bounded(path).map_err(wrong)?;
-    let scene: BTreeMap<String, Vec<PixelPoint>> = serde_json::from_slice(&bytes)
-        .map_err(|error| wrong(format!("{error}; right would be {{\"corners\": [[12, 34], [56, 78]], \"center\": [[40, 50]]}}")))?;
-    for keypoint in &program.keypoints {
-        let name = keypoint.name.as_str();
-        match (
-            keypoint.extractor.shape(),
-            scene.get(name).map(Vec::as_slice),
-        ) {
-            (KeypointShape::Mask, _) => {}
-            (KeypointShape::Point, Some([point])) => bindings.point(name, *point),
-            (KeypointShape::Points, Some(points)) if !points.is_empty() => {
-                bindings.points(name, points)
-            }
-            (KeypointShape::Point, found) => {
-                return Err(wrong(format!(
-                    "`{name}` needs exactly one point, it has {}",
-                    found.map_or(0, <[_]>::len)
-                )));
-            }
-            (KeypointShape::Points, _) => {
-                return Err(wrong(format!("`{name}` needs at least one point")));
+/// A scene whose points come from a file; its masks and boxes are not known.
+struct Listed {
+    points: BTreeMap<String, Vec<PixelPoint>>,
+}
+
+impl Listed {
+    /// Reads the points of every keypoint.
+    fn read(program: &Program, path: &Path) -> Result<Listed, Failure> {
+        let wrong = |why: String| {
+            Failure::environment(format!(
+                "the scene `{}` cannot be used: {why}",
+                path.display()
+            ))
+        };
+        let bytes = sources::read_bounded(path).map_err(wrong)?;
+        let points: BTreeMap<String, Vec<PixelPoint>> = serde_json::from_slice(&bytes)
+            .map_err(|error| wrong(format!("{error}; right would be {{\"corners\": [[12, 34], [56, 78]], \"center\": [[40, 50]]}}")))?;
+        for keypoint in &program.keypoints {
+            let name = keypoint.name.as_str();
+            let found = points.get(name).map_or(0, Vec::len);
+            match keypoint.extractor.shape() {
+                KeypointShape::Point if found != 1 => {
+                    return Err(wrong(format!(
+                        "`{name}` needs exactly one point, it has {found}"
+                    )));
+                }
+                KeypointShape::Points if found == 0 => {
+                    return Err(wrong(format!("`{name}` needs at least one point")));
+                }
+                _ => {}
             }
         }
+        Ok(Listed { points })
     }
-    Ok(())
+}
+
+impl SceneView for Listed {
+    fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
+        self.points.get(keypoint).cloned()
+    }
+
+    fn distance_px(&self, _: &str, _: PixelPoint) -> Option<f64> {
+        None
+    }
+
+    fn area_px(&self, _: &str) -> Option<f64> {
+        None
+    }
+}
+
+/// Says what a picture of a prompt shows.
+fn title(picture: &PromptPicture, step: u32) -> String {
+    match picture {
+        PromptPicture::File(file) => file.path.clone(),
+        PromptPicture::Drawn(Picture::Scene { layers }) => match layers {
+            Layers::Drawn => "scene with annotations".to_owned(),
+            Layers::Absent => "scene".to_owned(),
+        },
+        PromptPicture::Drawn(Picture::Subgoal { which, arrow }) => {
+            let number = match which {
+                Which::Now => step - 1,
+                Which::Next => step,
+            };
+            let drawn = match arrow {
+                Arrow::Drawn => " with arrow",
+                Arrow::Absent => "",
+            };
+            format!("subgoal {number}{drawn}")
+        }
+    }
 }
 
 fn as_json(stage: &str, messages: &[Shown]) -> Value {

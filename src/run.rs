@@ -3,10 +3,11 @@
 use crate::cli::RunArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, setting, sources};
-use compiler::program::Program;
+use compiler::program::{Goal, Metric, Program};
 use compiler::verify::Verdict;
 use runtime::agent::{Attempt, Finding, Models};
 use runtime::expert::MakeWorld;
+use runtime::files::ExamplePictures;
 use runtime::interrupt::Interrupt;
 use runtime::journal::RunFolder;
 use runtime::outcome::Outcome;
@@ -20,7 +21,10 @@ use std::path::Path;
 pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task)?;
     let model = setting::model(&arguments.model)?;
-    let start = setting::start(&program, &arguments.start)?;
+    let beside = setting::folder_of(&arguments.task.file);
+    let examples = ExamplePictures::load(&program, &beside).map_err(Failure::environment)?;
+    let mut first = setting::world(&program).map_err(Failure::environment)?;
+    let start = setting::start(&program, &beside, &arguments.start, first.as_mut())?;
     let folder = match &arguments.out {
         Some(path) => RunFolder::create(path),
         None => RunFolder::create_next(Path::new("runs"), &program.task),
@@ -28,7 +32,6 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     let folder = folder.map_err(Failure::environment)?;
     let interrupt = setting::interrupt()?;
     let make_world = || setting::world(&program);
-    let beside = setting::folder_of(&arguments.task.file);
     let subgoals = match prepare(&program, &start, &beside, &make_world, &interrupt) {
         Ok(Some(subgoals)) => subgoals,
         Ok(None) => {
@@ -48,7 +51,7 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     };
     output::talk(&format!(
         "{}: start {}, model {}{stand_in}",
-        program.task,
+        program.title(),
         start.name,
         model.name()
     ));
@@ -56,6 +59,7 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         program: &program,
         start: &start,
         subgoals: &subgoals,
+        examples: &examples,
         models: Models {
             vision: model.as_ref(),
             text: model.as_ref(),
@@ -70,10 +74,7 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
             &serde_json::to_value(&report).expect("a report has string keys and finite numbers"),
         );
     } else {
-        output::data(&summary(
-            &report,
-            program.goal.as_ref().map(|goal| goal.below_m * 1000.0),
-        ));
+        output::data(&summary(&report, program.goal.as_ref()));
     }
     Ok(exit_of(&report))
 }
@@ -96,7 +97,7 @@ fn prepare(
 
 fn say_origin(origin: Origin, file: &str) {
     match origin {
-        Origin::Author | Origin::Pinned => {}
+        Origin::Author | Origin::Pinned | Origin::Absent => {}
         Origin::PinnedByOther => output::talk(&format!(
             "note: the pinned subgoal pictures were drawn with other simulator parameters; `fabc subgoals {file}` draws them again"
         )),
@@ -168,10 +169,14 @@ fn refusal(attempt: &Attempt) -> Option<String> {
     }
 }
 
-fn summary(report: &RolloutReport, goal_mm: Option<f64>) -> String {
+fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
     let mut lines = vec![format!("outcome: {}", report.outcome.name())];
     if let Some(mm) = report.mean_particle_distance_mm {
-        let goal = goal_mm.map_or(String::new(), |goal| format!(" (goal: below {goal:.0} mm)"));
+        let goal = goal
+            .filter(|goal| goal.metric == Metric::ParticleDistance)
+            .map_or(String::new(), |goal| {
+                format!(" (goal: below {:.0} mm)", goal.limit * 1000.0)
+            });
         lines.push(format!(
             "mean particle distance to the nearest expert result: {mm:.1} mm{goal}"
         ));

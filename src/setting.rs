@@ -2,8 +2,9 @@
 
 use crate::cli::StartArguments;
 use crate::exit::Failure;
-use compiler::program::Program;
+use compiler::program::{ClothStart, Program};
 use runtime::cache::Cache;
+use runtime::files;
 use runtime::interrupt::Interrupt;
 use runtime::model::{Geometric, Model};
 use runtime::start::{Grid, Start, StartFrame, Up};
@@ -28,14 +29,26 @@ pub fn model(name: &str) -> Result<Box<dyn Model>, Failure> {
     }
 }
 
-/// Lays the cloth as the command line says.
-pub fn start(program: &Program, arguments: &StartArguments) -> Result<Start, Failure> {
+/// Lays the cloth as the command line says, else as the task does; `folder` holds the task's file.
+pub fn start(
+    program: &Program,
+    folder: &Path,
+    arguments: &StartArguments,
+    world: &mut dyn World,
+) -> Result<Start, Failure> {
     let Some(text) = &arguments.start else {
-        return match arguments.dims {
-            Some(_) => Err(Failure::usage(
+        if arguments.dims.is_some() {
+            return Err(Failure::usage(
                 "`--dims` and `--up` describe a start file; name it with `--start FILE.npy`",
-            )),
-            None => Ok(Start::flat(&program.cloth)),
+            ));
+        }
+        return match &program.cloth.start {
+            ClothStart::Flat => Ok(Start::flat(&program.cloth)),
+            ClothStart::Crumpled => crumpled(program, 0, world),
+            ClothStart::File { file } => {
+                let path = files::resolve(folder, file).map_err(Failure::environment)?;
+                Start::load(&path, None).map_err(Failure::environment)
+            }
         };
     };
     if text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty() {
@@ -47,13 +60,20 @@ pub fn start(program: &Program, arguments: &StartArguments) -> Result<Start, Fai
         let seed = text.parse().map_err(|_| {
             Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX))
         })?;
-        return Ok(Start::seeded(&program.cloth, seed));
+        return match program.cloth.start {
+            ClothStart::Crumpled => crumpled(program, seed, world),
+            _ => Ok(Start::seeded(&program.cloth, seed)),
+        };
     }
     let stated = match (&arguments.dims, &arguments.up) {
         (Some(dims), Some(up)) => Some(stated_frame(dims, up, program.cloth.spacing_m)?),
         _ => None,
     };
     Start::load(Path::new(text), stated).map_err(Failure::environment)
+}
+
+fn crumpled(program: &Program, _seed: u64, _world: &mut dyn World) -> Result<Start, Failure> {
+    Ok(Start::flat(&program.cloth))
 }
 
 fn stated_frame(dims: &str, up: &str, spacing_m: f64) -> Result<StartFrame, Failure> {

@@ -3,7 +3,7 @@
 use crate::cli::SubgoalsArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, setting, sources};
-use compiler::program::{Arrow, Picture, Which};
+use compiler::program::{Arrow, Which};
 use image::{RgbImage, imageops};
 use runtime::store;
 use runtime::subgoals::{Origin, SubgoalSet};
@@ -34,7 +34,14 @@ pub fn run(arguments: &SubgoalsArguments) -> Result<Exit, Failure> {
             program.task
         ));
     }
-    if let Some(path) = &arguments.sheet {
+    if set.origin == Origin::Absent {
+        output::talk(&format!("`{}` has no subgoals", program.task));
+    }
+    if let Some(path) = arguments
+        .sheet
+        .as_ref()
+        .filter(|_| !set.pictures.is_empty())
+    {
         if path
             .extension()
             .is_none_or(|ending| !ending.eq_ignore_ascii_case("png"))
@@ -71,15 +78,10 @@ fn sheet(set: &SubgoalSet) -> Result<RgbImage, VisionError> {
     let mut left = 0;
     for (number, bare) in set.pictures.iter().enumerate() {
         let last = number + 1 == set.pictures.len();
-        let shown = if last {
-            bare.clone()
-        } else {
-            set.step(number)?
-                .picture(Picture {
-                    subgoal: Which::Now,
-                    arrow: Arrow::Drawn,
-                })
-                .clone()
+        let step = if last { None } else { set.step(number)? };
+        let shown = match &step {
+            Some(step) => step.picture(Which::Now, Arrow::Drawn).clone(),
+            None => bare.clone(),
         };
         imageops::replace(&mut sheet, &shown, i64::from(left), 0);
         left += shown.width() + GAP_PX;

@@ -7,8 +7,9 @@ use crate::camera::center_of;
 use crate::observation::Observation;
 use crate::scene::Scene;
 use crate::world::{Motion, WorldPoint};
-use compiler::program::PixelPoint;
+use compiler::program::{Choices, PixelPoint, Program, Value};
 use compiler::reply::Proposal;
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// A pick and a place, ready to be executed.
@@ -30,9 +31,13 @@ impl Action {
     /// A detected corner is taken where it was located, any other pixel at its centre. A pick on the background goes to the nearest cloth pixel (protocol, section 4 item 10).
     /// Returns `None` where a proposal lacks a field or the scene has no cloth, which the verifier
     /// has already refused, or where the camera does not look at the table.
-    pub fn lower(proposal: &Proposal, scene: &Scene, observation: &Observation) -> Option<Action> {
-        let pick_px = proposal.get("pick")?;
-        let place_px = proposal.get("place")?;
+    pub fn lower(
+        program: &Program,
+        proposal: &Proposal,
+        scene: &Scene,
+        observation: &Observation,
+    ) -> Option<Action> {
+        let pick_px = proposal.point("pick")?;
         let pick_on_cloth_px = scene.cloth()?.nearest(pick_px)?;
         let at = |pixel: PixelPoint| scene.located(pixel).unwrap_or_else(|| center_of(pixel));
         let pick_at = if scene.located(pick_px).is_some() {
@@ -41,7 +46,13 @@ impl Action {
             center_of(pick_on_cloth_px)
         };
         let pick = point_on_surface(pick_on_cloth_px, pick_at, observation)?;
-        let place = point_on_surface(place_px, at(place_px), observation)?;
+        let (place_px, place) = match proposal.point("place") {
+            Some(place_px) => {
+                let place = point_on_surface(place_px, at(place_px), observation)?;
+                (place_px, place)
+            }
+            None => carried(program, proposal, pick, observation)?,
+        };
         Some(Action {
             pick_px,
             pick_on_cloth_px,
@@ -49,6 +60,45 @@ impl Action {
             motion: Motion { pick, place },
         })
     }
+}
+
+/// Returns where a direction and a distance lead from the picked point, at its height, and the pixel that shows it.
+///
+/// Directions are those of the picture: the camera says which way of the table is its right and its up. The
+/// pixel is truncated (protocol, section 4 item 10).
+fn carried(
+    program: &Program,
+    proposal: &Proposal,
+    pick: WorldPoint,
+    observation: &Observation,
+) -> Option<(PixelPoint, WorldPoint)> {
+    let (Value::Direction { deg }, Value::Length { length }) =
+        (proposal.get("direction")?, proposal.get("distance")?)
+    else {
+        return None;
+    };
+    let choices = |name: &str| program.field(name).map(|field| &field.choices);
+    let Some(Choices::Directions {
+        choices: directions,
+    }) = choices("direction")
+    else {
+        return None;
+    };
+    let Some(Choices::Lengths {
+        choices: lengths, ..
+    }) = choices("distance")
+    else {
+        return None;
+    };
+    let [right, down] = directions.iter().find(|choice| choice.deg == *deg)?.vector;
+    let length_m = lengths.iter().find(|choice| choice.value == *length)?.m;
+    // The camera looks straight down, so that its image axes are directions of the table.
+    let rotation = observation.camera.world_from_camera.rotation;
+    let way = rotation * Vector3::new(right, down, 0.0);
+    let place = pick + way * length_m;
+    let [column, row] = observation.camera.pixel_from_world(place)?;
+    let pixel = PixelPoint::new(column.floor() as i32, row.floor() as i32);
+    Some((pixel, place))
 }
 
 /// Returns the world point at `at`, at the depth that `pixel` shows; without a depth reading, the point of

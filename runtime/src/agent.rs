@@ -6,13 +6,15 @@
 
 use crate::model::{Message, Model, ModelRole, Part, Png, Reply, Request, Speaker};
 use crate::outcome::Outcome;
+use crate::pictures::Pictures;
 use crate::scene::Scene;
-use crate::subgoals::StepPictures;
-use compiler::program::{Picture, Program, Read, Stage};
-use compiler::render::{self, Bindings, PromptSpeaker, RenderError};
+use compiler::facts::{Done, Facts};
+use compiler::program::{Program, Read, Stage, Value};
+use compiler::render::{self, PromptPicture, PromptSpeaker, RenderError, Values};
 use compiler::reply::{self, Malformed, Proposal, Reading};
-use compiler::verify::{self, Verdict};
+use compiler::verify::{self, Strictness, Verdict};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 /// Which model answers which role.
@@ -66,8 +68,8 @@ pub enum Finding {
     },
     /// An action, and whether it may run.
     Action {
-        /// Its fields, in pixels.
-        fields: Vec<(String, compiler::program::PixelPoint)>,
+        /// Its fields.
+        fields: Vec<(String, Value)>,
         /// What had to be tolerated to read it.
         repairs: Vec<String>,
         /// The verifier's answer.
@@ -91,7 +93,12 @@ pub enum Finding {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decision {
     /// Execute this.
-    Act(Proposal),
+    Act {
+        /// The action.
+        proposal: Proposal,
+        /// Whether it passes only without the checks that the task leaves out at last.
+        relaxed: bool,
+    },
     /// End the rollout so.
     Stop(Outcome),
 }
@@ -107,31 +114,61 @@ pub enum AgentError<E> {
     Record(E),
 }
 
+/// Where a step stands when models are asked.
+#[derive(Clone, Copy)]
+pub struct Situation<'a> {
+    /// The task.
+    pub program: &'a Program,
+    /// What the camera shows.
+    pub scene: &'a Scene,
+    /// Which step this is, from 1.
+    pub step: u32,
+    /// The action before.
+    pub last: Option<&'a Done>,
+    /// What can be shown.
+    pub pictures: &'a Pictures,
+}
+
+impl<'a> Situation<'a> {
+    fn facts(self, texts: &'a BTreeMap<String, String>) -> Facts<'a> {
+        Facts {
+            scene: self.scene,
+            texts,
+            step: self.step,
+            last: self.last,
+            proposal: None,
+        }
+    }
+}
+
 /// Asks every stage of one step and returns what to do.
 ///
 /// `record` gets each attempt as soon as it is complete; where it fails, the step ends with its error.
 pub fn decide<E: std::error::Error>(
-    program: &Program,
-    scene: &Scene,
-    pictures: &StepPictures,
+    situation: Situation<'_>,
     models: Models<'_>,
     record: &mut dyn FnMut(&Attempt) -> Result<(), E>,
 ) -> Result<Decision, AgentError<E>> {
-    let mut bindings = scene.bindings();
+    let program = situation.program;
+    let mut texts = BTreeMap::new();
     let mut decision = Decision::Stop(Outcome::MalformedReply);
     for stage in &program.stages {
-        let mut talk = Talk::begin(program, stage, pictures, &bindings)?;
+        let mut talk = Talk::begin(situation, stage, &texts)?;
         let answer = loop {
-            let attempt = talk.ask(program, scene, models.of(stage.model), &bindings)?;
+            let attempt = talk.ask(models.of(stage.model), &texts)?;
             record(&attempt).map_err(AgentError::Record)?;
-            match talk.conclude(attempt, program.verify.attempts) {
+            match talk.conclude(attempt, &texts)? {
                 Next::AskAgain => {}
                 Next::Done(answer) => break answer,
             }
         };
         match answer {
-            Answer::Text { name, value } => bindings.text(&name, &value),
-            Answer::Action(proposal) => decision = Decision::Act(proposal),
+            Answer::Text { name, value } => {
+                texts.insert(name, value);
+            }
+            Answer::Action { proposal, relaxed } => {
+                decision = Decision::Act { proposal, relaxed };
+            }
             Answer::None(outcome) => return Ok(Decision::Stop(outcome)),
         }
     }
@@ -141,7 +178,7 @@ pub fn decide<E: std::error::Error>(
 /// What a stage comes to in the end.
 enum Answer {
     Text { name: String, value: String },
-    Action(Proposal),
+    Action { proposal: Proposal, relaxed: bool },
     None(Outcome),
 }
 
@@ -152,37 +189,42 @@ enum Next {
 
 /// The conversation of one stage in one step.
 struct Talk<'a> {
+    situation: Situation<'a>,
     stage: &'a Stage,
     messages: Vec<Message>,
     asked: u32,
+    /// Actions that were read and refused, oldest first.
+    refused: Vec<Proposal>,
 }
 
 impl<'a> Talk<'a> {
     fn begin(
-        program: &Program,
+        situation: Situation<'a>,
         stage: &'a Stage,
-        pictures: &StepPictures,
-        bindings: &Bindings,
+        texts: &BTreeMap<String, String>,
     ) -> Result<Self, RenderError> {
+        let values = Values::Known(situation.facts(texts));
+        let png = |picture: &PromptPicture| situation.pictures.png(picture);
         Ok(Talk {
+            situation,
             stage,
-            messages: conversation(program, stage, bindings, |picture| pictures.png(picture))?,
+            messages: conversation(situation.program, stage, values, png)?,
             asked: 0,
+            refused: Vec::new(),
         })
     }
 
     fn ask<E>(
         &mut self,
-        program: &Program,
-        scene: &Scene,
         model: &dyn Model,
-        bindings: &Bindings,
+        texts: &BTreeMap<String, String>,
     ) -> Result<Attempt, AgentError<E>> {
         self.asked += 1;
         let request = Request {
             role: self.stage.model,
             messages: self.messages.clone(),
             temperature: self.stage.temperature,
+            top_p: self.stage.top_p,
             max_tokens: self.stage.max_tokens,
             repetition: 0,
         };
@@ -191,7 +233,8 @@ impl<'a> Talk<'a> {
         let took = begun.elapsed();
         let (reply, finding) = match answered {
             Ok(reply) => {
-                let finding = judge(program, self.stage, scene, bindings, &reply.text)?;
+                let facts = self.situation.facts(texts);
+                let finding = judge(self.situation.program, self.stage, facts, &reply.text)?;
                 (Some(reply), finding)
             }
             Err(error) => (
@@ -211,28 +254,66 @@ impl<'a> Talk<'a> {
         })
     }
 
-    fn conclude(&mut self, attempt: Attempt, attempts: u32) -> Next {
+    fn conclude(
+        &mut self,
+        attempt: Attempt,
+        texts: &BTreeMap<String, String>,
+    ) -> Result<Next, RenderError> {
         let (correction, outcome) = match attempt.finding {
-            Finding::Text { name, value, .. } => return Next::Done(Answer::Text { name, value }),
+            Finding::Text { name, value, .. } => {
+                return Ok(Next::Done(Answer::Text { name, value }));
+            }
             Finding::Action {
                 fields,
                 verdict: Verdict::Accept,
                 ..
-            } => return Next::Done(Answer::Action(Proposal { fields })),
-            Finding::Failed { .. } => return Next::Done(Answer::None(Outcome::ModelFailed)),
+            } => {
+                return Ok(Next::Done(Answer::Action {
+                    proposal: Proposal { fields },
+                    relaxed: false,
+                }));
+            }
+            Finding::Failed { .. } => return Ok(Next::Done(Answer::None(Outcome::ModelFailed))),
             Finding::Action {
+                fields,
                 verdict: Verdict::Reject { message, .. },
                 ..
-            } => (message, Outcome::AttemptsExhausted),
+            } => {
+                self.refused.push(Proposal { fields });
+                (message, Outcome::AttemptsExhausted)
+            }
             Finding::Malformed { message, .. } => (message, Outcome::MalformedReply),
         };
-        if self.asked >= attempts {
-            return Next::Done(Answer::None(outcome));
+        if self.asked >= self.situation.program.verify.attempts {
+            let answer = match self.relaxed(texts)? {
+                Some(proposal) => Answer::Action {
+                    proposal,
+                    relaxed: true,
+                },
+                None => Answer::None(outcome),
+            };
+            return Ok(Next::Done(answer));
         }
         let said = attempt.reply.map(|reply| reply.text).unwrap_or_default();
         self.messages.push(Message::text(Speaker::Assistant, said));
         self.messages.push(Message::text(Speaker::User, correction));
-        Next::AskAgain
+        Ok(Next::AskAgain)
+    }
+
+    /// Judges the answers in hand once more, newest first, without the checks that the task then leaves out.
+    fn relaxed(&self, texts: &BTreeMap<String, String>) -> Result<Option<Proposal>, RenderError> {
+        let program = self.situation.program;
+        if program.verify.relaxed.is_empty() {
+            return Ok(None);
+        }
+        for proposal in self.refused.iter().rev() {
+            let facts = self.situation.facts(texts);
+            let verdict = verify::verdict(program, facts, proposal, Strictness::Relaxed)?;
+            if verdict == Verdict::Accept {
+                return Ok(Some(proposal.clone()));
+            }
+        }
+        Ok(None)
     }
 }
 
@@ -242,33 +323,33 @@ impl<'a> Talk<'a> {
 pub fn conversation(
     program: &Program,
     stage: &Stage,
-    bindings: &Bindings,
-    png: impl Fn(Picture) -> Png,
+    values: Values<'_>,
+    png: impl Fn(&PromptPicture) -> Option<Png>,
 ) -> Result<Vec<Message>, RenderError> {
-    let prompts = render::messages(program, stage, bindings)?;
-    let message = |prompt: render::PromptMessage| {
+    let mut messages = Vec::new();
+    for prompt in render::messages(program, stage, values)? {
         let speaker = match prompt.speaker {
             PromptSpeaker::System => Speaker::System,
             PromptSpeaker::User => Speaker::User,
+            PromptSpeaker::Assistant => Speaker::Assistant,
         };
         let mut parts = vec![Part::Text(prompt.text)];
-        parts.extend(
-            prompt
-                .pictures
-                .into_iter()
-                .map(|picture| Part::Image(png(picture))),
-        );
-        Message { speaker, parts }
-    };
-    Ok(prompts.into_iter().map(message).collect())
+        for picture in &prompt.pictures {
+            let found = png(picture).ok_or_else(|| RenderError::MissingFact {
+                name: format!("{picture:?}"),
+            })?;
+            parts.push(Part::Image(found));
+        }
+        messages.push(Message { speaker, parts });
+    }
+    Ok(messages)
 }
 
 /// Reads an answer and, where it proposes an action, lets the verifier judge it.
 fn judge(
     program: &Program,
     stage: &Stage,
-    scene: &Scene,
-    bindings: &Bindings,
+    facts: Facts<'_>,
     text: &str,
 ) -> Result<Finding, RenderError> {
     let malformed = |Malformed { field, message }| Finding::Malformed { field, message };
@@ -287,7 +368,7 @@ fn judge(
         }),
         Read::Action => match reply::read_action(program, text) {
             Ok(Reading { value, repairs }) => {
-                let verdict = verify::verdict(program, scene, &value, bindings)?;
+                let verdict = verify::verdict(program, facts, &value, Strictness::Full)?;
                 Ok(Finding::Action {
                     fields: value.fields,
                     repairs,

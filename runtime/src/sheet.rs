@@ -4,9 +4,8 @@
 //! after it. The headline names the task, the model (and that it is a stand-in), and the result.
 
 use crate::rollout::RolloutReport;
-use crate::subgoals::StepPictures;
 use crate::vision::{self, VisionError};
-use compiler::program::{Arrow, Picture, PixelPoint, Which};
+use compiler::program::PixelPoint;
 use image::{Rgb, RgbImage, imageops};
 
 const MARGIN_PX: u32 = 12;
@@ -20,7 +19,7 @@ const MAX_HEIGHT_PX: u32 = 8000;
 const PAPER: Rgb<u8> = Rgb([255, 255, 255]);
 const INK: [u8; 3] = [30, 30, 30];
 const CAPTIONS: [&str; 3] = [
-    "subgoal with arrow",
+    "shown to the model",
     "chosen pick and place",
     "after the step",
 ];
@@ -38,14 +37,12 @@ impl Sheet {
     }
 
     /// Adds an executed step.
-    pub fn row(&mut self, pictures: &StepPictures, action: RgbImage, after: RgbImage) {
-        let subgoal = pictures.picture(Picture {
-            subgoal: Which::Now,
-            arrow: Arrow::Drawn,
-        });
+    ///
+    /// Where there is no subgoal, the first picture is what the model was shown.
+    pub fn row(&mut self, shown: &RgbImage, action: RgbImage, after: RgbImage) {
         // Shrunk at once: a long rollout with a large camera would fill the memory with pictures.
         self.rows
-            .push([subgoal, &action, &after].map(|picture| fit(picture, MAX_CELL_PX)));
+            .push([shown, &action, &after].map(|picture| fit(picture, MAX_CELL_PX)));
     }
 
     /// Draws the sheet; `None` where no step was executed. Fails where the letters cannot be drawn.

@@ -4,14 +4,14 @@
 //! from the author's files, from pinned ones, or drawn by executing `demonstrate` in a world.
 
 use crate::expert;
+use crate::files::{self, FileError};
 use crate::interrupt::Interrupt;
-use crate::model::Png;
 use crate::picture::{self, PictureError};
 use crate::start::Start;
 use crate::store;
 use crate::vision::{self, VisionError};
 use crate::world::{World, WorldError};
-use compiler::program::{Arrow, Fold, Picture, Program, SubgoalImage, Subgoals, Which};
+use compiler::program::{Arrow, Fold, Program, SubgoalImage, Subgoals, Which};
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -44,6 +44,8 @@ pub enum Origin {
     PinnedByOther,
     /// Drawn for this run, because none are pinned.
     Drawn,
+    /// The task has none.
+    Absent,
     /// Drawn for this run, because the pinned ones show another fold, cloth or camera.
     DrawnAnew,
 }
@@ -60,6 +62,9 @@ pub struct StepPictures {
 /// Why there are no pictures.
 #[derive(Debug, thiserror::Error)]
 pub enum SubgoalError {
+    /// A file is not where a task may have it.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A picture cannot be used.
     #[error("a subgoal picture cannot be used: {0}")]
     Picture(#[from] PictureError),
@@ -91,6 +96,15 @@ const PINS_FORMAT: u32 = 1;
 const PINS_FILE: &str = "pins.json";
 
 impl SubgoalSet {
+    /// Returns the set of a task without subgoals.
+    fn none() -> SubgoalSet {
+        SubgoalSet {
+            pictures: Vec::new(),
+            arrows: Vec::new(),
+            origin: Origin::Absent,
+        }
+    }
+
     /// Returns the program's pictures; `folder` is the one that holds its file.
     ///
     /// `world` is used only where nothing is pinned; it is reset by it.
@@ -101,12 +115,17 @@ impl SubgoalSet {
         interrupt: &Interrupt,
     ) -> Result<SubgoalSet, SubgoalError> {
         match &program.subgoals {
-            Subgoals::Images { images } => load_images(images, folder),
-            Subgoals::Demonstrate { folds } => match load_pins(program, folds, folder, world)? {
-                Pinned::Fitting(set) => Ok(set),
-                Pinned::Absent => draw(program, folds, Origin::Drawn, world, interrupt),
-                Pinned::OfAnotherFold => draw(program, folds, Origin::DrawnAnew, world, interrupt),
-            },
+            None => Ok(SubgoalSet::none()),
+            Some(Subgoals::Images { images }) => load_images(images, folder),
+            Some(Subgoals::Demonstrate { folds }) => {
+                match load_pins(program, folds, folder, world)? {
+                    Pinned::Fitting(set) => Ok(set),
+                    Pinned::Absent => draw(program, folds, Origin::Drawn, world, interrupt),
+                    Pinned::OfAnotherFold => {
+                        draw(program, folds, Origin::DrawnAnew, world, interrupt)
+                    }
+                }
+            }
         }
     }
 
@@ -118,17 +137,22 @@ impl SubgoalSet {
         interrupt: &Interrupt,
     ) -> Result<SubgoalSet, SubgoalError> {
         match &program.subgoals {
-            Subgoals::Images { images } => load_images(images, folder),
-            Subgoals::Demonstrate { folds } => {
+            None => Ok(SubgoalSet::none()),
+            Some(Subgoals::Images { images }) => load_images(images, folder),
+            Some(Subgoals::Demonstrate { folds }) => {
                 draw(program, folds, Origin::Drawn, world, interrupt)
             }
         }
     }
 
-    /// Returns the pictures around step `number`, from 0; the last step's where there are fewer.
+    /// Returns the pictures around step `number`, from 0; the last step's where there are fewer, none where
+    /// there are none at all.
     ///
     /// Fails where the arrow cannot be drawn.
-    pub fn step(&self, number: usize) -> Result<StepPictures, VisionError> {
+    pub fn step(&self, number: usize) -> Result<Option<StepPictures>, VisionError> {
+        if self.pictures.is_empty() {
+            return Ok(None);
+        }
         let last = self.pictures.len().saturating_sub(2);
         let number = number.min(last);
         let bare = [number, (number + 1).min(self.pictures.len() - 1)]
@@ -139,7 +163,7 @@ impl SubgoalSet {
                 vision::draw_arrow(picture, tail, tip)?;
             }
         }
-        Ok(StepPictures { bare, with_arrow })
+        Ok(Some(StepPictures { bare, with_arrow }))
     }
 
     /// Writes the pictures where [`SubgoalSet::obtain`] looks for them, and returns the files.
@@ -151,7 +175,7 @@ impl SubgoalSet {
         folder: &Path,
         params: &str,
     ) -> Result<Vec<PathBuf>, SubgoalError> {
-        let Subgoals::Demonstrate { folds } = &program.subgoals else {
+        let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
             return Ok(Vec::new());
         };
         let target = pin_folder(program, folder);
@@ -187,20 +211,15 @@ impl SubgoalSet {
 
 impl StepPictures {
     /// Returns one of the two pictures.
-    pub fn picture(&self, picture: Picture) -> &RgbImage {
-        let pair = match picture.arrow {
+    pub fn picture(&self, which: Which, arrow: Arrow) -> &RgbImage {
+        let pair = match arrow {
             Arrow::Drawn => &self.with_arrow,
             Arrow::Absent => &self.bare,
         };
-        match picture.subgoal {
+        match which {
             Which::Now => &pair[0],
             Which::Next => &pair[1],
         }
-    }
-
-    /// Returns one of the two pictures, encoded.
-    pub fn png(&self, picture: Picture) -> Png {
-        Png::new(picture::encode(self.picture(picture)))
     }
 }
 
@@ -211,9 +230,7 @@ fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, Sub
         origin: Origin::Author,
     };
     for image in images {
-        // Relative to the file that names it, so that a library's pictures may lie beside the library.
-        let declared_beside = Path::new(&image.declared_in).with_file_name("");
-        let path = folder.join(declared_beside).join(&image.path);
+        let path = files::resolve(folder, &image.file)?;
         set.pictures.push(picture::load(&path)?);
         let pixel = |point: compiler::program::PixelPoint| [f64::from(point.u), f64::from(point.v)];
         set.arrows

@@ -1,23 +1,31 @@
 //! Prompts on a scene that the world's camera sees, with the pictures that a model gets.
 
-use super::{Shown, ShownPart};
+use super::{Listed, Shown, ShownPart, title};
 use crate::cli::RenderArguments;
 use crate::exit::Failure;
 use crate::setting;
-use compiler::program::{Arrow, Picture, Program, Stage, Subgoals, Which};
-use compiler::render::{Bindings, RenderError};
+use compiler::facts::{Done, Facts, SceneView};
+use compiler::program::{PixelPoint, Program, Stage, Subgoals, Value};
+use compiler::render::{PromptPicture, RenderError, Values};
+use compiler::reply::Proposal;
+use runtime::agent;
 use runtime::expert;
+use runtime::files::ExamplePictures;
 use runtime::interrupt::Interrupt;
 use runtime::model::{Message, Part, Speaker};
+use runtime::pictures::Pictures;
 use runtime::scene::Scene;
-use runtime::subgoals::{StepPictures, SubgoalSet};
+use runtime::start::Start;
+use runtime::subgoals::SubgoalSet;
 use runtime::world::World;
-use runtime::{agent, start::Start};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 
-/// A scene and the pictures around it.
+/// A scene and what can be shown of it.
 pub struct View {
-    scene: Option<Scene>,
-    pictures: StepPictures,
+    scene: Scene,
+    pictures: Pictures,
+    last: Option<Done>,
     step: u32,
 }
 
@@ -30,36 +38,30 @@ impl View {
         }
         let interrupt = Interrupt::default();
         let mut world = setting::world(program).map_err(Failure::environment)?;
-        let folder = setting::folder_of(&arguments.file);
+        let folder = setting::folder_of(&arguments.task.file);
         let subgoals = SubgoalSet::obtain(program, &folder, world.as_mut(), &interrupt)
             .map_err(Failure::environment)?;
-        let scene = match arguments.scene {
-            Some(_) => None,
-            None => {
-                let start = setting::start(program, &arguments.start)?;
-                Some(look(
-                    program,
-                    &start,
-                    arguments.step,
-                    world.as_mut(),
-                    &interrupt,
-                )?)
-            }
-        };
+        let examples = ExamplePictures::load(program, &folder).map_err(Failure::environment)?;
+        let start = setting::start(program, &folder, &arguments.start, world.as_mut())?;
+        let step = arguments.step;
+        let seen = look(program, &start, step, world.as_mut(), &interrupt)?;
+        let annotated = seen
+            .scene
+            .annotated(program, &seen.rgb, seen.last.as_ref())
+            .map_err(Failure::environment)?;
         Ok(View {
-            scene,
-            pictures: subgoals
-                .step(arguments.step as usize - 1)
-                .map_err(Failure::environment)?,
-            step: arguments.step,
+            pictures: Pictures {
+                subgoals: subgoals
+                    .step(step as usize - 1)
+                    .map_err(Failure::environment)?,
+                scene: seen.rgb,
+                annotated,
+                examples,
+            },
+            scene: seen.scene,
+            last: seen.last,
+            step,
         })
-    }
-
-    /// Sets every point of the scene.
-    pub fn bind(&self, bindings: &mut Bindings) {
-        if let Some(scene) = &self.scene {
-            scene.bind(bindings);
-        }
     }
 
     /// Renders one stage by the function that a rollout uses.
@@ -67,28 +69,38 @@ impl View {
         &self,
         program: &Program,
         stage: &Stage,
-        bindings: &Bindings,
+        listed: Option<&Listed>,
     ) -> Result<Vec<Shown>, RenderError> {
-        let messages = agent::conversation(program, stage, bindings, |picture| {
+        let texts = BTreeMap::new();
+        let scene: &dyn SceneView = match listed {
+            Some(listed) => listed,
+            None => &self.scene,
+        };
+        let values = Values::Partly(Facts {
+            scene,
+            texts: &texts,
+            step: self.step,
+            last: self.last.as_ref(),
+            proposal: None,
+        });
+        let titles = RefCell::new(Vec::new());
+        let messages = agent::conversation(program, stage, values, |picture: &PromptPicture| {
+            titles.borrow_mut().push(title(picture, self.step));
             self.pictures.png(picture)
         })?;
-        let mut titles = stage.show.iter().map(|picture| self.title(*picture));
+        let mut titles = titles.into_inner().into_iter();
         Ok(messages
             .into_iter()
             .map(|message| shown(message, &mut titles))
             .collect())
     }
+}
 
-    fn title(&self, picture: Picture) -> String {
-        let number = match picture.subgoal {
-            Which::Now => self.step - 1,
-            Which::Next => self.step,
-        };
-        match picture.arrow {
-            Arrow::Drawn => format!("subgoal {number} with arrow"),
-            Arrow::Absent => format!("subgoal {number}"),
-        }
-    }
+/// What the camera sees at a step, and the action before it.
+struct Seen {
+    scene: Scene,
+    rgb: image::RgbImage,
+    last: Option<Done>,
 }
 
 fn look(
@@ -97,27 +109,53 @@ fn look(
     step: u32,
     world: &mut dyn World,
     interrupt: &Interrupt,
-) -> Result<Scene, Failure> {
-    let mut scene = None;
+) -> Result<Seen, Failure> {
+    let mut seen: Option<Seen> = None;
     world.reset(start).map_err(Failure::environment)?;
     for earlier in 0..step {
+        let mut last = None;
         if earlier > 0 {
-            let Subgoals::Demonstrate { folds } = &program.subgoals else {
+            let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
                 return Err(Failure::usage(
-                    "the task brings its own pictures, so that only step 1 can be shown; give `--scene FILE.json`",
+                    "the task demonstrates no folds, so that only step 1 can be shown; give `--scene FILE.json`",
                 ));
             };
             let fold = &folds[(earlier as usize - 1).min(folds.len() - 1)];
             let motion = expert::motion(fold, start, world).map_err(Failure::environment)?;
+            let camera = world.observe().map_err(Failure::environment)?.camera;
+            let pixel = |point| {
+                let [column, row]: [f64; 2] = camera.pixel_from_world(point)?;
+                Some(PixelPoint::new(column.floor() as i32, row.floor() as i32))
+            };
+            last = pixel(motion.pick)
+                .zip(pixel(motion.place))
+                .map(|(pick, place)| done(pick, place));
             world
                 .act(&motion, interrupt)
                 .map_err(Failure::environment)?;
         }
         let observation = world.observe().map_err(Failure::environment)?;
-        scene =
-            Some(Scene::of(program, &observation, scene.as_ref()).map_err(Failure::environment)?);
+        let first = seen.as_ref().map(|seen| &seen.scene);
+        let scene = Scene::of(program, &observation, first).map_err(Failure::environment)?;
+        seen = Some(Seen {
+            scene,
+            rgb: observation.rgb,
+            last,
+        });
     }
-    scene.ok_or_else(|| Failure::usage("steps are counted from 1"))
+    seen.ok_or_else(|| Failure::usage("steps are counted from 1"))
+}
+
+/// Makes the action that a demonstrated fold stands for.
+fn done(pick: PixelPoint, place: PixelPoint) -> Done {
+    let field = |name: &str, point| (name.to_owned(), Value::Point(point));
+    Done {
+        proposal: Proposal {
+            fields: vec![field("pick", pick), field("place", place)],
+        },
+        pick,
+        place,
+    }
 }
 
 fn shown(message: Message, titles: &mut impl Iterator<Item = String>) -> Shown {

@@ -1,11 +1,13 @@
 //! Prompts in a build without simulator and vision: points are typed placeholders, or from `--scene`.
 
-use super::{Shown, ShownPart};
+use super::{Listed, Shown, ShownPart, title};
 use crate::cli::RenderArguments;
 use crate::exit::Failure;
 use crate::output;
-use compiler::program::{Arrow, Program, Stage, Which};
-use compiler::render::{self, Bindings, PromptSpeaker, RenderError};
+use compiler::facts::Facts;
+use compiler::program::{Program, Stage};
+use compiler::render::{self, PromptSpeaker, RenderError, Values};
+use std::collections::BTreeMap;
 
 /// Stands where a scene would be.
 pub struct View {
@@ -25,40 +27,38 @@ impl View {
         })
     }
 
-    /// Leaves the placeholders as they are.
-    pub fn bind(&self, _bindings: &mut Bindings) {}
-
     /// Renders one stage.
     pub fn messages(
         &self,
         program: &Program,
         stage: &Stage,
-        bindings: &Bindings,
+        listed: Option<&Listed>,
     ) -> Result<Vec<Shown>, RenderError> {
+        let texts = BTreeMap::new();
+        let values = match listed {
+            None => Values::Typed,
+            Some(scene) => Values::Partly(Facts {
+                scene,
+                texts: &texts,
+                step: self.step,
+                last: None,
+                proposal: None,
+            }),
+        };
         let shown = |message: render::PromptMessage| {
             let role = match message.speaker {
                 PromptSpeaker::System => "system",
                 PromptSpeaker::User => "user",
+                PromptSpeaker::Assistant => "assistant",
             };
             let mut parts = vec![ShownPart::Text(message.text)];
-            parts.extend(message.pictures.into_iter().map(|picture| {
-                let number = match picture.subgoal {
-                    Which::Now => self.step - 1,
-                    Which::Next => self.step,
-                };
-                let arrow = if picture.arrow == Arrow::Drawn {
-                    " with arrow"
-                } else {
-                    ""
-                };
-                ShownPart::Picture {
-                    title: format!("subgoal {number}{arrow}"),
-                    png: None,
-                }
+            parts.extend(message.pictures.iter().map(|picture| ShownPart::Picture {
+                title: title(picture, self.step),
+                png: None,
             }));
             Shown { role, parts }
         };
-        Ok(render::messages(program, stage, bindings)?
+        Ok(render::messages(program, stage, values)?
             .into_iter()
             .map(shown)
             .collect())

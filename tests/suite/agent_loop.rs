@@ -39,7 +39,10 @@ fn play(vision: &[&str], text: &[&str]) -> Played {
 fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Interrupt) -> Played {
     let folder = tempfile::tempdir().unwrap();
     let (vision, text) = (Scripted::new(vision), Scripted::new(text));
-    let steps = program.subgoals.steps();
+    let steps = program
+        .subgoals
+        .as_ref()
+        .map_or(0, |subgoals| subgoals.steps());
     // Scripted models do not look, so that nothing need be drawn for them.
     let subgoals = SubgoalSet {
         pictures: vec![image::RgbImage::new(32, 32); steps + 1],
@@ -47,6 +50,7 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
         origin: Origin::Author,
     };
     let trial = Trial {
+        examples: runtime::files::ExamplePictures::default(),
         program,
         start: Start::flat(&program.cloth),
         subgoals,

@@ -52,6 +52,7 @@ fn requests() -> Vec<Request> {
         vec![Message::text(Speaker::Assistant, "Pick Point = (1, 2)")],
     ];
     let request = |(role, messages)| Request {
+        top_p: None,
         role,
         messages,
         temperature: None,

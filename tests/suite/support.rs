@@ -4,6 +4,7 @@ use compiler::program::Program;
 use compiler::{LoadError, Loader};
 use runtime::agent::Models;
 use runtime::cache::Cache;
+use runtime::files::ExamplePictures;
 use runtime::interrupt::Interrupt;
 use runtime::journal::RunFolder;
 use runtime::model::{Geometric, Model, ModelError, Nature, Reply, Request};
@@ -108,6 +109,7 @@ pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
 pub struct Trial<'p> {
     pub program: &'p Program,
     pub start: Start,
+    pub examples: ExamplePictures,
     pub subgoals: SubgoalSet,
     pub look: Look,
     pub cache: Cache,
@@ -127,6 +129,7 @@ impl<'p> Trial<'p> {
             program,
             start,
             subgoals,
+            examples: ExamplePictures::load(program, folder).unwrap(),
             look,
             cache: Cache::none(),
             interrupt,
@@ -157,6 +160,7 @@ impl<'p> Trial<'p> {
             program: self.program,
             start: &self.start,
             subgoals: &self.subgoals,
+            examples: &self.examples,
             models,
             make_world: &make_world,
             cache: &self.cache,

@@ -27,6 +27,7 @@ fn start() -> Start {
         dimx: 24,
         dimy: 20,
         spacing_m: 0.00625,
+        start: compiler::program::ClothStart::Flat,
     })
 }
 

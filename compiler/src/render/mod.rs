@@ -26,6 +26,8 @@ const MAX_BYTES: usize = 1 << 20;
 pub enum Values<'a> {
     /// From what is known.
     Known(Facts<'a>),
+    /// From what is known; what is not stands as in [`Values::Typed`].
+    Partly(Facts<'a>),
     /// From nowhere: each stands as words in angle brackets that say what it would be.
     ///
     /// Texts that stand under a condition are shown, since some scene would show them.
@@ -117,16 +119,21 @@ pub fn one(
             template: name.to_owned(),
         });
     };
-    if let (Some(when), Values::Known(facts)) = (&template.when, values) {
+    if let (Some(when), Values::Known(facts) | Values::Partly(facts)) = (&template.when, values) {
         let eval = Eval { program, facts };
-        if !eval.holds(when, &mut Notes::new())? {
-            return Ok(None);
+        match (eval.holds(when, &mut Notes::new()), values) {
+            (Ok(true), _) => {}
+            (Ok(false), _) => return Ok(None),
+            (Err(_), Values::Partly(_)) => {}
+            (Err(missing), _) => return Err(missing.into()),
         }
     }
     let mut context = BTreeMap::new();
     for variable in &template.variables {
         let text = match values {
             Values::Known(facts) => show::known(program, facts, &variable.value)?,
+            Values::Partly(facts) => show::known(program, facts, &variable.value)
+                .unwrap_or_else(|_| show::typed(program, &variable.name, &variable.value)),
             Values::Typed => show::typed(program, &variable.name, &variable.value),
         };
         put(&mut context, &variable.name, text);

@@ -48,6 +48,9 @@ pub struct Request {
     pub messages: Vec<Message>,
     /// Sampling temperature, where the task states one.
     pub temperature: Option<f64>,
+    /// Nucleus sampling, where the task states it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub top_p: Option<f64>,
     /// The longest answer, tokens, where the task states one.
     pub max_tokens: Option<u32>,
     /// Tells apart equal questions that want independent answers.

@@ -129,6 +129,7 @@ impl Keeper {
             "run_id": run_id,
             "fabc": env!("CARGO_PKG_VERSION"),
             "task": job.program.task,
+            "variant": job.program.variant,
             "program": job.program.hash(),
             "program_file": program_file,
             "world": world.name(),
@@ -236,7 +237,7 @@ impl Keeper {
             .any(|role| job.models.of(*role).nature() == Nature::StandIn);
         let report = Report {
             task: job.program.task.clone(),
-            variant: None,
+            variant: job.program.variant.clone(),
             outcome,
             goal_reached: job
                 .program
