@@ -58,7 +58,19 @@ pub fn compile(file: &str) -> Result<Compiled, Failure> {
 ///
 /// `wanted` is needed where the file declares several tasks.
 pub fn compile_task(file: &str, wanted: Option<&str>) -> Result<Program, Failure> {
-    let mut compiled = compile(file)?;
+    let mut programs = compile_tasks(file, wanted)?;
+    if programs.len() > 1 {
+        return Err(Failure::usage(format!(
+            "`{file}` declares several tasks; choose one with `--task`: {}",
+            titles(&programs)
+        )));
+    }
+    Ok(programs.swap_remove(0))
+}
+
+/// Compiles a file and returns its tasks, or the one that is wanted with all its variants; at least one.
+pub fn compile_tasks(file: &str, wanted: Option<&str>) -> Result<Vec<Program>, Failure> {
+    let compiled = compile(file)?;
     if !compiled.diagnostics.is_empty() {
         output::talk(
             diag::to_text(
@@ -76,34 +88,31 @@ pub fn compile_task(file: &str, wanted: Option<&str>) -> Result<Program, Failure
             diagnostics,
         ));
     }
-    let names: Vec<String> = compiled
-        .programs
-        .iter()
-        .map(|program| format!("`{}`", program.task))
-        .collect();
-    let names = names.join(", ");
-    match wanted {
-        Some(wanted) => match compiled
-            .programs
-            .iter()
-            .position(|program| program.task == wanted)
-        {
-            Some(index) => Ok(compiled.programs.swap_remove(index)),
-            None => Err(Failure::usage(format!(
-                "`{file}` declares no runnable task `{wanted}`; it declares {names}"
-            ))),
-        },
-        None => match compiled.programs.len() {
-            1 => Ok(compiled.programs.swap_remove(0)),
-            0 => Err(Failure::author(
-                format!(
-                    "`{file}` declares no task that can run: one needs at least a cloth, subgoals, actions and stages, its own or from the task it extends"
-                ),
-                json!([]),
-            )),
-            _ => Err(Failure::usage(format!(
-                "`{file}` declares several tasks; choose one with `--task`: {names}"
-            ))),
-        },
+    let mut programs = compiled.programs;
+    if programs.is_empty() && wanted.is_none() {
+        return Err(Failure::author(
+            format!(
+                "`{file}` declares no task that can run: one needs at least a cloth, subgoals, actions and stages, its own or from the task it extends"
+            ),
+            json!([]),
+        ));
     }
+    if let Some(wanted) = wanted {
+        let declared = titles(&programs);
+        programs.retain(|program| program.task == wanted);
+        if programs.is_empty() {
+            return Err(Failure::usage(format!(
+                "`{file}` declares no runnable task `{wanted}`; it declares {declared}"
+            )));
+        }
+    }
+    Ok(programs)
+}
+
+fn titles(programs: &[Program]) -> String {
+    let titles: Vec<String> = programs
+        .iter()
+        .map(|program| format!("`{}`", program.title()))
+        .collect();
+    titles.join(", ")
 }
