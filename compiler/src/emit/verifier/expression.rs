@@ -71,7 +71,7 @@ impl<'a> Lowering<'a> {
                 Condition::Not { of } => self.condition(of)?,
                 of => {
                     let [open, close] = self.dialect.not;
-                    Code::group(open, [self.condition(of)?], close)
+                    Code::wrapped(open, self.condition(of)?, close)
                 }
             },
             Condition::Lengths { left, is, right } => {

@@ -16,6 +16,12 @@ pub(super) enum Code {
         parts: Vec<Code>,
         close: String,
     },
+    /// One part between two brackets, without a comma: behind one, Python would see a tuple.
+    Wrapped {
+        open: &'static str,
+        part: Box<Code>,
+        close: &'static str,
+    },
     /// Two sides and the sign between them.
     Infix {
         left: Box<Code>,
@@ -49,6 +55,14 @@ impl Code {
         }
     }
 
+    pub fn wrapped(open: &'static str, part: Code, close: &'static str) -> Code {
+        Code::Wrapped {
+            open,
+            part: Box::new(part),
+            close,
+        }
+    }
+
     /// Writes the expression where `before` stands already on its first line, indented by `indent` blanks.
     pub fn print(&self, before: usize, indent: usize) -> String {
         let flat = self.flat();
@@ -66,6 +80,10 @@ impl Code {
                     .collect();
                 format!("{open}\n{}{}{close}", lines.concat(), " ".repeat(indent))
             }
+            Code::Wrapped { open, part, close } => {
+                let part = part.print(before + open.len(), indent);
+                format!("{open}{part}{close}")
+            }
             Code::Infix { left, sign, right } => {
                 let left = left.print(before, indent);
                 let last_line = left.rsplit('\n').next().unwrap_or_default().len();
@@ -82,6 +100,7 @@ impl Code {
                 let parts: Vec<String> = parts.iter().map(Code::flat).collect();
                 format!("{open}{}{close}", parts.join(", "))
             }
+            Code::Wrapped { open, part, close } => format!("{open}{}{close}", part.flat()),
             Code::Infix { left, sign, right } => {
                 format!("{} {sign} {}", left.flat(), right.flat())
             }

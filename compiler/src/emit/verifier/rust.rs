@@ -56,8 +56,8 @@ fn header(outline: &Outline<'_>) -> String {
 //! ```
 //!
 //! Points are pixels of the task's camera picture, `[column, row]` from the top left.
-// The names and numbers are the task's own.
-#![allow(non_snake_case, clippy::all)]",
+// Nobody calls all of it, and the names and numbers are the task's own.
+#![allow(dead_code, non_snake_case, clippy::all)]",
         compiler = outline.program.compiler.escape_default(),
         hash = outline.program.hash(),
     )
