@@ -6,8 +6,10 @@ mod case;
 #[path = "../common/mod.rs"]
 mod common;
 mod drivers;
+mod files;
 mod oracle;
 mod programs;
+mod prompts;
 #[path = "../../../tests/recorded_data.rs"]
 #[allow(dead_code)]
 mod recorded_data;
