@@ -5,6 +5,7 @@
 mod case;
 #[path = "../common/mod.rs"]
 mod common;
+mod docs;
 mod drivers;
 mod files;
 mod oracle;

@@ -110,7 +110,7 @@ pub fn steered() -> Program {
                     field: "direction".to_owned(),
                 },
                 Less,
-                144.5,
+                90.0,
             ),
         ),
         check(
@@ -239,11 +239,9 @@ pub fn placed() -> Program {
                     forth,
                     from_to(chosen("pick"), keypoint("center")),
                     Greater,
-                    20.0,
+                    0.0,
                 ),
-                Condition::Not {
-                    of: Box::new(angle(back, down, AtLeast, 120.0)),
-                },
+                angle(back, down, AtLeast, 90.0),
             ]),
         ),
     ];
@@ -333,12 +331,16 @@ fn lengths(left: Length, is: Comparison, right: Length) -> Condition {
 }
 
 fn angle(a: Heading, b: Heading, is: Comparison, limit_deg: f64) -> Condition {
+    let limit_cos = match limit_deg {
+        90.0 => 0.0,
+        _ => limit_deg.to_radians().cos(),
+    };
     Condition::Angle {
         a,
         b,
         is,
         limit_deg,
-        limit_cos: limit_deg.to_radians().cos(),
+        limit_cos,
     }
 }
 
