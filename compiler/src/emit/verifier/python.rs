@@ -40,6 +40,11 @@ pub(super) fn module(outline: &Outline<'_>) -> String {
 }
 
 fn header(outline: &Outline<'_>) -> String {
+    let imports: String = [("whole", "import math\n"), ("pixel", "import operator\n")]
+        .iter()
+        .filter(|(helper, _)| outline.helpers.contains(helper))
+        .map(|(_, import)| *import)
+        .collect();
     format!(
         "\
 \"\"\"Verifier of the task `{title}`: says which proposed actions may run.
@@ -57,9 +62,7 @@ model again. `Missing` is raised where the scene lacks what a check needs.
 Points are pixels of the task's camera picture, (column, row) from the top left.
 \"\"\"
 
-import math
-import operator
-from dataclasses import dataclass
+{imports}from dataclasses import dataclass
 from typing import Optional, Sequence, Tuple",
         title = python_escaped(&outline.program.title()),
         compiler = python_escaped(&outline.program.compiler),
