@@ -1,6 +1,6 @@
 //! The command line.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 const EXIT_CODES: &str = "Exit codes: 0 done (and the goal reached), 1 the .fab file is wrong, 2 the environment failed, \
@@ -26,6 +26,8 @@ pub enum Verb {
     Explain(ExplainArguments),
     /// Prints the exact messages that a model gets, without asking one.
     Render(RenderArguments),
+    /// Writes tasks as prompt templates, an answer schema and verifiers for other systems.
+    Build(BuildArguments),
     /// Draws the subgoal pictures of a task from its demonstration and pins them beside the file.
     #[cfg(feature = "runtime")]
     Subgoals(SubgoalsArguments),
@@ -42,6 +44,7 @@ impl Verb {
             Verb::Test(arguments) => arguments.json,
             Verb::Explain(_) => false,
             Verb::Render(arguments) => arguments.json,
+            Verb::Build(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Subgoals(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
@@ -123,6 +126,37 @@ pub struct RenderArguments {
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `build`.
+#[derive(Args)]
+pub struct BuildArguments {
+    /// The file that declares the tasks.
+    #[arg(value_name = "FILE")]
+    pub file: String,
+    /// The folder that gets one folder per task.
+    #[arg(short = 'o', long = "out", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Only this task.
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// What is written beside the prompts and the schema.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "program")]
+    pub emit: Vec<EmitArgument>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What `build` writes beside the prompts and the schema.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum EmitArgument {
+    /// program.json: the whole task as data, and the list of the other files.
+    Program,
+    /// verifier.rs: the checks as a Rust module without dependencies.
+    Rust,
+    /// verifier.py: the checks as a Python module without dependencies.
+    Python,
 }
 
 /// Where the cloth lies at first.

@@ -8,6 +8,11 @@ mod exit;
 mod output;
 mod sources;
 
+// The authoring tool writes files too, and has no runtime to take this from.
+#[path = "../runtime/src/store.rs"]
+mod store;
+
+mod build;
 mod check;
 mod explain;
 mod fix;
@@ -58,6 +63,7 @@ fn run(verb: Verb) -> Exit {
         Verb::Test(arguments) => test::run(&arguments),
         Verb::Explain(arguments) => explain::run(&arguments),
         Verb::Render(arguments) => render::run(&arguments),
+        Verb::Build(arguments) => build::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Subgoals(arguments) => subgoals::run(&arguments),
         #[cfg(feature = "runtime")]

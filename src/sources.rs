@@ -55,11 +55,8 @@ pub fn compile(file: &str) -> Result<Compiled, Failure> {
     compiler::compile(file, &Disk).map_err(|error| Failure::environment(error.message))
 }
 
-/// Compiles a file and returns the task to work on, after showing what is wrong with the file.
-///
-/// A task has to be named where the file declares several; without a variant it is the task itself.
-pub fn compile_task(wanted: &TaskArguments) -> Result<Program, Failure> {
-    let file = &wanted.file;
+/// Compiles a file and returns its tasks with their variants, or those of the one that is wanted; at least one.
+pub fn compile_tasks(file: &str, wanted: Option<&str>) -> Result<Vec<Program>, Failure> {
     let compiled = compile(file)?;
     if !compiled.diagnostics.is_empty() {
         output::talk(
@@ -78,55 +75,59 @@ pub fn compile_task(wanted: &TaskArguments) -> Result<Program, Failure> {
             diagnostics,
         ));
     }
-    let (tasks, variants): (Vec<Program>, Vec<Program>) = compiled
-        .programs
-        .into_iter()
-        .partition(|program| program.variant.is_none());
-    let names = quoted(tasks.iter().map(|program| program.task.as_str()));
-    let chosen = match (&wanted.task, tasks.len()) {
-        (Some(task), _) => tasks
-            .into_iter()
-            .find(|program| program.task == *task)
-            .ok_or_else(|| {
-                Failure::usage(format!(
-                    "`{file}` declares no runnable task `{task}`; it declares {names}"
-                ))
-            }),
-        (None, 0) => Err(Failure::author(
+    let mut programs = compiled.programs;
+    if programs.is_empty() {
+        return Err(Failure::author(
             format!(
                 "`{file}` declares no task that can run: one needs at least a cloth, a camera, actions, stages, and subgoals or a horizon, its own or from the task it extends"
             ),
             json!([]),
-        )),
-        (None, 1) => tasks
-            .into_iter()
-            .next()
-            .ok_or_else(|| Failure::usage(format!("`{file}` declares no task"))),
-        (None, _) => Err(Failure::usage(format!(
-            "`{file}` declares several tasks; choose one with `--task`: {names}"
-        ))),
-    }?;
-    let Some(variant) = &wanted.variant else {
-        return Ok(chosen);
-    };
-    let own: Vec<Program> = variants
-        .into_iter()
-        .filter(|program| program.task == chosen.task)
-        .collect();
-    let names = quoted(own.iter().filter_map(|program| program.variant.as_deref()));
-    own.into_iter()
-        .find(|program| program.variant.as_ref() == Some(variant))
+        ));
+    }
+    if let Some(wanted) = wanted {
+        let names = quoted(tasks(&programs).map(|program| program.task.as_str()));
+        programs.retain(|program| program.task == wanted);
+        if programs.is_empty() {
+            return Err(Failure::usage(format!(
+                "`{file}` declares no runnable task `{wanted}`; it declares {names}"
+            )));
+        }
+    }
+    Ok(programs)
+}
+
+/// Compiles a file and returns the task to work on, after showing what is wrong with the file.
+///
+/// A task has to be named where the file declares several; without a variant it is the task itself.
+pub fn compile_task(wanted: &TaskArguments) -> Result<Program, Failure> {
+    let programs = compile_tasks(&wanted.file, wanted.task.as_deref())?;
+    if tasks(&programs).count() > 1 {
+        return Err(Failure::usage(format!(
+            "`{}` declares several tasks; choose one with `--task`: {}",
+            wanted.file,
+            quoted(tasks(&programs).map(|program| program.task.as_str()))
+        )));
+    }
+    let variants = quoted(programs.iter().filter_map(|it| it.variant.as_deref()));
+    let mut programs = programs.into_iter();
+    programs
+        .find(|program| program.variant == wanted.variant)
         .ok_or_else(|| {
-            let there = if names.is_empty() {
-                "it has none".to_owned()
+            let there = if variants.is_empty() {
+                "there is none".to_owned()
             } else {
-                format!("it has {names}")
+                format!("there is {variants}")
             };
             Failure::usage(format!(
-                "`{}` has no variant `{variant}`; {there}",
-                chosen.task
+                "`{}` has no variant `{}`; {there}",
+                wanted.file,
+                wanted.variant.as_deref().unwrap_or_default()
             ))
         })
+}
+
+fn tasks(programs: &[Program]) -> impl Iterator<Item = &Program> {
+    programs.iter().filter(|program| program.variant.is_none())
 }
 
 fn quoted<'n>(names: impl Iterator<Item = &'n str>) -> String {

@@ -8,11 +8,12 @@
 //! In: the name of a file and a [`Loader`]. Out: the programs that the file defines, and diagnostics. The
 //! crate is pure: no file, clock, network or chance is reached but through the loader, and the same
 //! texts give the same bytes. What a program's data means is defined here too: [`render`] fills its
-//! templates, [`reply`] reads answers, [`verify`] judges them. Executing it is left to others.
+//! templates, [`reply`] reads answers, [`verify`] judges them; [`emit`] writes all of it as files. Executing it is left to others.
 
 mod ast;
 mod check;
 pub mod diag;
+pub mod emit;
 mod eval;
 mod exact;
 pub mod facts;

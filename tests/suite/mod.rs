@@ -5,6 +5,7 @@ mod support;
 mod agent_loop;
 mod bad_input;
 mod bad_starts;
+mod build;
 mod journal;
 mod model_conformance;
 mod peers;

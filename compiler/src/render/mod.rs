@@ -8,7 +8,7 @@ mod show;
 
 use crate::eval::{Eval, Notes};
 use crate::facts::{Facts, Missing};
-use crate::program::{Check, FileRef, Picture, Program, Stage};
+use crate::program::{Check, FileRef, Picture, Program, Stage, Template};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Value;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior};
@@ -129,14 +129,8 @@ pub fn one(
         }
     }
     let mut context = BTreeMap::new();
-    for variable in &template.variables {
-        let text = match values {
-            Values::Known(facts) => show::known(program, facts, &variable.value)?,
-            Values::Partly(facts) => show::known(program, facts, &variable.value)
-                .unwrap_or_else(|_| show::typed(program, &variable.name, &variable.value)),
-            Values::Typed => show::typed(program, &variable.name, &variable.value),
-        };
-        put(&mut context, &variable.name, text);
+    for (variable, text) in self::values(program, template, values)? {
+        put(&mut context, &variable, text);
     }
     fill(&template.text, &context)
         .map(Some)
@@ -144,6 +138,25 @@ pub fn one(
             template: name.to_owned(),
             why,
         })
+}
+
+/// Writes the values that a template shows, by variable.
+pub(crate) fn values(
+    program: &Program,
+    template: &Template,
+    values: Values<'_>,
+) -> Result<BTreeMap<String, String>, RenderError> {
+    let mut texts = BTreeMap::new();
+    for variable in &template.variables {
+        let text = match values {
+            Values::Known(facts) => show::known(program, facts, &variable.value)?,
+            Values::Partly(facts) => show::known(program, facts, &variable.value)
+                .unwrap_or_else(|_| show::typed(program, &variable.name, &variable.value)),
+            Values::Typed => show::typed(program, &variable.name, &variable.value),
+        };
+        texts.insert(variable.name.clone(), text);
+    }
+    Ok(texts)
 }
 
 fn joined(program: &Program, names: &[String], values: Values<'_>) -> Result<String, RenderError> {

@@ -1,0 +1,109 @@
+//! Lays out expressions: on one line where they fit, else with one argument a line.
+//!
+//! Rust and Python agree on the shape of calls, lists and comparisons, so one tree serves both.
+
+/// The most characters in a line.
+const WIDTH: usize = 100;
+
+/// An expression of the emitted code.
+#[derive(Clone, Debug)]
+pub(super) enum Code {
+    /// As it stands.
+    Text(String),
+    /// Parts between two brackets, separated by commas.
+    Group {
+        open: String,
+        parts: Vec<Code>,
+        close: String,
+    },
+    /// One part between two brackets, without a comma: behind one, Python would see a tuple.
+    Wrapped {
+        open: &'static str,
+        part: Box<Code>,
+        close: &'static str,
+    },
+    /// Two sides and the sign between them.
+    Infix {
+        left: Box<Code>,
+        sign: &'static str,
+        right: Box<Code>,
+    },
+}
+
+impl Code {
+    pub fn text(text: impl Into<String>) -> Code {
+        Code::Text(text.into())
+    }
+
+    pub fn group(
+        open: impl Into<String>,
+        parts: impl IntoIterator<Item = Code>,
+        close: impl Into<String>,
+    ) -> Code {
+        Code::Group {
+            open: open.into(),
+            parts: parts.into_iter().collect(),
+            close: close.into(),
+        }
+    }
+
+    pub fn infix(left: Code, sign: &'static str, right: Code) -> Code {
+        Code::Infix {
+            left: Box::new(left),
+            sign,
+            right: Box::new(right),
+        }
+    }
+
+    pub fn wrapped(open: &'static str, part: Code, close: &'static str) -> Code {
+        Code::Wrapped {
+            open,
+            part: Box::new(part),
+            close,
+        }
+    }
+
+    /// Writes the expression where `before` stands already on its first line, indented by `indent` blanks.
+    pub fn print(&self, before: usize, indent: usize) -> String {
+        let flat = self.flat();
+        if before + flat.len() <= WIDTH {
+            return flat;
+        }
+        match self {
+            Code::Text(text) => text.clone(),
+            Code::Group { open, parts, close } => {
+                let inner = indent + 4;
+                let margin = " ".repeat(inner);
+                let lines: Vec<String> = parts
+                    .iter()
+                    .map(|part| format!("{margin}{},\n", part.print(inner + 1, inner)))
+                    .collect();
+                format!("{open}\n{}{}{close}", lines.concat(), " ".repeat(indent))
+            }
+            Code::Wrapped { open, part, close } => {
+                let part = part.print(before + open.len(), indent);
+                format!("{open}{part}{close}")
+            }
+            Code::Infix { left, sign, right } => {
+                let left = left.print(before, indent);
+                let last_line = left.rsplit('\n').next().unwrap_or_default().len();
+                let right = right.print(last_line + sign.len() + 2, indent);
+                format!("{left} {sign} {right}")
+            }
+        }
+    }
+
+    fn flat(&self) -> String {
+        match self {
+            Code::Text(text) => text.clone(),
+            Code::Group { open, parts, close } => {
+                let parts: Vec<String> = parts.iter().map(Code::flat).collect();
+                format!("{open}{}{close}", parts.join(", "))
+            }
+            Code::Wrapped { open, part, close } => format!("{open}{}{close}", part.flat()),
+            Code::Infix { left, sign, right } => {
+                format!("{} {sign} {}", left.flat(), right.flat())
+            }
+        }
+    }
+}
