@@ -44,18 +44,20 @@ fn complaint(why: &str, program: &Program, field: &ActionField) -> String {
         ),
     };
     let is_point = |field: &ActionField| matches!(field.choices, Choices::Points { .. });
-    let numbers = if program.actions.iter().any(is_point) {
+    let n_points = program
+        .actions
+        .iter()
+        .filter(|field| is_point(field))
+        .count();
+    let with = if n_points == program.actions.len() {
         ", with numbers for x and y"
+    } else if n_points > 0 {
+        ", with numbers for x and y and one of the values between the bars"
     } else {
-        ""
-    };
-    let one = if program.actions.iter().all(is_point) {
-        ""
-    } else {
-        ", with one value of those between bars"
+        ", with one of the values between the bars"
     };
     format!(
-        "{why}{choose} Answer again and state the action in exactly this format{numbers}{one}:\n{}",
+        "{why}{choose} Answer again and state the action in exactly this format{with}:\n{}",
         space::format(&program.actions)
     )
 }

@@ -84,7 +84,7 @@ fn direction(
         let deg = nearest.unwrap_or(deg);
         (Value::Direction { deg }, note)
     };
-    let unit = quantity.unit.or(asked.hint.filter(|_| !quantity.times_pi));
+    let unit = quantity.unit.or(asked.hint);
     let (deg, rounded_rad) = match (quantity.times_pi, unit) {
         (true, None | Some(Unit::Rad)) => (number * 180.0, Some(number * std::f64::consts::PI)),
         (false, Some(Unit::Deg)) => (number, None),
@@ -192,7 +192,11 @@ fn length(
             let note = format!("the number in `{}`", unit.as_str());
             (number, unit, Some(note))
         }
-        Some(Unit::Percent) => (number / 100.0, LengthUnit::Edge, None),
+        // Of what is clear where the choices are parts of the edge.
+        Some(Unit::Percent) if unit != LengthUnit::Edge => {
+            return Err(format!("`{text}` does not say of what"));
+        }
+        Some(Unit::Percent | Unit::PercentOfEdge) => (number / 100.0, LengthUnit::Edge, None),
         Some(Unit::Edge) => (number, LengthUnit::Edge, None),
         Some(Unit::Mm) => (number, LengthUnit::Mm, None),
         Some(Unit::Cm) => (number, LengthUnit::Cm, None),

@@ -27,6 +27,7 @@ pub(super) enum Unit {
     M,
     Edge,
     Percent,
+    PercentOfEdge,
 }
 
 /// Returns a decimal digit, of usual or of full width.
@@ -108,8 +109,12 @@ pub(super) fn unit(cursor: &mut Cursor<'_>) -> Option<Unit> {
         return None;
     }
     if eat_any(cursor, &['%', '％']) || cursor.eat_word("percent") {
-        of_edge(cursor);
-        return Some(Unit::Percent);
+        let unit = if of_edge(cursor) {
+            Unit::PercentOfEdge
+        } else {
+            Unit::Percent
+        };
+        return Some(unit);
     }
     if of_edge(cursor) {
         return Some(Unit::Edge);

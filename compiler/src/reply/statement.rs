@@ -174,7 +174,7 @@ enum Sign {
 }
 
 fn sign(cursor: &mut Cursor<'_>) -> Sign {
-    if cursor.eat(':') || cursor.eat('：') || cursor.eat('＝') {
+    if cursor.eat(':') || cursor.eat('：') || cursor.eat('＝') || cursor.eat('≈') {
         cursor.eat('=');
         return Sign::Assigns;
     }
