@@ -21,6 +21,7 @@ mod load;
 mod merge;
 mod path;
 pub mod program;
+pub mod proof;
 pub mod render;
 pub mod reply;
 mod source;

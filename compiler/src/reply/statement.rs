@@ -6,10 +6,10 @@
 use super::around;
 use super::choice::{Asked, End};
 use super::cursor::{Cursor, decorates, head};
-use super::names::{Named, TURNING, is_turned};
+use super::names::{Named, TURNING, is_turned, turns};
 use super::pixel::{self, Brackets};
 use super::value;
-use crate::program::{ActionField, Choices, Program, Value};
+use crate::program::{ActionField, Choices, PixelPoint, Program, Value};
 
 /// The most characters between a field's name and its point.
 const MAX_BETWEEN: usize = 100;
@@ -73,11 +73,8 @@ pub(super) fn statement_at<'t>(
     }
     let is_point = matches!(field.choices, Choices::Points { .. });
     let blank = |character: char| matches!(character, ' ' | '\t' | '-') || decorates(character);
-    let text = if is_point {
-        reply
-    } else {
-        &reply[..named.until]
-    };
+    // What stands behind another field's name belongs to that.
+    let text = &reply[..named.until];
     let mut cursor = Cursor::new(text, named.end);
     cursor.skip(blank);
     let nouns = if is_point { &POINT_NOUNS[..] } else { &NOUNS };
@@ -99,7 +96,7 @@ pub(super) fn statement_at<'t>(
         Sign::None => Firmness::Loose,
     };
     let found = if is_point {
-        point(program, &mut cursor, firmness)
+        point(&mut cursor, firmness)
     } else {
         if firmness < Firmness::Spoken {
             cursor.eat_word("of");
@@ -129,7 +126,7 @@ pub(super) fn statement_at<'t>(
     }
 }
 
-fn point(program: &Program, cursor: &mut Cursor<'_>, firmness: Firmness) -> Found {
+fn point(cursor: &mut Cursor<'_>, firmness: Firmness) -> Found {
     let brackets = match firmness {
         Firmness::Assigned => Brackets::Optional,
         Firmness::Spoken | Firmness::Loose => Brackets::Needed,
@@ -138,15 +135,37 @@ fn point(program: &Program, cursor: &mut Cursor<'_>, firmness: Firmness) -> Foun
     let mut found = pixel::read(cursor, brackets);
     if matches!(found, pixel::Found::Nothing)
         && firmness == Firmness::Assigned
-        && skip_words(cursor, program)
+        && skip_words(cursor)
     {
         found = pixel::read(cursor, Brackets::Needed);
     }
     match found {
+        pixel::Found::Pixel(point, _) if leaves_open(*cursor, point) => {
+            if firmness == Firmness::Assigned {
+                Found::Bad("it leaves more than one point open".to_owned())
+            } else {
+                Found::Nothing
+            }
+        }
         pixel::Found::Pixel(point, rounding) => Found::Value(Value::Point(point), rounding),
         // In free speech brackets with other numbers mean nothing.
         pixel::Found::Bad(why) if firmness == Firmness::Assigned => Found::Bad(why),
         pixel::Found::Bad(_) | pixel::Found::Nothing => Found::Nothing,
+    }
+}
+
+/// Returns whether another point follows as an alternative: `(1, 2) or (3, 4)`.
+fn leaves_open(mut cursor: Cursor<'_>, point: PixelPoint) -> bool {
+    let blank = |character: char| matches!(character, ' ' | '\t' | ',') || decorates(character);
+    cursor.skip(blank);
+    if !cursor.eat_word("or") && !cursor.eat('/') && !cursor.eat('|') {
+        return false;
+    }
+    cursor.skip(blank);
+    match pixel::read(&mut cursor, Brackets::Needed) {
+        pixel::Found::Pixel(other, _) => other != point,
+        pixel::Found::Bad(_) => true,
+        pixel::Found::Nothing => false,
     }
 }
 
@@ -205,8 +224,8 @@ fn sign(cursor: &mut Cursor<'_>) -> Sign {
     Sign::None
 }
 
-/// Skips words up to a bracket on the same line; does not move where another field or a turning word comes first.
-fn skip_words(cursor: &mut Cursor<'_>, program: &Program) -> bool {
+/// Skips words up to a bracket on the same line; does not move where a turning word comes first.
+fn skip_words(cursor: &mut Cursor<'_>) -> bool {
     // Four bytes are the most that a character has.
     let rest = head(cursor.rest(), 4 * MAX_BETWEEN + 4);
     let Some(length) = rest.find(|character: char| {
@@ -216,12 +235,7 @@ fn skip_words(cursor: &mut Cursor<'_>, program: &Program) -> bool {
     };
     let words = &rest[..length];
     let is_bracket = rest[length..].starts_with(['(', '[']);
-    let turns = words
-        .split(|character: char| !character.is_alphanumeric())
-        .any(|word| {
-            let is = |other: &&str| word.eq_ignore_ascii_case(other);
-            TURNING.iter().any(is) || program.actions.iter().any(|field| is(&field.name.as_str()))
-        });
+    let turns = turns(words, usize::MAX, &TURNING);
     if !is_bracket || turns || words.chars().count() > MAX_BETWEEN {
         return false;
     }
