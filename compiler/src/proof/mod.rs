@@ -43,10 +43,18 @@ pub fn flaws(program: &Program) -> Vec<Flaw> {
     if found.is_hopeless {
         return found.list;
     }
-    // Each value is tried in the larger scene; the smaller one adds the case of a single point.
-    for scene in [Generated::many(program), Generated::one(program)] {
-        Proof::of(program, &scene).check(&mut found);
+    let many = Generated::many(program);
+    let proof = Proof::of(program, &many);
+    if proof.offered.iter().any(|(_, values)| values.is_empty()) {
+        return found.list;
     }
+    proof.check_offered(&mut found);
+    proof.check_others(&mut found);
+    proof.check_sampler(&mut found);
+    // What is no point has been tried; the smaller scene adds the case of a single one.
+    let one = Generated::one(program);
+    let proof = Proof::of(program, &one);
+    proof.check_answer(0, &reply::schema(program, &proof.offered), &mut found);
     found.list
 }
 
@@ -96,15 +104,6 @@ impl<'a> Proof<'a> {
         }
     }
 
-    fn check(&self, found: &mut Flaws) {
-        if self.offered.iter().any(|(_, values)| values.is_empty()) {
-            return;
-        }
-        self.check_offered(found);
-        self.check_others(found);
-        self.check_sampler(found);
-    }
-
     /// Returns the fields with one value each: the `index`-th, from the first again where there are fewer.
     fn values(&self, index: usize) -> Vec<(&'a ActionField, &Value)> {
         let fields = self.program.actions.iter().zip(&self.offered);
@@ -118,24 +117,29 @@ impl<'a> Proof<'a> {
         let schema = reply::schema(self.program, &self.offered);
         let most = self.offered.iter().map(|(_, values)| values.len()).max();
         for index in 0..most.unwrap_or(0) {
-            let values = self.values(index);
-            let lines: Vec<String> = values
-                .iter()
-                .map(|(field, value)| space::statement(field, &space::text(field, value)))
-                .collect();
-            self.check_reading(&values, &lines.join("\n"), Form::Asked, found);
-            let mut object = serde_json::Map::new();
-            for ((field, value), (_, all)) in values.iter().zip(&self.offered) {
-                let listed = &schema["properties"][&field.name]["enum"];
-                let text = space::text(field, value);
-                if listed[index % all.len()] != text.as_str() {
-                    found.push(field, &text, format!("`{text}` is not in the schema"));
-                }
-                object.insert(field.name.clone(), listed[index % all.len()].clone());
-            }
-            let object = serde_json::Value::Object(object).to_string();
-            self.check_reading(&values, &object, Form::Json, found);
+            self.check_answer(index, &schema, found);
         }
+    }
+
+    /// The answer that states the `index`-th value of each field is read back, from text and from JSON.
+    fn check_answer(&self, index: usize, schema: &serde_json::Value, found: &mut Flaws) {
+        let values = self.values(index);
+        let lines: Vec<String> = values
+            .iter()
+            .map(|(field, value)| space::statement(field, &space::text(field, value)))
+            .collect();
+        self.check_reading(&values, &lines.join("\n"), Form::Asked, found);
+        let mut object = serde_json::Map::new();
+        for ((field, value), (_, all)) in values.iter().zip(&self.offered) {
+            let listed = &schema["properties"][&field.name]["enum"][index % all.len()];
+            let text = space::text(field, value);
+            if *listed != text.as_str() {
+                found.push(field, &text, format!("`{text}` is not in the schema"));
+            }
+            object.insert(field.name.clone(), listed.clone());
+        }
+        let object = serde_json::Value::Object(object).to_string();
+        self.check_reading(&values, &object, Form::Json, found);
     }
 
     fn check_reading(

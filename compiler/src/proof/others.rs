@@ -1,11 +1,11 @@
 //! Values beside the offered ones: between choices, one pixel off, other words, none, far too large.
 
-use crate::exact::written;
+use crate::exact::{normalised_deg, written};
 use crate::program::{ActionField, PixelPoint, Value};
 use crate::space::{self, DECIMALS};
 
 /// The most places between choices that are tried for one field.
-const MAX_BETWEEN: usize = 8;
+const MAX_BETWEEN: usize = 3;
 
 /// Returns values that a field does not offer, as an answer states them.
 pub(super) fn of(field: &ActionField, offered: &[Value]) -> Vec<String> {
@@ -48,24 +48,28 @@ pub(super) fn of(field: &ActionField, offered: &[Value]) -> Vec<String> {
         let texts = [first, last].map(|value| space::text(field, value));
         others.push(texts.join(" or "));
     }
+    let plain = |text: &str| text.to_lowercase().replace(['_', '-'], " ");
+    let same = |value: &Value| match value {
+        Value::Direction { deg } => written(*deg, DECIMALS),
+        _ => plain(&space::text(field, value)),
+    };
+    let known: Vec<String> = offered.iter().map(same).collect();
     let is_offered = |other: &String| {
-        offered.iter().any(|value| match value {
+        let other = match offered.first() {
             // Whole turns more or less are the same direction.
-            Value::Direction { deg } => {
+            Some(Value::Direction { .. }) => {
                 let stated = other.trim_end_matches(" deg").parse().unwrap_or(f64::NAN);
-                written(crate::exact::normalised_deg(stated), DECIMALS) == written(*deg, DECIMALS)
+                written(normalised_deg(stated), DECIMALS)
             }
-            _ => {
-                let plain = |text: &str| text.to_lowercase().replace(['_', '-'], " ");
-                plain(&space::text(field, value)) == plain(other)
-            }
-        })
+            _ => plain(other),
+        };
+        known.contains(&other)
     };
     others.retain(|other| !is_offered(other));
     others
 }
 
-/// Returns at most so many of the values, neighbours among them, from all over the list.
+/// Returns at most so many pairs of neighbours from all over the list.
 fn spread(values: &[Value], most: usize) -> impl Iterator<Item = &Value> {
     let step = values.len().div_ceil(most).max(1);
     values
