@@ -88,34 +88,57 @@ struct Proof<'a> {
     scene: &'a Generated,
     /// For each field what it may be.
     offered: Vec<(String, Vec<Value>)>,
+    /// The same as prompts write it.
+    texts: Vec<Vec<String>>,
+}
+
+/// A field and one of its values, as data and as prompts write it.
+#[derive(Clone, Copy)]
+struct Tried<'p> {
+    field: &'p ActionField,
+    value: &'p Value,
+    text: &'p str,
 }
 
 impl<'a> Proof<'a> {
     fn of(program: &'a Program, scene: &'a Generated) -> Proof<'a> {
-        let offered = program
+        let offered: Vec<(String, Vec<Value>)> = program
             .actions
             .iter()
             .map(|field| (field.name.clone(), space::choices(field, scene)))
             .collect();
+        let written = |(field, (_, values)): (&ActionField, &(String, Vec<Value>))| {
+            let texts = values.iter().map(|value| space::text(field, value));
+            texts.collect()
+        };
+        let texts = program.actions.iter().zip(&offered).map(written).collect();
         Proof {
             program,
             scene,
             offered,
+            texts,
         }
     }
 
     /// Returns the fields with one value each: the `index`-th, from the first again where there are fewer.
-    fn values(&self, index: usize) -> Vec<(&'a ActionField, &Value)> {
-        let fields = self.program.actions.iter().zip(&self.offered);
-        fields
-            .map(|(field, (_, values))| (field, &values[index % values.len()]))
+    fn tried(&self, index: usize) -> Vec<Tried<'_>> {
+        let values = self.offered.iter().zip(&self.texts);
+        self.program
+            .actions
+            .iter()
+            .zip(values)
+            .map(|(field, ((_, values), texts))| Tried {
+                field,
+                value: &values[index % values.len()],
+                text: &texts[index % texts.len()],
+            })
             .collect()
     }
 
     /// Every offered value is read back as itself, from text and from JSON, and is not refused.
     fn check_offered(&self, found: &mut Flaws) {
         let schema = reply::schema(self.program, &self.offered);
-        let most = self.offered.iter().map(|(_, values)| values.len()).max();
+        let most = self.texts.iter().map(Vec::len).max();
         for index in 0..most.unwrap_or(0) {
             self.check_answer(index, &schema, found);
         }
@@ -123,70 +146,68 @@ impl<'a> Proof<'a> {
 
     /// The answer that states the `index`-th value of each field is read back, from text and from JSON.
     fn check_answer(&self, index: usize, schema: &serde_json::Value, found: &mut Flaws) {
-        let values = self.values(index);
-        let lines: Vec<String> = values
-            .iter()
-            .map(|(field, value)| space::statement(field, &space::text(field, value)))
-            .collect();
-        self.check_reading(&values, &lines.join("\n"), Form::Asked, found);
+        let tried = self.tried(index);
+        self.check_reading(&tried, &answer(&tried), Form::Asked, found);
         let mut object = serde_json::Map::new();
-        for ((field, value), (_, all)) in values.iter().zip(&self.offered) {
-            let listed = &schema["properties"][&field.name]["enum"][index % all.len()];
-            let text = space::text(field, value);
-            if *listed != text.as_str() {
-                found.push(field, &text, format!("`{text}` is not in the schema"));
+        for (one, texts) in tried.iter().zip(&self.texts) {
+            let listed = &schema["properties"][&one.field.name]["enum"][index % texts.len()];
+            if *listed != one.text {
+                let message = format!("`{}` is not in the schema", one.text);
+                found.push(one.field, one.text, message);
             }
-            object.insert(field.name.clone(), listed.clone());
+            object.insert(one.field.name.clone(), listed.clone());
         }
         let object = serde_json::Value::Object(object).to_string();
-        self.check_reading(&values, &object, Form::Json, found);
+        self.check_reading(&tried, &object, Form::Json, found);
     }
 
-    fn check_reading(
-        &self,
-        values: &[(&ActionField, &Value)],
-        answer: &str,
-        form: Form,
-        found: &mut Flaws,
-    ) {
+    fn check_reading(&self, tried: &[Tried<'_>], answer: &str, form: Form, found: &mut Flaws) {
         let reading = match reply::read_action(self.program, answer) {
             Ok(reading) => reading,
             Err(malformed) => {
-                let wrong = values
-                    .iter()
-                    .find(|(field, _)| field.name == malformed.field);
-                if let Some((field, value)) = wrong {
-                    let text = space::text(field, value);
+                let wrong = tried.iter().find(|one| one.field.name == malformed.field);
+                if let Some(one) = wrong.or(tried.first()) {
                     let why = malformed.message.lines().next().unwrap_or_default();
-                    let message = format!("`{text}` cannot be read from {}: {why}", form.named());
-                    found.push(field, &text, message);
+                    let (text, form) = (one.text, form.named());
+                    let message = format!("`{text}` cannot be read from {form}: {why}");
+                    found.push(one.field, text, message);
                 }
                 return;
             }
         };
-        for (field, value) in values {
-            let text = space::text(field, value);
+        for Tried { field, value, text } in tried {
             let read = reading.value.get(&field.name);
-            if read != Some(value) {
+            if read != Some(*value) {
                 let read = read.map_or(String::new(), |read| space::text(field, read));
                 let message = format!("`{text}` is read as `{read}` from {}", form.named());
-                found.push(field, &text, message);
-            }
-            let repair = format!("as the {}", space::spoken(field));
-            if let Some(repair) = reading.repairs.iter().find(|it| it.contains(&repair))
-                && form == Form::Asked
-            {
-                let message = format!("`{text}` is read only with a repair: {repair}");
-                found.push(field, &text, message);
+                found.push(field, text, message);
             }
         }
-        if let Ok(Some(Verdict::Reject { values: parts, .. })) =
-            verify::unoffered(self.program, self.scene, &reading.value)
-            && let Some((name, text)) = parts.first()
-            && let Some(field) = self.program.field(name)
-        {
-            found.push(field, text, format!("`{text}` is offered, and refused"));
+        // Of JSON no text is asked for, so that its reading always names what was read.
+        if form == Form::Json {
+            return;
         }
+        for repair in &reading.repairs {
+            let names =
+                |one: &&Tried<'_>| repair.contains(&format!("as the {}", space::spoken(one.field)));
+            if let Some(one) = tried.iter().find(names).or(tried.first()) {
+                let message = format!("`{}` is read only with a repair: {repair}", one.text);
+                found.push(one.field, one.text, message);
+            }
+        }
+        if let Some((field, text)) = self.unoffered(&reading.value) {
+            found.push(field, &text, format!("`{text}` is offered, and refused"));
+        }
+    }
+
+    /// Returns the first field that the verifier refuses as not offered, and its value's text.
+    fn unoffered(&self, proposal: &Proposal) -> Option<(&'a ActionField, String)> {
+        let refused = verify::unoffered(self.program, self.scene, proposal);
+        let Ok(Some(Verdict::Reject { values, .. })) = refused else {
+            return None;
+        };
+        let (name, text) = values.into_iter().next()?;
+        Some((self.program.field(&name)?, text))
     }
 
     /// Values beside the offered ones are refused, with the field's name and its choices.
@@ -194,41 +215,41 @@ impl<'a> Proof<'a> {
         for (position, (field, (_, offered))) in
             self.program.actions.iter().zip(&self.offered).enumerate()
         {
-            for other in others::of(field, offered) {
-                let lines: Vec<String> = self
-                    .values(0)
-                    .iter()
-                    .enumerate()
-                    .map(|(index, (field, value))| {
-                        let text = space::text(field, value);
-                        space::statement(field, if index == position { &other } else { &text })
-                    })
-                    .collect();
-                if let Err(message) = self.refused(field, &offered[0], &lines.join("\n")) {
+            let others = others::of(field, offered, &self.texts[position]);
+            let mut tried = self.tried(0);
+            let first = tried[position].text;
+            for other in &others {
+                tried[position].text = other;
+                if let Err(message) = self.refused(field, first, &answer(&tried)) {
                     let shown: String = other.chars().take(40).collect();
-                    found.push(
-                        field,
-                        &shown,
-                        format!("`{shown}` is not offered, but {message}"),
-                    );
+                    let message = format!("`{shown}` is not offered, but {message}");
+                    found.push(field, &shown, message);
                 }
             }
         }
     }
 
     /// Fails where an answer is not refused for a field, or without its name and its first choice.
-    fn refused(&self, field: &ActionField, first: &Value, answer: &str) -> Result<(), String> {
-        let is_point = matches!(field.choices, Choices::Points { .. });
-        let (refused, message) = match reply::read_action(self.program, answer) {
-            Err(malformed) => (malformed.field, malformed.message),
+    fn refused(&self, field: &ActionField, first: &str, answer: &str) -> Result<(), String> {
+        let names_both = |message: &str, choice: &str| {
+            message.contains(&space::spoken(field)) && message.contains(choice)
+        };
+        let (refused, is_told) = match reply::read_action(self.program, answer) {
+            Err(malformed) => {
+                // Only the verifier knows which points a scene offers.
+                let choice = match field.choices {
+                    Choices::Points { .. } => "(x, y)",
+                    _ => first,
+                };
+                let is_told = names_both(&malformed.message, choice);
+                (malformed.field, is_told)
+            }
             Ok(reading) => match verify::unoffered(self.program, self.scene, &reading.value) {
                 Ok(Some(Verdict::Reject {
                     values, message, ..
                 })) => {
-                    let name = values
-                        .first()
-                        .map_or(String::new(), |(name, _)| name.clone());
-                    (name, message)
+                    let name = values.into_iter().next().map(|(name, _)| name);
+                    (name.unwrap_or_default(), names_both(&message, first))
                 }
                 _ => {
                     let read = reading.value.get(&field.name);
@@ -237,47 +258,33 @@ impl<'a> Proof<'a> {
                 }
             },
         };
-        let choice = if is_point {
-            String::new()
-        } else {
-            space::text(field, first)
-        };
         if refused != field.name {
             Err(format!("`{refused}` is refused instead"))
-        } else if !message.contains(&space::spoken(field)) || !message.contains(&choice) {
-            Err("its refusal does not name the field and the choices".to_owned())
-        } else {
+        } else if is_told {
             Ok(())
+        } else {
+            Err("its refusal does not name the field and the choices".to_owned())
         }
     }
 
     /// The sampler draws what is offered.
     fn check_sampler(&self, found: &mut Flaws) {
         for draw in [0, 1, 2, 12_345_678_901, u64::MAX] {
-            let drawn = space::sample(self.program, self.scene, &mut |below| draw % below.max(1));
-            let Some(drawn) = drawn else {
-                continue;
-            };
-            for (field, (_, values)) in self.program.actions.iter().zip(&self.offered) {
-                let value = drawn.get(&field.name);
-                if let Some(value) = value.filter(|value| !values.contains(value)) {
-                    let text = space::text(field, value);
-                    found.push(field, &text, format!("`{text}` is drawn, but not offered"));
-                }
+            let drawn = space::sample(self.program, self.scene, &mut |_| draw);
+            if let Some((field, text)) = drawn.and_then(|drawn| self.unoffered(&drawn)) {
+                found.push(field, &text, format!("`{text}` is drawn, but not offered"));
             }
-            self.check_verdict(&drawn, found);
         }
     }
+}
 
-    fn check_verdict(&self, drawn: &Proposal, found: &mut Flaws) {
-        if let Ok(Some(Verdict::Reject { values, .. })) =
-            verify::unoffered(self.program, self.scene, drawn)
-            && let Some((name, text)) = values.first()
-            && let Some(field) = self.program.field(name)
-        {
-            found.push(field, text, format!("`{text}` is drawn, and refused"));
-        }
-    }
+/// Writes an answer as the format asks for it.
+fn answer(tried: &[Tried<'_>]) -> String {
+    let lines: Vec<String> = tried
+        .iter()
+        .map(|one| space::statement(one.field, one.text))
+        .collect();
+    lines.join("\n")
 }
 
 /// How an answer is written.

@@ -1,14 +1,16 @@
 //! Values beside the offered ones: between choices, one pixel off, other words, none, far too large.
 
-use crate::exact::{normalised_deg, written};
+use crate::exact::normalised_deg;
 use crate::program::{ActionField, PixelPoint, Value};
-use crate::space::{self, DECIMALS};
+use crate::space;
 
 /// The most places between choices that are tried for one field.
 const MAX_BETWEEN: usize = 3;
 
 /// Returns values that a field does not offer, as an answer states them.
-pub(super) fn of(field: &ActionField, offered: &[Value]) -> Vec<String> {
+///
+/// - `texts`: the offered values as prompts write them.
+pub(super) fn of(field: &ActionField, offered: &[Value], texts: &[String]) -> Vec<String> {
     let mut others = vec![String::new(), "9".repeat(400)];
     let mut numbers: Vec<f64> = Vec::new();
     for value in spread(offered, MAX_BETWEEN) {
@@ -44,25 +46,21 @@ pub(super) fn of(field: &ActionField, offered: &[Value]) -> Vec<String> {
     };
     let below = numbers.first().map(|first| -1.0 - first);
     others.extend(between.chain(beyond).chain(below).map(stated));
-    if let [first, .., last] = offered {
-        let texts = [first, last].map(|value| space::text(field, value));
-        others.push(texts.join(" or "));
+    if let [first, .., last] = texts {
+        others.push(format!("{first} or {last}"));
     }
     let plain = |text: &str| text.to_lowercase().replace(['_', '-'], " ");
-    let same = |value: &Value| match value {
-        Value::Direction { deg } => written(*deg, DECIMALS),
-        _ => plain(&space::text(field, value)),
-    };
-    let known: Vec<String> = offered.iter().map(same).collect();
+    let known: Vec<String> = texts.iter().map(|text| plain(text)).collect();
     let is_offered = |other: &String| {
-        let other = match offered.first() {
+        let turned = match (offered.first(), other.trim_end_matches(" deg").parse()) {
             // Whole turns more or less are the same direction.
-            Some(Value::Direction { .. }) => {
-                let stated = other.trim_end_matches(" deg").parse().unwrap_or(f64::NAN);
-                written(normalised_deg(stated), DECIMALS)
+            (Some(Value::Direction { .. }), Ok(stated)) => {
+                let deg = normalised_deg(stated);
+                Some(space::text(field, &Value::Direction { deg }))
             }
-            _ => plain(other),
+            _ => None,
         };
+        let other = plain(turned.as_ref().unwrap_or(other));
         known.contains(&other)
     };
     others.retain(|other| !is_offered(other));

@@ -67,10 +67,12 @@ pub(super) fn named(fields: &[ActionField], reply: &str) -> Vec<Vec<Named>> {
 fn occurrences(index: usize, field: &ActionField, reply: &str) -> Vec<Named> {
     let mut before = ' ';
     let mut found = Vec::new();
+    let Some(first) = field.name.chars().next() else {
+        return found;
+    };
     for (at, character) in reply.char_indices() {
-        let follows_letter = before.is_alphanumeric();
-        before = character;
-        if follows_letter {
+        let previous = std::mem::replace(&mut before, character);
+        if !character.eq_ignore_ascii_case(&first) || previous.is_alphanumeric() {
             continue;
         }
         let Some(length) = name_length(&field.name, &reply[at..]) else {

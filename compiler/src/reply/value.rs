@@ -54,6 +54,11 @@ pub(super) fn read(cursor: &mut Cursor<'_>, asked: &Asked<'_>, firmness: Firmnes
 
 /// Returns whether the values of the format stand here, all of them.
 fn is_echo(text: &str, asked: &Asked<'_>) -> bool {
+    // Most lines have no bar, and then nothing needs to be written out.
+    let bar = text.find(['|', '\n']);
+    if !bar.is_some_and(|bar| text[bar..].starts_with('|')) {
+        return false;
+    }
     let values = space::declared(asked.field);
     let mut rest = text;
     for (index, value) in values.iter().enumerate() {
