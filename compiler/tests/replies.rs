@@ -14,6 +14,7 @@ use compiler::reply::{self, MAX_REPLY_BYTES, MAX_TEXT_CHARS, Malformed, Proposal
 use compiler::space;
 use proptest::prelude::*;
 use std::fs;
+use std::time::{Duration, Instant};
 
 #[test]
 fn every_reply_is_read_as_its_fixture_says() {
@@ -51,7 +52,7 @@ fn every_reply_is_read_as_its_fixture_says() {
             ));
         }
     }
-    assert!(files.len() > 50, "only {} replies were found", files.len());
+    assert!(files.len() > 190, "only {} replies were found", files.len());
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }
 
@@ -110,6 +111,29 @@ proptest! {
     }
 
     #[test]
+    fn answers_of_likely_values_are_read_as_something_that_can_be_written(
+        pieces in prop::collection::vec(prop::sample::select(vec![
+            "pick = (1, 2)\n", "Tip angle", "tip_angle", "distance", "Grip", " = ", ": ", "\n", " is ", " of ", "45", "0.25", "1/4", "-", "−",
+            "pi", "π", "*", "/", " deg", "°", " rad", " mm", " edge", "%", "soft", "softer", "very firm", " or ", " to ", " and ", "not ", "(", ")",
+            "[", "]", "{", "}", "\"", ", ", ".", "the ", "about ", "up", "left", "９", "½", "1e9", "\\frac{1}{2}", "|", "é", "~",
+        ]), 0..60)
+    ) {
+        let program = spaces::space("grip");
+        let reply = format!("pick = (1, 2) {}", pieces.concat());
+        if let Ok(reading) = reply::read_action(&program, &reply) {
+            for (field, (name, value)) in program.actions.iter().zip(&reading.value.fields) {
+                prop_assert_eq!(&field.name, name);
+                match value {
+                    Value::Direction { deg } => prop_assert!((0.0..360.0).contains(deg), "{}", deg),
+                    Value::Length { length } => prop_assert!(length.is_finite()),
+                    Value::Word(_) => prop_assert!(space::declared(field).contains(value)),
+                    Value::Point(_) => {}
+                }
+            }
+        }
+    }
+
+    #[test]
     fn every_pixel_is_read_back_from_each_form(u in -3000i32..3000, v in -3000i32..3000) {
         let program = spaces::space("points");
         let (pick, place) = (PixelPoint::new(u, v), PixelPoint::new(v, u));
@@ -139,6 +163,42 @@ fn answers_and_texts_that_are_long_are_refused() {
     assert!(reply::read_text("Instructions:", "", &text(MAX_TEXT_CHARS)).is_ok());
     assert!(reply::read_text("Instructions:", "", &text(MAX_TEXT_CHARS + 1)).is_err());
     assert!(reply::read_text("Instructions:", "", &text(MAX_REPLY_BYTES)).is_err());
+}
+
+#[test]
+fn long_answers_take_moments() {
+    let program = spaces::space("grip");
+    for piece in [
+        "grip= ",
+        "grip=x ",
+        "pick ",
+        "pick=(",
+        "pick= ",
+        "pick - ",
+        "tip ",
+        "tip angle= ",
+        "tip angle=((",
+        "tip angle=pi*",
+        "distance=1*",
+        "distance=1,",
+        "distance (",
+        "distance=the ",
+        "grip=soft or ",
+        "soft ",
+        "grip: not ",
+        "9",
+        "-",
+        "\"pick\": {",
+        "grip=soft, a a a a a a a ",
+        "_",
+    ] {
+        let text = piece.repeat(MAX_REPLY_BYTES / piece.len());
+        let begun = Instant::now();
+        let _ = reply::read_action(&program, &text);
+        let took = begun.elapsed();
+        // Linear work takes some hundredths of a second; work that grows with the square takes minutes.
+        assert!(took < Duration::from_secs(4), "{piece:?} took {took:?}");
+    }
 }
 
 #[test]
