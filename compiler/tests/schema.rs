@@ -57,6 +57,9 @@ fn fits(schema: &Json, answer: &Json) -> bool {
         })
 }
 
+/// Returns how much of a text one piece of a pattern can match from its start.
+type Step<'p> = Box<dyn Fn(&[char]) -> Vec<usize> + 'p>;
+
 /// Returns how much of a text a pattern can match from its start: characters, `\x`, `[a-b]`, `(a|b)`, each with `?` or `{m,n}`.
 fn ends(pattern: &[char], text: &[char]) -> Vec<usize> {
     let mut depth = 0;
@@ -87,7 +90,7 @@ fn ends(pattern: &[char], text: &[char]) -> Vec<usize> {
             })
             .unwrap()
     };
-    let (length, once): (usize, Box<dyn Fn(&[char]) -> Vec<usize>>) = match first {
+    let (length, once): (usize, Step<'_>) = match first {
         '(' => {
             let close = closing(0);
             (

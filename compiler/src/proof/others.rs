@@ -5,7 +5,7 @@ use crate::program::{ActionField, PixelPoint, Value};
 use crate::space;
 
 /// The most places between choices that are tried for one field.
-const MAX_BETWEEN: usize = 3;
+const MAX_BETWEEN: usize = 2;
 
 /// Returns values that a field does not offer, as an answer states them.
 ///
