@@ -6,10 +6,14 @@
 
 use crate::exact::written;
 use crate::facts::SceneView;
-use crate::program::{ActionField, Choices, PixelPoint, Value};
+use crate::program::{ActionField, Choices, PixelPoint, Program, Value};
+use crate::reply::Proposal;
 
 /// The most digits behind the point of a number in a prompt.
 pub(crate) const DECIMALS: usize = 4;
+
+/// The most offered values that a message lists.
+pub(crate) const MAX_LISTED: usize = 30;
 
 /// Returns what a field may be in a scene, in the order in which a prompt lists it, each once.
 ///
@@ -71,6 +75,20 @@ pub fn listed(field: &ActionField, values: &[Value]) -> String {
     texts.join(", ")
 }
 
+/// Writes as many values as a message to a model can list, and how many more there are.
+pub(crate) fn shortened(field: &ActionField, values: &[Value]) -> String {
+    let mut text = listed(field, &values[..values.len().min(MAX_LISTED)]);
+    if values.len() > MAX_LISTED {
+        text.push_str(&format!(" and {} more", values.len() - MAX_LISTED));
+    }
+    text
+}
+
+/// Returns a field's name as sentences say it.
+pub(crate) fn spoken(field: &ActionField) -> String {
+    field.name.replace('_', " ")
+}
+
 /// Writes a field and its value as the format asks for them.
 pub fn statement(field: &ActionField, value: &str) -> String {
     let mut letters = field.name.chars();
@@ -100,4 +118,28 @@ pub fn format(actions: &[ActionField]) -> String {
         statement(field, &values)
     };
     actions.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Draws an action, each field's value as likely as its others: what one does who looks at nothing.
+///
+/// - `below`: returns a number below its argument, which is at least 1; a larger one is brought below it.
+///
+/// Returns None where a field has nothing to offer.
+pub fn sample(
+    program: &Program,
+    scene: &dyn SceneView,
+    below: &mut dyn FnMut(u64) -> u64,
+) -> Option<Proposal> {
+    let mut fields = Vec::with_capacity(program.actions.len());
+    for field in &program.actions {
+        let mut offered = choices(field, scene);
+        if offered.is_empty() {
+            return None;
+        }
+        let n_offered = offered.len() as u64;
+        // Below the length of a list in memory, so that nothing is cut off.
+        let index = (below(n_offered) % n_offered) as usize;
+        fields.push((field.name.clone(), offered.swap_remove(index)));
+    }
+    Some(Proposal { fields })
 }

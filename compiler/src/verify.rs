@@ -15,9 +15,6 @@ use std::collections::BTreeSet;
 /// The name of the check that every task has: each field is one of the offered values.
 pub const OFFERED: &str = "offered";
 
-/// The most offered values that a message lists.
-const MAX_LISTED: usize = 30;
-
 /// Whether an action may run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "verdict", rename_all = "snake_case")]
@@ -54,16 +51,8 @@ pub fn verdict(
     strictness: Strictness,
 ) -> Result<Verdict, RenderError> {
     let facts = facts.judging(proposal);
-    for field in &program.actions {
-        let Some(value) = proposal.get(&field.name) else {
-            return Err(RenderError::MissingFact {
-                name: field.name.clone(),
-            });
-        };
-        let choices = space::choices(field, facts.scene);
-        if !choices.contains(value) {
-            return Ok(not_offered(field, value, &choices));
-        }
+    if let Some(refused) = unoffered(program, facts.scene, proposal)? {
+        return Ok(refused);
     }
     let relaxed = |check: &&Check| {
         strictness == Strictness::Relaxed && program.verify.relaxed.contains(&check.name)
@@ -78,6 +67,28 @@ pub fn verdict(
         }
     }
     Ok(Verdict::Accept)
+}
+
+/// Returns the rejection of the first field that is none of the values that the scene offers.
+///
+/// Fails where the proposal lacks a field.
+pub(crate) fn unoffered(
+    program: &Program,
+    scene: &dyn SceneView,
+    proposal: &Proposal,
+) -> Result<Option<Verdict>, RenderError> {
+    for field in &program.actions {
+        let Some(value) = proposal.get(&field.name) else {
+            return Err(RenderError::MissingFact {
+                name: field.name.clone(),
+            });
+        };
+        let choices = space::choices(field, scene);
+        if !choices.contains(value) {
+            return Ok(Some(not_offered(field, value, &choices)));
+        }
+    }
+    Ok(None)
 }
 
 /// Asks one check; returns what its sides came to where it fails.
@@ -123,11 +134,8 @@ pub fn keypoints(program: &Program) -> BTreeSet<String> {
 }
 
 fn not_offered(field: &ActionField, value: &Value, choices: &[Value]) -> Verdict {
-    let mut listed = space::listed(field, &choices[..choices.len().min(MAX_LISTED)]);
-    if choices.len() > MAX_LISTED {
-        listed.push_str(&format!(" and {} more", choices.len() - MAX_LISTED));
-    }
-    let name = &field.name;
+    let listed = space::shortened(field, choices);
+    let name = space::spoken(field);
     let text = space::text(field, value);
     let message = match value {
         Value::Point(_) => format!(
@@ -139,7 +147,7 @@ fn not_offered(field: &ActionField, value: &Value, choices: &[Value]) -> Verdict
     };
     Verdict::Reject {
         check: OFFERED.to_owned(),
-        values: vec![(name.clone(), text), ("offered".to_owned(), listed)],
+        values: vec![(field.name.clone(), text), ("offered".to_owned(), listed)],
         message,
     }
 }

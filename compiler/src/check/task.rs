@@ -111,7 +111,7 @@ fn contradictions(program: &Program, merged: &Merged<'_>, report: &mut Report) {
             .iter()
             .find(|field| field.name.text == flaw.field);
         let span = field.map_or(part.span, |field| field.name.span);
-        report.push(Diagnostic::new(Code::Contradiction, span, flaw.to_string()));
+        report.push(Diagnostic::new(Code::Contradiction, span, flaw.message));
     }
 }
 

@@ -70,3 +70,29 @@ pub(super) fn decorates(character: char) -> bool {
         '*' | '_' | '`' | '"' | '\'' | '“' | '”' | '$' | '\\' | '~'
     )
 }
+
+/// Returns at most the last `most` bytes of a text, from a whole character on.
+pub(super) fn tail(text: &str, most: usize) -> &str {
+    let mut from = text.len().saturating_sub(most);
+    while !text.is_char_boundary(from) {
+        from += 1;
+    }
+    &text[from..]
+}
+
+/// Returns at most the first `most` bytes of a text, to a whole character.
+pub(super) fn head(text: &str, most: usize) -> &str {
+    let mut to = text.len().min(most);
+    while !text.is_char_boundary(to) {
+        to -= 1;
+    }
+    &text[..to]
+}
+
+/// Returns the word that a text begins with; empty where it begins with none.
+pub(super) fn first_word(text: &str) -> &str {
+    let length = text
+        .find(|character: char| !character.is_alphanumeric())
+        .unwrap_or(text.len());
+    &text[..length]
+}

@@ -2,17 +2,25 @@
 //!
 //! In: an answer. Out: what it says, with every tolerated deviation named, or what is wrong with it in
 //! words for the model. An answer that states one thing in two ways is never guessed at. Whether the
-//! points are allowed is judged by [`crate::verify`].
+//! values are allowed is judged by [`crate::verify`].
 
 mod action;
+mod around;
+mod choice;
 mod cursor;
+mod expression;
+mod names;
+mod number;
 mod pixel;
 mod schema;
+mod statement;
 mod text;
+mod value;
+mod words;
 
 pub use action::read_action;
 pub(crate) use action::read_fields;
-pub use schema::schema;
+pub use schema::{schema, static_schema};
 pub use text::read_text;
 
 use crate::program::{PixelPoint, Program, Value};

@@ -1,6 +1,6 @@
 //! Reads one pixel: `(x, y)` as asked for, and the forms that models use instead.
 
-use super::cursor::{Cursor, decorates};
+use super::cursor::{Cursor, decorates, head};
 use crate::program::PixelPoint;
 
 /// The largest coordinate that can be meant, pixels; far beyond any picture.
@@ -43,11 +43,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>, brackets: Brackets) -> Found {
         return Found::Nothing;
     }
     let inside = match closing.last() {
-        Some(close) => match cursor
-            .rest()
-            .find(*close)
-            .filter(|length| *length <= MAX_INSIDE)
-        {
+        Some(close) => match head(cursor.rest(), MAX_INSIDE + 1).find(*close) {
             Some(length) => {
                 let inside = &cursor.rest()[..length];
                 cursor.at += length;

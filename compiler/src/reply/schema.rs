@@ -1,37 +1,68 @@
 //! The JSON Schema of an answer, for models that keep to one.
 
-use crate::program::{PixelPoint, Program};
-use serde_json::{Map, Value, json};
+use crate::program::{ActionField, Choices, Program, Value};
+use crate::space;
+use serde_json::{Map, Value as Json, json};
 
-/// Returns a schema that accepts exactly the offered points, as strings `(x, y)`.
+/// What a point looks like as [`space::text`] writes it; the reader refuses larger numbers.
+const POINT: &str = r"^\((0|-?[1-9][0-9]{0,6}), (0|-?[1-9][0-9]{0,6})\)$";
+
+/// Returns a schema that accepts exactly the offered values, as strings that [`space::text`] writes.
 ///
-/// - `offered`: for each field its points; a field without any accepts nothing.
+/// - `offered`: for each field what it may be in the scene; for a field that is not among them, what is
+///   declared, and nothing for points.
 ///
 /// Strings, because they are what every provider's structured output enumerates; the reader of answers
 /// understands them.
-pub fn schema(program: &Program, offered: &[(String, Vec<PixelPoint>)]) -> Value {
-    let mut properties = Map::new();
-    for field in &program.actions {
-        let points = offered
-            .iter()
-            .find(|(name, _)| *name == field.name)
-            .map_or(&[][..], |(_, points)| points);
-        let choices: Vec<String> = points.iter().map(PixelPoint::to_string).collect();
-        let what = format!("the {} point (x, y), pixels", field.name);
-        properties.insert(
-            field.name.clone(),
-            json!({ "type": "string", "description": what, "enum": choices }),
-        );
-    }
-    let names: Vec<&str> = program
+pub fn schema(program: &Program, offered: &[(String, Vec<Value>)]) -> Json {
+    object(program, |field| {
+        let values = offered.iter().find(|(name, _)| *name == field.name);
+        let values = values.map_or_else(|| space::declared(field), |(_, values)| values.clone());
+        choices(field, &values)
+    })
+}
+
+/// Returns a schema that accepts every value that some scene may offer; points are given by a pattern.
+pub fn static_schema(program: &Program) -> Json {
+    object(program, |field| match field.choices {
+        Choices::Points { .. } => {
+            json!({ "type": "string", "description": what(field), "pattern": POINT })
+        }
+        _ => choices(field, &space::declared(field)),
+    })
+}
+
+fn object(program: &Program, property: impl Fn(&ActionField) -> Json) -> Json {
+    let properties: Map<String, Json> = program
         .actions
         .iter()
-        .map(|field| field.name.as_str())
+        .map(|field| (field.name.clone(), property(field)))
         .collect();
+    let names: Vec<&str> = properties.keys().map(String::as_str).collect();
     json!({
         "type": "object",
         "properties": properties,
         "required": names,
         "additionalProperties": false,
     })
+}
+
+fn choices(field: &ActionField, values: &[Value]) -> Json {
+    let texts: Vec<String> = values
+        .iter()
+        .map(|value| space::text(field, value))
+        .collect();
+    json!({ "type": "string", "description": what(field), "enum": texts })
+}
+
+fn what(field: &ActionField) -> String {
+    let name = space::spoken(field);
+    match field.choices {
+        Choices::Points { .. } => format!("the {name} point (x, y), pixels"),
+        Choices::Directions { .. } => {
+            format!("the {name}, counter-clockwise from the image's right")
+        }
+        Choices::Lengths { .. } => format!("the {name}, on the table"),
+        Choices::Words { .. } => format!("the {name}"),
+    }
 }

@@ -1,0 +1,306 @@
+//! Proves for a program that prompt, schema, reader, verifier and sampler mean the same action space.
+//!
+//! In: a program. Out: what contradicts itself. Each offered value is written as prompts and schema write it,
+//! and must be read back as itself and not be refused; values beside the offered ones must be refused with the
+//! choices. Points are those of two generated scenes. The work is bounded and the same every time.
+
+mod declared;
+mod others;
+mod scene;
+
+use crate::program::{ActionField, Choices, Program, Value};
+use crate::reply::{self, Proposal};
+use crate::space;
+use crate::verify::{self, Verdict};
+use scene::Generated;
+
+/// The most choices of one field; more are no list that a model can choose from.
+pub const MAX_CHOICES: usize = 1_000;
+
+/// The most fields of an action.
+pub const MAX_FIELDS: usize = 16;
+
+/// The most flaws that are reported.
+const MAX_FLAWS: usize = 50;
+
+/// A contradiction in an action space.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Flaw {
+    /// The field.
+    pub field: String,
+    /// The value as prompts write it; empty where the field as a whole is flawed.
+    pub value: String,
+    /// What is wrong, lower case and without a full stop.
+    pub message: String,
+}
+
+/// Returns what contradicts itself in a program's action space; nothing where it is consistent.
+///
+/// At most one flaw for each value, in the order in which they are found.
+pub fn flaws(program: &Program) -> Vec<Flaw> {
+    let mut found = Flaws::default();
+    declared::check(program, &mut found);
+    if found.is_hopeless {
+        return found.list;
+    }
+    let many = Generated::many(program);
+    let proof = Proof::of(program, &many);
+    if proof.offered.iter().any(|(_, values)| values.is_empty()) {
+        return found.list;
+    }
+    proof.check_offered(&mut found);
+    proof.check_others(&mut found);
+    proof.check_sampler(&mut found);
+    // What is no point has been tried; the smaller scene adds the case of a single one.
+    let one = Generated::one(program);
+    let proof = Proof::of(program, &one);
+    proof.check_answer(0, &reply::schema(program, &proof.offered), &mut found);
+    found.list
+}
+
+/// What was found so far.
+#[derive(Default)]
+struct Flaws {
+    list: Vec<Flaw>,
+    /// Whether values cannot be tried at all.
+    is_hopeless: bool,
+}
+
+impl Flaws {
+    fn push(&mut self, field: &ActionField, value: &str, message: String) {
+        let is_known = self
+            .list
+            .iter()
+            .any(|flaw| flaw.field == field.name && flaw.value == value);
+        if !is_known && self.list.len() < MAX_FLAWS {
+            self.list.push(Flaw {
+                field: field.name.clone(),
+                value: value.to_owned(),
+                message,
+            });
+        }
+    }
+}
+
+/// A program in one scene.
+struct Proof<'a> {
+    program: &'a Program,
+    scene: &'a Generated,
+    /// For each field what it may be.
+    offered: Vec<(String, Vec<Value>)>,
+    /// The same as prompts write it.
+    texts: Vec<Vec<String>>,
+}
+
+/// A field and one of its values, as data and as prompts write it.
+#[derive(Clone, Copy)]
+struct Tried<'p> {
+    field: &'p ActionField,
+    value: &'p Value,
+    text: &'p str,
+}
+
+impl<'a> Proof<'a> {
+    fn of(program: &'a Program, scene: &'a Generated) -> Proof<'a> {
+        let offered: Vec<(String, Vec<Value>)> = program
+            .actions
+            .iter()
+            .map(|field| (field.name.clone(), space::choices(field, scene)))
+            .collect();
+        let written = |(field, (_, values)): (&ActionField, &(String, Vec<Value>))| {
+            let texts = values.iter().map(|value| space::text(field, value));
+            texts.collect()
+        };
+        let texts = program.actions.iter().zip(&offered).map(written).collect();
+        Proof {
+            program,
+            scene,
+            offered,
+            texts,
+        }
+    }
+
+    /// Returns the fields with one value each: the `index`-th, from the first again where there are fewer.
+    fn tried(&self, index: usize) -> Vec<Tried<'_>> {
+        let values = self.offered.iter().zip(&self.texts);
+        self.program
+            .actions
+            .iter()
+            .zip(values)
+            .map(|(field, ((_, values), texts))| Tried {
+                field,
+                value: &values[index % values.len()],
+                text: &texts[index % texts.len()],
+            })
+            .collect()
+    }
+
+    /// Every offered value is read back as itself, from text and from JSON, and is not refused.
+    fn check_offered(&self, found: &mut Flaws) {
+        let schema = reply::schema(self.program, &self.offered);
+        let most = self.texts.iter().map(Vec::len).max();
+        for index in 0..most.unwrap_or(0) {
+            self.check_answer(index, &schema, found);
+        }
+    }
+
+    /// The answer that states the `index`-th value of each field is read back, from text and from JSON.
+    fn check_answer(&self, index: usize, schema: &serde_json::Value, found: &mut Flaws) {
+        let tried = self.tried(index);
+        self.check_reading(&tried, &answer(&tried), Form::Asked, found);
+        let mut object = serde_json::Map::new();
+        for (one, texts) in tried.iter().zip(&self.texts) {
+            let listed = &schema["properties"][&one.field.name]["enum"][index % texts.len()];
+            if *listed != one.text {
+                let message = format!("`{}` is not in the schema", one.text);
+                found.push(one.field, one.text, message);
+            }
+            object.insert(one.field.name.clone(), listed.clone());
+        }
+        let object = serde_json::Value::Object(object).to_string();
+        self.check_reading(&tried, &object, Form::Json, found);
+    }
+
+    fn check_reading(&self, tried: &[Tried<'_>], answer: &str, form: Form, found: &mut Flaws) {
+        let reading = match reply::read_action(self.program, answer) {
+            Ok(reading) => reading,
+            Err(malformed) => {
+                let wrong = tried.iter().find(|one| one.field.name == malformed.field);
+                if let Some(one) = wrong.or(tried.first()) {
+                    let why = malformed.message.lines().next().unwrap_or_default();
+                    let (text, form) = (one.text, form.named());
+                    let message = format!("`{text}` cannot be read from {form}: {why}");
+                    found.push(one.field, text, message);
+                }
+                return;
+            }
+        };
+        for Tried { field, value, text } in tried {
+            let read = reading.value.get(&field.name);
+            if read != Some(*value) {
+                let read = read.map_or(String::new(), |read| space::text(field, read));
+                let message = format!("`{text}` is read as `{read}` from {}", form.named());
+                found.push(field, text, message);
+            }
+        }
+        // Of JSON no text is asked for, so that its reading always names what was read.
+        if form == Form::Json {
+            return;
+        }
+        for repair in &reading.repairs {
+            let names =
+                |one: &&Tried<'_>| repair.contains(&format!("as the {}", space::spoken(one.field)));
+            if let Some(one) = tried.iter().find(names).or(tried.first()) {
+                let message = format!("`{}` is read only with a repair: {repair}", one.text);
+                found.push(one.field, one.text, message);
+            }
+        }
+        if let Some((field, text)) = self.unoffered(&reading.value) {
+            found.push(field, &text, format!("`{text}` is offered, and refused"));
+        }
+    }
+
+    /// Returns the first field that the verifier refuses as not offered, and its value's text.
+    fn unoffered(&self, proposal: &Proposal) -> Option<(&'a ActionField, String)> {
+        let refused = verify::unoffered(self.program, self.scene, proposal);
+        let Ok(Some(Verdict::Reject { values, .. })) = refused else {
+            return None;
+        };
+        let (name, text) = values.into_iter().next()?;
+        Some((self.program.field(&name)?, text))
+    }
+
+    /// Values beside the offered ones are refused, with the field's name and its choices.
+    fn check_others(&self, found: &mut Flaws) {
+        for (position, (field, (_, offered))) in
+            self.program.actions.iter().zip(&self.offered).enumerate()
+        {
+            let others = others::of(field, offered, &self.texts[position]);
+            let mut tried = self.tried(0);
+            let first = tried[position].text;
+            for other in &others {
+                tried[position].text = other;
+                if let Err(message) = self.refused(field, first, &answer(&tried)) {
+                    let shown: String = other.chars().take(40).collect();
+                    let message = format!("`{shown}` is not offered, but {message}");
+                    found.push(field, &shown, message);
+                }
+            }
+        }
+    }
+
+    /// Fails where an answer is not refused for a field, or without its name and its first choice.
+    fn refused(&self, field: &ActionField, first: &str, answer: &str) -> Result<(), String> {
+        let names_both = |message: &str, choice: &str| {
+            message.contains(&space::spoken(field)) && message.contains(choice)
+        };
+        let (refused, is_told) = match reply::read_action(self.program, answer) {
+            Err(malformed) => {
+                // Only the verifier knows which points a scene offers.
+                let choice = match field.choices {
+                    Choices::Points { .. } => "(x, y)",
+                    _ => first,
+                };
+                let is_told = names_both(&malformed.message, choice);
+                (malformed.field, is_told)
+            }
+            Ok(reading) => match verify::unoffered(self.program, self.scene, &reading.value) {
+                Ok(Some(Verdict::Reject {
+                    values, message, ..
+                })) => {
+                    let name = values.into_iter().next().map(|(name, _)| name);
+                    (name.unwrap_or_default(), names_both(&message, first))
+                }
+                _ => {
+                    let read = reading.value.get(&field.name);
+                    let read = read.map_or(String::new(), |read| space::text(field, read));
+                    return Err(format!("read as `{read}`"));
+                }
+            },
+        };
+        if refused != field.name {
+            Err(format!("`{refused}` is refused instead"))
+        } else if is_told {
+            Ok(())
+        } else {
+            Err("its refusal does not name the field and the choices".to_owned())
+        }
+    }
+
+    /// The sampler draws what is offered.
+    fn check_sampler(&self, found: &mut Flaws) {
+        for draw in [0, 1, 2, 12_345_678_901, u64::MAX] {
+            let drawn = space::sample(self.program, self.scene, &mut |_| draw);
+            if let Some((field, text)) = drawn.and_then(|drawn| self.unoffered(&drawn)) {
+                found.push(field, &text, format!("`{text}` is drawn, but not offered"));
+            }
+        }
+    }
+}
+
+/// Writes an answer as the format asks for it.
+fn answer(tried: &[Tried<'_>]) -> String {
+    let lines: Vec<String> = tried
+        .iter()
+        .map(|one| space::statement(one.field, one.text))
+        .collect();
+    lines.join("\n")
+}
+
+/// How an answer is written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Form {
+    /// As the format asks.
+    Asked,
+    /// As the schema asks.
+    Json,
+}
+
+impl Form {
+    fn named(self) -> &'static str {
+        match self {
+            Form::Asked => "the answer that is asked for",
+            Form::Json => "the answer that the schema asks for",
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Values beside the offered ones: between choices, one pixel off, other words, none, far too large.
+
+use crate::exact::normalised_deg;
+use crate::program::{ActionField, PixelPoint, Value};
+use crate::space;
+
+/// The most places between choices that are tried for one field.
+const MAX_BETWEEN: usize = 2;
+
+/// Returns values that a field does not offer, as an answer states them.
+///
+/// - `texts`: the offered values as prompts write them.
+pub(super) fn of(field: &ActionField, offered: &[Value], texts: &[String]) -> Vec<String> {
+    let mut others = vec![String::new(), "9".repeat(400)];
+    let mut numbers: Vec<f64> = Vec::new();
+    for value in spread(offered, MAX_BETWEEN) {
+        match value {
+            Value::Point(point) => {
+                others.push(PixelPoint::new(point.u.saturating_add(1), point.v).to_string());
+                others.push(PixelPoint::new(point.u, point.v.saturating_sub(1)).to_string());
+            }
+            // In a phrase that holds an offered word the reader finds it, and says so.
+            Value::Word(word) if word.contains([' ', '-', '_']) => {}
+            Value::Word(word) => {
+                let shorter = &word[..word.char_indices().last().map_or(0, |(at, _)| at)];
+                others.extend([
+                    format!("{word}z"),
+                    format!("non-{word}"),
+                    shorter.to_owned(),
+                ]);
+            }
+            Value::Direction { deg: number } | Value::Length { length: number } => {
+                numbers.push(*number);
+            }
+        }
+    }
+    numbers.sort_by(f64::total_cmp);
+    let between = numbers.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0);
+    let beyond = numbers.last().map(|last| last / 2.0 + 175.3);
+    let stated = |number: f64| {
+        let value = match offered.first() {
+            Some(Value::Direction { .. }) => Value::Direction { deg: number },
+            _ => Value::Length { length: number },
+        };
+        space::text(field, &value)
+    };
+    let below = numbers.first().map(|first| -1.0 - first);
+    others.extend(between.chain(beyond).chain(below).map(stated));
+    if let [first, .., last] = texts {
+        others.push(format!("{first} or {last}"));
+    }
+    let plain = |text: &str| text.to_lowercase().replace(['_', '-'], " ");
+    let known: Vec<String> = texts.iter().map(|text| plain(text)).collect();
+    let is_offered = |other: &String| {
+        let turned = match (offered.first(), other.trim_end_matches(" deg").parse()) {
+            // Whole turns more or less are the same direction.
+            (Some(Value::Direction { .. }), Ok(stated)) => {
+                let deg = normalised_deg(stated);
+                Some(space::text(field, &Value::Direction { deg }))
+            }
+            _ => None,
+        };
+        let other = plain(turned.as_ref().unwrap_or(other));
+        known.contains(&other)
+    };
+    others.retain(|other| !is_offered(other));
+    others
+}
+
+/// Returns at most so many pairs of neighbours from all over the list.
+fn spread(values: &[Value], most: usize) -> impl Iterator<Item = &Value> {
+    let step = values.len().div_ceil(most).max(1);
+    values
+        .iter()
+        .enumerate()
+        .filter(move |(index, _)| index % step == 0 || index % step == 1)
+        .take(2 * most)
+        .map(|(_, value)| value)
+}

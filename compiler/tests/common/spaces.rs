@@ -1,0 +1,120 @@
+//! Programs that declare nothing but an action space, read from `tests/fixtures/spaces`.
+//!
+//! One field a line: `NAME points KEYPOINT…`, `NAME directions DEGREES…`, `NAME lengths UNIT NUMBER…`,
+//! `NAME words WORD | WORD…`. The cloth's longer side is 625 mm.
+
+#![allow(dead_code, clippy::unwrap_used)]
+
+use compiler::program::{
+    ActionField, Camera, Choices, Cloth, ClothStart, Direction, ImageUp, LengthChoice, LengthUnit,
+    PROGRAM_FORMAT, Program, Verify,
+};
+
+/// The cloth's longer side.
+pub const EDGE_M: f64 = 0.625;
+
+/// Reads an action space of the fixtures.
+pub fn space(name: &str) -> Program {
+    let file = super::common::workspace().join(format!("tests/fixtures/spaces/{name}.txt"));
+    let text = std::fs::read_to_string(&file).unwrap_or_else(|_| panic!("no space `{name}`"));
+    program(text.lines().map(field).collect())
+}
+
+/// Reads one line.
+pub fn field(line: &str) -> ActionField {
+    let (name, rest) = line.split_once(' ').unwrap();
+    let (kind, rest) = rest.split_once(' ').unwrap();
+    let numbers = |text: &str| -> Vec<f64> {
+        text.split_whitespace()
+            .map(|number| number.parse().unwrap())
+            .collect()
+    };
+    let choices = match kind {
+        "points" => Choices::Points {
+            keypoints: rest.split_whitespace().map(str::to_owned).collect(),
+        },
+        "directions" => directions(&numbers(rest)),
+        "lengths" => {
+            let (unit, rest) = rest.split_once(' ').unwrap();
+            let unit = match unit {
+                "mm" => LengthUnit::Mm,
+                "cm" => LengthUnit::Cm,
+                "m" => LengthUnit::M,
+                "edge" => LengthUnit::Edge,
+                _ => panic!("no unit `{unit}`"),
+            };
+            lengths(unit, &numbers(rest))
+        }
+        "words" => Choices::Words {
+            choices: rest.split(" | ").map(str::to_owned).collect(),
+        },
+        _ => panic!("no kind `{kind}`"),
+    };
+    ActionField {
+        name: name.to_owned(),
+        choices,
+    }
+}
+
+/// Offers directions.
+pub fn directions(degrees: &[f64]) -> Choices {
+    let choice = |deg: &f64| {
+        let (sine, cosine) = deg.to_radians().sin_cos();
+        Direction {
+            deg: *deg,
+            vector: [cosine, -sine],
+        }
+    };
+    Choices::Directions {
+        choices: degrees.iter().map(choice).collect(),
+    }
+}
+
+/// Offers lengths.
+pub fn lengths(unit: LengthUnit, values: &[f64]) -> Choices {
+    let choice = |value: &f64| LengthChoice {
+        value: *value,
+        m: value * unit.in_m(EDGE_M),
+    };
+    Choices::Lengths {
+        unit,
+        choices: values.iter().map(choice).collect(),
+    }
+}
+
+/// Returns a program with these fields.
+pub fn program(actions: Vec<ActionField>) -> Program {
+    Program {
+        format: PROGRAM_FORMAT,
+        compiler: "test".to_owned(),
+        task: "test".to_owned(),
+        variant: None,
+        sources: Vec::new(),
+        cloth: Cloth {
+            dimx: 51,
+            dimy: 41,
+            spacing_m: EDGE_M / 50.0,
+            start: ClothStart::Flat,
+        },
+        camera: Camera {
+            height_m: 0.65,
+            fov_rad: std::f64::consts::FRAC_PI_4,
+            image_px: 224,
+            up: ImageUp::Y,
+        },
+        subgoals: None,
+        experts: Vec::new(),
+        keypoints: Vec::new(),
+        layers: Vec::new(),
+        actions,
+        templates: Vec::new(),
+        stages: Vec::new(),
+        verify: Verify {
+            checks: Vec::new(),
+            attempts: 1,
+            relaxed: Vec::new(),
+        },
+        horizon: 1,
+        goal: None,
+    }
+}
