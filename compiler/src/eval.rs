@@ -174,11 +174,28 @@ impl Eval<'_> {
         }
     }
 
-    /// Returns whether a condition holds, and notes what its sides came to; every part is evaluated, so that all are noted.
+    /// Returns whether a condition holds, and notes what its sides came to.
+    ///
+    /// Parts are evaluated from left to right until it is decided, so that `last and …` asks nothing of an
+    /// action that there was not.
     pub fn holds(&self, condition: &Condition, notes: &mut Notes) -> Result<bool, Missing> {
         match condition {
-            Condition::All { of } => Ok(self.each(of, notes)?.iter().all(|holds| *holds)),
-            Condition::Any { of } => Ok(self.each(of, notes)?.iter().any(|holds| *holds)),
+            Condition::All { of } => {
+                for part in of {
+                    if !self.holds(part, notes)? {
+                        return Ok(false);
+                    }
+                }
+                Ok(true)
+            }
+            Condition::Any { of } => {
+                for part in of {
+                    if self.holds(part, notes)? {
+                        return Ok(true);
+                    }
+                }
+                Ok(false)
+            }
             Condition::Not { of } => Ok(!self.holds(of, notes)?),
             Condition::Lengths { left, is, right } => {
                 self.note_length(left, notes)?;
@@ -238,13 +255,6 @@ impl Eval<'_> {
             }
             Condition::Last => Ok(self.facts.last.is_some()),
         }
-    }
-
-    fn each(&self, conditions: &[Condition], notes: &mut Notes) -> Result<Vec<bool>, Missing> {
-        conditions
-            .iter()
-            .map(|condition| self.holds(condition, notes))
-            .collect()
     }
 
     fn note_length(&self, length: &Length, notes: &mut Notes) -> Result<(), Missing> {

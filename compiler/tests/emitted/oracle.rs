@@ -106,14 +106,24 @@ impl Oracle<'_> {
         }
     }
 
-    fn each(&mut self, of: &[Condition]) -> Result<Vec<bool>, Missing> {
-        of.iter().map(|it| self.holds(it)).collect()
-    }
-
     fn holds(&mut self, condition: &Condition) -> Result<bool, Missing> {
         Ok(match condition {
-            Condition::All { of } => !self.each(of)?.contains(&false),
-            Condition::Any { of } => self.each(of)?.contains(&true),
+            Condition::All { of } => {
+                for part in of {
+                    if !self.holds(part)? {
+                        return Ok(false);
+                    }
+                }
+                true
+            }
+            Condition::Any { of } => {
+                for part in of {
+                    if self.holds(part)? {
+                        return Ok(true);
+                    }
+                }
+                false
+            }
             Condition::Not { of } => !self.holds(of)?,
             Condition::Lengths { left, is, right } => {
                 let in_metres = matches!(left, Length::Field { scale, .. } if *scale == 1.0);

@@ -19,6 +19,10 @@ pub(super) struct Dialect {
     pub pair: [&'static str; 2],
     /// What stands around a condition that must not hold.
     pub not: [&'static str; 2],
+    /// Between conditions that must both hold.
+    pub and: &'static str,
+    /// Between conditions of which one is enough.
+    pub or: &'static str,
     /// Whether there was an action before this one.
     pub has_last: &'static str,
     /// The number of the step, as a float.
@@ -55,16 +59,16 @@ impl<'a> Lowering<'a> {
         self.every("all", parts)
     }
 
-    /// Writes a condition; every part of it is evaluated, from left to right.
+    /// Writes a condition; its parts are evaluated from left to right until it is decided.
     pub fn condition(&mut self, condition: &Condition) -> Result<Code, EmitError> {
         Ok(match condition {
             Condition::All { of } => {
                 let parts = self.conditions(of)?;
-                self.every("all", parts)
+                self.joined("all", self.dialect.and, parts)
             }
             Condition::Any { of } => {
                 let parts = self.conditions(of)?;
-                self.every("any", parts)
+                self.joined("any", self.dialect.or, parts)
             }
             // Two of them cancel; a long chain would be nested too deep for some parsers.
             Condition::Not { of } => match &**of {
@@ -249,6 +253,15 @@ impl<'a> Lowering<'a> {
         let table = self.table(field);
         let name = self.literal(&field.declared.name);
         self.missing_call("chosen", [table, value, name])
+    }
+
+    /// Joins conditions; fewer than two, which no source text has, need a function.
+    fn joined(&mut self, helper: &'static str, sign: &'static str, parts: Vec<Code>) -> Code {
+        if parts.len() < 2 {
+            self.every(helper, parts)
+        } else {
+            Code::Joined { sign, parts }
+        }
     }
 
     fn every(&mut self, helper: &'static str, parts: Vec<Code>) -> Code {

@@ -22,6 +22,11 @@ pub(super) enum Code {
         part: Box<Code>,
         close: &'static str,
     },
+    /// Parts in brackets with a sign between them, evaluated from left to right until it is decided.
+    Joined {
+        sign: &'static str,
+        parts: Vec<Code>,
+    },
     /// Two sides and the sign between them.
     Infix {
         left: Box<Code>,
@@ -80,6 +85,21 @@ impl Code {
                     .collect();
                 format!("{open}\n{}{}{close}", lines.concat(), " ".repeat(indent))
             }
+            Code::Joined { sign, parts } => {
+                let inner = indent + 4;
+                let margin = " ".repeat(inner);
+                let line = |(number, part): (usize, &Code)| {
+                    let before = if number == 0 {
+                        String::new()
+                    } else {
+                        format!("{sign} ")
+                    };
+                    let part = part.print(inner + before.len(), inner);
+                    format!("{margin}{before}{part}\n")
+                };
+                let lines: String = parts.iter().enumerate().map(line).collect();
+                format!("(\n{lines}{})", " ".repeat(indent))
+            }
             Code::Wrapped { open, part, close } => {
                 let part = part.print(before + open.len(), indent);
                 format!("{open}{part}{close}")
@@ -99,6 +119,10 @@ impl Code {
             Code::Group { open, parts, close } => {
                 let parts: Vec<String> = parts.iter().map(Code::flat).collect();
                 format!("{open}{}{close}", parts.join(", "))
+            }
+            Code::Joined { sign, parts } => {
+                let parts: Vec<String> = parts.iter().map(Code::flat).collect();
+                format!("({})", parts.join(&format!(" {sign} ")))
             }
             Code::Wrapped { open, part, close } => format!("{open}{}{close}", part.flat()),
             Code::Infix { left, sign, right } => {

@@ -12,6 +12,8 @@ pub(super) const DIALECT: Dialect = Dialect {
     may_miss: "",
     pair: ["(", ")"],
     not: ["not (", ")"],
+    and: "and",
+    or: "or",
     has_last: "facts.last is not None",
     step: "float(facts.step)",
     text: python_text,

@@ -12,6 +12,8 @@ pub(super) const DIALECT: Dialect = Dialect {
     may_miss: "?",
     pair: ["[", "]"],
     not: ["!(", ")"],
+    and: "&&",
+    or: "||",
     has_last: "facts.last.is_some()",
     step: "f64::from(facts.step)",
     text: rust_text,
@@ -57,7 +59,7 @@ fn header(outline: &Outline<'_>) -> String {
 //!
 //! Points are pixels of the task's camera picture, `[column, row]` from the top left.
 // Nobody calls all of it, and the names and numbers are the task's own.
-#![allow(dead_code, non_snake_case, clippy::all)]",
+#![allow(dead_code, non_snake_case, unused_parens, clippy::all)]",
         compiler = outline.program.compiler.escape_default(),
         hash = outline.program.hash(),
     )

@@ -7,7 +7,7 @@ pub(super) const HELPERS: &[(&str, &str)] = &[
     (
         "all",
         "\
-/// Whether every part holds; all were evaluated, so that nothing missing goes unseen.
+/// Whether every part holds.
 fn all<const N: usize>(parts: [bool; N]) -> bool {
     parts.iter().all(|holds| *holds)
 }
@@ -16,7 +16,7 @@ fn all<const N: usize>(parts: [bool; N]) -> bool {
     (
         "any",
         "\
-/// Whether at least one part holds; all were evaluated, so that nothing missing goes unseen.
+/// Whether at least one part holds.
 fn any<const N: usize>(parts: [bool; N]) -> bool {
     parts.iter().any(|holds| *holds)
 }
