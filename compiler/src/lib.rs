@@ -27,7 +27,7 @@ mod source;
 pub mod space;
 pub mod verify;
 
-pub use load::{MAX_FILES, MAX_USE_DEPTH};
+pub use load::{MAX_FILES, MAX_TOTAL_BYTES, MAX_USE_DEPTH};
 pub use merge::MAX_EXTENDS_DEPTH;
 pub use source::{FileId, Source, Sources, Span, line_and_column};
 
@@ -63,8 +63,10 @@ impl std::error::Error for LoadError {}
 pub struct Compiled {
     /// The tasks of the entry file that are right and can run by themselves, in source order.
     pub programs: Vec<Program>,
-    /// What is wrong in any file, by file and place.
+    /// What is wrong in any file, by file and place; of each severity the first [`diag::MAX_FINDINGS`] that were found.
     pub diagnostics: Vec<Diagnostic>,
+    /// How many further findings there are.
+    pub left_out: usize,
     /// Every file that was read.
     pub sources: Sources,
 }
@@ -87,6 +89,7 @@ pub fn compile(entry: &str, loader: &dyn Loader) -> Result<Compiled, LoadError> 
     let programs = check::check(&loaded, &mut report);
     Ok(Compiled {
         programs,
+        left_out: report.left_out(),
         diagnostics: report.into_sorted(),
         sources: loaded.sources,
     })

@@ -1,7 +1,8 @@
 //! Reads the entry file and everything that it uses.
 //!
 //! In: a name and a loader. Out: every file as it is written, who reaches whom, and diagnostics of form
-//! and of `use`. Bounded by [`MAX_FILES`] and [`MAX_USE_DEPTH`].
+//! and of `use`. Bounded by [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`]; no path leads out of the
+//! entry's folder.
 
 use crate::ast::{self, Text};
 use crate::diag::{Code, Diagnostic, Report};
@@ -9,13 +10,16 @@ use crate::form;
 use crate::path;
 use crate::source::{FileId, Sources};
 use crate::{LoadError, Loader};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The most files in one compilation.
 pub const MAX_FILES: usize = 64;
 
 /// The most `use`s between the entry and a file.
 pub const MAX_USE_DEPTH: usize = 16;
+
+/// The most text in one compilation, bytes.
+pub const MAX_TOTAL_BYTES: usize = 4 << 20;
 
 /// Every file of a compilation, in the order in which they were first read.
 pub(crate) struct Loaded {
@@ -57,6 +61,8 @@ pub(crate) fn load(
         report,
         loaded,
         keys: Vec::new(),
+        unreadable: BTreeMap::new(),
+        total_bytes: 0,
         open: Vec::new(),
     };
     let file = reading.add(entry.to_owned(), path::file_name(entry).to_owned(), text);
@@ -91,6 +97,9 @@ struct Reading<'a> {
     loaded: Loaded,
     /// Each file's normalised name, by which it is known again.
     keys: Vec<String>,
+    /// Files that could not be read, and why; none is asked for twice.
+    unreadable: BTreeMap<String, LoadError>,
+    total_bytes: usize,
     /// The files between the entry and the one being read.
     open: Vec<FileId>,
 }
@@ -98,6 +107,7 @@ struct Reading<'a> {
 impl Reading<'_> {
     fn add(&mut self, name: String, portable_name: String, text: String) -> FileId {
         let parsed = grammar::parse(&text);
+        self.total_bytes += text.len();
         self.keys.push(path::beside("", &name));
         let file = self.loaded.sources.add(name, text);
         for fault in &parsed.faults {
@@ -140,6 +150,15 @@ impl Reading<'_> {
             ));
             return None;
         }
+        let Some(portable_name) = path::within(&self.loaded.portable_names[file.0], &written)
+        else {
+            let message = format!("the path `{written}` leads out of the folder of the first file");
+            self.report
+                .push(Diagnostic::new(Code::BadPath, used.span, message).help(
+                    "move the file beside the first one or below, or check a file higher up",
+                ));
+            return None;
+        };
         let name = path::beside(&self.loaded.sources.get(file).name, &written);
         if let Some(known) = self.keys.iter().position(|key| *key == name).map(FileId) {
             if self.open.contains(&known) {
@@ -154,7 +173,9 @@ impl Reading<'_> {
             }
             return Some(known);
         }
-        if self.keys.len() >= MAX_FILES || self.open.len() > MAX_USE_DEPTH {
+        let is_known_bad = self.unreadable.contains_key(&name);
+        let n_asked = self.keys.len() + self.unreadable.len();
+        if !is_known_bad && (n_asked >= MAX_FILES || self.open.len() > MAX_USE_DEPTH) {
             let message = format!(
                 "`{written}` is not read: at most {MAX_FILES} files are, each at most {MAX_USE_DEPTH} `use`s deep"
             );
@@ -162,9 +183,16 @@ impl Reading<'_> {
                 .push(Diagnostic::new(Code::TooManyFiles, used.span, message));
             return None;
         }
-        match self.loader.load(&name) {
+        match self.read(&name) {
+            Ok(text) if self.total_bytes + text.len() > MAX_TOTAL_BYTES => {
+                let message = format!(
+                    "`{written}` is left out: with it the files have more than {MAX_TOTAL_BYTES} bytes"
+                );
+                self.report
+                    .push(Diagnostic::new(Code::TooManyFiles, used.span, message));
+                None
+            }
             Ok(text) => {
-                let portable_name = path::beside(&self.loaded.portable_names[file.0], &written);
                 let target = self.add(name, portable_name, text);
                 self.follow(target);
                 Some(target)
@@ -178,5 +206,14 @@ impl Reading<'_> {
                 None
             }
         }
+    }
+
+    fn read(&mut self, name: &str) -> Result<String, LoadError> {
+        if let Some(error) = self.unreadable.get(name) {
+            return Err(error.clone());
+        }
+        self.loader.load(name).inspect_err(|error| {
+            self.unreadable.insert(name.to_owned(), error.clone());
+        })
     }
 }

@@ -113,9 +113,16 @@ fn image(part: &Image, context: &mut Context<'_>) -> Option<SubgoalImage> {
         Some([tail, tip]) => Some([pixel(tail, context)?, pixel(tip, context)?]),
         None => None,
     };
-    let path = path::beside(&context.loaded.portable_names[part.span.file.0], &path);
+    let Some(inside) = path::within(&context.loaded.portable_names[part.span.file.0], &path) else {
+        let message = format!("the path `{path}` leads out of the folder of the first file");
+        context.push(
+            Diagnostic::new(Code::BadPath, part.path.span, message)
+                .help("move the picture beside the first file or below"),
+        );
+        return None;
+    };
     Some(SubgoalImage {
-        file: FileRef { path },
+        file: FileRef { path: inside },
         arrow,
     })
 }
