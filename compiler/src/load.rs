@@ -8,7 +8,7 @@ use crate::ast::{self, Text};
 use crate::diag::{Code, Diagnostic, Report};
 use crate::form;
 use crate::path;
-use crate::source::{FileId, Sources};
+use crate::source::{FileId, Sources, Span};
 use crate::{LoadError, Loader};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -29,9 +29,26 @@ pub(crate) struct Loaded {
     pub portable_names: Vec<String>,
     /// For each file, itself and those that it uses, directly or through others.
     reach: Vec<BTreeSet<FileId>>,
+    /// For each file, where the first task of each name stands in it; names are looked up once per task.
+    task_index: Vec<BTreeMap<String, usize>>,
+    /// The names' places of the tasks that others extend.
+    extended: BTreeSet<Span>,
 }
 
 impl Loaded {
+    /// Finds the first task of that name that `file` sees.
+    pub fn task(&self, file: FileId, name: &str) -> Option<&ast::Task> {
+        self.reach[file.0].iter().find_map(|seen| {
+            let at = self.task_index[seen.0].get(name)?;
+            Some(&self.files[seen.0].tasks[*at])
+        })
+    }
+
+    /// Returns whether another task extends this one.
+    pub fn is_extended(&self, task: &ast::Task) -> bool {
+        self.extended.contains(&task.name.span)
+    }
+
     /// Returns the files whose declarations `file` sees, in the order in which they were read.
     pub fn visible_from(&self, file: FileId) -> impl Iterator<Item = &ast::File> {
         self.reach[file.0].iter().map(|seen| &self.files[seen.0])
@@ -55,6 +72,8 @@ pub(crate) fn load(
         files: Vec::new(),
         portable_names: Vec::new(),
         reach: Vec::new(),
+        task_index: Vec::new(),
+        extended: BTreeSet::new(),
     };
     let mut reading = Reading {
         loader,
@@ -69,6 +88,14 @@ pub(crate) fn load(
     reading.follow(file);
     let mut loaded = reading.loaded;
     close(&mut loaded.reach);
+    loaded.extended = loaded
+        .files
+        .iter()
+        .flat_map(|file| &file.tasks)
+        .filter_map(|task| task.extends.as_ref())
+        .filter_map(|base| loaded.task(base.span.file, &base.text))
+        .map(|task| task.name.span)
+        .collect();
     Ok(loaded)
 }
 
@@ -117,7 +144,13 @@ impl Reading<'_> {
                 &self.loaded.sources.get(file).text,
             ));
         }
-        self.loaded.files.push(ast::lower(file, &parsed.tree));
+        let lowered = ast::lower(file, &parsed.tree);
+        let mut tasks = BTreeMap::new();
+        for (at, task) in lowered.tasks.iter().enumerate() {
+            tasks.entry(task.name.text.clone()).or_insert(at);
+        }
+        self.loaded.files.push(lowered);
+        self.loaded.task_index.push(tasks);
         self.loaded.portable_names.push(portable_name);
         self.loaded.reach.push(BTreeSet::from([file]));
         file

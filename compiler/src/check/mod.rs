@@ -110,11 +110,12 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Vec<Program> {
     }
     let faulty_files = report.files_with_errors();
     let mut programs = Vec::new();
+    let stamps = stamps(loaded);
     for file in &loaded.files {
         for task in &file.tasks {
             // Each task has its own report: what it inherits must count against it, though it is shown once.
             let mut own = Report::default();
-            let program = self::task(task, loaded, &mut own);
+            let program = self::task(task, loaded, &stamps, &mut own);
             let is_right = own.errors() == 0
                 && loaded
                     .visible_from(file.id)
@@ -127,7 +128,12 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Vec<Program> {
 }
 
 /// Checks one task; the program counts only where nothing was reported.
-fn task(task: &Task, loaded: &Loaded, report: &mut Report) -> Option<Program> {
+fn task(
+    task: &Task,
+    loaded: &Loaded,
+    stamps: &[SourceStamp],
+    report: &mut Report,
+) -> Option<Program> {
     let merged = merge::merge(task, loaded, report);
     let names = Names::of(&merged, loaded);
     let mut context = Context {
@@ -168,7 +174,7 @@ fn task(task: &Task, loaded: &Loaded, report: &mut Report) -> Option<Program> {
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
         task: task.name.text.clone(),
         variant: None,
-        sources: stamps(loaded),
+        sources: stamps.to_vec(),
         cloth: cloth?,
         camera: camera?,
         subgoals: Some(subgoals?),
@@ -234,13 +240,7 @@ fn is_complete(merged: &Merged<'_>, loaded: &Loaded, report: &mut Report) -> boo
         }
         return false;
     }
-    let all = loaded.files.iter().flat_map(|file| &file.tasks);
-    let mut bases = all.filter_map(|task| task.extends.as_ref());
-    let is_base = bases.any(|base| {
-        merge::find_task(loaded, base.span.file, &base.text)
-            .is_some_and(|task| task.name.span == name.span)
-    });
-    if !is_base && name.span.file == loaded.entry().id {
+    if !loaded.is_extended(merged.task) && name.span.file == loaded.entry().id {
         let lacking: Vec<&str> = own.into_iter().chain(shared).collect();
         let message = format!(
             "`{}` cannot run by itself: it has no {}",

@@ -9,7 +9,6 @@ use super::names::Meaning;
 use crate::ast::{Ident, Piece, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::program::{ActionField, KeypointShape, Shown, Template, Variable};
-use crate::source::line_and_column;
 use crate::space;
 use std::collections::BTreeSet;
 
@@ -87,7 +86,7 @@ pub(crate) fn template(
             .map(|name| variable(name, actions, context))
             .collect(),
         declared_in: context.loaded.portable_names[text.span.file.0].clone(),
-        line: line_and_column(&source.text, text.start).0 as u32,
+        line: source.line_and_column(text.start).0 as u32,
     };
     is_right.then_some(template)
 }
