@@ -27,8 +27,9 @@ mod source;
 pub mod space;
 pub mod verify;
 
+pub use check::MAX_INHERITED_BYTES;
 pub use load::{MAX_FILES, MAX_TOTAL_BYTES, MAX_USE_DEPTH};
-pub use merge::MAX_EXTENDS_DEPTH;
+pub use merge::{MAX_EXTENDS_DEPTH, MAX_PARTS};
 pub use source::{FileId, Source, Sources, Span, line_and_column};
 
 use diag::{Diagnostic, Report, Severity};

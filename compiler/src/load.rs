@@ -31,6 +31,10 @@ pub(crate) struct Loaded {
     reach: Vec<BTreeSet<FileId>>,
     /// For each file, where the first task of each name stands in it; names are looked up once per task.
     task_index: Vec<BTreeMap<String, usize>>,
+    /// Likewise for lists of experts.
+    experts_index: Vec<BTreeMap<String, usize>>,
+    /// For each task and list of experts, by its name's place, the bytes from there to the next one.
+    sizes: BTreeMap<Span, usize>,
     /// The names' places of the tasks that others extend.
     extended: BTreeSet<Span>,
 }
@@ -42,6 +46,19 @@ impl Loaded {
             let at = self.task_index[seen.0].get(name)?;
             Some(&self.files[seen.0].tasks[*at])
         })
+    }
+
+    /// Finds the first list of experts of that name that `file` sees.
+    pub fn experts(&self, file: FileId, name: &str) -> Option<&ast::Experts> {
+        self.reach[file.0].iter().find_map(|seen| {
+            let at = self.experts_index[seen.0].get(name)?;
+            Some(&self.files[seen.0].experts[*at])
+        })
+    }
+
+    /// Returns about how many bytes of text the item of that name has.
+    pub fn size(&self, name: &ast::Ident) -> usize {
+        self.sizes.get(&name.span).copied().unwrap_or(0)
     }
 
     /// Returns whether another task extends this one.
@@ -73,6 +90,8 @@ pub(crate) fn load(
         portable_names: Vec::new(),
         reach: Vec::new(),
         task_index: Vec::new(),
+        experts_index: Vec::new(),
+        sizes: BTreeMap::new(),
         extended: BTreeSet::new(),
     };
     let mut reading = Reading {
@@ -145,12 +164,17 @@ impl Reading<'_> {
             ));
         }
         let lowered = ast::lower(file, &parsed.tree);
-        let mut tasks = BTreeMap::new();
-        for (at, task) in lowered.tasks.iter().enumerate() {
-            tasks.entry(task.name.text.clone()).or_insert(at);
-        }
+        let tasks = || lowered.tasks.iter().map(|task| &task.name);
+        let experts = || lowered.experts.iter().map(|experts| &experts.name);
+        self.loaded.task_index.push(first_of_each_name(tasks()));
+        self.loaded
+            .experts_index
+            .push(first_of_each_name(experts()));
+        let end = self.loaded.sources.get(file).text.len();
+        self.loaded
+            .sizes
+            .extend(sizes(tasks().chain(experts()), end));
         self.loaded.files.push(lowered);
-        self.loaded.task_index.push(tasks);
         self.loaded.portable_names.push(portable_name);
         self.loaded.reach.push(BTreeSet::from([file]));
         file
@@ -249,4 +273,31 @@ impl Reading<'_> {
             self.unreadable.insert(name.to_owned(), error.clone());
         })
     }
+}
+
+fn first_of_each_name<'a>(names: impl Iterator<Item = &'a ast::Ident>) -> BTreeMap<String, usize> {
+    let mut index = BTreeMap::new();
+    for (at, name) in names.enumerate() {
+        index.entry(name.text.clone()).or_insert(at);
+    }
+    index
+}
+
+/// Returns the bytes from each name to the next, or to the end.
+fn sizes<'a>(
+    names: impl Iterator<Item = &'a ast::Ident>,
+    end: usize,
+) -> impl Iterator<Item = (Span, usize)> {
+    let mut spans: Vec<Span> = names.map(|name| name.span).collect();
+    spans.sort();
+    let ends: Vec<usize> = spans
+        .iter()
+        .skip(1)
+        .map(|span| span.start)
+        .chain([end])
+        .collect();
+    spans
+        .into_iter()
+        .zip(ends)
+        .map(|(span, end)| (span, end - span.start))
 }

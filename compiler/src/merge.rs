@@ -16,6 +16,17 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The most tasks below one.
 pub const MAX_EXTENDS_DEPTH: usize = 16;
 
+/// The most keypoints, and the most components, of one task with what it inherits.
+pub const MAX_PARTS: usize = 500;
+
+/// What merges by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    Keypoint,
+    Stage,
+    Component,
+}
+
 /// A task with everything that it inherits.
 pub(crate) struct Merged<'a> {
     pub task: &'a Task,
@@ -30,6 +41,8 @@ pub(crate) struct Merged<'a> {
     pub components: Vec<&'a Component>,
     /// Components that were there and are left out.
     pub removed: BTreeSet<&'a str>,
+    /// Where each keypoint, stage and component stands in its list.
+    places: BTreeMap<(Part, &'a str), usize>,
     pub stages: Vec<&'a Stage>,
     pub verify: Option<&'a Verify>,
     /// Whether something of it is missing because of an error that is already reported.
@@ -41,6 +54,25 @@ pub(crate) struct Merged<'a> {
 /// Finds the task of that name that `file` sees.
 pub(crate) fn find_task<'a>(loaded: &'a Loaded, file: FileId, name: &str) -> Option<&'a Task> {
     loaded.task(file, name)
+}
+
+/// Returns about how many bytes of text `task` has with what it inherits; that much has to be checked.
+pub(crate) fn size(task: &Task, loaded: &Loaded) -> usize {
+    let mut bytes = 0;
+    let mut above = task;
+    for _ in 0..=MAX_EXTENDS_DEPTH {
+        bytes += loaded.size(&above.name);
+        let experts = above.experts.first().map(|part| &part.name);
+        bytes += experts
+            .and_then(|name| loaded.experts(name.span.file, &name.text))
+            .map_or(0, |experts| loaded.size(&experts.name));
+        let base = above.extends.as_ref();
+        match base.and_then(|base| loaded.task(base.span.file, &base.text)) {
+            Some(below) => above = below,
+            None => break,
+        }
+    }
+    bytes
 }
 
 /// Joins `task` with those below it.
@@ -58,6 +90,7 @@ pub(crate) fn merge<'a>(task: &'a Task, loaded: &'a Loaded, report: &mut Report)
         actions: None,
         components: Vec::new(),
         removed: BTreeSet::new(),
+        places: BTreeMap::new(),
         stages: Vec::new(),
         verify: None,
         has_faults: false,
@@ -66,6 +99,7 @@ pub(crate) fn merge<'a>(task: &'a Task, loaded: &'a Loaded, report: &mut Report)
     for task in chain.into_iter().rev() {
         merged.add(task, report);
     }
+    merged.limit(report);
     merged
 }
 
@@ -175,15 +209,55 @@ impl<'a> Merged<'a> {
             report,
         );
         for keypoint in keypoints {
-            put(&mut self.keypoints, keypoint, |keypoint| {
-                &keypoint.name.text
-            });
+            let key = (Part::Keypoint, keypoint.name.text.as_str());
+            put(&mut self.keypoints, &mut self.places, key, keypoint);
         }
         for stage in &task.stages {
-            put(&mut self.stages, stage, |stage| &stage.name.text);
+            let key = (Part::Stage, stage.name.text.as_str());
+            put(&mut self.stages, &mut self.places, key, stage);
         }
         self.add_components(task, report);
         self.has_faults |= task.has_faults;
+    }
+
+    /// Finds a component by its name.
+    pub fn component(&self, name: &str) -> Option<&'a Component> {
+        let place = self.places.get(&(Part::Component, name))?;
+        self.components.get(*place).copied()
+    }
+
+    /// Drops the components that are left out.
+    fn leave_out(&mut self) {
+        let Merged {
+            components,
+            removed,
+            places,
+            ..
+        } = self;
+        components.retain(|component| !removed.contains(component.name.text.as_str()));
+        places.retain(|(part, _), _| *part != Part::Component);
+        for (place, component) in components.iter().enumerate() {
+            places.insert((Part::Component, &component.name.text), place);
+        }
+    }
+
+    /// Reports more parts than are accepted, and drops those beyond.
+    fn limit(&mut self, report: &mut Report) {
+        let keypoints = self.keypoints.get(MAX_PARTS).map(|part| &part.name);
+        let components = self.components.get(MAX_PARTS).map(|part| &part.name);
+        for (kind, beyond, count) in [
+            ("keypoints", keypoints, self.keypoints.len()),
+            ("components", components, self.components.len()),
+        ] {
+            if let Some(beyond) = beyond {
+                let message = format!("there are {count} {kind}, at most {MAX_PARTS} are accepted");
+                report.push(Diagnostic::new(Code::OutOfRange, beyond.span, message));
+                // What is dropped must not be reported as unknown.
+                self.is_broken = true;
+            }
+        }
+        self.keypoints.truncate(MAX_PARTS);
+        self.components.truncate(MAX_PARTS);
     }
 
     fn add_components(&mut self, task: &'a Task, report: &mut Report) {
@@ -194,12 +268,13 @@ impl<'a> Merged<'a> {
             .collect();
         for name in &task.without {
             if inherited.contains(name.text.as_str()) {
-                self.components
-                    .retain(|component| component.name.text != name.text);
                 self.removed.insert(&name.text);
             } else if !self.is_broken {
                 report.push(absent(Code::NothingToRemove, "leave out", name, &inherited));
             }
+        }
+        if !task.without.is_empty() {
+            self.leave_out();
         }
         for component in &task.components {
             let name = &component.name;
@@ -207,10 +282,7 @@ impl<'a> Merged<'a> {
                 && !self.removed.contains(name.text.as_str());
             match component.declares {
                 Declares::New if is_inherited => {
-                    let before = self
-                        .components
-                        .iter()
-                        .find(|known| known.name.text == name.text);
+                    let before = self.component(&name.text);
                     let message =
                         format!("`{}` replaces a component of an extended task", name.text);
                     let mut diagnostic =
@@ -233,9 +305,8 @@ impl<'a> Merged<'a> {
                 Declares::New | Declares::Override => {}
             }
             self.removed.remove(name.text.as_str());
-            put(&mut self.components, component, |component| {
-                &component.name.text
-            });
+            let key = (Part::Component, component.name.text.as_str());
+            put(&mut self.components, &mut self.places, key, component);
         }
     }
 }
@@ -254,10 +325,18 @@ fn absent(code: Code, doing: &str, name: &Ident, inherited: &BTreeSet<&str>) -> 
 }
 
 /// Replaces the part of the same name in its place, or adds one.
-fn put<'a, T>(list: &mut Vec<&'a T>, part: &'a T, name: impl Fn(&T) -> &String) {
-    match list.iter_mut().find(|known| name(known) == name(part)) {
+fn put<'a, T>(
+    list: &mut Vec<&'a T>,
+    places: &mut BTreeMap<(Part, &'a str), usize>,
+    key: (Part, &'a str),
+    part: &'a T,
+) {
+    match places.get(&key).and_then(|place| list.get_mut(*place)) {
         Some(known) => *known = part,
-        None => list.push(part),
+        None => {
+            places.insert(key, list.len());
+            list.push(part);
+        }
     }
 }
 

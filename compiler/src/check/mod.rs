@@ -31,6 +31,10 @@ use crate::source::Span;
 use names::Names;
 use sha2::{Digest, Sha256};
 
+/// The most text, bytes, that all tasks of a compilation have together, each with what it inherits: a thousand
+/// tasks that share a long library stay far below it, and without it work would grow with the square of a file.
+pub const MAX_INHERITED_BYTES: usize = 16 << 20;
+
 /// What the checks of one task share.
 pub(crate) struct Context<'a> {
     pub loaded: &'a Loaded,
@@ -111,8 +115,21 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Vec<Program> {
     let faulty_files = report.files_with_errors();
     let mut programs = Vec::new();
     let stamps = stamps(loaded);
-    for file in &loaded.files {
+    let mut inherited_bytes = 0usize;
+    'files: for file in &loaded.files {
         for task in &file.tasks {
+            inherited_bytes += merge::size(task, loaded);
+            if inherited_bytes > MAX_INHERITED_BYTES {
+                let message = format!(
+                    "the tasks up to `{}` have, with what they inherit, more than {MAX_INHERITED_BYTES} bytes; the rest is not checked",
+                    task.name.text
+                );
+                report.push(
+                    Diagnostic::new(Code::InheritsTooMuch, task.name.span, message)
+                        .help("put the tasks into several files, and check each by itself"),
+                );
+                break 'files;
+            }
             // Each task has its own report: what it inherits must count against it, though it is shown once.
             let mut own = Report::default();
             let program = self::task(task, loaded, &stamps, &mut own);

@@ -8,6 +8,8 @@ use crate::ast::{Component, Ident, Saying, Sayings, Stage, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::{Merged, once};
 use crate::program::{self, ActionField, ModelRole, Template};
+use crate::source::Span;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The most bytes that all texts of one stage may have.
 const MAX_STAGE_BYTES: usize = 64 << 10;
@@ -31,7 +33,8 @@ pub(crate) fn check(
         merged,
         actions,
         templates: Vec::new(),
-        said: Vec::new(),
+        built: BTreeMap::new(),
+        said: BTreeSet::new(),
     };
     if let Some(beyond) = merged.stages.get(MAX_STAGES) {
         let message = format!(
@@ -117,7 +120,9 @@ struct Builder<'m, 'a> {
     actions: &'m [ActionField],
     templates: Vec<Template>,
     /// Components that some stage says.
-    said: Vec<&'m str>,
+    said: BTreeSet<&'m str>,
+    /// For each text its length, or nothing where it is wrong, and the last stage for which it was checked.
+    built: BTreeMap<String, (usize, usize)>,
 }
 
 impl<'m, 'a> Builder<'m, 'a> {
@@ -236,11 +241,7 @@ impl<'m, 'a> Builder<'m, 'a> {
         context: &mut Context<'_>,
     ) -> Option<String> {
         let merged = self.merged;
-        let Some(component) = merged
-            .components
-            .iter()
-            .find(|component| component.name.text == name.text)
-        else {
+        let Some(component) = merged.component(&name.text) else {
             if !merged.removed.contains(name.text.as_str()) {
                 context.unknown(
                     "component",
@@ -253,14 +254,22 @@ impl<'m, 'a> Builder<'m, 'a> {
             }
             return None;
         };
-        self.said.push(&name.text);
+        self.said.insert(&name.text);
         self.build(&name.text, &component.text, number, context);
         Some(name.text.clone())
     }
 
     fn build(&mut self, name: &str, text: &Text, stage: usize, context: &mut Context<'_>) {
+        // A component that is said again in a stage needs no second look.
+        if self.built.get(name).is_some_and(|(_, last)| *last == stage) {
+            return;
+        }
         let template = templates::template(name, text, Place::Stage(stage), self.actions, context);
-        if !self.templates.iter().any(|known| known.name == name) {
+        let is_new = self.built.get(name).is_none_or(|(length, _)| *length == 0);
+        let length = template.as_ref().map_or(0, |template| template.text.len());
+        let known = self.built.entry(name.to_owned()).or_default();
+        *known = (known.0.max(length), stage);
+        if is_new {
             self.templates.extend(template);
         }
     }
@@ -271,12 +280,7 @@ impl<'m, 'a> Builder<'m, 'a> {
         names: impl Iterator<Item = &'n String>,
         context: &mut Context<'_>,
     ) {
-        let length = |name: &String| {
-            self.templates
-                .iter()
-                .find(|template| template.name == *name)
-                .map_or(0, |template| template.text.len())
-        };
+        let length = |name: &String| self.built.get(name).map_or(0, |(length, _)| *length);
         let bytes: usize = names.map(length).sum();
         if bytes > MAX_STAGE_BYTES {
             let message = format!(
@@ -289,18 +293,20 @@ impl<'m, 'a> Builder<'m, 'a> {
 
     /// Warns of components of this task itself that no stage says, and checks their names all the same.
     fn unsaid(&mut self, context: &mut Context<'_>) {
+        let own: BTreeSet<Span> = self
+            .merged
+            .task
+            .components
+            .iter()
+            .map(|own| own.name.span)
+            .collect();
         for component in &self.merged.components {
             let Component { name, text, .. } = component;
-            if self.said.contains(&name.text.as_str()) {
+            if self.said.contains(name.text.as_str()) {
                 continue;
             }
             templates::template(&name.text, text, Place::Nowhere, self.actions, context);
-            let is_own = self
-                .merged
-                .task
-                .components
-                .iter()
-                .any(|own| own.name.span == name.span);
+            let is_own = own.contains(&name.span);
             if is_own && !self.merged.stages.is_empty() && !self.merged.is_broken {
                 let message = format!("the component `{}` is said nowhere", name.text);
                 context.push(
@@ -313,13 +319,16 @@ impl<'m, 'a> Builder<'m, 'a> {
 
     /// Returns the components as they are declared, then the texts of the stages.
     fn in_order(self) -> Vec<Template> {
+        let declared: BTreeMap<&str, usize> = self
+            .merged
+            .components
+            .iter()
+            .enumerate()
+            .map(|(place, component)| (component.name.text.as_str(), place))
+            .collect();
         let order = |template: &Template| {
-            let declared = self
-                .merged
-                .components
-                .iter()
-                .position(|component| component.name.text == template.name);
-            declared.unwrap_or(self.merged.components.len())
+            let place = declared.get(template.name.as_str()).copied();
+            place.unwrap_or(declared.len())
         };
         let mut templates = self.templates;
         templates.sort_by_key(order);

@@ -220,6 +220,10 @@ codes! {
     "a task cannot run by itself"
     "It lacks a part that every rollout needs. That is right for a task that others extend."
 
+    "F0409" InheritsTooMuch Error
+    "tasks inherit too much text"
+    "All tasks of a compilation, each with what it inherits, may have at most 16 MiB of text. Check them in several files."
+
     "F0501" NoFolds Error
     "there are no folds"
     "A demonstration, and a sequence of an expert, consists of at least one fold; a list of experts of at least one sequence."
