@@ -28,7 +28,7 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     let folder = folder.map_err(Failure::environment)?;
     let interrupt = setting::interrupt()?;
     let make_world = || setting::world(&program);
-    let beside = setting::folder_of(&arguments.file);
+    let beside = sources::folder_of(&arguments.file);
     let subgoals = match prepare(&program, &start, &beside, &make_world, &interrupt) {
         Ok(Some(subgoals)) => subgoals,
         Ok(None) => {

@@ -5,7 +5,7 @@
 //! entry's folder.
 
 use crate::ast::{self, Text};
-use crate::diag::{Code, Diagnostic, Report};
+use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report};
 use crate::form;
 use crate::path;
 use crate::source::{FileId, Sources, Span};
@@ -156,7 +156,9 @@ impl Reading<'_> {
         self.total_bytes += text.len();
         self.keys.push(path::beside("", &name));
         let file = self.loaded.sources.add(name, text);
-        for fault in &parsed.faults {
+        let told = parsed.faults.len().min(MAX_FINDINGS);
+        self.report.pass_over(parsed.faults.len() - told, file);
+        for fault in &parsed.faults[..told] {
             self.report.push(form::diagnose(
                 fault,
                 file,

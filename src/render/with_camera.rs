@@ -30,7 +30,7 @@ impl View {
         }
         let interrupt = Interrupt::default();
         let mut world = setting::world(program).map_err(Failure::environment)?;
-        let folder = setting::folder_of(&arguments.file);
+        let folder = sources::folder_of(&arguments.file);
         let subgoals = SubgoalSet::obtain(program, &folder, world.as_mut(), &interrupt)
             .map_err(Failure::environment)?;
         let scene = match arguments.scene {

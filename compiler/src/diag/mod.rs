@@ -16,6 +16,7 @@ pub(crate) use suggest::{among, nearest};
 
 use crate::source::{FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -133,7 +134,8 @@ pub const MAX_FINDINGS: usize = 1000;
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     found: Vec<Diagnostic>,
-    known: BTreeSet<(Span, Code, String)>,
+    /// Place, code and digest of the message of each; a finding whose digest coincides is much the same one.
+    known: BTreeSet<(Span, Code, u64)>,
     /// For each severity how many findings there are, and how many of them are kept.
     counts: BTreeMap<Severity, (usize, usize)>,
     files_with_errors: BTreeSet<FileId>,
@@ -142,7 +144,10 @@ pub(crate) struct Report {
 impl Report {
     /// Adds a finding, unless the same one is known: a task is checked again in each task that extends it.
     pub(crate) fn push(&mut self, diagnostic: Diagnostic) {
-        let key = (diagnostic.span, diagnostic.code, diagnostic.message.clone());
+        // Made by `new`, the hasher has no chance in it.
+        let mut digest = DefaultHasher::new();
+        diagnostic.message.hash(&mut digest);
+        let key = (diagnostic.span, diagnostic.code, digest.finish());
         if !self.known.insert(key) {
             return;
         }
@@ -154,6 +159,14 @@ impl Report {
         if *kept < MAX_FINDINGS {
             *kept += 1;
             self.found.push(diagnostic);
+        }
+    }
+
+    /// Counts errors of a file that are not put into words.
+    pub(crate) fn pass_over(&mut self, errors: usize, file: FileId) {
+        if errors > 0 {
+            self.counts.entry(Severity::Error).or_default().0 += errors;
+            self.files_with_errors.insert(file);
         }
     }
 
