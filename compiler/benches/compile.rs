@@ -21,6 +21,9 @@ use std::time::{Duration, Instant};
 /// What ten times the text may cost at most.
 const MOST_RATIO: f64 = 12.0;
 
+/// How often an input is measured again before its ratio counts as too large.
+const ROUNDS: usize = 4;
+
 /// Below this a figure says more about the machine than about the compiler.
 const LEAST: Duration = Duration::from_millis(2);
 
@@ -84,11 +87,21 @@ fn emit(name: &str, files: &Memory) -> usize {
 /// Returns the shortest of some runs: what else the machine does only ever adds time.
 fn shortest(runs: usize, mut work: impl FnMut()) -> Duration {
     let mut time = || {
-        let begun = Instant::now();
+        let (begun, worked) = (Instant::now(), on_processor());
         work();
-        begun.elapsed()
+        match (worked, on_processor()) {
+            (Some(before), Some(after)) => after.saturating_sub(before),
+            _ => begun.elapsed(),
+        }
     };
     (0..runs).map(|_| time()).min().unwrap_or_default()
+}
+
+/// Returns how long this thread has worked, waiting for its turn not counted; only Linux tells.
+fn on_processor() -> Option<Duration> {
+    let statistics = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds = statistics.split_whitespace().next()?.parse().ok()?;
+    Some(Duration::from_nanos(nanoseconds))
 }
 
 fn milliseconds(time: Duration) -> f64 {
@@ -141,9 +154,17 @@ fn ratios(filter: &str) -> bool {
     for input in inputs::all().filter(|input| input.name.contains(filter)) {
         let small = Memory::one(input.text(100_000));
         let large = Memory::one(input.text(1_000_000));
-        let small_time = shortest(5, || drop(compile("input.fab", &small)));
-        let large_time = shortest(3, || drop(compile("input.fab", &large)));
-        let ratio = large_time.as_secs_f64() / small_time.max(LEAST).as_secs_f64();
+        let (mut small_time, mut large_time) = (Duration::MAX, Duration::MAX);
+        let mut ratio = f64::INFINITY;
+        // A neighbour's work slows even the processor's own clock; what is right in one round is right.
+        for _ in 0..ROUNDS {
+            small_time = small_time.min(shortest(3, || drop(compile("input.fab", &small))));
+            large_time = large_time.min(shortest(2, || drop(compile("input.fab", &large))));
+            ratio = large_time.as_secs_f64() / small_time.max(LEAST).as_secs_f64();
+            if ratio <= MOST_RATIO {
+                break;
+            }
+        }
         worst = worst.max(ratio);
         let verdict = if ratio <= MOST_RATIO {
             ""

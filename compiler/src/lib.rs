@@ -9,6 +9,31 @@
 //! crate is pure: no file, clock, network or chance is reached but through the loader, and the same
 //! texts give the same bytes. What a program's data means is defined here too: [`render`] fills its
 //! templates, [`reply`] reads answers, [`verify`] judges them. Executing it is left to others.
+//!
+//! A task can be compiled from memory, in any program:
+//!
+//! ```
+//! use compiler::{LoadError, Loader, diag};
+//!
+//! /// One text, whatever is asked for.
+//! struct Memory(&'static str);
+//!
+//! impl Loader for Memory {
+//!     fn load(&self, _name: &str) -> Result<String, LoadError> {
+//!         Ok(self.0.to_owned())
+//!     }
+//! }
+//!
+//! let text = "task fold {\n    goal particle_distance < 40deg\n}\n";
+//! let compiled = compiler::compile("fold.fab", &Memory(text))?;
+//! assert!(compiled.has_errors() && compiled.programs.is_empty());
+//!
+//! let shown = diag::to_text(&compiled.diagnostics, &compiled.sources, diag::Color::Plain);
+//! println!("{shown}");
+//! assert!(shown.starts_with("error[F0203]: expected a length on the table, found an angle"));
+//! assert!(shown.contains("--> fold.fab:2:30"));
+//! # Ok::<(), LoadError>(())
+//! ```
 
 mod ast;
 mod check;

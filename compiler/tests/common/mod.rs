@@ -2,8 +2,6 @@
 
 #![allow(dead_code, clippy::unwrap_used)]
 
-pub mod inputs;
-
 use compiler::program::Program;
 use compiler::{Compiled, LoadError, Loader};
 use std::collections::BTreeMap;
