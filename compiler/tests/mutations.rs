@@ -12,7 +12,7 @@ use std::panic;
 use std::path::Path;
 
 /// How many texts are tried.
-const CASES: u64 = 1000;
+const CASES: u64 = 500;
 
 /// The longest text that is tried, bytes: a debug build compiles some hundred kilobytes a second.
 const MOST_BYTES: usize = 2000;
