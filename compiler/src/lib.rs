@@ -24,7 +24,7 @@
 //!     }
 //! }
 //!
-//! let text = "task fold {\n    goal particle_distance < 40deg\n}\n";
+//! let text = "task tried {\n    goal particle_distance < 40deg\n}\n";
 //! let compiled = compiler::compile("fold.fab", &Memory(text))?;
 //! assert!(compiled.has_errors() && compiled.programs.is_empty());
 //!

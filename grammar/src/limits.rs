@@ -60,7 +60,8 @@ fn beyond(text: &str) -> Option<Fault> {
                 depth = depth.saturating_sub(1);
                 at += 1;
             }
-            byte if is_word(byte) => {
+            // A long number is no name; no message repeats it whole.
+            byte if is_word(byte) && !byte.is_ascii_digit() => {
                 let length = bytes[at..]
                     .iter()
                     .take_while(|byte| is_word(**byte))

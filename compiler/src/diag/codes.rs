@@ -130,7 +130,7 @@ codes! {
 
     "F0113" WordTooLong Error
     "a word is too long"
-    "A name, a number or any other word outside of texts has at most 200 letters and digits. Nothing in the file is checked."
+    "A name, a unit or any other word outside of texts has at most 200 letters and digits. Nothing in the file is checked."
 
     "F0201" UnknownUnit Error
     "a unit is unknown"
