@@ -35,6 +35,7 @@ lint: deps
 	@$(WITH_ENV) sh scripts/lint.sh
 
 bench: deps
+	$(WITH_ENV) cargo bench --locked -p fabc-compiler --bench compile
 	$(WITH_ENV) cargo bench --locked -p fabc-sim --bench cloth
 
 deps:

@@ -4,7 +4,8 @@
 # By convention these tests are #[ignore]d and named after the reason: peer_ compares with
 # a program by others, long_ takes long. The peers live in a Python environment under the
 # target folder (peers-requirements.txt); tests find it through FABC_PEER_PYTHON. Without
-# Python the peer_ tests are left out, counted as skipped, and the reason is printed.
+# Python the peer_ tests are left out, counted as skipped, and the reason is printed; so
+# are the peer_node_ tests alone where WebAssembly cannot be built or run (wasm-parts.sh).
 set -u
 here=$(dirname "$0")
 
@@ -34,16 +35,29 @@ prepare() {
 }
 
 prepare
+without_wasm=$(sh "$here/wasm-parts.sh")
 # Doctests and examples cannot carry the names, so only these kinds of target are built.
 set -- --workspace --locked --no-fail-fast --lib --bins --tests
-if [ -z "$missing" ]; then
-    FABC_PEER_PYTHON=$environment/bin/python
-    export FABC_PEER_PYTHON
-    exec sh "$here/test.sh" "$@" -- --ignored peer_ long_
-fi
 
-list=$(cargo test "$@" -- --ignored --list peer_) || exit
-FABC_LEFT_OUT=$(printf '%s\n' "$list" | grep -c ': test$')
-export FABC_LEFT_OUT
-echo "left out: $FABC_LEFT_OUT peer_ tests: $missing"
-exec sh "$here/test.sh" "$@" -- --ignored --skip peer_ long_
+# Counts and names the tests whose names contain $2; the reason is $3.
+leave_out() {
+    # shellcheck disable=SC2086  # words without blanks
+    list=$(cargo test $1 -- --ignored --list "$2") || exit
+    count=$(printf '%s\n' "$list" | grep -c ': test$')
+    echo "left out: $count $2 tests: $3"
+    FABC_LEFT_OUT=$((${FABC_LEFT_OUT:-0} + count))
+    export FABC_LEFT_OUT
+}
+
+arguments="$*"
+if [ -n "$missing" ]; then
+    leave_out "$arguments" peer_ "$missing"
+    exec sh "$here/test.sh" "$@" -- --ignored --skip peer_ long_
+fi
+FABC_PEER_PYTHON=$environment/bin/python
+export FABC_PEER_PYTHON
+if [ -n "$without_wasm" ]; then
+    leave_out "$arguments" peer_node_ "$without_wasm"
+    exec sh "$here/test.sh" "$@" -- --ignored --skip peer_node_ peer_ long_
+fi
+exec sh "$here/test.sh" "$@" -- --ignored peer_ long_

@@ -12,6 +12,7 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
     let mut diagnostics = Vec::new();
     let mut tasks = Vec::new();
     let mut errors = Vec::new();
+    let mut left_out = 0;
     for file in &arguments.files {
         let compiled = if arguments.fix {
             fix::run(file)
@@ -30,19 +31,13 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
         if compiled.has_errors() && exit == Exit::Done {
             exit = Exit::Author;
         }
+        left_out += compiled.left_out;
         if arguments.json {
             if let Value::Array(found) = diag::to_json(&compiled.diagnostics, &compiled.sources) {
                 diagnostics.extend(found);
             }
         } else if !compiled.diagnostics.is_empty() {
-            output::data(
-                diag::to_text(
-                    &compiled.diagnostics,
-                    &compiled.sources,
-                    output::data_color(),
-                )
-                .trim_end(),
-            );
+            output::data(&sources::findings(&compiled, output::data_color()));
         }
         for program in &compiled.programs {
             let per_step = program.calls_per_step();
@@ -71,7 +66,9 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
         }
     }
     if arguments.json {
-        output::json(&json!({ "diagnostics": diagnostics, "tasks": tasks, "errors": errors }));
+        output::json(
+            &json!({ "diagnostics": diagnostics, "diagnostics_left_out": left_out, "tasks": tasks, "errors": errors }),
+        );
     }
     Ok(exit)
 }

@@ -21,7 +21,7 @@ use std::path::Path;
 pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task)?;
     let model = setting::model(&arguments.model)?;
-    let beside = setting::folder_of(&arguments.task.file);
+    let beside = sources::folder_of(&arguments.task.file);
     let examples = ExamplePictures::load(&program, &beside).map_err(Failure::environment)?;
     let mut first = setting::world(&program).map_err(Failure::environment)?;
     let start = setting::start(&program, &beside, &arguments.start, first.as_mut())?;

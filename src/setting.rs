@@ -9,7 +9,7 @@ use runtime::interrupt::Interrupt;
 use runtime::model::{Geometric, Model};
 use runtime::start::{Grid, Start, StartFrame, Up};
 use runtime::world::{SimulatedWorld, World, WorldError};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The models that this build knows.
 const MODELS: &str = "`geometric` (an embedded stand-in)";
@@ -94,14 +94,6 @@ fn stated_frame(dims: &str, up: &str, spacing_m: f64) -> Result<StartFrame, Fail
         },
         up,
     })
-}
-
-/// Returns the folder that holds a file, for what lies beside it.
-pub fn folder_of(file: &str) -> PathBuf {
-    Path::new(file)
-        .parent()
-        .map(Path::to_owned)
-        .unwrap_or_default()
 }
 
 /// Opens the user's cache; `FABC_CACHE_DIR` names another place.

@@ -8,19 +8,39 @@ use compiler::{Compiled, LoadError, Loader, diag};
 use serde_json::json;
 use std::fs::{self, File};
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The largest source file that is read.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Gives the compiler files from disk, by their paths.
-pub struct Disk;
+/// Gives the compiler one file from disk and those of its folder.
+///
+/// The entry itself may be a link to elsewhere; what it uses may not.
+pub struct Disk {
+    entry: String,
+    folder: PathBuf,
+}
+
+impl Disk {
+    /// Makes the loader for a compilation of `entry`, a path as the user wrote it.
+    pub fn beside(entry: &str) -> Disk {
+        Disk {
+            entry: entry.to_owned(),
+            folder: folder_of(entry),
+        }
+    }
+}
 
 impl Loader for Disk {
     fn load(&self, name: &str) -> Result<String, LoadError> {
         let wrong = |message: String| LoadError { message };
-        let bytes = read_bounded(Path::new(name))
-            .map_err(|why| wrong(format!("cannot read `{name}`: {why}")))?;
+        let path = Path::new(name);
+        let bytes = if name == self.entry {
+            read_bounded(path)
+        } else {
+            inside(&self.folder, path).and_then(|path| read_bounded(&path))
+        };
+        let bytes = bytes.map_err(|why| wrong(format!("cannot read `{name}`: {why}")))?;
         String::from_utf8(bytes).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
             wrong(format!(
@@ -28,6 +48,35 @@ impl Loader for Disk {
             ))
         })
     }
+}
+
+/// Returns the folder that holds a file, for what lies beside it.
+pub fn folder_of(file: &str) -> PathBuf {
+    Path::new(file)
+        .parent()
+        .map(Path::to_owned)
+        .unwrap_or_default()
+}
+
+/// Returns where a file really lies; says why where that is not inside `folder`, which an empty path calls the current one.
+///
+/// Links are followed on both sides, so that one may lead to a neighbour and none may lead out.
+pub fn inside(folder: &Path, path: &Path) -> Result<PathBuf, String> {
+    let folder = if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    };
+    let folder = folder.canonicalize().map_err(|error| error.to_string())?;
+    let real = path.canonicalize().map_err(|error| error.to_string())?;
+    if real.starts_with(&folder) {
+        return Ok(real);
+    }
+    Err(format!(
+        "it lies at `{}`, outside of the first file's folder `{}`",
+        real.display(),
+        folder.display()
+    ))
 }
 
 /// Reads a regular file of at most [`MAX_BYTES`]; says why where that is not to be had.
@@ -52,21 +101,24 @@ pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
 
 /// Compiles a file.
 pub fn compile(file: &str) -> Result<Compiled, Failure> {
-    compiler::compile(file, &Disk).map_err(|error| Failure::environment(error.message))
+    compiler::compile(file, &Disk::beside(file))
+        .map_err(|error| Failure::environment(error.message))
+}
+
+/// Writes what is wrong for people, and how much of it is not written.
+pub fn findings(compiled: &Compiled, color: diag::Color) -> String {
+    let text = diag::to_text(&compiled.diagnostics, &compiled.sources, color);
+    match compiled.left_out {
+        0 => text.trim_end().to_owned(),
+        count => format!("{}\n\n… and {count} beyond these", text.trim_end()),
+    }
 }
 
 /// Compiles a file and returns its tasks with their variants, or those of the one that is wanted; at least one.
 pub fn compile_tasks(file: &str, wanted: Option<&str>) -> Result<Vec<Program>, Failure> {
     let compiled = compile(file)?;
     if !compiled.diagnostics.is_empty() {
-        output::talk(
-            diag::to_text(
-                &compiled.diagnostics,
-                &compiled.sources,
-                output::talk_color(),
-            )
-            .trim_end(),
-        );
+        output::talk(&findings(&compiled, output::talk_color()));
     }
     if compiled.has_errors() {
         let diagnostics = diag::to_json(&compiled.diagnostics, &compiled.sources);
@@ -135,4 +187,87 @@ fn quoted<'n>(names: impl Iterator<Item = &'n str>) -> String {
         .map(|name| format!("`{name}`"))
         .collect::<Vec<_>>()
         .join(", ")
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::symlink;
+
+    /// A folder with a task in it, and a file outside of it.
+    fn folders() -> (tempfile::TempDir, PathBuf) {
+        let root = tempfile::tempdir().expect("a temporary folder");
+        let folder = root.path().join("tasks");
+        fs::create_dir_all(folder.join("lib")).expect("a folder");
+        fs::write(root.path().join("secret.fab"), "task secret { }").expect("a file");
+        fs::write(folder.join("lib/base.fab"), "task base { }").expect("a file");
+        (root, folder)
+    }
+
+    fn codes(folder: &Path, entry: &str, text: &str) -> Vec<String> {
+        fs::write(folder.join(entry), text).expect("a file");
+        let name = folder.join(entry).display().to_string();
+        let compiled = compile(&name).expect("the entry can be read");
+        compiled
+            .diagnostics
+            .iter()
+            .filter(|it| it.severity == diag::Severity::Error)
+            .map(|it| format!("{} {}", it.code.as_str(), it.message))
+            .collect()
+    }
+
+    #[test]
+    fn a_link_that_leads_out_is_refused_and_named() {
+        let (root, folder) = folders();
+        symlink(root.path().join("secret.fab"), folder.join("link.fab")).expect("a link");
+        symlink(root.path(), folder.join("up")).expect("a link");
+        for path in ["link.fab", "up/secret.fab"] {
+            let found = codes(&folder, "task.fab", &format!("use \"{path}\"\n"));
+            let [message] = found.as_slice() else {
+                panic!("{path}: {found:?}");
+            };
+            assert!(message.starts_with("F0002"), "{message}");
+            assert!(message.contains(path), "{message}");
+            assert!(
+                message.contains("outside of the first file's folder"),
+                "{message}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_link_that_stays_inside_is_followed() {
+        let (_root, folder) = folders();
+        symlink("lib/base.fab", folder.join("base.fab")).expect("a link");
+        let text = "use \"base.fab\"\ntask t extends base { }\n";
+        assert_eq!(codes(&folder, "task.fab", text), [String::new(); 0]);
+    }
+
+    #[test]
+    fn the_first_file_may_be_a_link_and_its_neighbours_are_those_of_the_link() {
+        let (root, folder) = folders();
+        let text = "use \"lib/base.fab\"\ntask t extends base { }\n";
+        fs::write(root.path().join("task.fab"), text).expect("a file");
+        symlink(root.path().join("task.fab"), folder.join("task.fab")).expect("a link");
+        let compiled = compile(&folder.join("task.fab").display().to_string());
+        assert!(!compiled.expect("the entry can be read").has_errors());
+    }
+
+    #[test]
+    fn paths_that_climb_are_refused_before_anything_is_read() {
+        let (root, folder) = folders();
+        let secret = root.path().join("secret.fab").display().to_string();
+        for path in [
+            "../secret.fab",
+            "lib/../../secret.fab",
+            "../tasks/lib/base.fab",
+            &secret,
+        ] {
+            let found = codes(&folder, "task.fab", &format!("use \"{path}\"\n"));
+            assert!(
+                matches!(found.as_slice(), [message] if message.starts_with("F0005")),
+                "{path}: {found:?}"
+            );
+        }
+    }
 }

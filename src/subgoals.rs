@@ -15,7 +15,7 @@ use std::path::PathBuf;
 /// Draws, pins, and lists the files.
 pub fn run(arguments: &SubgoalsArguments) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task)?;
-    let folder = setting::folder_of(&arguments.task.file);
+    let folder = sources::folder_of(&arguments.task.file);
     let interrupt = setting::interrupt()?;
     let mut world = setting::world(&program).map_err(Failure::environment)?;
     let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt);

@@ -8,7 +8,33 @@
 //! In: the name of a file and a [`Loader`]. Out: the programs that the file defines, and diagnostics. The
 //! crate is pure: no file, clock, network or chance is reached but through the loader, and the same
 //! texts give the same bytes. What a program's data means is defined here too: [`render`] fills its
-//! templates, [`reply`] reads answers, [`verify`] judges them; [`emit`] writes all of it as files. Executing it is left to others.
+//! templates, [`reply`] reads answers, [`verify`] judges them; [`emit`] writes all
+//! of it as files. Executing it is left to others.
+//!
+//! A task can be compiled from memory, in any program:
+//!
+//! ```
+//! use compiler::{LoadError, Loader, diag};
+//!
+//! /// One text, whatever is asked for.
+//! struct Memory(&'static str);
+//!
+//! impl Loader for Memory {
+//!     fn load(&self, _name: &str) -> Result<String, LoadError> {
+//!         Ok(self.0.to_owned())
+//!     }
+//! }
+//!
+//! let text = "task tried {\n    goal particle_distance < 40deg\n}\n";
+//! let compiled = compiler::compile("fold.fab", &Memory(text))?;
+//! assert!(compiled.has_errors() && compiled.programs.is_empty());
+//!
+//! let shown = diag::to_text(&compiled.diagnostics, &compiled.sources, diag::Color::Plain);
+//! println!("{shown}");
+//! assert!(shown.contains("error[F0203]: expected a length on the table, found an angle"));
+//! assert!(shown.contains("--> fold.fab:2:30"));
+//! # Ok::<(), LoadError>(())
+//! ```
 
 mod ast;
 mod check;
@@ -30,7 +56,8 @@ pub mod space;
 pub mod trial;
 pub mod verify;
 
-pub use load::{MAX_FILES, MAX_USE_DEPTH};
+pub use check::MAX_INHERITED_BYTES;
+pub use load::{MAX_FILES, MAX_TOTAL_BYTES, MAX_USE_DEPTH};
 pub use merge::MAX_EXTENDS_DEPTH;
 pub use source::{FileId, Source, Sources, Span, line_and_column};
 
@@ -69,8 +96,10 @@ pub struct Compiled {
     pub programs: Vec<Program>,
     /// The tests of those tasks, in source order.
     pub tests: Vec<Test>,
-    /// What is wrong in any file, by file and place.
+    /// What is wrong in any file, by file and place; of each severity the first [`diag::MAX_FINDINGS`] that were found.
     pub diagnostics: Vec<Diagnostic>,
+    /// How many further findings there are.
+    pub left_out: usize,
     /// Every file that was read.
     pub sources: Sources,
 }
@@ -94,6 +123,7 @@ pub fn compile(entry: &str, loader: &dyn Loader) -> Result<Compiled, LoadError> 
     Ok(Compiled {
         programs: checked.programs,
         tests: checked.tests,
+        left_out: report.left_out(),
         diagnostics: report.into_sorted(),
         sources: loaded.sources,
     })

@@ -1,21 +1,25 @@
 //! Reads the entry file and everything that it uses.
 //!
 //! In: a name and a loader. Out: every file as it is written, who reaches whom, and diagnostics of form
-//! and of `use`. Bounded by [`MAX_FILES`] and [`MAX_USE_DEPTH`].
+//! and of `use`. Bounded by [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`]; no path leads out of the
+//! entry's folder.
 
 use crate::ast::{self, Text};
-use crate::diag::{Code, Diagnostic, Report};
+use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report};
 use crate::form;
 use crate::path;
-use crate::source::{FileId, Sources};
+use crate::source::{FileId, Sources, Span};
 use crate::{LoadError, Loader};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The most files in one compilation.
 pub const MAX_FILES: usize = 64;
 
 /// The most `use`s between the entry and a file.
 pub const MAX_USE_DEPTH: usize = 16;
+
+/// The most text in one compilation, bytes.
+pub const MAX_TOTAL_BYTES: usize = 4 << 20;
 
 /// Every file of a compilation, in the order in which they were first read.
 pub(crate) struct Loaded {
@@ -25,9 +29,43 @@ pub(crate) struct Loaded {
     pub portable_names: Vec<String>,
     /// For each file, itself and those that it uses, directly or through others.
     reach: Vec<BTreeSet<FileId>>,
+    /// For each file, where the first task of each name stands in it; names are looked up once per task.
+    task_index: Vec<BTreeMap<String, usize>>,
+    /// Likewise for lists of experts.
+    experts_index: Vec<BTreeMap<String, usize>>,
+    /// For each task and list of experts, by its name's place, the bytes from there to the next one.
+    sizes: BTreeMap<Span, usize>,
+    /// The names' places of the tasks that others extend.
+    extended: BTreeSet<Span>,
 }
 
 impl Loaded {
+    /// Finds the first task of that name that `file` sees.
+    pub fn task(&self, file: FileId, name: &str) -> Option<&ast::Task> {
+        self.reach[file.0].iter().find_map(|seen| {
+            let at = self.task_index[seen.0].get(name)?;
+            Some(&self.files[seen.0].tasks[*at])
+        })
+    }
+
+    /// Finds the first list of experts of that name that `file` sees.
+    pub fn experts(&self, file: FileId, name: &str) -> Option<&ast::Experts> {
+        self.reach[file.0].iter().find_map(|seen| {
+            let at = self.experts_index[seen.0].get(name)?;
+            Some(&self.files[seen.0].experts[*at])
+        })
+    }
+
+    /// Returns about how many bytes of text the item of that name has.
+    pub fn size(&self, name: &ast::Ident) -> usize {
+        self.sizes.get(&name.span).copied().unwrap_or(0)
+    }
+
+    /// Returns whether another task extends this one.
+    pub fn is_extended(&self, task: &ast::Task) -> bool {
+        self.extended.contains(&task.name.span)
+    }
+
     /// Returns the files whose declarations `file` sees, in the order in which they were read.
     pub fn visible_from(&self, file: FileId) -> impl Iterator<Item = &ast::File> {
         self.reach[file.0].iter().map(|seen| &self.files[seen.0])
@@ -51,18 +89,32 @@ pub(crate) fn load(
         files: Vec::new(),
         portable_names: Vec::new(),
         reach: Vec::new(),
+        task_index: Vec::new(),
+        experts_index: Vec::new(),
+        sizes: BTreeMap::new(),
+        extended: BTreeSet::new(),
     };
     let mut reading = Reading {
         loader,
         report,
         loaded,
         keys: Vec::new(),
+        unreadable: BTreeMap::new(),
+        total_bytes: 0,
         open: Vec::new(),
     };
     let file = reading.add(entry.to_owned(), path::file_name(entry).to_owned(), text);
     reading.follow(file);
     let mut loaded = reading.loaded;
     close(&mut loaded.reach);
+    loaded.extended = loaded
+        .files
+        .iter()
+        .flat_map(|file| &file.tasks)
+        .filter_map(|task| task.extends.as_ref())
+        .filter_map(|base| loaded.task(base.span.file, &base.text))
+        .map(|task| task.name.span)
+        .collect();
     Ok(loaded)
 }
 
@@ -91,6 +143,9 @@ struct Reading<'a> {
     loaded: Loaded,
     /// Each file's normalised name, by which it is known again.
     keys: Vec<String>,
+    /// Files that could not be read, and why; none is asked for twice.
+    unreadable: BTreeMap<String, LoadError>,
+    total_bytes: usize,
     /// The files between the entry and the one being read.
     open: Vec<FileId>,
 }
@@ -98,16 +153,30 @@ struct Reading<'a> {
 impl Reading<'_> {
     fn add(&mut self, name: String, portable_name: String, text: String) -> FileId {
         let parsed = grammar::parse(&text);
+        self.total_bytes += text.len();
         self.keys.push(path::beside("", &name));
         let file = self.loaded.sources.add(name, text);
-        for fault in &parsed.faults {
+        let told = parsed.faults.len().min(MAX_FINDINGS);
+        self.report.pass_over(parsed.faults.len() - told, file);
+        for fault in &parsed.faults[..told] {
             self.report.push(form::diagnose(
                 fault,
                 file,
                 &self.loaded.sources.get(file).text,
             ));
         }
-        self.loaded.files.push(ast::lower(file, &parsed.tree));
+        let lowered = ast::lower(file, &parsed.tree);
+        let tasks = || lowered.tasks.iter().map(|task| &task.name);
+        let experts = || lowered.experts.iter().map(|experts| &experts.name);
+        self.loaded.task_index.push(first_of_each_name(tasks()));
+        self.loaded
+            .experts_index
+            .push(first_of_each_name(experts()));
+        let end = self.loaded.sources.get(file).text.len();
+        self.loaded
+            .sizes
+            .extend(sizes(tasks().chain(experts()), end));
+        self.loaded.files.push(lowered);
         self.loaded.portable_names.push(portable_name);
         self.loaded.reach.push(BTreeSet::from([file]));
         file
@@ -140,6 +209,15 @@ impl Reading<'_> {
             ));
             return None;
         }
+        let Some(portable_name) = path::within(&self.loaded.portable_names[file.0], &written)
+        else {
+            let message = format!("the path `{written}` leads out of the folder of the first file");
+            self.report
+                .push(Diagnostic::new(Code::BadPath, used.span, message).help(
+                    "move the file beside the first one or below, or check a file higher up",
+                ));
+            return None;
+        };
         let name = path::beside(&self.loaded.sources.get(file).name, &written);
         if let Some(known) = self.keys.iter().position(|key| *key == name).map(FileId) {
             if self.open.contains(&known) {
@@ -154,7 +232,9 @@ impl Reading<'_> {
             }
             return Some(known);
         }
-        if self.keys.len() >= MAX_FILES || self.open.len() > MAX_USE_DEPTH {
+        let is_known_bad = self.unreadable.contains_key(&name);
+        let n_asked = self.keys.len() + self.unreadable.len();
+        if !is_known_bad && (n_asked >= MAX_FILES || self.open.len() > MAX_USE_DEPTH) {
             let message = format!(
                 "`{written}` is not read: at most {MAX_FILES} files are, each at most {MAX_USE_DEPTH} `use`s deep"
             );
@@ -162,9 +242,16 @@ impl Reading<'_> {
                 .push(Diagnostic::new(Code::TooManyFiles, used.span, message));
             return None;
         }
-        match self.loader.load(&name) {
+        match self.read(&name) {
+            Ok(text) if self.total_bytes + text.len() > MAX_TOTAL_BYTES => {
+                let message = format!(
+                    "`{written}` is left out: with it the files have more than {MAX_TOTAL_BYTES} bytes"
+                );
+                self.report
+                    .push(Diagnostic::new(Code::TooManyFiles, used.span, message));
+                None
+            }
             Ok(text) => {
-                let portable_name = path::beside(&self.loaded.portable_names[file.0], &written);
                 let target = self.add(name, portable_name, text);
                 self.follow(target);
                 Some(target)
@@ -179,4 +266,40 @@ impl Reading<'_> {
             }
         }
     }
+
+    fn read(&mut self, name: &str) -> Result<String, LoadError> {
+        if let Some(error) = self.unreadable.get(name) {
+            return Err(error.clone());
+        }
+        self.loader.load(name).inspect_err(|error| {
+            self.unreadable.insert(name.to_owned(), error.clone());
+        })
+    }
+}
+
+fn first_of_each_name<'a>(names: impl Iterator<Item = &'a ast::Ident>) -> BTreeMap<String, usize> {
+    let mut index = BTreeMap::new();
+    for (at, name) in names.enumerate() {
+        index.entry(name.text.clone()).or_insert(at);
+    }
+    index
+}
+
+/// Returns the bytes from each name to the next, or to the end.
+fn sizes<'a>(
+    names: impl Iterator<Item = &'a ast::Ident>,
+    end: usize,
+) -> impl Iterator<Item = (Span, usize)> {
+    let mut spans: Vec<Span> = names.map(|name| name.span).collect();
+    spans.sort();
+    let ends: Vec<usize> = spans
+        .iter()
+        .skip(1)
+        .map(|span| span.start)
+        .chain([end])
+        .collect();
+    spans
+        .into_iter()
+        .zip(ends)
+        .map(|(span, end)| (span, end - span.start))
 }

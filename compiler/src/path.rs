@@ -1,5 +1,8 @@
 //! Paths as `use` and `image` write them: `/` between folders, relative to the file they stand in.
 
+/// The longest path, bytes: each message about a file, and each program made of it, names it.
+pub(crate) const MAX_BYTES: usize = 1024;
+
 /// Returns `path` as seen from where `file` is seen: without `.`, and with `..` only in front.
 pub(crate) fn beside(file: &str, path: &str) -> String {
     let folder = file.rfind('/').map_or("", |at| &file[..at + 1]);
@@ -33,6 +36,8 @@ pub(crate) fn fault(path: &str) -> Option<&'static str> {
     let has_drive = path.as_bytes().get(1) == Some(&b':');
     if path.trim().is_empty() {
         Some("is empty")
+    } else if path.len() > MAX_BYTES {
+        Some("is too long")
     } else if path.contains('\\') {
         Some("has a `\\`; folders are separated by `/`")
     } else if path.starts_with('/') || path.starts_with('~') || has_drive {
@@ -40,6 +45,13 @@ pub(crate) fn fault(path: &str) -> Option<&'static str> {
     } else {
         None
     }
+}
+
+/// Returns `path` as seen from the entry's folder where `file` is seen from there; None where it leads out of it.
+pub(crate) fn within(file: &str, path: &str) -> Option<String> {
+    let path = beside(file, path);
+    let leads_out = path == ".." || path.starts_with("../");
+    (!leads_out).then_some(path)
 }
 
 #[cfg(test)]
@@ -53,5 +65,15 @@ mod tests {
         assert_eq!(beside("a.fab", "../../c.fab"), "../../c.fab");
         assert_eq!(beside("/x/a.fab", "../../c.fab"), "/c.fab");
         assert_eq!(beside("a.fab", "b//c.fab"), "b/c.fab");
+    }
+
+    #[test]
+    fn no_path_leads_out_of_the_folder() {
+        assert_eq!(within("a.fab", "lib/../b.fab"), Some("b.fab".to_owned()));
+        assert_eq!(within("lib/a.fab", "../b.fab"), Some("b.fab".to_owned()));
+        for path in ["../b.fab", "..", "lib/../../b.fab", "./.././b.fab"] {
+            assert_eq!(within("a.fab", path), None, "{path}");
+        }
+        assert_eq!(within("lib/a.fab", "../../task/b.fab"), None);
     }
 }

@@ -9,7 +9,20 @@ pub struct Source {
     pub name: String,
     /// The text, never read again.
     pub text: String,
+    /// Places whose line and column are known, in order; the first is the beginning.
+    marks: Vec<Mark>,
 }
+
+/// A place in a text: a line's beginning, or one some hundred bytes into a long line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Mark {
+    byte: usize,
+    line: usize,
+    column: usize,
+}
+
+/// The most bytes between two marks, so that a place in a line of a megabyte is found as fast as any.
+const MARK_EVERY: usize = 256;
 
 /// Every file of one compilation, in the order in which they were first read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -49,7 +62,8 @@ impl Span {
 
 impl Sources {
     pub(crate) fn add(&mut self, name: String, text: String) -> FileId {
-        self.list.push(Source { name, text });
+        let marks = marks(&text);
+        self.list.push(Source { name, text, marks });
         FileId(self.list.len() - 1)
     }
 
@@ -69,10 +83,82 @@ impl Sources {
     }
 }
 
+impl Source {
+    /// Returns line and column of a byte, both from 1; columns count characters.
+    ///
+    /// `byte` lies on a boundary of characters, at most at the end. The work does not grow with the text.
+    pub fn line_and_column(&self, byte: usize) -> (usize, usize) {
+        let after = self.marks.partition_point(|mark| mark.byte <= byte);
+        // The first mark is the beginning of the text, so that one is at or before every byte.
+        let mark = self.marks[after - 1];
+        let characters = self.text[mark.byte..byte].chars().count();
+        (mark.line, mark.column + characters)
+    }
+}
+
+fn marks(text: &str) -> Vec<Mark> {
+    let mut last = Mark {
+        byte: 0,
+        line: 1,
+        column: 1,
+    };
+    let mut marks = vec![last];
+    let (mut line, mut column) = (1, 1);
+    for (byte, character) in text.char_indices() {
+        if byte - last.byte >= MARK_EVERY {
+            last = Mark { byte, line, column };
+            marks.push(last);
+        }
+        if character == '\n' {
+            line += 1;
+            column = 1;
+            last = Mark {
+                byte: byte + 1,
+                line,
+                column,
+            };
+            marks.push(last);
+        } else {
+            column += 1;
+        }
+    }
+    marks
+}
+
 /// Returns line and column of a byte, both from 1; columns count characters.
+///
+/// Counts from the beginning of the text; [`Source::line_and_column`] does not.
 pub fn line_and_column(text: &str, byte: usize) -> (usize, usize) {
     let before = &text[..byte];
     let line_start = before.rfind('\n').map_or(0, |at| at + 1);
     let line = before.bytes().filter(|byte| *byte == b'\n').count() + 1;
     (line, before[line_start..].chars().count() + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_those_that_counting_from_the_beginning_gives() {
+        let long = "é→x".repeat(400);
+        for text in [
+            "",
+            "a",
+            "\n",
+            "a\n\nb\r\nc",
+            &long,
+            &format!("{long}\n{long}x\n\n"),
+        ] {
+            let mut sources = Sources::default();
+            let file = sources.add("a.fab".to_owned(), text.to_owned());
+            for byte in (0..=text.len()).filter(|byte| text.is_char_boundary(*byte)) {
+                assert_eq!(
+                    sources.get(file).line_and_column(byte),
+                    line_and_column(text, byte),
+                    "byte {byte} of {text:?}"
+                );
+            }
+        }
+    }
 }

@@ -139,6 +139,14 @@ fn limits_are_as_stated() {
             compiler::MAX_FILES,
             compiler::MAX_USE_DEPTH
         ),
+        format!(
+            "| text in one compilation | {} KiB |",
+            compiler::MAX_TOTAL_BYTES >> 10
+        ),
+        format!(
+            "| letters of a word outside of texts | {} |",
+            grammar::MAX_WORD_BYTES
+        ),
         format!("| tasks below a task | {} |", compiler::MAX_EXTENDS_DEPTH),
         format!("| open brackets and braces | {} |", grammar::MAX_NESTING),
     ] {

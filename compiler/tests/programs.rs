@@ -219,7 +219,7 @@ fn files_beyond_the_limits_are_refused() {
     assert_eq!(
         messages(&long),
         [format!(
-            "F0001 the file has {} bytes, at most 131072 are accepted",
+            "F0001 the file has {} bytes, at most 1048576 are accepted",
             long.len()
         )]
     );
@@ -247,4 +247,20 @@ fn files_beyond_the_limits_are_refused() {
         .extend((0..100).map(|number| (format!("f{number}.fab"), String::new())));
     let compiled = compiler::compile("many.fab", &files).unwrap();
     assert_eq!(compiled.sources.iter().count(), compiler::MAX_FILES);
+}
+
+#[test]
+fn tasks_that_inherit_too_much_together_are_refused() {
+    let long: String = (0..12)
+        .map(|number| format!("    component c{number} \"{}\"\n", "x".repeat(16_000)))
+        .collect();
+    let base = TASK.replace("    verify {", &format!("{long}    verify {{"));
+    let many: String = (0..600)
+        .map(|number| format!("task t{number} extends small {{ horizon 1 }}\n"))
+        .collect();
+    let codes: Vec<String> = messages(&format!("{base}{many}"))
+        .into_iter()
+        .filter(|message| message.starts_with("F0409"))
+        .collect();
+    assert_eq!(codes.len(), 1, "{codes:?}");
 }

@@ -26,6 +26,11 @@ pub enum Problem {
         /// The limit.
         limit: usize,
     },
+    /// A word is longer than is parsed.
+    LongWord {
+        /// The limit, bytes.
+        limit: usize,
+    },
     /// Something else belongs here.
     Unexpected {
         /// What stands here; none: the end of the line.

@@ -16,7 +16,7 @@ mod tree;
 mod vocabulary;
 
 pub use fault::{Fault, Problem};
-pub use limits::{MAX_BYTES, MAX_NESTING};
+pub use limits::{MAX_BYTES, MAX_NESTING, MAX_WORD_BYTES};
 pub use tree::{Kind, Node, Tree};
 pub use vocabulary::is_keyword;
 
@@ -34,7 +34,7 @@ pub struct Parsed {
 
 /// Parses a text; never fails and never panics.
 ///
-/// Beyond [`MAX_BYTES`] or [`MAX_NESTING`] the tree is one piece of junk with one fault.
+/// Beyond [`MAX_BYTES`], [`MAX_NESTING`] or [`MAX_WORD_BYTES`] the tree is one piece of junk with one fault.
 pub fn parse(text: &str) -> Parsed {
     if let Err(fault) = limits::check(text) {
         return Parsed {

@@ -7,7 +7,10 @@ use crate::fault::{Fault, Problem};
 use std::ops::Range;
 
 /// The longest text that is parsed, bytes.
-pub const MAX_BYTES: usize = 128 << 10;
+pub const MAX_BYTES: usize = 1 << 20;
+
+/// The longest word outside of texts and comments, bytes: names are repeated in messages and programs.
+pub const MAX_WORD_BYTES: usize = 200;
 
 /// The most brackets and braces that may be open at once.
 pub const MAX_NESTING: usize = 32;
@@ -24,8 +27,8 @@ pub(crate) fn check(text: &str) -> Result<(), Fault> {
             problem,
         });
     }
-    match too_deep_at(text) {
-        Some(at) => Err(too_deep(at..at + 1)),
+    match beyond(text) {
+        Some(fault) => Err(fault),
         None => Ok(()),
     }
 }
@@ -37,8 +40,8 @@ pub(crate) fn too_deep(span: Range<usize>) -> Fault {
     }
 }
 
-/// Returns the place of the first bracket beyond the limit.
-fn too_deep_at(text: &str) -> Option<usize> {
+/// Returns the first bracket, or the first word, beyond its limit.
+fn beyond(text: &str) -> Option<Fault> {
     let bytes = text.as_bytes();
     let mut depth = 0usize;
     let mut at = 0;
@@ -49,7 +52,7 @@ fn too_deep_at(text: &str) -> Option<usize> {
             b'(' | b'{' => {
                 depth += 1;
                 if depth > MAX_NESTING {
-                    return Some(at);
+                    return Some(too_deep(at..at + 1));
                 }
                 at += 1;
             }
@@ -57,10 +60,31 @@ fn too_deep_at(text: &str) -> Option<usize> {
                 depth = depth.saturating_sub(1);
                 at += 1;
             }
+            // A long number is no name; no message repeats it whole.
+            byte if is_word(byte) && !byte.is_ascii_digit() => {
+                let length = bytes[at..]
+                    .iter()
+                    .take_while(|byte| is_word(**byte))
+                    .count();
+                if length > MAX_WORD_BYTES {
+                    let problem = Problem::LongWord {
+                        limit: MAX_WORD_BYTES,
+                    };
+                    return Some(Fault {
+                        span: at..at + length,
+                        problem,
+                    });
+                }
+                at += length;
+            }
             _ => at += 1,
         }
     }
     None
+}
+
+fn is_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
 fn end_of_line(bytes: &[u8], start: usize) -> usize {

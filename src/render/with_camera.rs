@@ -3,7 +3,7 @@
 use super::{Listed, Shown, ShownPart, title};
 use crate::cli::RenderArguments;
 use crate::exit::Failure;
-use crate::setting;
+use crate::{setting, sources};
 use compiler::facts::{Done, Facts, SceneView};
 use compiler::program::{PixelPoint, Program, Stage, Subgoals, Value};
 use compiler::render::{PromptPicture, RenderError, Values};
@@ -38,7 +38,7 @@ impl View {
         }
         let interrupt = Interrupt::default();
         let mut world = setting::world(program).map_err(Failure::environment)?;
-        let folder = setting::folder_of(&arguments.task.file);
+        let folder = sources::folder_of(&arguments.task.file);
         let subgoals = SubgoalSet::obtain(program, &folder, world.as_mut(), &interrupt)
             .map_err(Failure::environment)?;
         let examples = ExamplePictures::load(program, &folder).map_err(Failure::environment)?;

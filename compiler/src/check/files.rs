@@ -25,12 +25,13 @@ pub(crate) fn named(text: &Text, what: &str, context: &mut Context<'_>) -> Optio
         context.push(bad(fault));
         return None;
     }
-    let path = path::beside(&context.loaded.portable_names[text.span.file.0], &written);
-    if path.starts_with("..") {
-        context.push(bad("leaves the folder of the task").help(
-            "what a task needs lies in the folder of the file that is compiled, or below it",
-        ));
+    let Some(path) = path::within(&context.loaded.portable_names[text.span.file.0], &written)
+    else {
+        context.push(
+            bad("leads out of the folder of the first file")
+                .help("move it beside the first file or below"),
+        );
         return None;
-    }
+    };
     Some(FileRef { path })
 }

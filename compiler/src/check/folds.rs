@@ -100,7 +100,10 @@ pub(crate) fn expert_sequences(
             .visible_from(reference.name.span.file)
             .flat_map(|file| &file.experts)
     };
-    match seen().find(|experts| experts.name.text == reference.name.text) {
+    match context
+        .loaded
+        .experts(reference.name.span.file, &reference.name.text)
+    {
         // The list itself is reported once, where all lists are.
         Some(found) => experts(found, context),
         None => {

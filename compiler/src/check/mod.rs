@@ -131,7 +131,7 @@ pub(crate) struct Checked {
 }
 
 /// What all tasks of a compilation may inherit together, bytes: each is checked with all that it inherits.
-const MAX_MERGED_BYTES: usize = 64 << 20;
+pub const MAX_INHERITED_BYTES: usize = 64 << 20;
 
 /// Checks every task of every file; returns the programs of the entry's.
 pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Checked {
@@ -158,7 +158,7 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Checked {
         folds::experts(experts, &mut context);
     }
     let faulty_files = report.files_with_errors();
-    let bases = task::bases(loaded);
+    let stamps = task::stamps(loaded);
     let mut checked = Checked::default();
     let mut merged_bytes = 0;
     for file in &loaded.files {
@@ -173,8 +173,13 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Checked {
             while number < variants.len() {
                 let mut own = Report::default();
                 let merged = merge::merge(task, variants[number].take(), loaded, &mut own);
-                merged_bytes += merged.bytes;
-                if merged_bytes > MAX_MERGED_BYTES {
+                merged_bytes += merged.bytes
+                    + merged.experts.map_or(0, |experts| {
+                        let name = &experts.name;
+                        let list = loaded.experts(name.span.file, &name.text);
+                        list.map_or(0, |list| loaded.size(&list.name))
+                    });
+                if merged_bytes > MAX_INHERITED_BYTES {
                     report.absorb(own);
                     report.push(too_large(&task.name));
                     return checked;
@@ -183,7 +188,7 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Checked {
                 if number == 0 && is_entry {
                     variants.extend(merged.applicable_variants().map(Some));
                 }
-                let built = task::check(&merged, &bases, loaded, &mut own);
+                let built = task::check(&merged, &stamps, loaded, &mut own);
                 let is_right = own.errors() == 0 && !sees_faults;
                 report.absorb(own);
                 if is_right
@@ -204,7 +209,7 @@ fn too_large(name: &Ident) -> Diagnostic {
     let message = format!(
         "with `{}` the tasks come to more than {} MiB, counting what each inherits",
         name.text,
-        MAX_MERGED_BYTES >> 20
+        MAX_INHERITED_BYTES >> 20
     );
     Diagnostic::new(Code::TasksTooLarge, name.span, message)
         .help("nothing further is checked; extend smaller tasks, or compile the files one by one")

@@ -7,17 +7,15 @@ use super::{
 };
 use crate::diag::{Code, Diagnostic, Report, among};
 use crate::load::Loaded;
-use crate::merge::{self, Merged};
+use crate::merge::Merged;
 use crate::program::{PROGRAM_FORMAT, Program, SourceStamp, Test, hex};
 use crate::proof;
-use crate::source::Span;
 use sha2::{Digest, Sha256};
-use std::collections::BTreeSet;
 
 /// Checks one task or variant; what is returned counts only where nothing was reported.
 pub(super) fn check(
     merged: &Merged<'_>,
-    bases: &BTreeSet<Span>,
+    stamps: &[SourceStamp],
     loaded: &Loaded,
     report: &mut Report,
 ) -> Option<(Program, Vec<Test>)> {
@@ -70,9 +68,7 @@ pub(super) fn check(
         layers,
         ..
     } = context;
-    if !is_complete(merged, bases, loaded, report)
-        || merged.subgoals.is_some() && subgoals.is_none()
-    {
+    if !is_complete(merged, loaded, report) || merged.subgoals.is_some() && subgoals.is_none() {
         return None;
     }
     let program = Program {
@@ -80,7 +76,7 @@ pub(super) fn check(
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
         task: merged.task.name.text.clone(),
         variant: merged.variant.as_ref().map(|variant| variant.name.clone()),
-        sources: stamps(loaded),
+        sources: stamps.to_vec(),
         cloth: cloth?,
         camera: camera?,
         subgoals,
@@ -115,16 +111,8 @@ fn contradictions(program: &Program, merged: &Merged<'_>, report: &mut Report) {
     }
 }
 
-/// Returns where the tasks stand that others extend.
-pub(super) fn bases(loaded: &Loaded) -> BTreeSet<Span> {
-    let all = loaded.files.iter().flat_map(|file| &file.tasks);
-    all.filter_map(|task| task.extends.as_ref())
-        .filter_map(|base| merge::find_task(loaded, base.span.file, &base.text))
-        .map(|task| task.name.span)
-        .collect()
-}
-
-fn stamps(loaded: &Loaded) -> Vec<SourceStamp> {
+/// Returns the name and hash of every source.
+pub(super) fn stamps(loaded: &Loaded) -> Vec<SourceStamp> {
     let stamp = |(source, name): (&crate::Source, &String)| SourceStamp {
         name: name.clone(),
         sha256: hex(&Sha256::digest(source.text.as_bytes())),
@@ -141,12 +129,7 @@ fn stamps(loaded: &Loaded) -> Vec<SourceStamp> {
 ///
 /// A task with cloth, subgoals or a horizon, and stages is meant to run, so that a lack of anything else is an
 /// error; one without them may serve as a base.
-fn is_complete(
-    merged: &Merged<'_>,
-    bases: &BTreeSet<Span>,
-    loaded: &Loaded,
-    report: &mut Report,
-) -> bool {
+fn is_complete(merged: &Merged<'_>, loaded: &Loaded, report: &mut Report) -> bool {
     let lacks = |parts: &[(&'static str, bool)]| -> Vec<&'static str> {
         parts
             .iter()
@@ -182,7 +165,7 @@ fn is_complete(
         }
         return false;
     }
-    let is_base = bases.contains(&name.span);
+    let is_base = loaded.is_extended(merged.task);
     if !is_base && name.span.file == loaded.entry().id {
         let lacking: Vec<&str> = own.into_iter().chain(shared).collect();
         let message = format!(

@@ -8,7 +8,7 @@ use super::shown::{self, Placed};
 use crate::ast::{Piece, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::program::{Condition, Shown, Template, Variable};
-use crate::source::{Span, line_and_column};
+use crate::source::Span;
 use std::collections::BTreeMap;
 
 /// The most bytes of one text.
@@ -129,7 +129,7 @@ pub(crate) fn template(
             .map(|(name, value)| Variable { name, value })
             .collect(),
         declared_in: context.loaded.portable_names[text.span.file.0].clone(),
-        line: line_and_column(&source.text, text.start).0 as u32,
+        line: source.line_and_column(text.start).0 as u32,
     };
     is_right.then_some(template)
 }

@@ -9,7 +9,6 @@ use crate::ast::{self, Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic, among, nearest};
 use crate::merge::{Merged, once};
 use crate::program::{Expect, Given, KeypointShape, PixelPoint, Read, Stage, Test, Verify};
-use crate::source::line_and_column;
 use crate::verify::OFFERED;
 
 /// The most tests of a task, and points that one gives.
@@ -109,7 +108,7 @@ fn one(
         reply: said?,
         expect: expect?,
         declared_in: context.loaded.portable_names[test.span.file.0].clone(),
-        line: line_and_column(&source.text, test.span.start).0 as u32,
+        line: source.line_and_column(test.span.start).0 as u32,
     };
     is_right.then_some(test)
 }

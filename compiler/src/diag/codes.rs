@@ -62,7 +62,7 @@ impl Code {
 codes! {
     "F0001" FileTooLong Error
     "a file is too long"
-    "A file may have at most 128 KiB, fifty times a long task. Nothing in it is checked. Split it, and join the parts with `use`."
+    "A file may have at most 1 MiB, a hundred times a long task. Nothing in it is checked. Split it, and join the parts with `use`."
 
     "F0002" UnreadableUse Error
     "a file that `use` names cannot be read"
@@ -74,11 +74,11 @@ codes! {
 
     "F0004" TooManyFiles Error
     "too many files are used"
-    "At most 64 files take part in one compilation, each at most 16 `use`s away from the first."
+    "At most 64 files take part in one compilation, each at most 16 `use`s away from the first, and 4 MiB of text in all."
 
     "F0005" BadPath Error
     "a path is not of the right form"
-    "Paths are relative, with `/` between folders, without `{{ … }}`, and not empty. So a task works on every machine and for every user."
+    "Paths are relative, with `/` between folders, without `{{ … }}`, and not empty. They stay in the folder of the first file and in those below. So a task works on every machine and for every user, and reads nothing else."
 
     "F0101" Unexpected Error
     "something else belongs here"
@@ -127,6 +127,10 @@ codes! {
     "F0112" NestedTooDeep Error
     "brackets are nested too deeply"
     "At most 32 brackets and braces may be open at once. Nothing in the file is checked."
+
+    "F0113" WordTooLong Error
+    "a word is too long"
+    "A name, a unit or any other word outside of texts has at most 200 letters and digits. Nothing in the file is checked."
 
     "F0201" UnknownUnit Error
     "a unit is unknown"

@@ -1,7 +1,7 @@
 //! Diagnostics for tools and editors; the fields are fixed by the command line's contract.
 
 use super::{Certainty, Diagnostic};
-use crate::source::{Sources, Span, line_and_column};
+use crate::source::{Source, Sources, Span};
 use serde_json::{Map, Value, json};
 
 /// Writes diagnostics as an array of objects `code, severity, message, file, start, end, labels, help, edits`.
@@ -45,8 +45,8 @@ fn object(diagnostic: &Diagnostic, sources: &Sources) -> Value {
         "severity": diagnostic.severity.as_str(),
         "message": diagnostic.message,
         "file": source.name,
-        "start": position(&source.text, diagnostic.span.start),
-        "end": position(&source.text, diagnostic.span.end),
+        "start": position(source, diagnostic.span.start),
+        "end": position(source, diagnostic.span.end),
         "labels": labels,
         "help": diagnostic.help,
         "edits": edits,
@@ -57,13 +57,13 @@ fn with_place(span: Span, sources: &Sources, key: &str, text: &str) -> Value {
     let source = sources.get(span.file);
     let mut object = Map::new();
     object.insert("file".to_owned(), json!(source.name));
-    object.insert("start".to_owned(), position(&source.text, span.start));
-    object.insert("end".to_owned(), position(&source.text, span.end));
+    object.insert("start".to_owned(), position(source, span.start));
+    object.insert("end".to_owned(), position(source, span.end));
     object.insert(key.to_owned(), json!(text));
     Value::Object(object)
 }
 
-fn position(text: &str, byte: usize) -> Value {
-    let (line, column) = line_and_column(text, byte);
+fn position(source: &Source, byte: usize) -> Value {
+    let (line, column) = source.line_and_column(byte);
     json!({ "byte": byte, "line": line, "column": column })
 }

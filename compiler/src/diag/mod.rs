@@ -15,7 +15,8 @@ pub use text::{Color, to_text};
 pub(crate) use suggest::{among, nearest};
 
 use crate::source::{FileId, Span};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -149,34 +150,68 @@ impl Diagnostic {
     }
 }
 
+/// The most findings of each severity that are kept; the rest is counted.
+///
+/// A file of a megabyte can hold a hundred thousand, which nobody reads and which take longer to write than to find.
+pub const MAX_FINDINGS: usize = 1000;
+
 /// Collects findings, each once.
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     found: Vec<Diagnostic>,
-    known: BTreeSet<(Span, Code, String)>,
+    /// Place, code and digest of the message of each; a finding whose digest coincides is much the same one.
+    known: BTreeSet<(Span, Code, u64)>,
+    /// For each severity how many findings there are, and how many of them are kept.
+    counts: BTreeMap<Severity, (usize, usize)>,
+    files_with_errors: BTreeSet<FileId>,
 }
 
 impl Report {
     /// Adds a finding, unless the same one is known: a task is checked again in each task that extends it.
     pub(crate) fn push(&mut self, diagnostic: Diagnostic) {
-        if self
-            .known
-            .insert((diagnostic.span, diagnostic.code, diagnostic.message.clone()))
-        {
+        // Made by `new`, the hasher has no chance in it.
+        let mut digest = DefaultHasher::new();
+        diagnostic.message.hash(&mut digest);
+        let key = (diagnostic.span, diagnostic.code, digest.finish());
+        if !self.known.insert(key) {
+            return;
+        }
+        if diagnostic.severity == Severity::Error {
+            self.files_with_errors.insert(diagnostic.span.file);
+        }
+        let (count, kept) = self.counts.entry(diagnostic.severity).or_default();
+        *count += 1;
+        if *kept < MAX_FINDINGS {
+            *kept += 1;
             self.found.push(diagnostic);
+        }
+    }
+
+    /// Counts errors of a file that are not put into words.
+    pub(crate) fn pass_over(&mut self, errors: usize, file: FileId) {
+        if errors > 0 {
+            self.counts.entry(Severity::Error).or_default().0 += errors;
+            self.files_with_errors.insert(file);
         }
     }
 
     /// Returns how many errors there are so far.
     pub(crate) fn errors(&self) -> usize {
-        self.found
-            .iter()
-            .filter(|diagnostic| diagnostic.severity == Severity::Error)
-            .count()
+        self.counts
+            .get(&Severity::Error)
+            .map_or(0, |(count, _)| *count)
     }
 
-    /// Takes over another report's findings.
+    /// Returns how many findings are counted and not kept.
+    pub(crate) fn left_out(&self) -> usize {
+        self.counts.values().map(|(count, kept)| count - kept).sum()
+    }
+
+    /// Takes over another report's findings; one that it only counted counts anew.
     pub(crate) fn absorb(&mut self, other: Report) {
+        for (severity, (count, kept)) in other.counts {
+            self.counts.entry(severity).or_default().0 += count - kept;
+        }
         for diagnostic in other.found {
             self.push(diagnostic);
         }
@@ -184,11 +219,7 @@ impl Report {
 
     /// Returns the files in which an error's main place lies.
     pub(crate) fn files_with_errors(&self) -> BTreeSet<FileId> {
-        let errors = self
-            .found
-            .iter()
-            .filter(|diagnostic| diagnostic.severity == Severity::Error);
-        errors.map(|diagnostic| diagnostic.span.file).collect()
+        self.files_with_errors.clone()
     }
 
     /// Returns the findings by file and place.

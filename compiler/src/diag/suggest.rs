@@ -9,35 +9,44 @@ pub(crate) fn nearest<'c>(
     candidates: impl IntoIterator<Item = &'c str>,
 ) -> Option<&'c str> {
     const MOST: usize = 200;
-    const LONGEST: usize = 64;
+    const LONGEST: usize = 40;
     if word.len() > LONGEST {
         return None;
     }
-    let limit = (word.chars().count() / 3).max(1);
-    let mut best: Option<(usize, &str)> = None;
+    let word = lower_case(word);
+    let mut limit = (word.len() / 3).max(1);
+    let mut best = None;
     for candidate in candidates
         .into_iter()
         .take(MOST)
         .filter(|name| name.len() <= LONGEST)
     {
-        let distance = edit_distance(word, candidate);
-        if distance <= limit && best.is_none_or(|(least, _)| distance < least) {
-            best = Some((distance, candidate));
+        if let Some(distance) = edit_distance(&word, &lower_case(candidate), limit) {
+            best = Some(candidate);
+            // Only what is nearer still can take its place.
+            match distance.checked_sub(1) {
+                Some(nearer) => limit = nearer,
+                None => break,
+            }
         }
     }
-    best.map(|(_, candidate)| candidate)
+    best
+}
+
+fn lower_case(word: &str) -> Vec<char> {
+    word.chars().flat_map(char::to_lowercase).collect()
 }
 
 /// Writes names as `a`, `b` or `c`, at most twelve of them.
 pub(crate) fn among<'c>(names: impl IntoIterator<Item = &'c str>) -> String {
     const MOST: usize = 12;
-    let all: Vec<&str> = names.into_iter().collect();
-    let count = all.len();
+    let mut all = names.into_iter();
     let names: Vec<String> = all
-        .iter()
+        .by_ref()
         .take(MOST)
         .map(|name| format!("`{name}`"))
         .collect();
+    let count = names.len() + all.count();
     match names.as_slice() {
         [] => String::new(),
         [one] => one.clone(),
@@ -46,36 +55,60 @@ pub(crate) fn among<'c>(names: impl IntoIterator<Item = &'c str>) -> String {
     }
 }
 
-/// Counts insertions, deletions, replacements and swaps of neighbours, regardless of case.
-fn edit_distance(from: &str, to: &str) -> usize {
-    let from: Vec<char> = from.to_lowercase().chars().collect();
-    let to: Vec<char> = to.to_lowercase().chars().collect();
+/// Counts insertions, deletions, replacements and swaps of neighbours; None where there are more than `limit`.
+fn edit_distance(from: &[char], to: &[char], limit: usize) -> Option<usize> {
+    if from.len().abs_diff(to.len()) > limit {
+        return None;
+    }
+    let far = limit + 1;
     let mut before_last: Vec<usize> = Vec::new();
     let mut last: Vec<usize> = (0..=to.len()).collect();
     for i in 1..=from.len() {
-        let mut row = vec![i];
-        for j in 1..=to.len() {
+        let mut row = vec![far; to.len() + 1];
+        row[0] = i;
+        // What lies further from the diagonal is further than the limit anyway.
+        let band = i.saturating_sub(limit).max(1)..=(i + limit).min(to.len());
+        let mut nearest = row[0];
+        for j in band {
             let replaced = last[j - 1] + usize::from(from[i - 1] != to[j - 1]);
             let mut least = replaced.min(last[j] + 1).min(row[j - 1] + 1);
             let swapped = i > 1 && j > 1 && from[i - 1] == to[j - 2] && from[i - 2] == to[j - 1];
             if swapped {
                 least = least.min(before_last[j - 2] + 1);
             }
-            row.push(least);
+            row[j] = least;
+            nearest = nearest.min(least);
+        }
+        // A swap reaches back over one row, so two far rows end it.
+        let is_lost = nearest > limit && last.iter().all(|distance| *distance > limit);
+        if is_lost {
+            return None;
         }
         before_last = std::mem::replace(&mut last, row);
     }
-    last[to.len()]
+    Some(last[to.len()]).filter(|distance| *distance <= limit)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn distance(from: &str, to: &str, limit: usize) -> Option<usize> {
+        edit_distance(&lower_case(from), &lower_case(to), limit)
+    }
+
     #[test]
     fn a_swap_of_neighbours_is_one_slip() {
         assert_eq!(nearest("cneter", ["corners", "center"]), Some("center"));
-        assert_eq!(edit_distance("stgae", "stage"), 1);
+        assert_eq!(distance("stgae", "stage", 3), Some(1));
+    }
+
+    #[test]
+    fn a_distance_beyond_the_limit_is_not_told() {
+        assert_eq!(distance("kitten", "sitting", 3), Some(3));
+        assert_eq!(distance("kitten", "sitting", 2), None);
+        assert_eq!(distance("", "ab", 2), Some(2));
+        assert_eq!(distance("abcdefgh", "bcdefgh", 1), Some(1));
     }
 
     #[test]

@@ -1,11 +1,18 @@
 //! Diagnostics for people, in the look of rustc.
 
 use super::{Diagnostic, Severity};
-use crate::source::{FileId, Sources, Span, line_and_column};
-use annotate_snippets::{Annotation, AnnotationKind, Level, Renderer, Snippet};
+use crate::source::{FileId, Source, Sources, Span};
+use annotate_snippets::{Annotation, AnnotationKind, Element, Level, Origin, Renderer, Snippet};
+use std::ops::Range;
 
 /// The most findings that are written out; the rest is counted.
 const MOST: usize = 100;
+
+/// The most bytes of a source that are shown for one finding; beyond that each place is shown by itself.
+const MOST_BYTES: usize = 4096;
+
+/// Bytes shown on either side of a place in a line that is too long to be shown whole.
+const AROUND: usize = 40;
 
 /// Whether the text carries colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +56,7 @@ fn write(diagnostic: &Diagnostic, sources: &Sources, renderer: &Renderer) -> Str
         .elements(
             files(diagnostic)
                 .into_iter()
-                .map(|file| snippet(diagnostic, file, sources)),
+                .flat_map(|file| excerpt(diagnostic, file, sources)),
         );
     for help in &diagnostic.help {
         group = group.element(Level::HELP.message(help.as_str()));
@@ -68,11 +75,8 @@ fn files(diagnostic: &Diagnostic) -> Vec<FileId> {
     files
 }
 
-fn snippet<'d>(
-    diagnostic: &'d Diagnostic,
-    file: FileId,
-    sources: &'d Sources,
-) -> Snippet<'d, Annotation<'d>> {
+/// Shows the places in one file that a diagnostic is about.
+fn excerpt<'d>(diagnostic: &'d Diagnostic, file: FileId, sources: &'d Sources) -> Vec<Element<'d>> {
     let source = sources.get(file);
     let main = (
         diagnostic.span,
@@ -90,20 +94,77 @@ fn snippet<'d>(
     let first = marks.iter().map(|(span, ..)| span.start).min().unwrap_or(0);
     let last = marks.iter().map(|(span, ..)| span.end).max().unwrap_or(0);
     // Only the lines in question: a large file must not be searched again for each finding.
-    let start = source.text[..first].rfind('\n').map_or(0, |at| at + 1);
-    let end = source.text[last..]
-        .find('\n')
-        .map_or(source.text.len(), |length| last + length);
-    let annotations = marks.into_iter().map(|(span, text, kind)| {
-        let annotation = kind.span(span.start - start..span.end - start);
+    let start = line_start(&source.text, first);
+    let end = line_end(&source.text, last);
+    if let (Some(start), Some(end)) = (start, end)
+        && end - start <= MOST_BYTES
+    {
+        let snippet = snippet(source, start..end, &marks).path(source.name.as_str());
+        return vec![snippet.into()];
+    }
+    marks.iter().flat_map(|mark| apart(source, mark)).collect()
+}
+
+/// Shows one place whose line, or whose distance from the others, is too long to be shown whole.
+fn apart<'d>(source: &'d Source, mark: &(Span, &'d str, AnnotationKind)) -> Vec<Element<'d>> {
+    let (span, label, kind) = *mark;
+    let (line, column) = source.line_and_column(span.start);
+    let text = source.text.as_str();
+    let start = line_start(text, span.start)
+        .unwrap_or_else(|| text.floor_char_boundary(span.start.saturating_sub(AROUND)));
+    let line_end = line_end(text, span.start)
+        .unwrap_or_else(|| text.floor_char_boundary(span.start + MOST_BYTES));
+    let shown = Span {
+        end: span.end.min(line_end).max(span.start),
+        ..span
+    };
+    let end = text.floor_char_boundary(line_end.min(shown.end + AROUND));
+    // The snippet may begin within its line, so the place is stated and not counted from it.
+    vec![
+        Origin::path(source.name.as_str())
+            .line(line)
+            .char_column(column)
+            .into(),
+        snippet(source, start..end, &[(shown, label, kind)]).into(),
+    ]
+}
+
+fn snippet<'d>(
+    source: &'d Source,
+    shown: Range<usize>,
+    marks: &[(Span, &'d str, AnnotationKind)],
+) -> Snippet<'d, Annotation<'d>> {
+    let annotations = marks.iter().map(|(span, text, kind)| {
+        let annotation = kind.span(span.start - shown.start..span.end - shown.start);
         if text.is_empty() {
             annotation
         } else {
-            annotation.label(text)
+            annotation.label(*text)
         }
     });
-    Snippet::source(&source.text[start..end])
-        .path(source.name.as_str())
-        .line_start(line_and_column(&source.text, start).0)
+    Snippet::source(&source.text[shown.clone()])
+        .line_start(source.line_and_column(shown.start).0)
         .annotations(annotations)
+}
+
+/// Returns where the line of a byte begins; None where that is far away.
+fn line_start(text: &str, byte: usize) -> Option<usize> {
+    let far = byte.saturating_sub(MOST_BYTES);
+    let found = text.as_bytes()[far..byte]
+        .iter()
+        .rposition(|byte| *byte == b'\n');
+    found
+        .map(|at| far + at + 1)
+        .or_else(|| (far == 0).then_some(0))
+}
+
+/// Returns where the line of a byte ends; None where that is far away.
+fn line_end(text: &str, byte: usize) -> Option<usize> {
+    let far = (byte + MOST_BYTES).min(text.len());
+    let found = text.as_bytes()[byte..far]
+        .iter()
+        .position(|byte| *byte == b'\n');
+    found
+        .map(|at| byte + at)
+        .or_else(|| (far == text.len()).then_some(far))
 }

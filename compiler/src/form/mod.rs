@@ -18,6 +18,9 @@ pub(crate) fn diagnose(fault: &Fault, file: FileId, text: &str) -> Diagnostic {
         Problem::TooDeep { limit } => {
             Diagnostic::new(Code::NestedTooDeep, span, format!("more than {limit} brackets and braces are open"))
         }
+        Problem::LongWord { limit } => {
+            Diagnostic::new(Code::WordTooLong, span, format!("a word has more than {limit} letters"))
+        }
         Problem::Unexpected { found, expected } => unexpected(span, found.as_deref(), expected, text),
         Problem::UnknownWord { word, known, block } => unknown_word(span, word, known, block.as_deref()),
         Problem::MissingOpen { block } => {

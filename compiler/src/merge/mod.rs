@@ -56,10 +56,7 @@ pub(crate) struct Merged<'a> {
 
 /// Finds the task of that name that `file` sees.
 pub(crate) fn find_task<'a>(loaded: &'a Loaded, file: FileId, name: &str) -> Option<&'a Task> {
-    loaded
-        .visible_from(file)
-        .flat_map(|seen| &seen.tasks)
-        .find(|task| task.name.text == name)
+    loaded.task(file, name)
 }
 
 /// Joins `task` with those below it, and `variant` on top.
@@ -149,7 +146,7 @@ fn unknown_task(base: &Ident, loaded: &Loaded) -> Diagnostic {
     let unseen = loaded
         .files
         .iter()
-        .find(|file| file.tasks.iter().any(|task| task.name.text == base.text));
+        .find(|file| loaded.task(file.id, &base.text).is_some());
     match (nearest(&base.text, seen()), unseen) {
         (_, Some(file)) => diagnostic.help(format!(
             "it is declared in `{}`; add a `use` of that file",

@@ -1,0 +1,226 @@
+//! Speed of the compiler: what one task and a thousand tasks cost, and that no input costs more than in proportion.
+//!
+//! The first part compiles each generated input at 100 kB and at 1 MB and prints the ratio of the two, measured
+//! in one run; it ends with an error where one exceeds [`MOST_RATIO`] or a stated limit is missed. The second part
+//! are divan's figures. A word on the command line selects inputs and benchmarks that contain it.
+
+#![allow(missing_docs)]
+
+#[path = "../tests/common/inputs.rs"]
+mod inputs;
+
+/// A small task with everything that one needs.
+const TASK: &str = include_str!("../tests/common/task.fab");
+
+use compiler::{Compiled, LoadError, Loader, diag};
+use divan::{Bencher, black_box};
+use std::collections::BTreeMap;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+/// What ten times the text may cost at most.
+const MOST_RATIO: f64 = 12.0;
+
+/// How often an input is measured again before its ratio counts as too large.
+const ROUNDS: usize = 4;
+
+/// Below this a figure says more about the machine than about the compiler.
+const LEAST: Duration = Duration::from_millis(2);
+
+fn main() -> ExitCode {
+    let filter = std::env::args()
+        .skip(1)
+        .find(|argument| !argument.starts_with('-'))
+        .unwrap_or_default();
+    let is_kept = stated_limits() & ratios(&filter);
+    divan::main();
+    if is_kept {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}
+
+/// Texts in memory.
+struct Memory(BTreeMap<String, String>);
+
+impl Memory {
+    fn one(text: String) -> Memory {
+        Memory(BTreeMap::from([("input.fab".to_owned(), text)]))
+    }
+}
+
+impl Loader for Memory {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        self.0.get(name).cloned().ok_or_else(|| LoadError {
+            message: format!("there is no file `{name}`"),
+        })
+    }
+}
+
+/// Compiles a file and writes its diagnostics in both forms, or its programs.
+fn compile(name: &str, files: &Memory) -> Compiled {
+    let compiled = compiler::compile(name, files).expect("the entry is in memory");
+    black_box(diag::to_text(
+        &compiled.diagnostics,
+        &compiled.sources,
+        diag::Color::Plain,
+    ));
+    black_box(diag::to_json(&compiled.diagnostics, &compiled.sources).to_string());
+    compiled
+}
+
+/// Compiles a file and writes each program, as `fabc check` and `fabc emit` together do.
+fn emit(name: &str, files: &Memory) -> usize {
+    let compiled = compile(name, files);
+    compiled
+        .programs
+        .iter()
+        .map(|program| {
+            let bytes = serde_json::to_vec(program).expect("a program is plain data");
+            black_box(&bytes);
+            bytes.len()
+        })
+        .sum()
+}
+
+/// Returns the shortest of some runs: what else the machine does only ever adds time.
+fn shortest(runs: usize, mut work: impl FnMut()) -> Duration {
+    let mut time = || {
+        let (begun, worked) = (Instant::now(), on_processor());
+        work();
+        match (worked, on_processor()) {
+            (Some(before), Some(after)) => after.saturating_sub(before),
+            _ => begun.elapsed(),
+        }
+    };
+    (0..runs).map(|_| time()).min().unwrap_or_default()
+}
+
+/// Returns how long this thread has worked, waiting for its turn not counted; only Linux tells.
+fn on_processor() -> Option<Duration> {
+    let statistics = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds = statistics.split_whitespace().next()?.parse().ok()?;
+    Some(Duration::from_nanos(nanoseconds))
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
+/// Prints what one and a thousand tasks cost; returns whether that is within what is stated.
+fn stated_limits() -> bool {
+    let one = Memory::one(inputs::two_hundred_lines(TASK));
+    assert!(emit("input.fab", &one) > 0, "the task is right");
+    let one_task = shortest(20, || {
+        emit("input.fab", &one);
+    });
+    let folder = folder_of_a_thousand();
+    let thousand_files = shortest(3, || {
+        for number in 0..1000 {
+            assert!(emit(&format!("task_{number}.fab"), &folder) > 0);
+        }
+    });
+    let file = Memory::one(file_of_a_thousand());
+    assert_eq!(compile("input.fab", &file).programs.len(), 1000);
+    let thousand_tasks = shortest(3, || {
+        emit("input.fab", &file);
+    });
+    let mut is_kept = true;
+    for (what, time, limit_ms) in [
+        ("a task of 200 lines", one_task, 2.0),
+        ("1,000 files that use a library", thousand_files, 1000.0),
+        ("1,000 tasks in one file", thousand_tasks, 1000.0),
+    ] {
+        let taken_ms = milliseconds(time);
+        let verdict = if taken_ms < limit_ms {
+            ""
+        } else {
+            "  TOO SLOW"
+        };
+        println!("{what:48} {taken_ms:9.2} ms of {limit_ms:6.0} ms{verdict}");
+        is_kept &= taken_ms < limit_ms;
+    }
+    is_kept
+}
+
+/// Prints what each input costs at two sizes; returns whether no ratio is too large.
+fn ratios(filter: &str) -> bool {
+    let mut worst = 0.0f64;
+    println!(
+        "\n{:48} {:>12} {:>12} {:>7}",
+        "input", "100 kB", "1 MB", "ratio"
+    );
+    for input in inputs::all().filter(|input| input.name.contains(filter)) {
+        let small = Memory::one(input.text(100_000));
+        let large = Memory::one(input.text(1_000_000));
+        let (mut small_time, mut large_time) = (Duration::MAX, Duration::MAX);
+        let mut ratio = f64::INFINITY;
+        // A neighbour's work slows even the processor's own clock; what is right in one round is right.
+        for _ in 0..ROUNDS {
+            small_time = small_time.min(shortest(3, || drop(compile("input.fab", &small))));
+            large_time = large_time.min(shortest(2, || drop(compile("input.fab", &large))));
+            ratio = large_time.as_secs_f64() / small_time.max(LEAST).as_secs_f64();
+            if ratio <= MOST_RATIO {
+                break;
+            }
+        }
+        worst = worst.max(ratio);
+        let verdict = if ratio <= MOST_RATIO {
+            ""
+        } else {
+            "  TOO SLOW"
+        };
+        println!(
+            "{:48} {:9.2} ms {:9.2} ms {ratio:7.1}{verdict}",
+            input.name,
+            milliseconds(small_time),
+            milliseconds(large_time)
+        );
+    }
+    println!("{:48} {worst:33.1} of {MOST_RATIO}\n", "largest ratio");
+    worst <= MOST_RATIO
+}
+
+/// Returns a library and a thousand files that each take their task from it and add something.
+fn folder_of_a_thousand() -> Memory {
+    let mut files = BTreeMap::from([("lib/base.fab".to_owned(), TASK.to_owned())]);
+    for number in 0..1000 {
+        let text = format!(
+            "use \"lib/base.fab\"\n\ntask task_{number} extends small {{\n    override component role \"You fold cloth number {number}.\"\n}}\n"
+        );
+        files.insert(format!("task_{number}.fab"), text);
+    }
+    Memory(files)
+}
+
+/// Returns one file with a task and a thousand less one that extend it.
+fn file_of_a_thousand() -> String {
+    let mut text = TASK.to_owned();
+    for number in 1..1000 {
+        text.push_str(&format!("\ntask task_{number} extends small {{\n    override component role \"You fold cloth number {number}.\"\n}}\n"));
+    }
+    text
+}
+
+#[divan::bench]
+fn two_hundred_lines(bencher: Bencher) {
+    let files = Memory::one(inputs::two_hundred_lines(TASK));
+    bencher.bench_local(|| emit("input.fab", &files));
+}
+
+#[divan::bench(sample_count = 5, sample_size = 1)]
+fn a_thousand_files(bencher: Bencher) {
+    let files = folder_of_a_thousand();
+    bencher.bench_local(|| {
+        (0..1000)
+            .map(|number| emit(&format!("task_{number}.fab"), &files))
+            .sum::<usize>()
+    });
+}
+
+#[divan::bench(sample_count = 5, sample_size = 1)]
+fn a_thousand_tasks(bencher: Bencher) {
+    let files = Memory::one(file_of_a_thousand());
+    bencher.bench_local(|| emit("input.fab", &files));
+}

@@ -1,0 +1,547 @@
+//! Generated inputs that would show work growing faster than the text: one piece of each kind, repeated.
+//!
+//! An `@` in a piece is replaced by the number of the repetition, so that names differ.
+
+#![allow(dead_code)]
+
+/// A text that can be made of any length.
+pub struct Input {
+    /// What it is about.
+    pub name: &'static str,
+    make: Make,
+}
+
+enum Make {
+    /// What stands before, the piece that is repeated, and what stands after.
+    Repeated(&'static str, &'static str, &'static str),
+    Written(fn(usize) -> String),
+}
+
+const fn input(
+    name: &'static str,
+    before: &'static str,
+    piece: &'static str,
+    after: &'static str,
+) -> Input {
+    Input {
+        name,
+        make: Make::Repeated(before, piece, after),
+    }
+}
+
+/// Returns every input.
+pub fn all() -> impl Iterator<Item = &'static Input> {
+    INPUTS.iter().chain(WRITTEN)
+}
+
+impl Input {
+    /// Returns the text, as near to `bytes` as whole pieces allow.
+    pub fn text(&self, bytes: usize) -> String {
+        let (before, piece, after) = match self.make {
+            Make::Repeated(before, piece, after) => (before, piece, after),
+            Make::Written(write) => return write(bytes),
+        };
+        let mut text = before.to_owned();
+        let mut number = 0usize;
+        while text.len() + piece.len() + after.len() < bytes {
+            text.push_str(&piece.replace('@', &number.to_string()));
+            number += 1;
+        }
+        text.push_str(after);
+        text
+    }
+}
+
+const GOAL: &str = "goal ((((((((((((((((((((((((1mm))))))))))))))))))))))))\n";
+const WHOLE: &str = concat!(
+    "task t@ {\n cloth grid(55, 44)\n camera top_down(height: 650mm, fov: 45deg, image: 224px)\n",
+    " subgoals { demonstrate { fold corner(back_left) -> corner(front_left) } }\n",
+    " keypoints { cloth = mask(depth < 646mm) center = centroid(cloth) }\n",
+    " actions { pick: one of center place: one of center }\n",
+    " stage plan { model text say \"{{ center }} {{ actions.format }}\" read action }\n}\n",
+);
+const KEYPOINTS: &str = "task t {\nkeypoints {\n";
+const STAGE: &str = "task t {\nstage s {\n";
+
+/// One input for each part of the language that repeats, nests, or can be wrong.
+const INPUTS: &[Input] = &[
+    // Nested, and on one line.
+    input("nested groups", "task t {\n", GOAL, "}\n"),
+    input(
+        "nested calls",
+        KEYPOINTS,
+        "k@ = f(f(f(f(f(f(f(f(f(f(f(f(f(f(f(f(f(f(f(f(1))))))))))))))))))))\n",
+        "}}\n",
+    ),
+    input(
+        "nested calls that do not close",
+        KEYPOINTS,
+        "k@ = f(1, f(1, f(1, f(1, f(1, f(1, f(1, f(1\n}}task u { keypoints {\n",
+        "}}\n",
+    ),
+    input(
+        "nested junk blocks",
+        "task t {\n",
+        "? {{{{{{{{{{ ? }}}}}}}}}}\n",
+        "}\n",
+    ),
+    input(
+        "nested junk blocks that do not close",
+        "",
+        "task t@ { ? { { { {\n",
+        "",
+    ),
+    input(
+        "one long line of arguments",
+        "task t {\ngoal f(",
+        "a: 1mm, ",
+        "b)\n}\n",
+    ),
+    input(
+        "one long line of alternatives",
+        "task t {\ngoal a",
+        " or a and b",
+        "\n}\n",
+    ),
+    input(
+        "one long line of negations",
+        "task t {\ngoal ",
+        "not ",
+        "a\n}\n",
+    ),
+    input("one long line of junk", "task t {\n", "? ", "\n}\n"),
+    input("one long line of words", "task t {\n", "x ", "\n}\n"),
+    input("one long line of stages", "task t {\n", "stage s ", "\n}\n"),
+    input(
+        "one long line of sections",
+        "task t {\n",
+        "subgoals ",
+        "\n}\n",
+    ),
+    input("one long line of tasks", "", "task t extends ", "\n"),
+    input("one long line of whole tasks", "", "task t@ { } ", "\n"),
+    input("one long line of experts", "", "experts e ", "\n"),
+    input(
+        "one long line of checks",
+        "task t {\nverify {\n",
+        "check c { a } ",
+        "}}\n",
+    ),
+    input("one long line of strays", "", "} ", "\n"),
+    input("one long line of uses", "", "use x ", "\n"),
+    input("one long line of quoted uses", "", "use \"\" ", "\n"),
+    input(
+        "one long line of overrides",
+        "task t {\n",
+        "override ",
+        "\n}\n",
+    ),
+    input(
+        "one long line of folds",
+        "task t {\nsubgoals {\ndemonstrate {\nfold a -> b",
+        ", a -> b",
+        "\n}}}\n",
+    ),
+    input(
+        "one long line of half folds",
+        "task t {\nsubgoals {\ndemonstrate {\n",
+        "fold a -> ",
+        "\n}}}\n",
+    ),
+    input("one long name", "task ", "a", " { }\n"),
+    input("one long unit", "task t {\ngoal 1", "m", "\n}\n"),
+    input("one long number", "task t {\ngoal ", "9", "\n}\n"),
+    // Blanks and comments.
+    input("blanks", "task t {\n horizon 1", " ", "\n}\n"),
+    input("blank lines", "task t {\n horizon 1", "\n", "\n}\n"),
+    input("blanks before strays", "", " ", "?"),
+    input(
+        "comments",
+        "task t {\n horizon 1\n",
+        "# a comment\n",
+        "\n}\n",
+    ),
+    input(
+        "comments among junk",
+        "task t {\n",
+        "? # a comment\n# another\n",
+        "\n}\n",
+    ),
+    input("carriage returns", "task t {\n horizon 1\n", "\r", "\n}\n"),
+    // Junk of each block, and what looks like a beginning.
+    input("junk in a file", "", "junk @\n", ""),
+    input("junk in a task", "task t {\n", "junk @\n", "}\n"),
+    input("junk in keypoints", KEYPOINTS, "= @\n", "}}\n"),
+    input("half keypoints", KEYPOINTS, "k@ =\n", "}}\n"),
+    input(
+        "keypoints with a word too many",
+        KEYPOINTS,
+        "k@ = mask(depth < 1mm) x\n",
+        "}}\n",
+    ),
+    input("junk in a stage", STAGE, "sho x\n", "}}\n"),
+    input("says with a word too many", STAGE, "say a b\n", "}}\n"),
+    input("commas at ends", STAGE, "say a,\n", "}}\n"),
+    input(
+        "junk in verify",
+        "task t {\nverify {\n",
+        "chek a { b } else \"\"\n",
+        "}}\n",
+    ),
+    input(
+        "checks that do not close",
+        "task t {\nverify {\n",
+        "check c { a\n",
+        "}}\n",
+    ),
+    input(
+        "checks without conditions",
+        "task t {\nverify {\n",
+        "check c { } else\n",
+        "}}\n",
+    ),
+    input(
+        "conditions that do not fit",
+        "task t {\nverify {\n",
+        "check c { 1 + 1 } else \"\"\n",
+        "}}\n",
+    ),
+    input(
+        "one long condition that does not fit",
+        "task t {\nverify {\ncheck c {\n",
+        "1 + 1\n",
+        "}}}\n",
+    ),
+    input("half items", "", "task\n", ""),
+    input("items without braces", "", "task t@\n", ""),
+    input("items that do not close", "", "task t@ {\n", ""),
+    input(
+        "experts that do not close",
+        "",
+        "experts e@ { sequence { fold\n",
+        "",
+    ),
+    input(
+        "stages that do not close",
+        "task t {\n",
+        "stage s@ {\n",
+        "}\n",
+    ),
+    input("stages without names", "task t {\n", "stage { }\n", "}\n"),
+    input("surplus words", "task t {\n", "stage s x y z { }\n", "}\n"),
+    input("closing braces", "", "}\n", ""),
+    input("sections outside", "", "goal a\n", ""),
+    input("opening braces in junk", "", "task t { ? {\n }}\n", ""),
+    // Texts.
+    input("strings that do not close", STAGE, "say \"a\n", "}}\n"),
+    input(
+        "long texts that do not close",
+        "task t {\n",
+        "component c@ \"\"\"\n",
+        "}\n",
+    ),
+    input(
+        "long texts that do not close, in junk",
+        "task t {\n",
+        "? \"\"\"\n",
+        "}\n",
+    ),
+    input(
+        "one long string",
+        "task t {\ncomponent c \"",
+        "abc ",
+        "\"\n}\n",
+    ),
+    input(
+        "one long text",
+        "task t {\ncomponent c \"\"\"\n",
+        "  abc abc\n",
+        "\"\"\"\n}\n",
+    ),
+    input(
+        "one text of blank lines",
+        "task t {\ncomponent c \"\"\"\n",
+        "  \n",
+        "\"\"\"\n}\n",
+    ),
+    input(
+        "long texts",
+        "task t {\n",
+        "component c@ \"\"\"\n  abc\n  \"\"\"\n",
+        "}\n",
+    ),
+    input(
+        "placeholders",
+        "task t {\nstage s {\nsay \"\"\"\n",
+        "{{ a@ }}",
+        "\"\"\"\n}}\n",
+    ),
+    input(
+        "placeholders of one name",
+        "task t {\nstage s {\nsay \"\"\"\n",
+        "{{ a }}\n",
+        "\"\"\"\n}}\n",
+    ),
+    input(
+        "lone braces",
+        "task t {\nstage s {\nsay \"",
+        "{{",
+        "\"\n}}\n",
+    ),
+    input(
+        "lone braces with blanks",
+        "task t {\nstage s {\nsay \"",
+        "{{ ",
+        "\"\n}}\n",
+    ),
+    input(
+        "one long path",
+        "task t {\nstage s {\nsay \"{{ a",
+        ".a",
+        " }}\"\n}}\n",
+    ),
+    input(
+        "backslashes",
+        "task t {\nstage s {\nsay \"",
+        "\\a",
+        "\"\n}}\n",
+    ),
+    input("escapes", "task t {\nstage s {\nsay \"", "\\\"", "\"\n}}\n"),
+    input(
+        "typographic quotes",
+        "task t {\n",
+        "component c@ “a”\n",
+        "}\n",
+    ),
+    input(
+        "typographic quotes in a row",
+        "task t {\ncomponent c ",
+        "“",
+        "\n}\n",
+    ),
+    input(
+        "typographic long quotes",
+        "task t {\n",
+        "component c@ “““a”””\n",
+        "}\n",
+    ),
+    input("single quotes", "task t {\n", "component c@ 'a'\n", "}\n"),
+    input(
+        "single quotes that do not close",
+        "task t {\n",
+        "component c@ 'a\n",
+        "}\n",
+    ),
+    input(
+        "runaway lines",
+        "task t {\ncomponent c \"\"\"\n",
+        "component d\n",
+        "\"\"\"\n}\n",
+    ),
+    // Names: unknown, repeated, many.
+    input("unknown masks", KEYPOINTS, "k@ = centroid(u@)\n", "}}\n"),
+    input("unknown functions", KEYPOINTS, "k@ = f@(1)\n", "}}\n"),
+    input("unknown components", STAGE, "say u@\n", "}}\n"),
+    input(
+        "unknown components in one line",
+        "task t {\nstage s {\nsay a",
+        ", u@",
+        "\n}}\n",
+    ),
+    input("unknown bases", "", "task t@ extends u@ { }\n", ""),
+    input("unknown experts", "", "task t@ { experts u@ }\n", ""),
+    input("unknown files", "", "use \"u@.fab\"\n", ""),
+    input(
+        "unknown arguments",
+        "task t {\ncamera top_down(",
+        "u@: 1mm, ",
+        "a: 1)\n}\n",
+    ),
+    input(
+        "one keypoint repeated",
+        KEYPOINTS,
+        "k = mask(depth < 1mm)\n",
+        "}}\n",
+    ),
+    input(
+        "one component repeated",
+        "task t {\n",
+        "component c \"a\"\n",
+        "}\n",
+    ),
+    input(
+        "one component overridden",
+        "task t {\n",
+        "override component c \"a\"\n",
+        "}\n",
+    ),
+    input(
+        "one component left out",
+        "task t {\nwithout component c",
+        ", c@",
+        "\n}\n",
+    ),
+    input("one stage repeated", "task t {\n", "stage s { }\n", "}\n"),
+    input("one section repeated", "task t {\n", "horizon 1\n", "}\n"),
+    input("one task repeated", "", "task t { }\n", ""),
+    input(
+        "one file used again and again",
+        "",
+        "use \"input.fab\"\n",
+        "",
+    ),
+    input("keypoints", KEYPOINTS, "k@ = mask(depth < 1mm)\n", "}}\n"),
+    input(
+        "centroids of the keypoint before",
+        KEYPOINTS,
+        "k@ = mask(depth < 1mm)\nc@ = centroid(k@)\n",
+        "}}\n",
+    ),
+    input("components", "task t {\n", "component c@ \"a\"\n", "}\n"),
+    input(
+        "components said",
+        "",
+        "task t@ { component a \"b\" stage s { model text say a read action } }\n",
+        "",
+    ),
+    input(
+        "one component said often",
+        "task t {\ncomponent a \"b\"\nstage s {\nmodel text\nsay a",
+        ", a",
+        "\nread action\n}}\n",
+    ),
+    input(
+        "stages",
+        "task t {\n",
+        "stage s@ { model text say \"a\" read a from \"b {a}\" }\n",
+        "}\n",
+    ),
+    input(
+        "checks",
+        "task t {\nverify {\n",
+        "check c@ { distance(pick, place) > 1px } else \"a\"\n",
+        "}}\n",
+    ),
+    input(
+        "fields",
+        "task t {\nactions {\n",
+        "f@: one of a, b\n",
+        "}}\n",
+    ),
+    input(
+        "choices",
+        "task t {\nactions {\npick: one of a",
+        ", a@",
+        "\n}}\n",
+    ),
+    input(
+        "settings",
+        "task t {\nstage s {\nmodel text",
+        ", temperature @",
+        "\n}}\n",
+    ),
+    input(
+        "images",
+        "task t {\nsubgoals {\n",
+        "image \"@.png\"\n",
+        "}}\n",
+    ),
+    input(
+        "images that climb",
+        "task t {\nsubgoals {\nimage \"",
+        "../",
+        "a.png\"\n}}\n",
+    ),
+    input(
+        "folds",
+        "task t {\nsubgoals {\ndemonstrate {\n",
+        "fold corner(back_left) -> center\n",
+        "}}}\n",
+    ),
+    input(
+        "sequences",
+        "experts e {\n",
+        "sequence { fold corner(back_left) -> center }\n",
+        "}\n",
+    ),
+    input(
+        "units that are unknown",
+        "task t {\n",
+        "horizon @parsecs\n",
+        "}\n",
+    ),
+    input(
+        "tasks that extend one",
+        "task base { horizon 1 }\n",
+        "task t@ extends base { }\n",
+        "",
+    ),
+    input(
+        "tasks that extend themselves",
+        "",
+        "task t@ extends t@ { }\n",
+        "",
+    ),
+    input("tasks with everything", "", WHOLE, ""),
+];
+
+/// Inputs that no single piece makes.
+const WRITTEN: &[Input] = &[
+    Input {
+        name: "a chain of tasks",
+        make: Make::Written(chain),
+    },
+    Input {
+        name: "a large base and what extends it",
+        make: Make::Written(large_base),
+    },
+];
+
+/// Returns a chain of tasks in which each extends the one after it.
+fn chain(bytes: usize) -> String {
+    let mut text = String::new();
+    let mut number = 0usize;
+    while text.len() < bytes {
+        text.push_str(&format!("task t{number} extends t{} {{ }}\n", number + 1));
+        number += 1;
+    }
+    text
+}
+
+/// Returns one large task and, in as many bytes again, tasks that extend it.
+fn large_base(bytes: usize) -> String {
+    let mut text = "task base {\nkeypoints {\n".to_owned();
+    let mut number = 0usize;
+    while text.len() < bytes / 4 {
+        text.push_str(&format!("k{number} = mask(depth < 1mm)\n"));
+        number += 1;
+    }
+    text.push_str("}\n");
+    while text.len() < bytes / 2 {
+        text.push_str(&format!(
+            "component c{number} \"\"\"\n  some text\n  \"\"\"\n"
+        ));
+        number += 1;
+    }
+    text.push_str("}\n");
+    while text.len() < bytes {
+        text.push_str(&format!("task t{number} extends base {{ }}\n"));
+        number += 1;
+    }
+    text
+}
+
+/// Returns `task`, one task and right, with so many components more that it has 200 lines.
+pub fn two_hundred_lines(task: &str) -> String {
+    let body = task.trim_end().strip_suffix('}').unwrap_or(task);
+    let mut text = body.to_owned();
+    let mut number = 0usize;
+    while text.lines().count() < 194 {
+        text.push_str(&format!(
+            "\n    component note_{number} \"\"\"\n        Note {number}: {{{{ corners }}}} are the corners of the cloth.\n        \"\"\"\n"
+        ));
+        number += 1;
+    }
+    text.push_str("}\n");
+    text
+}

@@ -1,0 +1,67 @@
+//! The work of parsing grows with the text and no faster, counted and not timed.
+//!
+//! pest counts its calls and gives up beyond a limit that holds for the process; so this is one test in a
+//! binary of its own. The limit of each input is what ten times as many calls as a tenth of it needs allow.
+
+#![allow(clippy::unwrap_used)]
+
+#[path = "common/inputs.rs"]
+mod inputs;
+
+use grammar::Problem;
+use std::num::NonZeroUsize;
+
+const SMALL_BYTES: usize = 1_500;
+const LARGE_BYTES: usize = 15_000;
+
+/// How much more than ten times the calls ten times the text may need: a beginning and an end are not repeated.
+const SLACK: f64 = 1.15;
+
+/// Returns whether a text is parsed within so many calls.
+fn is_parsed_within(text: &str, calls: usize) -> bool {
+    pest::set_call_limit(NonZeroUsize::new(calls));
+    let parsed = grammar::parse(text);
+    pest::set_call_limit(None);
+    let gave_up = matches!(
+        parsed.faults.as_slice(),
+        [fault] if fault.span == (0..text.len()) && matches!(fault.problem, Problem::TooDeep { .. })
+    );
+    !gave_up
+}
+
+/// Returns the number of calls that a text needs.
+fn calls(text: &str) -> usize {
+    let mut too_few = 0;
+    let mut enough = 1 << 10;
+    while !is_parsed_within(text, enough) {
+        too_few = enough;
+        enough *= 2;
+    }
+    while enough - too_few > enough / 200 + 1 {
+        let middle = too_few + (enough - too_few) / 2;
+        if is_parsed_within(text, middle) {
+            enough = middle;
+        } else {
+            too_few = middle;
+        }
+    }
+    enough
+}
+
+#[test]
+fn ten_times_the_text_needs_at_most_ten_times_the_calls() {
+    let mut wrong = Vec::new();
+    for input in inputs::all() {
+        let (small, large) = (input.text(SMALL_BYTES), input.text(LARGE_BYTES));
+        let ratio = large.len() as f64 / small.len() as f64;
+        let allowed = (calls(&small) as f64 * ratio * SLACK) as usize;
+        if !is_parsed_within(&large, allowed) {
+            wrong.push(format!(
+                "{}: more than {allowed} calls for {} bytes",
+                input.name,
+                large.len()
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
+}

@@ -1,0 +1,165 @@
+//! No change to a task, and no order of the language's words, makes the compiler break a promise.
+//!
+//! A fixed number of cases from fixed seeds, so that a failure comes back; the fuzz target (`fuzz/`) looks further.
+
+#![allow(clippy::unwrap_used)]
+
+#[path = "common/promises.rs"]
+mod promises;
+
+use std::fs;
+use std::panic;
+use std::path::Path;
+
+/// How many texts are tried.
+const CASES: u64 = 500;
+
+/// The longest text that is tried, bytes: a debug build compiles some hundred kilobytes a second.
+const MOST_BYTES: usize = 2000;
+
+/// Half of what Rust gives a thread; at the deepest nesting the parser needs most of it.
+const STACK_BYTES: usize = 1 << 20;
+
+/// A sequence of numbers that looks like chance and is the same each time (SplitMix64).
+struct Chance(u64);
+
+impl Chance {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+
+    fn of<'t, T: ?Sized>(&mut self, list: &[&'t T]) -> &'t T {
+        list[self.below(list.len())]
+    }
+}
+
+/// Returns the shipped tasks and every fixture of a fault.
+fn texts() -> Vec<String> {
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut paths = Vec::new();
+    for folder in ["tasks", "tasks/lib", "tests/fixtures/faults"] {
+        let entries = fs::read_dir(workspace.join(folder)).unwrap();
+        paths.extend(entries.map(|entry| entry.unwrap().path()));
+    }
+    paths.sort();
+    let is_task = |path: &&std::path::PathBuf| path.extension().is_some_and(|it| it == "fab");
+    let texts: Vec<String> = paths
+        .iter()
+        .filter(is_task)
+        .map(|path| fs::read_to_string(path).unwrap())
+        .collect();
+    assert!(texts.len() > 10, "the tasks and fixtures are found");
+    texts
+}
+
+/// Splits texts into words, signs and blanks, each of which may be put anywhere.
+fn words(texts: &[String]) -> Vec<&str> {
+    let is_end = |character: char| !character.is_alphanumeric() && character != '_';
+    let mut words: Vec<&str> = texts
+        .iter()
+        .flat_map(|text| text.split_inclusive(is_end))
+        .collect();
+    words.sort_unstable();
+    words.dedup();
+    words.extend([
+        "\"\"\"",
+        "{{",
+        "}}",
+        "“",
+        "”",
+        "'",
+        "\\",
+        "\r\n",
+        "\r",
+        "\u{feff}",
+        "\u{a0}",
+        "→",
+        "é",
+        "#",
+        "0",
+        "-9e9mm",
+        "\0",
+        "use \"../a.fab\"\n",
+        "use \"a.fab\"\n",
+        "task x {\n",
+        "}\n",
+    ]);
+    words
+}
+
+/// Returns the nearest boundary between characters at or before a byte.
+fn boundary(text: &str, byte: usize) -> usize {
+    text.floor_char_boundary(byte)
+}
+
+/// Returns a piece of a text of at most so many bytes.
+fn piece<'t>(text: &'t str, most: usize, chance: &mut Chance) -> &'t str {
+    let start = boundary(text, chance.below(text.len() + 1));
+    let end = boundary(text, (start + chance.below(most)).min(text.len()));
+    &text[start..end.max(start)]
+}
+
+/// Returns one case: a text with some changes, or words in any order.
+fn case(number: u64, texts: &[String], words: &[&str]) -> String {
+    let mut chance = Chance(number);
+    if number.is_multiple_of(4) {
+        let count = chance.below(200);
+        return (0..count).map(|_| chance.of(words)).collect();
+    }
+    let base = &texts[chance.below(texts.len())];
+    let mut text = base[..boundary(base, MOST_BYTES)].to_owned();
+    for _ in 0..=chance.below(4) {
+        let at = boundary(&text, chance.below(text.len() + 1));
+        match chance.below(5) {
+            0 => text.insert_str(at, chance.of(words)),
+            1 => text.truncate(at),
+            2 => {
+                let end = boundary(&text, (at + chance.below(60)).min(text.len()));
+                text.replace_range(at..end.max(at), chance.of(words));
+            }
+            3 => {
+                let other = &texts[chance.below(texts.len())];
+                text.insert_str(at, piece(other, 400, &mut chance));
+            }
+            _ => {
+                let again = piece(&text, 120, &mut chance).repeat(chance.below(12));
+                text.insert_str(at, &again);
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn changed_tasks_and_words_in_any_order_keep_every_promise() {
+    let run = || {
+        let texts = texts();
+        let words = words(&texts);
+        for number in 0..CASES {
+            let text = case(number, &texts, &words);
+            if panic::catch_unwind(|| promises::hold(&text)).is_err() {
+                panic!("case {number} breaks a promise:\n{text}");
+            }
+        }
+    };
+    let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
+    thread.spawn(run).unwrap().join().unwrap();
+}
+
+#[test]
+fn generated_inputs_keep_every_promise() {
+    for input in inputs::all() {
+        promises::hold(&input.text(1500));
+    }
+}
+
+#[path = "common/inputs.rs"]
+mod inputs;

@@ -1,0 +1,25 @@
+#!/bin/sh
+# Says what the test in WebAssembly lacks, one line, or nothing where it can run.
+#
+# The standard library of wasm32-unknown-unknown belongs to one release of Rust. rustup has it for the pinned
+# one; where rustup cannot load it, a compiler that has it may be named by RUSTC, and its linker by
+# CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER.
+set -u
+target=wasm32-unknown-unknown
+
+has_library() {
+    folder=$("${RUSTC:-rustc}" --print target-libdir --target "$target" 2>/dev/null) || return 1
+    for file in "$folder"/libstd-*.rlib; do
+        [ ! -e "$file" ] || return 0
+    done
+    return 1
+}
+
+if ! command -v node >/dev/null; then
+    echo "node is missing (Debian: apt-get install nodejs)"
+elif ! has_library; then
+    if [ -z "${FABC_NO_INSTALL:-}" ] && [ -z "${RUSTC:-}" ] && command -v rustup >/dev/null; then
+        rustup target add "$target" >/dev/null 2>&1
+    fi
+    has_library || echo "Rust's standard library for $target is missing (rustup target add $target)"
+fi
