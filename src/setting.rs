@@ -9,7 +9,7 @@ use runtime::interrupt::Interrupt;
 use runtime::model::{Geometric, Model};
 use runtime::start::{Grid, Start, StartFrame, Up};
 use runtime::world::{SimulatedWorld, World, WorldError};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The models that this build knows.
 const MODELS: &str = "`geometric` (an embedded stand-in)";
