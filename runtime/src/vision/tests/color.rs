@@ -1,0 +1,1 @@
+//! Tests of masks by colour and of grey levels.

@@ -1,0 +1,1 @@
+//! Tests of what a corner detector looks at.
