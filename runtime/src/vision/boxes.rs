@@ -32,10 +32,7 @@ pub fn box_center(corners: [PixelPoint; 2]) -> PixelPoint {
 /// Returns the Euclidean distance from a point to the nearest pixel of a box, pixels; zero in the box.
 pub fn box_distance_px(point: PixelPoint, corners: [PixelPoint; 2]) -> f64 {
     let [low, high] = sorted(corners);
-    let nearest = PixelPoint::new(
-        point.u.clamp(low.u, high.u),
-        point.v.clamp(low.v, high.v),
-    );
+    let nearest = PixelPoint::new(point.u.clamp(low.u, high.u), point.v.clamp(low.v, high.v));
     point.distance_px(nearest)
 }
 

@@ -119,7 +119,9 @@ pub(super) trait Canvas: opencv::core::ToInputOutputArray {}
 impl<T: opencv::core::ToInputOutputArray> Canvas for T {}
 
 /// Lends the picture's pixels to OpenCV. Its channels stay red, green, blue.
-pub(super) fn canvas(picture: &mut RgbImage) -> Result<opencv::boxed_ref::BoxedRefMut<'_, Mat>, VisionError> {
+pub(super) fn canvas(
+    picture: &mut RgbImage,
+) -> Result<opencv::boxed_ref::BoxedRefMut<'_, Mat>, VisionError> {
     let (width, height) = picture.dimensions();
     check_size(width, height)?;
     Ok(Mat::new_rows_cols_with_bytes_mut::<Vec3b>(

@@ -4,10 +4,10 @@
 //! cover earlier ones; what reaches outside the picture is cut off there. Marks are as OpenCV draws them, so that
 //! the paper's annotated pictures come out pixel for pixel (protocol, section 4, item 4).
 
+use super::VisionError;
 use super::boxes::sorted;
 use super::color::gray_level;
 use super::draw::{Canvas, arrow, bounded, canvas, ring, scalar};
-use super::VisionError;
 use compiler::program::PixelPoint;
 use image::RgbImage;
 use opencv::core::{Point, Vector};
@@ -115,7 +115,13 @@ fn draw(
 ) -> Result<(), VisionError> {
     match shape {
         DrawnShape::Dots { at, radius_px } => at.iter().try_for_each(|&point| {
-            ring(canvas, bounded(point), mark(*radius_px), imgproc::FILLED, *rgb)
+            ring(
+                canvas,
+                bounded(point),
+                mark(*radius_px),
+                imgproc::FILLED,
+                *rgb,
+            )
         }),
         DrawnShape::Rings {
             at,
@@ -135,9 +141,9 @@ fn draw(
                 .into_iter()
                 .try_for_each(|arm| line(canvas, point - arm, point + arm, width, *rgb))
         }),
-        DrawnShape::Numbers { at } => (1_usize..).zip(at).try_for_each(|(index, &point)| {
-            number(canvas, size, &index.to_string(), point, *rgb)
-        }),
+        DrawnShape::Numbers { at } => (1_usize..)
+            .zip(at)
+            .try_for_each(|(index, &point)| number(canvas, size, &index.to_string(), point, *rgb)),
         DrawnShape::Arrow { from, to, width_px } => {
             let width = line_width(*width_px);
             arrow(canvas, bounded(*from), bounded(*to), width, *rgb)
@@ -152,7 +158,15 @@ fn draw(
                 return Ok(());
             }
             let (width, style) = (line_width(*width_px), imgproc::LINE_8);
-            Ok(imgproc::polylines(canvas, &points, true, scalar(*rgb), width, style, 0)?)
+            Ok(imgproc::polylines(
+                canvas,
+                &points,
+                true,
+                scalar(*rgb),
+                width,
+                style,
+                0,
+            )?)
         }
     }
 }
@@ -173,7 +187,15 @@ fn line(
     rgb: [u8; 3],
 ) -> Result<(), VisionError> {
     let style = imgproc::LINE_8;
-    Ok(imgproc::line(canvas, from, to, scalar(rgb), width_px, style, 0)?)
+    Ok(imgproc::line(
+        canvas,
+        from,
+        to,
+        scalar(rgb),
+        width_px,
+        style,
+        0,
+    )?)
 }
 
 /// Draws single pixels on a box's sides.
@@ -231,7 +253,11 @@ fn number(
         (point.v + GAP_PX + size.height).min(height - 1)
     };
     // A rim of the opposite brightness keeps a digit legible on any cloth.
-    let rim = if gray_level(rgb) < 128 { [255; 3] } else { [0; 3] };
+    let rim = if gray_level(rgb) < 128 {
+        [255; 3]
+    } else {
+        [0; 3]
+    };
     for (color, stroke_px) in [(rim, 3), (rgb, 1)] {
         let (origin, style) = (Point::new(left, baseline), imgproc::LINE_AA);
         imgproc::put_text(

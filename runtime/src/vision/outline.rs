@@ -51,7 +51,9 @@ pub fn contour(mask: &Mask, tolerance_px: f64) -> Result<Vec<PixelPoint>, Vision
         imgproc::approx_poly_dp(&outline, &mut polygon, tolerance_px, true)?;
         outline = polygon;
     }
-    let points = outline.iter().map(|point| PixelPoint::new(point.x, point.y));
+    let points = outline
+        .iter()
+        .map(|point| PixelPoint::new(point.x, point.y));
     Ok(in_order(points.collect()))
 }
 

@@ -70,7 +70,11 @@ fn scaled(
     level: impl Fn(f64) -> u8,
 ) -> GrayImage {
     let share = DepthImage::from_fn(width, height, |column, row| {
-        Luma([if value(column, row).is_some() { 1.0 } else { 0.0 }])
+        Luma([if value(column, row).is_some() {
+            1.0
+        } else {
+            0.0
+        }])
     });
     let weighted = DepthImage::from_fn(width, height, |column, row| {
         Luma([value(column, row).unwrap_or(0.0)])
@@ -82,6 +86,8 @@ fn scaled(
         if share < 0.5 {
             return Luma([0]);
         }
-        Luma([level(f64::from(weighted.get_pixel(column, row).0[0]) / share)])
+        Luma([level(
+            f64::from(weighted.get_pixel(column, row).0[0]) / share,
+        )])
     })
 }

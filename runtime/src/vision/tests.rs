@@ -38,7 +38,12 @@ fn corners_by_depth(
     mask: &Mask,
     search: &CornerSearch,
 ) -> Result<Vec<Corner>, VisionError> {
-    corners(depth, &RgbImage::new(depth.width(), depth.height()), mask, search)
+    corners(
+        depth,
+        &RgbImage::new(depth.width(), depth.height()),
+        mask,
+        search,
+    )
 }
 
 #[test]
