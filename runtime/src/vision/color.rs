@@ -23,7 +23,7 @@ pub fn color_mask(
         if low <= high {
             within(hue, hue_deg)
         } else {
-            hue >= low || hue <= high
+            high < low && (hue >= low || hue <= high)
         }
     };
     Mask::from_fn(rgb.width(), rgb.height(), |column, row| {

@@ -38,7 +38,7 @@ pub(super) fn detector_picture(
                 let depth_m = depth.get_pixel(column, row).0[0];
                 (is_inside(column, row) && has_reading(depth_m)).then_some(depth_m / farthest_m)
             };
-            scaled(size, side_px, fraction, |fraction| {
+            scaled(size, side_px, 1.0, fraction, |fraction| {
                 let level = (fraction * f64::from(farthest_m) * LEVELS_PER_METRE).round();
                 // At least 1: cloth stays apart from the background however near the camera is.
                 level.clamp(1.0, 255.0) as u8
@@ -47,12 +47,15 @@ pub(super) fn detector_picture(
         Sight::Mask => scaled(
             size,
             side_px,
+            1.0,
             |column, row| is_inside(column, row).then_some(1.0),
             |_| 255,
         ),
         Sight::Picture => scaled(
             size,
             side_px,
+            // Sharpening exceeds a full share at the rim by an eighth; at half a share nothing is cut off.
+            0.5,
             |column, row| {
                 let level = gray_level(rgb.get_pixel(column, row).0);
                 is_inside(column, row).then_some(f32::from(level) / 255.0)
@@ -63,27 +66,30 @@ pub(super) fn detector_picture(
 }
 
 /// Scales the values of cloth pixels, 0 to 1, and turns their averages into levels; 0 off the cloth.
+///
+/// `whole` is what a pixel of cloth counts; `resize` cuts everything off at 1.
 fn scaled(
     (width, height): (u32, u32),
     side_px: u32,
+    whole: f32,
     value: impl Fn(u32, u32) -> Option<f32>,
     level: impl Fn(f64) -> u8,
 ) -> GrayImage {
     let share = DepthImage::from_fn(width, height, |column, row| {
         Luma([if value(column, row).is_some() {
-            1.0
+            whole
         } else {
             0.0
         }])
     });
     let weighted = DepthImage::from_fn(width, height, |column, row| {
-        Luma([value(column, row).unwrap_or(0.0)])
+        Luma([whole * value(column, row).unwrap_or(0.0)])
     });
     let resize = |picture| imageops::resize(picture, side_px, side_px, FilterType::CatmullRom);
     let (share, weighted) = (resize(&share), resize(&weighted));
     GrayImage::from_fn(side_px, side_px, |column, row| {
         let share = f64::from(share.get_pixel(column, row).0[0]);
-        if share < 0.5 {
+        if share < 0.5 * f64::from(whole) {
             return Luma([0]);
         }
         Luma([level(

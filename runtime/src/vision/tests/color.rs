@@ -74,27 +74,23 @@ fn greys_are_opencvs_and_hues_differ_by_its_rounding_alone() {
         let rgb = [row[2], row[1], row[0]];
         assert_eq!(gray_level(rgb), row[11], "{rgb:?}");
         let [hue, saturation, value] = [row[3], row[4], row[5]].map(f64::from);
-        // OpenCV rounds to these units, by a table that is off by a hair, and 360 to 0.
-        let half = 0.5 + 1e-3;
-        let hues = [2.0 * (hue - half), 2.0 * (hue + half)].map(|deg| deg.rem_euclid(360.0));
-        let around = |level: f64| [(level - half) / 255.0, (level + half) / 255.0];
+        // OpenCV rounds to these units, by tables that are off by up to a fifth of one; its 180 is 0.
+        let hues = [hue - 0.7, hue + 0.7].map(|level| (2.0 * level).rem_euclid(360.0));
+        let around = |level: f64| [(level - 0.55) / 255.0, (level + 0.55) / 255.0];
         assert!(
             is_in(rgb, hues, around(saturation), around(value)),
             "{rgb:?}: {row:?}"
         );
         // The paper's pink, with its limits moved to the middle between two of OpenCV's levels.
-        let pink = is_in(
-            rgb,
-            [279.0, 341.0],
-            [49.5 / 255.0, 1.0],
-            [74.5 / 255.0, 1.0],
-        );
-        let on_an_end = |limit: f64| is_in(rgb, [limit, limit], ANY, ANY);
-        assert!(
-            pink == (row[6] > 0) || on_an_end(279.0) || on_an_end(341.0),
-            "{rgb:?}: {row:?}"
-        );
-        n_pink += usize::from(pink);
+        let pink = |shrunk: f64| {
+            let hue_deg = [279.0 + 0.4 * shrunk, 341.0 - 0.4 * shrunk];
+            let saturation = [(49.5 + 0.05 * shrunk) / 255.0, 1.0];
+            is_in(rgb, hue_deg, saturation, [74.5 / 255.0, 1.0])
+        };
+        let is_pink = row[6] > 0;
+        assert!(!is_pink || pink(-1.0), "{rgb:?}: {row:?}");
+        assert!(is_pink || !pink(1.0), "{rgb:?}: {row:?}");
+        n_pink += usize::from(is_pink);
     }
     assert!(
         rows.len() >= 12 * 4000 && n_pink >= 100,

@@ -193,19 +193,17 @@ proptest! {
 
 /// The original's annotation: corners, centre, box, and where the action before this one led, with its mirror.
 fn annotation(fixture: &Value, last_place: Option<PixelPoint>) -> Vec<DrawnLayer> {
-    let points = |value: &Value| serde_json::from_value(value.clone()).unwrap();
     let bounds = |side: &str| fixture["bounds_px"][side].as_i64().unwrap() as i32;
     let corners = [
         PixelPoint::new(bounds("left"), bounds("top")),
         PixelPoint::new(bounds("right"), bounds("bottom")),
     ];
     let center = box_center(corners);
-    assert_eq!(
-        center,
-        points(&Value::from(vec![fixture["center_px"].clone()]))[0]
-    );
+    let recorded: PixelPoint = serde_json::from_value(fixture["center_px"].clone()).unwrap();
+    assert_eq!(center, recorded);
+    let detected = serde_json::from_value(fixture["recorded_corners"].clone()).unwrap();
     let mut layers = vec![
-        dots(BLUE, points(&fixture["recorded_corners"]), 3),
+        dots(BLUE, detected, 3),
         // Radius 4, as measured.
         dots(BLACK, vec![center], 4),
         layer(
@@ -257,8 +255,12 @@ fn recorded_annotations_and_actions_are_drawn_pixel_for_pixel() {
         let Some(pick) = fixture["pick_px_from_world"].as_array() else {
             continue;
         };
+        // The pick was drawn at the corner that was chosen, before it was moved to the nearest cloth pixel.
         let [u, v] = [0, 1].map(|axis| pick[axis].as_f64().unwrap() as i32);
-        let from = PixelPoint::new(u, v);
+        let near = |corner: &PixelPoint| corner.distance_px(PixelPoint::new(u, v)) < 1.5;
+        let detected = fixture["recorded_corners"].clone();
+        let detected: Vec<PixelPoint> = serde_json::from_value(detected).unwrap();
+        let from = detected.into_iter().find(near).unwrap();
         let action = [
             rings(GREEN, vec![from], 5),
             layer(
