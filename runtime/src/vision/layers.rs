@@ -94,6 +94,9 @@ const FONT_PX: f64 = 21.0;
 /// Gap between a point and its number, pixels; clears a dot or ring of the usual radius of 3.
 const GAP_PX: i32 = 5;
 
+/// How far a digit's rim reaches beyond it, pixels.
+const RIM_PX: i32 = 3;
+
 /// Draws layers onto a copy of a picture, in order.
 ///
 /// Fails if the picture is empty or larger than [`super::MAX_SIDE_PX`], or OpenCV fails.
@@ -242,15 +245,15 @@ fn number(
     let (font, scale) = (imgproc::FONT_HERSHEY_SIMPLEX, DIGIT_PX / FONT_PX);
     let size = imgproc::get_text_size(text, font, scale, 1, &mut 0)?;
     let (right, above) = (point.u + GAP_PX, point.v - GAP_PX);
-    let left = if right + size.width < width {
+    let left = if right + size.width + RIM_PX < width {
         right
     } else {
-        (point.u - GAP_PX - size.width).max(0)
+        (point.u - GAP_PX - size.width).max(RIM_PX)
     };
-    let baseline = if above - size.height >= 0 {
+    let baseline = if above - size.height - RIM_PX >= 0 {
         above
     } else {
-        (point.v + GAP_PX + size.height).min(height - 1)
+        (point.v + GAP_PX + size.height).min(height - RIM_PX)
     };
     // A rim of the opposite brightness keeps a digit legible on any cloth.
     let rim = if gray_level(rgb) < 128 {

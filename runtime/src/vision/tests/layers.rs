@@ -127,13 +127,10 @@ fn numbers_lie_inside_the_picture_beside_their_points() {
         });
         let [low, high] = bounding_box(&mask).unwrap();
         // Two digits of 9 px with their rims, none cut off.
-        let size = (high.u - low.u, high.v - low.v);
-        assert!(
-            (14..=20).contains(&size.0) && (10..=13).contains(&size.1),
-            "{size:?}"
-        );
+        let size_px = (high.u - low.u + 1, high.v - low.v + 1);
+        assert_eq!(size_px, (21, 16), "({u}, {v})");
         let off_px = box_distance_px(PixelPoint::new(u, v), [low, high]);
-        assert!((2.0..=9.0).contains(&off_px), "({u}, {v}): {off_px} px");
+        assert!((1.0..=6.0).contains(&off_px), "({u}, {v}): {off_px} px");
     }
 }
 
