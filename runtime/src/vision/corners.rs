@@ -1,19 +1,21 @@
-//! Corners of the cloth in a depth image.
+//! Corners of the cloth in an observation.
 //!
-//! In: a depth image, the cloth's mask, a [`CornerSearch`]. Out: pixels of the camera image, strongest corner
-//! first. The paper detects them on a small 8-bit picture of the cloth's depth against black (protocol,
-//! section 6); [`corners`] makes that picture, [`corners_of_gray`] is the bare detector.
+//! In: a depth image and a picture, the cloth's mask, a [`CornerSearch`]. Out: pixels of the camera image,
+//! strongest corner first. The detector looks at an 8-bit picture of the cloth against black (protocol, sections
+//! 4 and 6); [`corners`] has that picture made, [`corners_of_gray`] is the bare detector.
 
-use super::mask::has_reading;
+use super::sight::detector_picture;
 use super::{DepthImage, MAX_SIDE_PX, Mask, VisionError, check_size};
-use compiler::program::{PixelPoint, Response};
-use image::imageops::{self, FilterType};
+use compiler::program::{PixelPoint, Response, Sight};
+use image::RgbImage;
 use opencv::core::{Mat, Point2f, Size, TermCriteria, TermCriteria_Type, Vector, no_array};
 use opencv::imgproc;
 
 /// How corners are searched for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CornerSearch {
+    /// What the detector looks at.
+    pub of: Sight,
     /// Side of the square picture that the detector sees, pixels.
     pub image_px: u32,
     /// The most corners kept, strongest first; 1 to 10 000.
@@ -22,19 +24,15 @@ pub struct CornerSearch {
     pub quality: f64,
     /// Least distance between corners, pixels of the detector's picture.
     pub spacing_px: f64,
+    /// Side of the square over which a response is averaged, pixels of the detector's picture; odd, 1 to 31.
+    pub block_px: u32,
     /// What counts as a strong response.
     pub response: Response,
 }
 
-/// Side of the neighbourhood whose gradients are summed, pixels; OpenCV's default, which the paper keeps.
-const BLOCK_PX: i32 = 3;
-
 /// How far a detected corner may be off the cloth and still be taken for one of its pixels, pixels of the
 /// camera image. Shrinking moves a corner by up to two camera pixels; one more for rounding.
 const SNAP_PX: f64 = 3.0;
-
-/// Grey levels per metre in the detector's picture, so 1 cm a level (protocol, section 6).
-const LEVELS_PER_METRE: f64 = 100.0;
 
 /// A corner of the cloth in the camera image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,22 +45,31 @@ pub struct Corner {
 
 /// Finds the cloth's corners, strongest first.
 ///
-/// The cloth's depth is scaled to `search.image_px` squared (bicubic), turned into centimetres as 8-bit
-/// levels with 0 for everything that is not cloth, and searched. A corner is scaled back by pixel centres. On
-/// a smaller picture that is known to one pixel of it only, and a rounded response lies inside the cloth, so
-/// the corner is then located on the camera's own picture: where the outline's edges around it meet. Its pixel
-/// is rounded and moved into the image. Where that leaves it off the cloth by at most 3 px, it is moved to the
-/// nearest cloth pixel; one that is farther off stays where it was found.
+/// The detector sees the depth in centimetres, the mask in white or `rgb` in grey, as `search.of` says, and 0 for
+/// everything that is not cloth. Where its picture has the camera's size, corners are pixels as it found them.
 ///
-/// An empty mask has no corners. Fails if a picture or a setting is out of range, or the mask's size is
-/// not the image's.
+/// Else what it sees is scaled to `search.image_px` squared (bicubic), and a corner is scaled back by pixel
+/// centres. On a smaller picture that is known to one pixel of it only, and a rounded response lies inside the
+/// cloth, so the corner is then located on the camera's own picture: where the outline's edges around it meet. Its
+/// pixel is rounded and moved into the image. Where that leaves it off the cloth by at most 3 px, it is moved to
+/// the nearest cloth pixel; one that is farther off stays where it was found.
+///
+/// An empty mask has no corners. Fails if a picture or a setting is out of range, or the sizes of picture,
+/// mask and depth image differ.
 pub fn corners(
     depth: &DepthImage,
+    rgb: &RgbImage,
     mask: &Mask,
     search: &CornerSearch,
 ) -> Result<Vec<Corner>, VisionError> {
     let (width, height) = depth.dimensions();
     check_size(width, height)?;
+    if rgb.dimensions() != (width, height) {
+        return Err(VisionError::PictureSize {
+            picture: [rgb.width(), rgb.height()],
+            depth: [width, height],
+        });
+    }
     if (mask.width(), mask.height()) != (width, height) {
         return Err(VisionError::MaskSize {
             mask: [mask.width(), mask.height()],
@@ -73,7 +80,15 @@ pub fn corners(
     if mask.is_empty() {
         return Ok(Vec::new());
     }
-    let found = corners_of_gray(&detector_picture(depth, mask, search.image_px), search)?;
+    let picture = detector_picture(depth, rgb, mask, search.of, search.image_px);
+    let found = corners_of_gray(&picture, search)?;
+    if (width, height) == (search.image_px, search.image_px) {
+        let corner = |[x, y]: [f32; 2]| Corner {
+            pixel: PixelPoint::new(x as i32, y as i32),
+            at: [x, y].map(|at| f64::from(at) + 0.5),
+        };
+        return Ok(found.into_iter().map(corner).collect());
+    }
     let scale_back = |at: f32, side: u32| {
         let scale = f64::from(side) / f64::from(search.image_px);
         ((f64::from(at) + 0.5) * scale - 0.5) as f32
@@ -140,7 +155,7 @@ fn locate(
 
 /// Finds the corners of a grey picture, strongest first, as `[x, y]` in its own pixels.
 ///
-/// OpenCV's `goodFeaturesToTrack`; `search.image_px` is not used.
+/// OpenCV's `goodFeaturesToTrack`; `search.of` and `search.image_px` are not used.
 pub fn corners_of_gray(
     gray: &image::GrayImage,
     search: &CornerSearch,
@@ -161,7 +176,7 @@ pub fn corners_of_gray(
         search.quality,
         search.spacing_px,
         &no_array(),
-        BLOCK_PX,
+        search.block_px as i32,
         is_harris,
         k,
     )?;
@@ -200,53 +215,18 @@ fn check_search(search: &CornerSearch) -> Result<(), VisionError> {
             (0.0..=1e4).contains(&search.spacing_px),
             "0 to 10000",
         ),
+        (
+            "block",
+            f64::from(search.block_px),
+            (1..=31).contains(&search.block_px) && search.block_px % 2 == 1,
+            "odd, 1 to 31",
+        ),
         ("k", harris_k, (0.0..=1.0).contains(&harris_k), "0 to 1"),
     ];
     match limits.into_iter().find(|&(_, _, holds, _)| !holds) {
         Some((name, value, _, range)) => Err(VisionError::Setting { name, value, range }),
         None => Ok(()),
     }
-}
-
-/// Makes the 8-bit picture that the detector sees: the cloth's depth in centimetres, 0 elsewhere.
-///
-/// Depth is averaged over cloth pixels alone, so that neither the table nor missing readings bend the
-/// cloth's rim; a pixel is cloth where at least half of what it stands for is.
-pub(super) fn detector_picture(depth: &DepthImage, mask: &Mask, side_px: u32) -> image::GrayImage {
-    let reading = |column, row| {
-        let inside = mask.contains(PixelPoint::new(column as i32, row as i32));
-        let depth_m = depth.get_pixel(column, row).0[0];
-        (inside && has_reading(depth_m)).then_some(depth_m)
-    };
-    let (width, height) = depth.dimensions();
-    let share = DepthImage::from_fn(width, height, |column, row| {
-        image::Luma([if reading(column, row).is_some() {
-            1.0
-        } else {
-            0.0
-        }])
-    });
-    // `resize` keeps floats within 0 and 1, so depths travel as fractions of the farthest one.
-    let farthest_m = depth
-        .pixels()
-        .map(|pixel| pixel.0[0])
-        .filter(|&d| has_reading(d))
-        .fold(0.0, f32::max);
-    let weighted = DepthImage::from_fn(width, height, |column, row| {
-        image::Luma([reading(column, row).map_or(0.0, |depth_m| depth_m / farthest_m)])
-    });
-    let shrink = |picture| imageops::resize(picture, side_px, side_px, FilterType::CatmullRom);
-    let (share, weighted) = (shrink(&share), shrink(&weighted));
-    image::GrayImage::from_fn(side_px, side_px, |column, row| {
-        let share = f64::from(share.get_pixel(column, row).0[0]);
-        if share < 0.5 {
-            return image::Luma([0]);
-        }
-        let fraction = f64::from(weighted.get_pixel(column, row).0[0]) / share;
-        let level = (fraction * f64::from(farthest_m) * LEVELS_PER_METRE).round();
-        // At least 1: cloth stays apart from the background however near the camera is.
-        image::Luma([level.clamp(1.0, 255.0) as u8])
-    })
 }
 
 fn snap(corner: PixelPoint, mask: &Mask) -> PixelPoint {

@@ -113,8 +113,15 @@ pub fn draw_label(
     Ok(())
 }
 
+/// Pixels that OpenCV draws on.
+pub(super) trait Canvas: opencv::core::ToInputOutputArray {}
+
+impl<T: opencv::core::ToInputOutputArray> Canvas for T {}
+
 /// Lends the picture's pixels to OpenCV. Its channels stay red, green, blue.
-fn canvas(picture: &mut RgbImage) -> Result<opencv::boxed_ref::BoxedRefMut<'_, Mat>, VisionError> {
+pub(super) fn canvas(
+    picture: &mut RgbImage,
+) -> Result<opencv::boxed_ref::BoxedRefMut<'_, Mat>, VisionError> {
     let (width, height) = picture.dimensions();
     check_size(width, height)?;
     Ok(Mat::new_rows_cols_with_bytes_mut::<Vec3b>(
@@ -124,8 +131,8 @@ fn canvas(picture: &mut RgbImage) -> Result<opencv::boxed_ref::BoxedRefMut<'_, M
     )?)
 }
 
-fn ring(
-    canvas: &mut impl opencv::core::ToInputOutputArray,
+pub(super) fn ring(
+    canvas: &mut impl Canvas,
     center: Point,
     radius_px: i32,
     thickness_px: i32,
@@ -144,8 +151,8 @@ fn ring(
     Ok(())
 }
 
-fn arrow(
-    canvas: &mut impl opencv::core::ToInputOutputArray,
+pub(super) fn arrow(
+    canvas: &mut impl Canvas,
     tail: Point,
     tip: Point,
     thickness_px: i32,
@@ -166,7 +173,7 @@ fn arrow(
     Ok(())
 }
 
-fn scalar(rgb: Rgb) -> Scalar {
+pub(super) fn scalar(rgb: Rgb) -> Scalar {
     let [red, green, blue] = rgb.map(f64::from);
     Scalar::new(red, green, blue, 0.0)
 }
@@ -180,7 +187,7 @@ fn whole(at: [f64; 2]) -> Option<Point> {
     (x.is_finite() && y.is_finite()).then(|| Point::new(x as i32, y as i32))
 }
 
-fn bounded(point: PixelPoint) -> Point {
+pub(super) fn bounded(point: PixelPoint) -> Point {
     Point::new(
         point.u.clamp(-FAR_PX, FAR_PX),
         point.v.clamp(-FAR_PX, FAR_PX),

@@ -1,19 +1,28 @@
 //! Pictures in, points out; and points drawn back into pictures.
 //!
-//! In: depth images and RGB pictures. Out: the cloth's [`Mask`], corners, centre, drawings. Everything is a
+//! In: depth images and RGB pictures. Out: [`Mask`]s, corners, boxes, outlines, centres, drawings. Everything is a
 //! pure function of its input. This is the only folder that names OpenCV: its detectors and drawing
 //! routines are the ones whose results the paper recorded. Which detector a task wants, and what its
 //! points are called, is decided elsewhere.
 
+mod boxes;
+mod color;
 mod corners;
 mod draw;
+mod layers;
 mod mask;
+mod outline;
+mod sight;
 #[cfg(test)]
 mod tests;
 
+pub use boxes::{bounding_box, box_center, box_distance_px};
+pub use color::color_mask;
 pub use corners::{Corner, CornerSearch, corners, corners_of_gray};
 pub use draw::{draw_action, draw_arrow, draw_label, draw_points};
+pub use layers::{DrawnLayer, DrawnShape, draw_layers};
 pub use mask::{Mask, centroid, depth_mask};
+pub use outline::{MAX_ALONG, along, contour, edge_middles};
 
 /// Distances to the nearest surface, metres along the optical axis, `[width, height]`.
 ///
@@ -46,8 +55,18 @@ pub enum VisionError {
         /// Width and height of the depth image.
         depth: [u32; 2],
     },
-    /// A setting of the corner search is outside its range.
-    #[error("`{name}` of a corner search is {value}; it must be {range}")]
+    /// The picture that belongs to a depth image has another size.
+    #[error(
+        "the picture has {} x {} px, the depth image {} x {} px", picture[0], picture[1], depth[0], depth[1]
+    )]
+    PictureSize {
+        /// Width and height of the picture.
+        picture: [u32; 2],
+        /// Width and height of the depth image.
+        depth: [u32; 2],
+    },
+    /// A setting of a corner search or an outline is outside its range.
+    #[error("`{name}` is {value}; it must be {range}")]
     Setting {
         /// The setting's name.
         name: &'static str,

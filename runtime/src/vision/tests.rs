@@ -1,10 +1,14 @@
 //! Tests of masks, corners and drawings.
 #![allow(clippy::unwrap_used)]
 
+mod color;
+mod layers;
+mod outline;
 mod recorded;
+mod sight;
 
 use super::*;
-use compiler::program::{PixelPoint, Response};
+use compiler::program::{PixelPoint, Response, Sight};
 use image::{Luma, Rgb, RgbImage};
 use proptest::prelude::*;
 
@@ -18,12 +22,28 @@ fn rectangle() -> DepthImage {
 
 fn harris() -> CornerSearch {
     CornerSearch {
+        of: Sight::Depth,
         image_px: 128,
         max: 27,
         quality: 0.04,
         spacing_px: 10.0,
+        block_px: 3,
         response: Response::Harris { k: 0.04 },
     }
+}
+
+/// Finds corners of what is seen without colours.
+fn corners_by_depth(
+    depth: &DepthImage,
+    mask: &Mask,
+    search: &CornerSearch,
+) -> Result<Vec<Corner>, VisionError> {
+    corners(
+        depth,
+        &RgbImage::new(depth.width(), depth.height()),
+        mask,
+        search,
+    )
 }
 
 #[test]
@@ -76,7 +96,7 @@ fn an_empty_mask_answers_with_nothing() {
     assert_eq!(empty.distance_px(PixelPoint::new(2, 2)), f64::INFINITY);
     assert_eq!(centroid(&empty), None);
     let depth = DepthImage::from_pixel(5, 5, Luma([0.65]));
-    assert_eq!(corners(&depth, &empty, &harris()).unwrap(), []);
+    assert_eq!(corners_by_depth(&depth, &empty, &harris()).unwrap(), []);
 }
 
 #[test]
@@ -91,7 +111,7 @@ fn the_centroid_is_cut_off_to_whole_pixels() {
 fn the_corners_of_a_rectangle_are_its_corners() {
     let depth = rectangle();
     let mask = depth_mask(&depth, 0.646);
-    let found = corners(&depth, &mask, &harris()).unwrap();
+    let found = corners_by_depth(&depth, &mask, &harris()).unwrap();
     assert_eq!(found.len(), 4, "{found:?}");
     for expected in [(20, 30), (39, 30), (20, 59), (39, 59)].map(|(u, v)| PixelPoint::new(u, v)) {
         assert!(
@@ -111,7 +131,13 @@ fn the_detectors_picture_is_the_cloths_depth_in_centimetres_where_half_a_pixel_i
     let depth = DepthImage::from_fn(64, 64, |column, row| {
         Luma([if column >= 31 && row >= 29 { 0.3 } else { 0.65 }])
     });
-    let picture = super::corners::detector_picture(&depth, &depth_mask(&depth, 0.6), 16);
+    let picture = super::sight::detector_picture(
+        &depth,
+        &RgbImage::new(64, 64),
+        &depth_mask(&depth, 0.6),
+        Sight::Depth,
+        16,
+    );
     let first_column = (0..16).find(|&column| picture.get_pixel(column, 12).0[0] > 0);
     let first_row = (0..16).find(|&row| picture.get_pixel(12, row).0[0] > 0);
     assert_eq!((first_column, first_row), (Some(8), Some(7)));
@@ -125,7 +151,7 @@ fn corners_are_scaled_back_without_a_drift() {
         let is_cloth = (52..172).contains(&column) && (52..172).contains(&row);
         Luma([if is_cloth { 0.645 } else { 0.65 }])
     });
-    let found = corners(&depth, &depth_mask(&depth, 0.646), &harris()).unwrap();
+    let found = corners_by_depth(&depth, &depth_mask(&depth, 0.646), &harris()).unwrap();
     assert_eq!(found.len(), 4, "{found:?}");
     // The cloth's middle is the picture's, 112 between pixels and 111.5 in whole ones.
     for axis in 0..2 {
@@ -151,9 +177,9 @@ fn missing_readings_and_the_tables_depth_do_not_move_corners() {
             };
         }
     }
-    let expected = corners(&plain, &mask, &harris()).unwrap();
+    let expected = corners_by_depth(&plain, &mask, &harris()).unwrap();
     assert_eq!(
-        corners(&patchy, &depth_mask(&patchy, 0.646), &harris()).unwrap(),
+        corners_by_depth(&patchy, &depth_mask(&patchy, 0.646), &harris()).unwrap(),
         expected
     );
 }
@@ -208,20 +234,20 @@ fn settings_and_sizes_out_of_range_are_refused() {
         ),
     ];
     for (setting, search) in faulty {
-        match corners(&depth, &mask, &search) {
+        match corners_by_depth(&depth, &mask, &search) {
             Err(VisionError::Setting { name, .. }) => assert_eq!(name, setting),
             other => panic!("{setting}: {other:?}"),
         }
     }
     let other_mask = Mask::from_fn(99, 80, |_, _| true);
     assert!(matches!(
-        corners(&depth, &other_mask, &harris()),
+        corners_by_depth(&depth, &other_mask, &harris()),
         Err(VisionError::MaskSize { .. })
     ));
     let nothing = DepthImage::new(0, 0);
     let no_mask = depth_mask(&nothing, 1.0);
     assert!(matches!(
-        corners(&nothing, &no_mask, &harris()),
+        corners_by_depth(&nothing, &no_mask, &harris()),
         Err(VisionError::Size { .. })
     ));
     assert!(matches!(

@@ -3,9 +3,9 @@
 //! Needs `FABC_REFERENCE_DATA`; without it these tests count as skipped.
 
 use super::super::*;
-use super::harris;
+use super::{corners_by_depth, harris};
 use crate::recorded::recorded_data;
-use compiler::program::Response;
+use compiler::program::{Response, Sight};
 use image::Luma;
 use serde_json::Value;
 use std::path::Path;
@@ -71,10 +71,12 @@ fn shi_tomasi_corners_match_the_recorded_lists_in_order() {
             continue;
         }
         let search = CornerSearch {
+            of: Sight::Mask,
             image_px: 720,
             max: fixture["corner_limit"].as_u64().unwrap() as u32,
             quality: 0.1,
             spacing_px: 20.0,
+            block_px: 3,
             response: Response::ShiTomasi,
         };
         let found = truncated(corners_of_gray(&gray(&path), &search).unwrap());
@@ -109,7 +111,7 @@ fn every_recorded_pick_is_near_a_detected_corner() {
                 Luma([f32::from(levels.get_pixel(column, row).0[0]) / 255.0])
             });
             let mask = depth_mask(&depth, 0.646);
-            let found = corners(&depth, &mask, &harris()).unwrap();
+            let found = corners_by_depth(&depth, &mask, &harris()).unwrap();
             assert!(found.len() <= 27, "{}", folder.display());
             assert!(
                 found.iter().all(|corner| mask.contains(corner.pixel)),

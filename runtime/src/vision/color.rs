@@ -1,0 +1,69 @@
+//! Colours of single pixels: masks by hue, saturation and value, and the grey that detectors see.
+//!
+//! In: an RGB picture. Out: a [`Mask`], or grey levels. No picture library rounds here: what a range includes
+//! follows from a pixel's three bytes alone.
+
+use super::Mask;
+use image::RgbImage;
+
+/// Collects the pixels whose colour lies within three ranges, both ends included.
+///
+/// `hue_deg` is in degrees, 0 to 360 with red at 0, yellow at 60; a range that ends below its beginning passes
+/// through 360, and one that touches 360 includes 0. `saturation` and `value` run from 0 to 1. Greys have hue 0
+/// and saturation 0, black has value 0 too. A range that holds a NaN includes nothing.
+pub fn color_mask(
+    rgb: &RgbImage,
+    hue_deg: [f64; 2],
+    saturation: [f64; 2],
+    value: [f64; 2],
+) -> Mask {
+    let within = |x: f64, [low, high]: [f64; 2]| low <= x && x <= high;
+    let has_hue = |hue: f64| {
+        let [low, high] = hue_deg;
+        if low <= high {
+            within(hue, hue_deg)
+        } else {
+            high < low && (hue >= low || hue <= high)
+        }
+    };
+    Mask::from_fn(rgb.width(), rgb.height(), |column, row| {
+        let [hue, s, v] = hsv(rgb.get_pixel(column, row).0);
+        within(s, saturation)
+            && within(v, value)
+            // Red is at both ends of the scale.
+            && (has_hue(hue) || (hue == 0.0 && has_hue(360.0)))
+    })
+}
+
+/// Returns hue in degrees, `0 <= hue < 360`, saturation and value, 0 to 1.
+///
+/// Each is one division of whole numbers, so it equals a decimal limit wherever the true ratio does.
+fn hsv([red, green, blue]: [u8; 3]) -> [f64; 3] {
+    let [r, g, b] = [red, green, blue].map(i32::from);
+    let most = r.max(g).max(b);
+    let spread = most - r.min(g).min(b);
+    let value = f64::from(most) / 255.0;
+    if spread == 0 {
+        return [0.0, 0.0, value];
+    }
+    // In sixths of the circle times `spread`.
+    let turned = if most == r {
+        g - b
+    } else if most == g {
+        b - r + 2 * spread
+    } else {
+        r - g + 4 * spread
+    };
+    let hue = f64::from(60 * turned.rem_euclid(6 * spread)) / f64::from(spread);
+    [hue, f64::from(spread) / f64::from(most), value]
+}
+
+/// Returns the grey level of a colour as OpenCV's `cvtColor` computes it for 8-bit pictures.
+///
+/// Its weights are 0.299, 0.587 and 0.114 in units of 2^-15, rounded half up. OpenCV's function is not called
+/// because its parameters differ between the releases that this crate builds with.
+pub(super) fn gray_level([red, green, blue]: [u8; 3]) -> u8 {
+    let [r, g, b] = [red, green, blue].map(u32::from);
+    // The weights add up to 2^15, so white gives 255 and nothing more.
+    ((9_798 * r + 19_235 * g + 3_735 * b + (1 << 14)) >> 15) as u8
+}
