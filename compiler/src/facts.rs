@@ -1,6 +1,7 @@
 //! What is known when a question is asked or an answer judged.
 
-use crate::program::{PixelPoint, Value};
+use crate::eval::Eval;
+use crate::program::{PixelPoint, Point, Program, Value};
 use crate::reply::Proposal;
 use std::collections::BTreeMap;
 
@@ -50,6 +51,15 @@ impl<'a> Facts<'a> {
             proposal: Some(proposal),
             ..self
         }
+    }
+
+    /// Returns a point as a whole pixel.
+    pub fn pixel(&self, program: &Program, point: &Point) -> Result<PixelPoint, Missing> {
+        let eval = Eval {
+            program,
+            facts: *self,
+        };
+        eval.pixel(point)
     }
 
     /// Returns the proposed value of a field.

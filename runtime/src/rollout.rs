@@ -210,7 +210,7 @@ impl Turn<'_> {
                 let outcome = match &error {
                     SceneError::OutOfView { .. } => Outcome::ClothOutOfView,
                     SceneError::NoCandidates { .. } => Outcome::NoCandidates,
-                    SceneError::Vision(_) => Outcome::WorldFailed,
+                    SceneError::Missing(_) | SceneError::Vision(_) => Outcome::WorldFailed,
                 };
                 return Ok(self.stop(outcome, &error.to_string()));
             }
@@ -220,7 +220,10 @@ impl Turn<'_> {
         let last = memory.last.as_ref();
         let pictures = Pictures {
             subgoals: job.subgoals.step(step as usize - 1)?,
-            annotated: scene.annotated(job.program, &observation.rgb, last)?,
+            annotated: match scene.annotated(job.program, &observation.rgb, last) {
+                Ok(annotated) => annotated,
+                Err(error) => return Ok(self.stop(Outcome::WorldFailed, &error.to_string())),
+            },
             scene: observation.rgb.clone(),
             examples: job.examples.clone(),
         };

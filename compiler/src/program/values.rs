@@ -202,6 +202,16 @@ pub enum Condition {
 }
 
 impl Point {
+    /// Returns whether it depends on the action before.
+    pub fn uses_last(&self) -> bool {
+        match self {
+            Point::Last { .. } => true,
+            Point::Mirror { of, about } => of.uses_last() || about.uses_last(),
+            Point::Carried { from, .. } => from.uses_last(),
+            Point::Action { .. } | Point::Keypoint { .. } => false,
+        }
+    }
+
     /// Adds the keypoints that it depends on.
     fn keypoints(&self, names: &mut BTreeSet<String>) {
         match self {

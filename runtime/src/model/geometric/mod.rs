@@ -6,7 +6,8 @@
 //! model: it is called a stand-in wherever its results appear, and what it scores says nothing about models.
 //!
 //! It knows no task. What it cannot make sense of it answers in words that hold no instruction and no
-//! point, which the caller's reader reports like any other unusable answer.
+//! point, which the caller's reader reports like any other unusable answer. A question for anything else than
+//! a pick point and a place point is an error of the model's.
 
 mod arrow;
 mod frame;
@@ -41,6 +42,14 @@ impl Model for Geometric {
     }
 
     fn ask(&self, request: &Request) -> Result<Reply, ModelError> {
+        if let Some(field) = prompt::asks_for_more(&all_words(&request.messages)) {
+            return Err(ModelError::Unsupported {
+                model: self.name().to_owned(),
+                why: format!(
+                    "it can only answer with a pick point and a place point, and the prompt asks for `{field}`"
+                ),
+            });
+        }
         let text = match describe(&request.messages) {
             Some(description) => description,
             None => choose(&request.messages),
@@ -163,9 +172,8 @@ fn choice(messages: &[Message]) -> Result<String, String> {
         .iter()
         .find(|candidate| refused.leaves(candidate))
         .ok_or("every likely pair of listed points was refused")?;
-    let whole: Vec<String> = messages.iter().map(spoken).collect();
-    let [pick, place] =
-        ["pick", "place"].map(|field| AnswerLine::asked_for(field, &whole.join("\n")));
+    let whole = all_words(messages);
+    let [pick, place] = ["pick", "place"].map(|field| AnswerLine::asked_for(field, &whole));
     let again = if refused.is_empty() {
         ""
     } else {
@@ -188,6 +196,12 @@ fn spoken(message: &Message) -> String {
         Part::Image(_) => None,
     });
     texts.collect::<Vec<_>>().join("\n")
+}
+
+/// The text of all messages.
+fn all_words(messages: &[Message]) -> String {
+    let texts: Vec<String> = messages.iter().map(spoken).collect();
+    texts.join("\n")
 }
 
 /// Earlier answers of a conversation that were sent back.

@@ -101,6 +101,25 @@ impl AnswerLine {
     }
 }
 
+/// Returns what a prompt asks for besides a pick point and a place point, where its lines state a format.
+///
+/// A format that lists values, `Direction = 0 deg | 90 deg`, asks for that field; one for a pick point alone
+/// asks for something in a place point's stead.
+pub fn asks_for_more(prompt: &str) -> Option<String> {
+    let listed = prompt.lines().find_map(|line| {
+        let (name, values) = line.split_once('=')?;
+        let is_name = !name.trim().is_empty() && name.split_whitespace().count() <= 3;
+        (is_name && values.contains(" | ")).then(|| name.trim().to_owned())
+    });
+    let stated = |field: &str| {
+        prompt
+            .lines()
+            .any(|line| AnswerLine::read(field, line).is_some())
+    };
+    let alone = (stated("pick") && !stated("place")).then(|| "no place point".to_owned());
+    listed.or(alone)
+}
+
 /// Returns the point that an answer gives for `field`, `pick` or `place`.
 pub fn answered(field: &str, answer: &str) -> Option<PixelPoint> {
     answer

@@ -155,6 +155,7 @@ fn ask(role: ModelRole, messages: Vec<Message>) -> String {
         role,
         messages,
         temperature: None,
+        top_p: None,
         max_tokens: None,
         repetition: 0,
     };

@@ -3,11 +3,14 @@
 //! In: a program and an [`Observation`]. Out: a [`Scene`], a pure function of both and of the
 //! rollout's first scene. Prompts are filled from it and checks are judged on it.
 
+mod annotate;
+mod extract;
+
 use crate::observation::Observation;
-use crate::vision::{self, Corner, CornerSearch, Mask, VisionError};
-use compiler::facts::{Done, SceneView};
-use compiler::program::{Extractor, Moment, PixelPoint, Program};
-use image::RgbImage;
+use crate::vision::{self, Corner, Mask, VisionError};
+use compiler::facts::SceneView;
+use compiler::program::{Choices, Moment, PixelPoint, Program};
+use compiler::space;
 use serde_json::{Map, Value, json};
 
 /// The keypoints of one observation, in the program's order.
@@ -20,7 +23,11 @@ pub struct Scene {
 #[derive(Clone, Debug)]
 enum Found {
     Mask(Mask),
-    Points(Vec<Corner>),
+    Box([PixelPoint; 2]),
+    Outline(Vec<PixelPoint>),
+    /// Detected corners, with where they were located.
+    Corners(Vec<Corner>),
+    Points(Vec<PixelPoint>),
     Point(PixelPoint),
 }
 
@@ -39,6 +46,9 @@ pub enum SceneError {
         /// The keypoint's name.
         keypoint: String,
     },
+    /// A layer needs what there is not; only a program edited by hand does that.
+    #[error("an annotation cannot be drawn: {0}")]
+    Missing(compiler::facts::Missing),
     /// The detector itself failed.
     #[error(transparent)]
     Vision(#[from] VisionError),
@@ -67,55 +77,15 @@ impl Scene {
             };
             scene.found.push((keypoint.name.clone(), found));
         }
-        Ok(scene)
-    }
-
-    fn extract(
-        &self,
-        name: &str,
-        extractor: &Extractor,
-        observation: &Observation,
-    ) -> Result<Found, SceneError> {
-        match extractor {
-            Extractor::DepthMask { below_m } => {
-                let mask = vision::depth_mask(&observation.depth_m, *below_m);
-                if mask.is_empty() {
-                    return Err(SceneError::OutOfView {
-                        mask: name.to_owned(),
-                    });
-                }
-                Ok(Found::Mask(mask))
+        for field in &program.actions {
+            if let Choices::Points { keypoints } = &field.choices
+                && space::choices(field, &scene).is_empty()
+            {
+                let keypoint = keypoints.join("`, `");
+                return Err(SceneError::NoCandidates { keypoint });
             }
-            Extractor::Corners {
-                mask,
-                image_px,
-                max,
-                quality,
-                spacing_px,
-                response,
-                ..
-            } => {
-                let search = CornerSearch {
-                    image_px: *image_px,
-                    max: *max,
-                    quality: *quality,
-                    spacing_px: *spacing_px,
-                    response: *response,
-                };
-                let corners = vision::corners(&observation.depth_m, self.mask(mask)?, &search)?;
-                if corners.is_empty() {
-                    let keypoint = name.to_owned();
-                    return Err(SceneError::NoCandidates { keypoint });
-                }
-                Ok(Found::Points(corners))
-            }
-            Extractor::Centroid { mask } => vision::centroid(self.mask(mask)?)
-                .map(Found::Point)
-                .ok_or_else(|| SceneError::OutOfView { mask: mask.clone() }),
-            _ => Err(SceneError::NoCandidates {
-                keypoint: name.to_owned(),
-            }),
         }
+        Ok(scene)
     }
 
     fn get(&self, name: &str) -> Option<&Found> {
@@ -128,6 +98,24 @@ impl Scene {
     fn mask(&self, name: &str) -> Result<&Mask, SceneError> {
         match self.get(name) {
             Some(Found::Mask(mask)) => Ok(mask),
+            _ => Err(SceneError::OutOfView {
+                mask: name.to_owned(),
+            }),
+        }
+    }
+
+    fn outline(&self, name: &str) -> Result<&[PixelPoint], SceneError> {
+        match self.get(name) {
+            Some(Found::Outline(points)) => Ok(points),
+            _ => Err(SceneError::OutOfView {
+                mask: name.to_owned(),
+            }),
+        }
+    }
+
+    fn corners_of(&self, name: &str) -> Result<[PixelPoint; 2], SceneError> {
+        match self.get(name) {
+            Some(Found::Box(corners)) => Ok(*corners),
             _ => Err(SceneError::OutOfView {
                 mask: name.to_owned(),
             }),
@@ -147,7 +135,7 @@ impl Scene {
     /// Prompts name a corner by its whole pixel; an answer that names it means the corner.
     pub fn located(&self, pixel: PixelPoint) -> Option<[f64; 2]> {
         let corners = self.found.iter().filter_map(|(_, found)| match found {
-            Found::Points(corners) => Some(corners),
+            Found::Corners(corners) => Some(corners),
             _ => None,
         });
         corners
@@ -156,24 +144,16 @@ impl Scene {
             .map(|corner| corner.at)
     }
 
-    /// Returns the camera's picture with the task's layers drawn on it; those that need an action before this
-    /// one are left out where there is none.
-    pub fn annotated(
-        &self,
-        _program: &Program,
-        rgb: &RgbImage,
-        _last: Option<&Done>,
-    ) -> Result<RgbImage, VisionError> {
-        Ok(rgb.clone())
-    }
-
     /// Returns the points as JSON, `{name: [[u, v], …]}`; a mask stands as its number of pixels.
     pub fn to_json(&self) -> Value {
         let mut object = Map::new();
         for (name, found) in &self.found {
             let value = match found {
                 Found::Mask(mask) => json!({ "area_px": mask.area_px() }),
-                Found::Points(corners) => json!(pixels(corners)),
+                Found::Box(corners) => json!({ "box": corners }),
+                Found::Outline(points) => json!({ "outline": points }),
+                Found::Corners(corners) => json!(pixels(corners)),
+                Found::Points(points) => json!(points),
                 Found::Point(point) => json!([point]),
             };
             object.insert(name.clone(), value);
@@ -189,15 +169,17 @@ fn pixels(corners: &[Corner]) -> Vec<PixelPoint> {
 impl SceneView for Scene {
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
         match self.get(keypoint)? {
-            Found::Points(corners) => Some(pixels(corners)),
+            Found::Corners(corners) => Some(pixels(corners)),
+            Found::Points(points) => Some(points.clone()),
             Found::Point(point) => Some(vec![*point]),
-            Found::Mask(_) => None,
+            Found::Mask(_) | Found::Box(_) | Found::Outline(_) => None,
         }
     }
 
     fn distance_px(&self, region: &str, point: PixelPoint) -> Option<f64> {
         match self.get(region)? {
             Found::Mask(mask) => Some(mask.distance_px(point)),
+            Found::Box(corners) => Some(vision::box_distance_px(point, *corners)),
             _ => None,
         }
     }

@@ -1,0 +1,119 @@
+//! Resolves a task's annotation layers to pixels, and draws them on the camera's picture.
+
+use super::{Scene, SceneError};
+use crate::vision::{self, DrawnLayer, DrawnShape};
+use compiler::facts::{Done, Facts, Missing, SceneView};
+use compiler::program::{Layer, Mark, PixelPoint, Point, Program, Spot};
+use image::RgbImage;
+use std::collections::BTreeMap;
+
+impl Scene {
+    /// Returns the camera's picture with the task's layers on it, later ones over earlier ones.
+    ///
+    /// A layer that needs the action before this one is left out where there is none. Fails where a keypoint
+    /// is not there, which only a program edited by hand does, or OpenCV fails.
+    pub fn annotated(
+        &self,
+        program: &Program,
+        rgb: &RgbImage,
+        last: Option<&Done>,
+    ) -> Result<RgbImage, SceneError> {
+        let texts = BTreeMap::new();
+        let facts = Facts {
+            scene: self,
+            texts: &texts,
+            step: 1,
+            last,
+            proposal: None,
+        };
+        let mut layers = Vec::with_capacity(program.layers.len());
+        for layer in &program.layers {
+            if last.is_some() || !needs_last(layer) {
+                layers.push(DrawnLayer {
+                    rgb: layer.rgb,
+                    shape: self.shape(program, &layer.mark, facts)?,
+                });
+            }
+        }
+        Ok(vision::draw_layers(rgb, &layers)?)
+    }
+
+    fn shape(
+        &self,
+        program: &Program,
+        mark: &Mark,
+        facts: Facts<'_>,
+    ) -> Result<DrawnShape, SceneError> {
+        let pixel = |point: &Point| facts.pixel(program, point).map_err(SceneError::Missing);
+        let pixels = |at: &[Spot]| -> Result<Vec<PixelPoint>, SceneError> {
+            let mut pixels = Vec::new();
+            for spot in at {
+                match spot {
+                    Spot::Points { keypoint } => pixels.extend(self.points(keypoint).ok_or_else(
+                        || {
+                            SceneError::Missing(Missing {
+                                name: keypoint.clone(),
+                            })
+                        },
+                    )?),
+                    Spot::One { point } => pixels.push(pixel(point)?),
+                }
+            }
+            Ok(pixels)
+        };
+        Ok(match mark {
+            Mark::Dot { at, radius_px } => DrawnShape::Dots {
+                at: pixels(at)?,
+                radius_px: *radius_px,
+            },
+            Mark::Ring {
+                at,
+                radius_px,
+                width_px,
+            } => DrawnShape::Rings {
+                at: pixels(at)?,
+                radius_px: *radius_px,
+                width_px: *width_px,
+            },
+            Mark::Cross {
+                at,
+                radius_px,
+                width_px,
+            } => DrawnShape::Crosses {
+                at: pixels(at)?,
+                radius_px: *radius_px,
+                width_px: *width_px,
+            },
+            Mark::Number { at } => DrawnShape::Numbers { at: pixels(at)? },
+            Mark::Arrow { from, to, width_px } => DrawnShape::Arrow {
+                from: pixel(from)?,
+                to: pixel(to)?,
+                width_px: *width_px,
+            },
+            Mark::Box { of, spacing_px } => DrawnShape::Box {
+                corners: self.corners_of(of)?,
+                spacing_px: *spacing_px,
+            },
+            Mark::Outline { of, width_px } => DrawnShape::Outline {
+                points: self.outline(of)?.to_vec(),
+                width_px: *width_px,
+            },
+        })
+    }
+}
+
+/// Returns whether a layer shows where the action before was carried out.
+fn needs_last(layer: &Layer) -> bool {
+    let is_of_last = |spot: &Spot| match spot {
+        Spot::Points { .. } => false,
+        Spot::One { point } => point.uses_last(),
+    };
+    match &layer.mark {
+        Mark::Dot { at, .. }
+        | Mark::Ring { at, .. }
+        | Mark::Cross { at, .. }
+        | Mark::Number { at } => at.iter().any(is_of_last),
+        Mark::Arrow { from, to, .. } => from.uses_last() || to.uses_last(),
+        Mark::Box { .. } | Mark::Outline { .. } => false,
+    }
+}

@@ -1,0 +1,84 @@
+//! Runs one extractor on an observation.
+
+use super::{Found, Scene, SceneError};
+use crate::observation::Observation;
+use crate::vision::{self, CornerSearch, Mask};
+use compiler::program::Extractor;
+
+impl Scene {
+    /// Finds one keypoint; what it builds on has been found before.
+    pub(super) fn extract(
+        &self,
+        name: &str,
+        extractor: &Extractor,
+        observation: &Observation,
+    ) -> Result<Found, SceneError> {
+        let out_of_view = |mask: &str| SceneError::OutOfView {
+            mask: mask.to_owned(),
+        };
+        Ok(match extractor {
+            Extractor::DepthMask { below_m } => {
+                seen(name, vision::depth_mask(&observation.depth_m, *below_m))?
+            }
+            Extractor::ColorMask {
+                hue_deg,
+                saturation,
+                value,
+            } => {
+                let mask = vision::color_mask(&observation.rgb, *hue_deg, *saturation, *value);
+                seen(name, mask)?
+            }
+            Extractor::Corners {
+                mask,
+                of,
+                image_px,
+                max,
+                quality,
+                spacing_px,
+                block_px,
+                response,
+            } => {
+                let search = CornerSearch {
+                    of: *of,
+                    image_px: *image_px,
+                    max: *max,
+                    quality: *quality,
+                    spacing_px: *spacing_px,
+                    block_px: *block_px,
+                    response: *response,
+                };
+                let mask = self.mask(mask)?;
+                let found =
+                    vision::corners(&observation.depth_m, &observation.rgb, mask, &search)?;
+                Found::Corners(found)
+            }
+            Extractor::Centroid { mask } => vision::centroid(self.mask(mask)?)
+                .map(Found::Point)
+                .ok_or_else(|| out_of_view(mask))?,
+            Extractor::BoundingBox { mask } => vision::bounding_box(self.mask(mask)?)
+                .map(Found::Box)
+                .ok_or_else(|| out_of_view(mask))?,
+            Extractor::BoxCenter { of } => Found::Point(vision::box_center(self.corners_of(of)?)),
+            Extractor::Contour { mask, tolerance_px } => {
+                Found::Outline(vision::contour(self.mask(mask)?, *tolerance_px)?)
+            }
+            Extractor::EdgeMiddles { outline } => {
+                Found::Points(vision::edge_middles(self.outline(outline)?))
+            }
+            Extractor::Along { outline, count } => {
+                Found::Points(vision::along(self.outline(outline)?, *count))
+            }
+            Extractor::Fixed { points } => Found::Points(points.clone()),
+        })
+    }
+}
+
+/// Accepts a mask that shows something.
+fn seen(name: &str, mask: Mask) -> Result<Found, SceneError> {
+    if mask.is_empty() {
+        return Err(SceneError::OutOfView {
+            mask: name.to_owned(),
+        });
+    }
+    Ok(Found::Mask(mask))
+}
