@@ -18,10 +18,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let done = cloth.crumple(seed, &|| false)?;
         let secs = began.elapsed().as_secs_f64();
         let positions = cloth.positions();
+        for _ in 0..100 {
+            cloth.step()?;
+        }
+        let after = cloth.positions();
         let stretch = stretches(grid, &positions);
         println!(
             "seed {seed:3}: particle {:4} by {:.2} m, {:4} steps, {secs:5.2} s, covers {:.3}, height {:.1} mm, \
-             stretch mean {:.4} max {:.3}",
+             stretch mean {:.4} max {:.3}, moves {:.2} mm in the next second",
             done.lifted,
             done.lift_m,
             done.steps,
@@ -29,6 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             1000.0 * positions.iter().fold(0.0, |high: f32, p| high.max(p[2])),
             stretch.iter().sum::<f32>() / stretch.len() as f32,
             stretch.iter().fold(0.0, |most: f32, s| most.max(*s)),
+            1000.0 * farthest(&positions, &after),
         );
         if let Some(folder) = rest.first() {
             draw(grid, &positions, &Path::new(folder).join(format!("{seed}.png")))?;
@@ -63,6 +68,15 @@ fn stretches(grid: Grid, positions: &[[f32; 3]]) -> Vec<f32> {
         }
     }
     all
+}
+
+/// Returns the longest way of any particle, metres.
+fn farthest(from: &[[f32; 3]], to: &[[f32; 3]]) -> f32 {
+    let way = |(p, q): (&[f32; 3], &[f32; 3])| {
+        let square = |axis: usize| (p[axis] - q[axis]).powi(2);
+        (square(0) + square(1) + square(2)).sqrt()
+    };
+    from.iter().zip(to).map(way).fold(0.0, f32::max)
 }
 
 fn draw(grid: Grid, positions: &[[f32; 3]], path: &Path) -> Result<(), Box<dyn std::error::Error>> {
