@@ -36,7 +36,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             1000.0 * farthest(&positions, &after),
         );
         if let Some(folder) = rest.first() {
-            draw(grid, &positions, &Path::new(folder).join(format!("{seed}.png")))?;
+            draw(
+                grid,
+                &positions,
+                &Path::new(folder).join(format!("{seed}.png")),
+            )?;
         }
     }
     Ok(())

@@ -41,7 +41,7 @@ mod simulator;
 mod solver;
 mod springs;
 
-pub use camera::{CameraError, Frame, Look, MAX_SIZE_PX, MIN_SIZE_PX, TopDownCamera};
+pub use camera::{CameraError, Frame, ImageUp, Look, MAX_SIZE_PX, MIN_SIZE_PX, TopDownCamera};
 pub use crumple::Crumpled;
 pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
 pub use params::{ALGORITHM_VERSION, Params};
