@@ -4,8 +4,8 @@
 //! pixels are `[column, row]` from the top left corner of the image, in which the pixel in column 3 spans 3
 //! to 4 and has its centre at 3.5. Whether a pixel shows cloth is `crate::vision`'s business.
 
-use compiler::program::PixelPoint;
-use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use compiler::program::{ImageUp, PixelPoint};
+use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
 /// A pinhole camera without distortion.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,13 +19,20 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Places a camera above the world's origin that looks straight down: image right is world +X, image up +Y.
+    /// Places a camera above the world's origin that looks straight down.
     ///
     /// - `height_m`: of the optical centre above the table.
     /// - `fov_rad`: field of view across the square image, between 0 and pi.
     /// - `image_px`: side of the image.
-    pub fn top_down(height_m: f64, fov_rad: f64, image_px: u32) -> Self {
-        let half_turn = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+    /// - `up`: which way of the table is up in it.
+    pub fn top_down(height_m: f64, fov_rad: f64, image_px: u32, up: ImageUp) -> Self {
+        // A half turn points the camera down; about X it leaves right at +X, about the diagonal it takes right
+        // to -Y and down to -X.
+        let axis = match up {
+            ImageUp::Y => Vector3::x_axis(),
+            ImageUp::X => Unit::new_normalize(Vector3::new(1.0, -1.0, 0.0)),
+        };
+        let half_turn = Rotation3::from_axis_angle(&axis, std::f64::consts::PI);
         let world_from_camera = Isometry3::from_parts(
             Translation3::new(0.0, 0.0, height_m),
             UnitQuaternion::from_rotation_matrix(&half_turn),
@@ -88,7 +95,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn folding() -> Camera {
-        Camera::top_down(0.65, 45_f64.to_radians(), 224)
+        Camera::top_down(0.65, 45_f64.to_radians(), 224, ImageUp::Y)
     }
 
     #[test]
@@ -102,6 +109,48 @@ mod tests {
         let focal_px = 112.0 / 22.5_f64.to_radians().tan();
         assert!((u - (112.0 + focal_px * 0.1 / 0.5)).abs() < 1e-9, "{u}");
         assert!((v - (112.0 - focal_px * 0.05 / 0.5)).abs() < 1e-9, "{v}");
+    }
+
+    #[test]
+    fn with_x_up_image_right_is_world_minus_y_and_image_up_is_world_x() {
+        let camera = Camera::top_down(1.0, 45_f64.to_radians(), 720, ImageUp::X);
+        assert!((camera.focal_px - 869.1169).abs() < 1e-3);
+        let point = Point3::new(0.2, 0.1, 0.5);
+        let [u, v] = camera.pixel_from_world(point).unwrap();
+        // The smoothing camera: u = 360 + f z / (1 - y), v = 360 - f x / (1 - y) with world = (x, -z, y).
+        assert!((u - (360.0 - camera.focal_px * 0.1 / 0.5)).abs() < 1e-9);
+        assert!((v - (360.0 - camera.focal_px * 0.2 / 0.5)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn recorded_smoothing_picks_are_seen_where_they_were_recorded() {
+        let Some(root) = crate::recorded::recorded_data(
+            "recorded_smoothing_picks_are_seen_where_they_were_recorded",
+        ) else {
+            return;
+        };
+        let path = root.join("vision/shi_tomasi/manifest.json");
+        let manifest: serde_json::Value =
+            serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+        let camera = Camera::top_down(1.0, 45_f64.to_radians(), 720, ImageUp::X);
+        let mut n_points = 0;
+        for fixture in manifest["fixtures"].as_array().unwrap() {
+            let numbers = |name: &str| -> Option<Vec<f64>> {
+                let list = fixture[name].as_array()?;
+                Some(list.iter().map(|value| value.as_f64().unwrap()).collect())
+            };
+            // The recorded pixel was computed from the recorded point, which has y up.
+            let (Some(pick), Some(px)) = (numbers("pick_world_m"), numbers("pick_px_from_world"))
+            else {
+                continue;
+            };
+            let world = Point3::new(pick[0], -pick[2], pick[1]);
+            let [u, v] = camera.pixel_from_world(world).unwrap();
+            let off = (u - px[0]).abs().max((v - px[1]).abs());
+            assert!(off < 0.06, "{}: off by {off}", fixture["name"]);
+            n_points += 1;
+        }
+        assert!(n_points >= 9, "{n_points} points");
     }
 
     #[test]
@@ -177,10 +226,12 @@ mod tests {
             image_px in 16..2000_u32,
             x in -1.0..1.0_f64,
             y in -1.0..1.0_f64,
-            up in 0.0..0.9_f64,
+            above in 0.0..0.9_f64,
+            x_is_up: bool,
         ) {
-            let camera = Camera::top_down(height_m, fov_rad, image_px);
-            let point = Point3::new(x, y, up * height_m);
+            let up = if x_is_up { ImageUp::X } else { ImageUp::Y };
+            let camera = Camera::top_down(height_m, fov_rad, image_px, up);
+            let point = Point3::new(x, y, above * height_m);
             let pixel = camera.pixel_from_world(point).unwrap();
             let back = camera.world_from_pixel(pixel, height_m - point.z).unwrap();
             prop_assert!((back - point).norm() < 1e-9);

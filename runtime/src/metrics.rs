@@ -1,4 +1,12 @@
-//! Measures of a result.
+//! Measures of a result: distance to another state, and how much of the table the cloth covers.
+//!
+//! In: particle positions in grid order, world frame, metres. Out: numbers. What counts as success is the
+//! program's to say.
+
+use crate::start::Grid;
+
+/// Cells along a side of the grid that coverage is counted on (SoftGym).
+const CELLS: usize = 100;
 
 /// Returns the mean distance between equal particles of two states, metres.
 ///
@@ -20,6 +28,82 @@ fn distance_m(a: &[f32; 3], b: &[f32; 3]) -> f64 {
         .sqrt()
 }
 
+/// Returns the area of the table that the cloth covers as SoftGym measures it, square metres.
+///
+/// The cloth's bounding box is cut into 100 x 100 cells, and each particle marks those within one spacing of it
+/// (protocol, section 5). The result depends on how the cloth is turned: a flat one scores 0.95 of its area along
+/// the axes and 1.06 across. `None` where there is no particle or a coordinate is not finite.
+pub fn covered_area_m2(positions: &[[f32; 3]], spacing_m: f64) -> Option<f64> {
+    if positions.is_empty() || !positions.iter().flatten().all(|value| value.is_finite()) {
+        return None;
+    }
+    // SoftGym's second axis runs towards the front, and it counts in 32 bits: only so are its numbers met exactly.
+    let along = |axis: usize| -> Vec<f32> {
+        let sign = if axis == 0 { 1.0 } else { -1.0 };
+        positions.iter().map(|point| sign * point[axis]).collect()
+    };
+    let (columns, column_m) = marked_cells(&along(0), spacing_m as f32);
+    let (rows, row_m) = marked_cells(&along(1), spacing_m as f32);
+    let mut marked = vec![false; CELLS * CELLS];
+    for (columns, rows) in columns.into_iter().zip(rows) {
+        for column in columns {
+            for row in rows.clone() {
+                // A particle on the far edge may begin at cell 100; SoftGym then runs over into the next column.
+                marked[(column * CELLS + row).min(CELLS * CELLS - 1)] = true;
+            }
+        }
+    }
+    let n_marked = marked.iter().filter(|cell| **cell).count();
+    Some(n_marked as f64 * f64::from(column_m) * f64::from(row_m))
+}
+
+/// Returns, for each particle, the cells that it marks along one axis, and the side of a cell, metres.
+fn marked_cells(coordinates: &[f32], radius_m: f32) -> (Vec<std::ops::RangeInclusive<usize>>, f32) {
+    let low = coordinates.iter().copied().fold(f32::INFINITY, f32::min);
+    let high = coordinates
+        .iter()
+        .copied()
+        .fold(f32::NEG_INFINITY, f32::max);
+    let cell_m = (high - low) / CELLS as f32;
+    let cells = coordinates
+        .iter()
+        .map(|coordinate| {
+            let offset_m = coordinate - low;
+            // Casts saturate, so a box without width is no special case: its area is zero whatever is marked.
+            let cell = |edge_m: f32| (edge_m / cell_m).round_ties_even().max(0.0) as usize;
+            let first = cell(offset_m - radius_m).min(CELLS);
+            let end = cell(offset_m + radius_m).min(CELLS);
+            // The end is not marked, unless it is also the beginning.
+            first..=end.saturating_sub(1).max(first)
+        })
+        .collect();
+    (cells, cell_m)
+}
+
+/// Returns the area that SoftGym takes for the flat cloth, square metres: one spacing longer than it is on each side.
+pub fn flat_area_m2(grid: &Grid) -> f64 {
+    (f64::from(grid.dimx) * grid.spacing_m) * (f64::from(grid.dimy) * grid.spacing_m)
+}
+
+/// Returns the covered area over that of the flat cloth, as SoftGym measures both; it may exceed 1.
+///
+/// `None` where [`covered_area_m2`] is.
+pub fn coverage(positions: &[[f32; 3]], grid: &Grid) -> Option<f64> {
+    let flat_m2 = flat_area_m2(grid);
+    let covered_m2 = covered_area_m2(positions, grid.spacing_m)?;
+    (flat_m2 > 0.0).then(|| covered_m2 / flat_m2)
+}
+
+/// Returns how much of the coverage that was missing at first has been gained: 0 as at the start, 1 when flat.
+///
+/// - `now`, `at_start`: as [`coverage`] gives them.
+///
+/// Negative where coverage was lost, above 1 where [`coverage`] is. `None` where nothing was missing.
+pub fn normalized_improvement(now: f64, at_start: f64) -> Option<f64> {
+    let missing = 1.0 - at_start;
+    (missing > 0.0).then(|| (now - at_start) / missing)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -36,5 +120,106 @@ mod tests {
     fn states_of_different_size_have_no_distance() {
         assert_eq!(mean_particle_distance_m(&[[0.0; 3]], &[]), None);
         assert_eq!(mean_particle_distance_m(&[], &[]), None);
+    }
+
+    /// A flat cloth stretched by one spacing along each side, as SoftGym lays it to measure the flat area.
+    fn laid_out(grid: &Grid) -> Vec<[f32; 3]> {
+        let at = |index: u32, dim: u32| {
+            let side_m = f64::from(dim) * grid.spacing_m;
+            (f64::from(index) / f64::from(dim - 1) - 0.5) * side_m
+        };
+        (0..grid.dimx * grid.dimy)
+            .map(|index| {
+                let (ix, iy) = (index % grid.dimx, index / grid.dimx);
+                [at(ix, grid.dimx) as f32, -at(iy, grid.dimy) as f32, 0.005]
+            })
+            .collect()
+    }
+
+    fn grid(dimx: u32, dimy: u32) -> Grid {
+        Grid {
+            dimx,
+            dimy,
+            spacing_m: 0.00625,
+        }
+    }
+
+    #[test]
+    fn a_cloth_laid_out_over_its_flat_area_covers_all_of_it() {
+        for (dimx, dimy) in [(2, 2), (3, 7), (40, 44), (42, 42), (59, 47), (101, 100)] {
+            let grid = grid(dimx, dimy);
+            let covered = coverage(&laid_out(&grid), &grid).expect("a cloth");
+            assert!((covered - 1.0).abs() < 1e-5, "{dimx} x {dimy}: {covered}");
+        }
+    }
+
+    #[test]
+    fn a_flat_cloth_scores_what_the_protocol_says_along_the_axes_and_across() {
+        let grid = grid(42, 42);
+        let flat = laid_out(&grid)
+            .iter()
+            .map(|[x, y, z]| [x * 41.0 / 42.0, y * 41.0 / 42.0, *z])
+            .collect::<Vec<_>>();
+        let turned = |degrees: f64| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let (sin, cos) = (sin as f32, cos as f32);
+            let points: Vec<_> = flat
+                .iter()
+                .map(|[x, y, z]| [cos * x - sin * y, sin * x + cos * y, *z])
+                .collect();
+            coverage(&points, &grid).expect("a cloth")
+        };
+        for (degrees, expected) in [(0.0, 0.953), (2.0, 1.014), (5.0, 1.038), (45.0, 1.057)] {
+            let covered = turned(degrees);
+            assert!((covered - expected).abs() < 3e-3, "{degrees}: {covered}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_cloth_covers_nothing_or_has_no_coverage() {
+        let grid = grid(4, 4);
+        assert_eq!(coverage(&[], &grid), None);
+        assert_eq!(coverage(&[[0.0, f32::NAN, 0.0]; 16], &grid), None);
+        assert_eq!(coverage(&[[0.1, 0.2, 0.0]; 16], &grid), Some(0.0));
+        let line: Vec<_> = (0..16).map(|i| [i as f32 * 0.01, 0.0, 0.0]).collect();
+        assert_eq!(coverage(&line, &grid), Some(0.0));
+    }
+
+    #[test]
+    fn improvement_counts_from_the_start_to_the_flat_cloth() {
+        assert_eq!(normalized_improvement(0.5, 0.5), Some(0.0));
+        assert_eq!(normalized_improvement(0.75, 0.5), Some(0.5));
+        assert_eq!(normalized_improvement(0.25, 0.5), Some(-0.5));
+        assert_eq!(normalized_improvement(1.0, 0.5), Some(1.0));
+        assert_eq!(normalized_improvement(1.0, 1.0), None);
+        assert_eq!(normalized_improvement(1.0, 1.05), None);
+        assert_eq!(normalized_improvement(1.0, f64::NAN), None);
+    }
+
+    #[test]
+    fn recorded_heaps_cover_what_was_recorded() {
+        let Some(root) = crate::recorded::recorded_data("recorded_heaps_cover_what_was_recorded")
+        else {
+            return;
+        };
+        let text = std::fs::read_to_string(root.join("smoothing40/manifest.json")).expect("there");
+        let manifest: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let states = manifest["states"].as_array().expect("a list");
+        assert!(states.len() >= 20, "{} states", states.len());
+        for state in states {
+            let number = |name: &str| state[name].as_f64().expect("a number");
+            let grid = grid(number("dimx") as u32, number("dimy") as u32);
+            let path = root.join(state["pos"].as_str().expect("a path"));
+            let frame = crate::start::StartFrame {
+                grid,
+                up: crate::start::Up::Y,
+            };
+            let start = crate::start::Start::load(&path, Some(frame)).expect("positions");
+            let flat_error_m2 = flat_area_m2(&grid) - number("flatten_area_m2");
+            assert!(flat_error_m2.abs() < 1e-12, "{path:?}: {flat_error_m2}");
+            let covered = coverage(&start.positions, &grid).expect("a cloth");
+            let error = covered - number("initial_coverage");
+            assert!(error.abs() < 1e-6, "{path:?}: {covered}, off by {error}");
+        }
     }
 }

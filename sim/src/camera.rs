@@ -1,8 +1,8 @@
 //! The camera over the table: what it is, what it sees, and where points land in its image.
 //!
 //! In: particle positions in grid order, colours. Out: a colour and a depth
-//! image. The camera looks straight down from above the table's centre, image
-//! right = +X, image up = +Y. Drawing triangles is `raster`'s business.
+//! image. The camera looks straight down from above the table's centre; either
+//! world axis may be up in its image. Drawing triangles is `raster`'s business.
 
 use crate::grid::Grid;
 use crate::raster::{Raster, Shade, Vertex};
@@ -27,6 +27,18 @@ pub struct TopDownCamera {
     pub fov_rad: f32,
     /// Side of the square image, pixels; rendering limits it to `MIN_SIZE_PX..=MAX_SIZE_PX`.
     pub size_px: u32,
+    /// Which way of the table is up in the image.
+    pub up: ImageUp,
+}
+
+/// Which way of the table is up in an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum ImageUp {
+    /// World +Y, so that image right is +X.
+    #[default]
+    Y,
+    /// World +X, so that image right is -Y: the other picture, turned left by a right angle.
+    X,
 }
 
 /// Says why a camera cannot exist.
@@ -85,8 +97,28 @@ pub struct Frame {
     pub depth_m: Vec<f32>,
 }
 
+impl Frame {
+    /// Turns the square picture left by a right angle: its right side becomes its top.
+    fn turned_left(self) -> Frame {
+        let size = self.width as usize;
+        let mut turned = Frame {
+            rgb: Vec::with_capacity(self.rgb.len()),
+            depth_m: Vec::with_capacity(self.depth_m.len()),
+            ..self
+        };
+        for row in 0..size {
+            for column in 0..size {
+                let from = column * size + (size - 1 - row);
+                turned.rgb.extend(&self.rgb[3 * from..3 * from + 3]);
+                turned.depth_m.push(self.depth_m[from]);
+            }
+        }
+        turned
+    }
+}
+
 impl TopDownCamera {
-    /// Checks the numbers and builds the camera.
+    /// Checks the numbers and builds the camera, with world +Y up in its image.
     pub fn new(height_m: f32, fov_rad: f32, size_px: u32) -> Result<TopDownCamera, CameraError> {
         if !(0.05..=10.0).contains(&height_m) {
             return Err(CameraError::Height(height_m));
@@ -101,7 +133,13 @@ impl TopDownCamera {
             height_m,
             fov_rad,
             size_px,
+            up: ImageUp::Y,
         })
+    }
+
+    /// Turns the camera about its optical axis.
+    pub fn with_up(self, up: ImageUp) -> TopDownCamera {
+        TopDownCamera { up, ..self }
     }
 
     /// Returns the focal length, pixels.
@@ -116,7 +154,11 @@ impl TopDownCamera {
     pub fn project(&self, point: [f32; 3]) -> [f32; 2] {
         let scale = self.focal_px() / (self.height_m - point[2]);
         let centre = 0.5 * self.size_px as f32;
-        [centre + scale * point[0], centre - scale * point[1]]
+        let [right, up] = match self.up {
+            ImageUp::Y => [point[0], point[1]],
+            ImageUp::X => [-point[1], point[0]],
+        };
+        [centre + scale * right, centre - scale * up]
     }
 
     /// Draws the table and the cloth.
@@ -127,7 +169,17 @@ impl TopDownCamera {
     /// Colour is the mean of 3 x 3 samples a pixel; depth is that of the pixel's centre alone, so no
     /// depth lies between two surfaces.
     pub fn render(&self, grid: Grid, positions: &[[f32; 3]], look: &Look) -> Frame {
+        // Turning the finished picture keeps both equal to the last bit.
+        let frame = self.render_with_y_up(grid, positions, look);
+        match self.up {
+            ImageUp::Y => frame,
+            ImageUp::X => frame.turned_left(),
+        }
+    }
+
+    fn render_with_y_up(&self, grid: Grid, positions: &[[f32; 3]], look: &Look) -> Frame {
         let camera = TopDownCamera {
+            up: ImageUp::Y,
             size_px: self.size_px.clamp(MIN_SIZE_PX, MAX_SIZE_PX),
             ..*self
         };

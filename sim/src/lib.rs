@@ -23,12 +23,13 @@
 //! seconds. Particle index: `iy * dimx + ix`, `ix` along +X and `iy` along -Y
 //! of the flat cloth. Nothing here knows of tasks, prompts or models.
 //!
-//! Read on in this order: [`Simulator`], then `picker` (the route), `solver`
+//! Read on in this order: [`Simulator`], then `picker` (the route), `crumple`, `solver`
 //! (the order of all passes), `springs`, `contacts`, `neighbours`, and every
 //! number in [`Params`].
 
 mod camera;
 mod contacts;
+mod crumple;
 mod digest;
 mod grid;
 mod neighbours;
@@ -40,7 +41,8 @@ mod simulator;
 mod solver;
 mod springs;
 
-pub use camera::{CameraError, Frame, Look, MAX_SIZE_PX, MIN_SIZE_PX, TopDownCamera};
+pub use camera::{CameraError, Frame, ImageUp, Look, MAX_SIZE_PX, MIN_SIZE_PX, TopDownCamera};
+pub use crumple::Crumpled;
 pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
 pub use params::{ALGORITHM_VERSION, Params};
 pub use simulator::{

@@ -278,6 +278,35 @@ impl Simulator {
         })
     }
 
+    /// Fixes a particle to the hand of [`Simulator::step_by_hand`], or lets all go.
+    pub(crate) fn hold(&mut self, particle: Option<usize>) {
+        self.held = particle;
+        self.solver.hold(particle);
+        self.at_rest = false;
+    }
+
+    /// Advances by one step with the picker away, while the held particle goes along with a hand.
+    ///
+    /// - `from`, `to`: the hand's way, world frame, metres; it must be far from the cloth, which it would push.
+    pub(crate) fn step_by_hand(&mut self, from: [f32; 3], to: [f32; 3]) -> Result<(), SimError> {
+        let picker = std::mem::replace(&mut self.sphere, from);
+        let done = self.step_to(to);
+        self.sphere = picker;
+        done
+    }
+
+    /// Tells whether the last step changed nothing.
+    pub(crate) fn is_at_rest(&self) -> bool {
+        self.at_rest
+    }
+
+    /// Begins anew with the cloth at the given positions, at rest.
+    pub(crate) fn restart_from(&mut self, positions: Planes) {
+        let shortcut = self.shortcut;
+        *self = Simulator::start(self.grid, positions, &self.params);
+        self.shortcut = shortcut;
+    }
+
     fn grasp(&mut self) {
         if self.held.is_some() {
             return;

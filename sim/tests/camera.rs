@@ -4,7 +4,7 @@
 mod recorded;
 
 use recorded::Demonstration;
-use sim::{CameraError, Frame, Grid, Look, Params, Simulator, TopDownCamera};
+use sim::{CameraError, Frame, Grid, ImageUp, Look, Params, Simulator, TopDownCamera};
 
 fn folding_camera(size_px: u32) -> TopDownCamera {
     TopDownCamera::new(0.65, 45f32.to_radians(), size_px).unwrap()
@@ -25,6 +25,81 @@ fn points_right_and_up_in_the_world_are_right_and_up_in_the_image() {
     assert!((row - 84.961).abs() < 1e-2, "{row}");
     let [nearer, _] = camera.project([0.13, 0.065, 0.325]);
     assert!((nearer - 220.157).abs() < 1e-2, "{nearer}");
+}
+
+#[test]
+fn with_x_up_world_x_is_up_and_world_y_is_left() {
+    let camera = folding_camera(224).with_up(ImageUp::X);
+    let [column, row] = camera.project([0.13, 0.065, 0.0]);
+    // 270.3919 pixels focal length: 112 - 0.1 f and 112 - 0.2 f.
+    assert!((column - 84.961).abs() < 1e-2, "{column}");
+    assert!((row - 57.922).abs() < 1e-2, "{row}");
+}
+
+#[test]
+fn the_picture_with_x_up_is_the_other_one_turned_left() {
+    let grid = Grid::new(20, 16, 0.00625).unwrap();
+    let mut points = grid.flat_positions(&Params::default());
+    // A corner folded over, so that neither side nor shading is the same everywhere.
+    for point in points.iter_mut().filter(|p| p[0] + p[1] < -0.05) {
+        *point = [-0.05 - point[1], -0.05 - point[0], 0.02];
+    }
+    let look = Look::default();
+    // An odd side has a middle pixel, an even one has none.
+    for size in [96, 97] {
+        let camera = folding_camera(size as u32);
+        let y_up = camera.render(grid, &points, &look);
+        let x_up = camera.with_up(ImageUp::X).render(grid, &points, &look);
+        assert_ne!(x_up, y_up);
+        for row in 0..size {
+            for column in 0..size {
+                let (from_column, from_row) = (size - 1 - row, column);
+                assert_eq!(
+                    pixel(&x_up, column, row),
+                    pixel(&y_up, from_column, from_row)
+                );
+                let depths = [
+                    x_up.depth_m[row * size + column],
+                    y_up.depth_m[from_row * size + from_column],
+                ];
+                assert_eq!(depths[0], depths[1]);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_raised_corner_is_drawn_where_the_projection_says() {
+    let grid = Grid::new(20, 20, 0.00625).unwrap();
+    let mut points = grid.flat_positions(&Params::default());
+    // The back right corner's four particles; nothing else is as near to the camera.
+    let raised = [18, 19, 38, 39];
+    for index in raised {
+        points[index][2] = 0.1;
+    }
+    for up in [ImageUp::Y, ImageUp::X] {
+        let camera = folding_camera(224).with_up(up);
+        let frame = camera.render(grid, &points, &Look::default());
+        let nearest: Vec<[f32; 2]> = (0..224 * 224)
+            .filter(|&pixel| frame.depth_m[pixel] < 0.5501)
+            .map(|pixel| [(pixel % 224) as f32 + 0.5, (pixel / 224) as f32 + 0.5])
+            .collect();
+        assert!(nearest.len() >= 4, "{} pixels", nearest.len());
+        let expected: [f32; 2] = [0, 1].map(|axis| {
+            raised
+                .iter()
+                .map(|&index| camera.project(points[index])[axis])
+                .sum::<f32>()
+                / 4.0
+        });
+        for axis in [0, 1] {
+            let seen = nearest.iter().map(|p| p[axis]).sum::<f32>() / nearest.len() as f32;
+            assert!(
+                (seen - expected[axis]).abs() < 0.75,
+                "{up:?}: {seen} {expected:?}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::support;
 use compiler::program::Cloth;
 use runtime::interrupt::Interrupt;
+use runtime::metrics::coverage;
 use runtime::start::Start;
 use runtime::world::{Grasp, Motion, World, WorldError, WorldPoint};
 
@@ -15,6 +16,7 @@ fn conforms(make: &dyn Fn() -> Box<dyn World>) {
     a_pick_beside_the_cloth_grasps_nothing(make().as_mut());
     an_interrupt_ends_an_action(make().as_mut());
     a_broken_start_is_refused(make().as_mut());
+    crumpling_depends_on_the_seed_alone_or_is_refused(make().as_ref());
     assert_eq!(
         make().parameters(),
         make().parameters(),
@@ -140,6 +142,35 @@ fn a_broken_start_is_refused(world: &mut dyn World) {
     let mut short = start();
     short.positions.pop();
     assert!(matches!(world.reset(&short), Err(WorldError::Start { .. })));
+}
+
+fn crumpling_depends_on_the_seed_alone_or_is_refused(world: &dyn World) {
+    let crumple = |seed| world.crumple(&start(), seed, &Interrupt::default());
+    let heap = match crumple(7) {
+        Ok(heap) => heap,
+        Err(WorldError::CannotCrumple { .. }) => return,
+        Err(other) => panic!("{other}"),
+    };
+    assert_eq!(heap.name, "crumpled, seed 7");
+    assert_eq!(heap.seed, Some(7));
+    assert_eq!(heap, crumple(7).unwrap());
+    assert_ne!(heap.positions, crumple(8).unwrap().positions);
+    assert_eq!(world.particles(), None, "crumpling a start laid a cloth");
+    let before = coverage(&start().positions, &start().grid).unwrap();
+    let after = coverage(&heap.positions, &heap.grid).unwrap();
+    assert!(after < 0.85 * before, "covers {after}, {before} before");
+    let interrupt = Interrupt::default();
+    interrupt.raise();
+    assert!(matches!(
+        world.crumple(&start(), 7, &interrupt),
+        Err(WorldError::Interrupted)
+    ));
+    let mut broken = start();
+    broken.positions[3][2] = f32::NAN;
+    assert!(matches!(
+        world.crumple(&broken, 7, &Interrupt::default()),
+        Err(WorldError::Start { .. })
+    ));
 }
 
 #[test]

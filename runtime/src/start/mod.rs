@@ -17,7 +17,7 @@ pub const RESTING_HEIGHT_M: f64 = 0.005;
 /// A cloth's particles at the beginning of a rollout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
-    /// What it is called in journals: `flat`, `seed 7`, or the file's name.
+    /// What it is called in journals: `flat`, `seed 7`, `crumpled, seed 7`, or the file's name.
     pub name: String,
     /// The seed that chose it, where one did.
     pub seed: Option<u64>,
@@ -40,6 +40,18 @@ impl Start {
         let fraction = (split_mix(seed) >> 11) as f64 / (1u64 << 53) as f64;
         let angle_rad = (fraction - 0.5) * std::f64::consts::FRAC_PI_2;
         Start::turned(format!("seed {seed}"), Some(seed), cloth, angle_rad)
+    }
+
+    /// Names a cloth that a world has crumpled by a seed; see [`crate::world::World::crumple`].
+    ///
+    /// - `positions`: `[dimy * dimx]`, index `iy * dimx + ix`, world frame, metres.
+    pub fn crumpled(grid: Grid, seed: u64, positions: Vec<[f32; 3]>) -> Start {
+        Start {
+            name: format!("crumpled, seed {seed}"),
+            seed: Some(seed),
+            grid,
+            positions,
+        }
     }
 
     fn turned(name: String, seed: Option<u64>, cloth: &Cloth, angle_rad: f64) -> Start {
@@ -120,6 +132,7 @@ mod tests {
             dimx: 5,
             dimy: 3,
             spacing_m: 0.00625,
+            start: compiler::program::ClothStart::Flat,
         }
     }
 

@@ -41,6 +41,15 @@ pub trait World {
     /// [`WorldError::Interrupted`] when `interrupt` is raised.
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError>;
 
+    /// Crumples a start by chance and returns where the cloth then lies, on the table's centre and at rest.
+    ///
+    /// The seed decides all chance: equal starts and seeds give equal results. The world itself stays as it was,
+    /// so that what is crumpled begins a rollout like any other start: by [`World::reset`], with its digest in
+    /// the journal. Fails with [`WorldError::CannotCrumple`] where a world has no such means, and ends early
+    /// with [`WorldError::Interrupted`] when `interrupt` is raised.
+    fn crumple(&self, start: &Start, seed: u64, interrupt: &Interrupt)
+    -> Result<Start, WorldError>;
+
     /// Returns the position of every particle, or `None` where the world cannot know.
     ///
     /// Shape `[dimy * dimx]`, index `iy * dimx + ix`, world frame, metres.
@@ -97,6 +106,12 @@ pub enum WorldError {
     /// The world was used before its first reset.
     #[error("no cloth has been laid yet")]
     NotReset,
+    /// The world has no way to crumple a cloth.
+    #[error("the world `{world}` cannot crumple a cloth; give it a start file")]
+    CannotCrumple {
+        /// The world's name.
+        world: String,
+    },
     /// The motion left what the world can represent.
     #[error("the motion failed: {why}")]
     Motion {

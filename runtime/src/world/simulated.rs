@@ -33,11 +33,15 @@ impl SimulatedWorld {
         .map_err(|error| WorldError::Camera {
             why: error.to_string(),
         })?;
+        let up = match camera.up {
+            program::ImageUp::Y => sim::ImageUp::Y,
+            program::ImageUp::X => sim::ImageUp::X,
+        };
         Ok(SimulatedWorld {
             parameters: Params::default(),
             look: Look::default(),
-            lens,
-            camera: Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px),
+            lens: lens.with_up(up),
+            camera: Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up),
             cloth: None,
         })
     }
@@ -45,6 +49,22 @@ impl SimulatedWorld {
     /// Changes the colours of cloth and table.
     pub fn with_look(self, look: Look) -> SimulatedWorld {
         SimulatedWorld { look, ..self }
+    }
+
+    /// Lays a cloth as a start says.
+    fn lay(&self, start: &Start) -> Result<Simulator, WorldError> {
+        let wrong = |why: String| WorldError::Start {
+            start: start.name.clone(),
+            why,
+        };
+        let grid = Grid::new(
+            start.grid.dimx as usize,
+            start.grid.dimy as usize,
+            start.grid.spacing_m as f32,
+        )
+        .map_err(|error| wrong(error.to_string()))?;
+        Simulator::from_positions(grid, &start.positions, &self.parameters)
+            .map_err(|error| wrong(error.to_string()))
     }
 
     fn cloth(&self) -> Result<&Simulator, WorldError> {
@@ -66,18 +86,7 @@ impl World for SimulatedWorld {
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
-        let wrong = |why: String| WorldError::Start {
-            start: start.name.clone(),
-            why,
-        };
-        let grid = Grid::new(
-            start.grid.dimx as usize,
-            start.grid.dimy as usize,
-            start.grid.spacing_m as f32,
-        )
-        .map_err(|error| wrong(error.to_string()))?;
-        let cloth = Simulator::from_positions(grid, &start.positions, &self.parameters);
-        self.cloth = Some(cloth.map_err(|error| wrong(error.to_string()))?);
+        self.cloth = Some(self.lay(start)?);
         Ok(())
     }
 
@@ -103,12 +112,7 @@ impl World for SimulatedWorld {
             .pick_and_place(on_table(&motion.pick), on_table(&motion.place), &|| {
                 interrupt.is_raised()
             })
-            .map_err(|error| match error {
-                SimError::Interrupted { .. } => WorldError::Interrupted,
-                other => WorldError::Motion {
-                    why: other.to_string(),
-                },
-            })?;
+            .map_err(stopped)?;
         Ok(Executed {
             motion: *motion,
             grasp: done
@@ -118,7 +122,30 @@ impl World for SimulatedWorld {
         })
     }
 
+    fn crumple(
+        &self,
+        start: &Start,
+        seed: u64,
+        interrupt: &Interrupt,
+    ) -> Result<Start, WorldError> {
+        let mut cloth = self.lay(start)?;
+        cloth
+            .crumple(seed, &|| interrupt.is_raised())
+            .map_err(stopped)?;
+        Ok(Start::crumpled(start.grid, seed, cloth.positions()))
+    }
+
     fn particles(&self) -> Option<Vec<[f32; 3]>> {
         self.cloth.as_ref().map(Simulator::positions)
+    }
+}
+
+/// Says in the world's words why the simulator stopped.
+fn stopped(error: SimError) -> WorldError {
+    match error {
+        SimError::Interrupted { .. } => WorldError::Interrupted,
+        other => WorldError::Motion {
+            why: other.to_string(),
+        },
     }
 }
