@@ -23,8 +23,8 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     let model = setting::model(&arguments.model)?;
     let beside = sources::folder_of(&arguments.task.file);
     let examples = ExamplePictures::load(&program, &beside).map_err(Failure::environment)?;
-    let mut first = setting::world(&program).map_err(Failure::environment)?;
-    let start = setting::start(&program, &beside, &arguments.start, first.as_mut())?;
+    let first = setting::world(&program).map_err(Failure::environment)?;
+    let start = setting::start(&program, &beside, &arguments.start, first.as_ref())?;
     let folder = match &arguments.out {
         Some(path) => RunFolder::create(path),
         None => RunFolder::create_next(Path::new("runs"), &program.task),
@@ -180,6 +180,16 @@ fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
         lines.push(format!(
             "mean particle distance to the nearest expert result: {mm:.1} mm{goal}"
         ));
+    }
+    if let Some(coverage) = report.coverage
+        && goal.is_some_and(|goal| goal.metric.is_judged_each_step())
+    {
+        let gained = report
+            .normalized_improvement
+            .map_or(String::new(), |gained| {
+                format!(", normalized improvement {gained:.3}")
+            });
+        lines.push(format!("coverage {coverage:.3}{gained}"));
     }
     let stand_in = if report.model_is_stand_in {
         ", a stand-in and no vision-language model"

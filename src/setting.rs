@@ -2,6 +2,7 @@
 
 use crate::cli::StartArguments;
 use crate::exit::Failure;
+use crate::output;
 use compiler::program::{ClothStart, Program};
 use runtime::cache::Cache;
 use runtime::files;
@@ -34,7 +35,7 @@ pub fn start(
     program: &Program,
     folder: &Path,
     arguments: &StartArguments,
-    world: &mut dyn World,
+    world: &dyn World,
 ) -> Result<Start, Failure> {
     let Some(text) = &arguments.start else {
         if arguments.dims.is_some() {
@@ -72,8 +73,12 @@ pub fn start(
     Start::load(Path::new(text), stated).map_err(Failure::environment)
 }
 
-fn crumpled(program: &Program, _seed: u64, _world: &mut dyn World) -> Result<Start, Failure> {
-    Ok(Start::flat(&program.cloth))
+fn crumpled(program: &Program, seed: u64, world: &dyn World) -> Result<Start, Failure> {
+    output::talk(&format!("crumpling the cloth, seed {seed}"));
+    let flat = Start::flat(&program.cloth);
+    world
+        .crumple(&flat, seed, &Interrupt::default())
+        .map_err(Failure::environment)
 }
 
 fn stated_frame(dims: &str, up: &str, spacing_m: f64) -> Result<StartFrame, Failure> {

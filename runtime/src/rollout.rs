@@ -5,15 +5,15 @@
 //! A model's bad proposal ends a rollout with an [`Outcome`]; only a failing environment is an error.
 
 mod record;
+mod score;
 
 use crate::action::Action;
 use crate::agent::{self, AgentError, Attempt, Decision, Models, Situation};
 use crate::cache::Cache;
-use crate::expert::{self, ExpertEnds, MakeWorld};
+use crate::expert::MakeWorld;
 use crate::files::ExamplePictures;
 use crate::interrupt::Interrupt;
 use crate::journal::{JournalError, Line, RunFolder, StepLine};
-use crate::metrics;
 use crate::model::ModelRole;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
@@ -24,9 +24,10 @@ use crate::subgoals::SubgoalSet;
 use crate::vision::VisionError;
 use crate::world::{Grasp, World, WorldError};
 use compiler::facts::Done;
-use compiler::program::{Arrow, Goal, Metric, Program, Which};
+use compiler::program::{Arrow, Program, Which};
 use compiler::render::RenderError;
 use record::{Keeper, Report, Timer};
+use score::{Covered, Scored, meets, score};
 use std::time::Instant;
 
 pub use record::{Report as RolloutReport, Score};
@@ -126,6 +127,7 @@ pub fn run(
     let mut keeper = Keeper::open(job, folder, world.as_ref())?;
     let mut sheet = Sheet::new();
     let mut memory = Memory::default();
+    let mut covered = Covered::at_start(job, world.as_ref());
     let mut end = Outcome::HorizonReached;
     for step in 1..=job.program.horizon {
         let mut turn = Turn {
@@ -151,6 +153,10 @@ pub fn run(
             end = outcome;
             break;
         }
+        if covered.update(job, world.as_ref()) {
+            end = Outcome::GoalReached;
+            break;
+        }
     }
     let score = if end == Outcome::HorizonReached {
         score(job, world.as_ref(), &mut keeper, progress)?
@@ -164,7 +170,7 @@ pub fn run(
         }
         _ => end,
     };
-    keeper.close(job, outcome, score.found(), &sheet, begun.elapsed())
+    keeper.close(job, outcome, score.found(), covered, &sheet, begun.elapsed())
 }
 
 /// What one step leaves to the next.
@@ -309,80 +315,6 @@ impl Turn<'_> {
         };
         self.stop(outcome, &error.to_string())
     }
-}
-
-/// What came of scoring.
-enum Scored {
-    /// There is nothing to score, or nothing to score it against.
-    Absent,
-    Interrupted,
-    Found(Score),
-}
-
-impl Scored {
-    fn found(&self) -> Option<&Score> {
-        match self {
-            Scored::Found(score) => Some(score),
-            _ => None,
-        }
-    }
-}
-
-/// Compares the final state with the expert results, and keeps those beside it.
-fn score(
-    job: &Job<'_>,
-    world: &dyn World,
-    keeper: &mut Keeper,
-    progress: &mut dyn FnMut(Event<'_>),
-) -> Result<Scored, RunError> {
-    let Some(particles) = world.particles() else {
-        return Ok(Scored::Absent);
-    };
-    let begun = Instant::now();
-    let total = job.program.experts.len();
-    let mut announce = |missing: usize| progress(Event::SimulatingExperts { missing, total });
-    let ends = expert::ends(
-        &job.program.experts,
-        job.start,
-        job.make_world,
-        job.cache,
-        job.interrupt,
-        &mut announce,
-    );
-    let ExpertEnds {
-        ends,
-        simulated,
-        not_kept,
-    } = match ends {
-        Ok(ends) => ends,
-        Err(WorldError::Interrupted) => return Ok(Scored::Interrupted),
-        Err(error) => return Err(error.into()),
-    };
-    keeper.timer.add("experts", begun.elapsed());
-    if let Some(why) = not_kept {
-        progress(Event::Note(why));
-    }
-    let mut distances = Vec::with_capacity(ends.len());
-    for end in &ends {
-        if let Some(distance_m) = metrics::mean_particle_distance_m(&particles, &end.positions) {
-            let file = keeper.keep_expert(end)?;
-            distances.push((end.sequence, distance_m, file));
-        }
-    }
-    let nearest = distances.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    Ok(match nearest {
-        Some(&(sequence, distance_m, _)) => Scored::Found(Score {
-            sequence,
-            distance_m,
-            distances,
-            simulated,
-        }),
-        None => Scored::Absent,
-    })
-}
-
-fn meets(goal: Option<&Goal>, distance_m: f64) -> bool {
-    goal.is_some_and(|goal| goal.metric == Metric::ParticleDistance && goal.is_met(distance_m))
 }
 
 /// Returns the name of the model that answers a role, for headers and reports.

@@ -70,11 +70,11 @@ impl Sheet {
             INK,
             10,
         )?;
-        let distance = report
-            .mean_particle_distance_mm
-            .map_or(String::new(), |mm| {
-                format!("   {mm:.1} mm from the nearest expert result")
-            });
+        let distance = match (report.mean_particle_distance_mm, report.coverage) {
+            (Some(mm), _) => format!("   {mm:.1} mm from the nearest expert result"),
+            (None, Some(coverage)) => format!("   coverage {coverage:.3}"),
+            (None, None) => String::new(),
+        };
         vision::draw_label(
             &mut sheet,
             &format!("{}{distance}", report.outcome.name()),

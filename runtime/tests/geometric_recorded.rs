@@ -24,6 +24,7 @@ fn ask(role: ModelRole, parts: Vec<Part>) -> String {
         parts,
     }];
     let request = Request {
+        top_p: None,
         role,
         messages,
         temperature: None,
@@ -90,13 +91,17 @@ fn corners_in(levels: &GrayImage) -> Vec<PixelPoint> {
     let depth = depth(levels);
     let mask = depth_mask(&depth, 0.646);
     let search = CornerSearch {
+        of: compiler::program::Sight::Depth,
+        block_px: 3,
         image_px: 128,
         max: 27,
         quality: 0.04,
         spacing_px: 10.0,
         response: Response::Harris { k: 0.04 },
     };
-    let found = corners(&depth, &mask, &search).unwrap();
+    // The detector looks at the depth alone.
+    let unseen = image::RgbImage::new(depth.width(), depth.height());
+    let found = corners(&depth, &unseen, &mask, &search).unwrap();
     found.into_iter().map(|corner| corner.pixel).collect()
 }
 

@@ -1,5 +1,6 @@
 //! What a rollout writes down, and the report it ends with.
 
+use super::score::Covered;
 use super::{Job, RunError, model_name};
 use crate::action::Action;
 use crate::expert::ExpertEnd;
@@ -223,6 +224,7 @@ impl Keeper {
         job: &Job<'_>,
         outcome: Outcome,
         score: Option<&Score>,
+        covered: Covered,
         sheet: &Sheet,
         wall: Duration,
     ) -> Result<Report, RunError> {
@@ -245,8 +247,8 @@ impl Keeper {
                 .as_ref()
                 .map(|_| outcome == Outcome::GoalReached),
             mean_particle_distance_mm: score.map(|score| score.distance_m * 1000.0),
-            coverage: None,
-            normalized_improvement: None,
+            coverage: covered.now,
+            normalized_improvement: covered.improvement(),
             steps: self.steps,
             model: if vision == text {
                 vision.to_owned()
