@@ -1,8 +1,11 @@
 //! The files of a build: which there are, what lists them, and what is refused.
 
+use super::table::Chance;
 use super::{drivers, programs};
 use compiler::emit::{self, EmitError, Manifest, Target};
-use compiler::program::{Choices, Comparison, Condition, Number, Program};
+use compiler::program::{
+    ActionField, Choices, Comparison, Condition, LengthChoice, Number, Program,
+};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::process::Command;
@@ -209,4 +212,65 @@ fn a_long_chain_of_negations_is_not_nested() {
             "{rust}"
         );
     }
+}
+
+#[test]
+fn every_number_reads_back_to_the_same_bits() {
+    let mut chance = Chance::of(6);
+    let mut program = programs::steered();
+    if let Choices::Lengths { choices, .. } = &mut program.actions[2].choices {
+        let mut fraction =
+            || f64::from(chance.below(u32::MAX)) / f64::from(chance.below(u32::MAX) + 1);
+        choices.extend((0..1000).map(|_| LengthChoice {
+            value: fraction(),
+            m: fraction(),
+        }));
+    }
+    let artifacts = emitted(&program).unwrap();
+    let manifest: Manifest = serde_json::from_str(&artifacts.last().unwrap().text).unwrap();
+    assert_eq!(manifest.program, program);
+}
+
+#[test]
+fn fields_may_be_called_like_words_of_rust_and_python() {
+    let words = "abstract and as assert async await become box break class const continue crate def del do \
+        dyn elif else enum except extern final finally fn for from gen global if impl import in is lambda let \
+        loop macro match mod move mut nonlocal not or override pass priv pub raise ref return self static \
+        struct super trait try type typeof unsafe unsized use virtual where while with yield true false \
+        True False None Self";
+    let mut program = programs::placed();
+    for word in words.split_whitespace() {
+        program.actions.push(ActionField {
+            name: word.to_owned(),
+            choices: Choices::Words {
+                choices: vec![word.to_owned()],
+            },
+        });
+    }
+    let built = drivers::build(&program, "words");
+    for edition in ["2018", "2024"] {
+        let arguments = [
+            "--edition",
+            edition,
+            "--crate-type",
+            "lib",
+            "--emit=metadata",
+        ];
+        let made = built.folder.join("words.rmeta");
+        drivers::rustc(&arguments, &built.folder.join("verifier.rs"), &made);
+    }
+    let test = "fields_may_be_called_like_words_of_rust_and_python";
+    let Some(python) = drivers::python(test) else {
+        return;
+    };
+    let said = Command::new(python)
+        .args(["-B", "-W", "error", "-c", "import verifier"])
+        .current_dir(&built.folder)
+        .output()
+        .unwrap();
+    assert!(
+        said.status.success(),
+        "{}",
+        String::from_utf8_lossy(&said.stderr)
+    );
 }

@@ -259,11 +259,11 @@ fn a_name_of_the_task_is_not_taken_for_what_was_said() {
     }
     let artifacts = emit::emit(std::slice::from_ref(&program), &[]).unwrap();
     let values = serde_json::json!({
-        "said": "", "v1": "b", "v2": { "inner": "c" },
+        "said": "x", "v1": "b", "v2": { "inner": "c" },
         "when": { "items": "yes", "plan.say.7": "yes", "keys": "", "values": "" },
     });
     let text = emit::fill(&source(&artifacts, "prompts/plan.user.txt.j2"), &values).unwrap();
-    assert_eq!(text, "\n is {\n\n- b{% %}");
+    assert_eq!(text, "\nx is {\n\n- b{% %}");
 }
 
 /// The Python program that fills what it is given: a JSON list of `[template, values]` in, of texts out.
