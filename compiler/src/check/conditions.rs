@@ -1,11 +1,10 @@
 //! Conditions: comparisons, `P within N of MASK`, `last`, joined by `and`, `or`, `not`.
 
 use super::Context;
+use super::measures::keypoint;
 use super::points::point;
 use super::quantity::{Measure, Wanted, read};
-use super::values::{
-    Frame, FramedLength, Operand, common_frame, keypoint, kind_of, lowered, operand,
-};
+use super::values::{Frame, FramedLength, Operand, common_frame, kind_of, lowered, operand};
 use crate::ast::{Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic, among, nearest};
 use crate::exact::cos_deg;

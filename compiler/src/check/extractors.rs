@@ -84,7 +84,8 @@ pub(super) fn mask(
         }
     }
     let extractor = Extractor::ColorMask {
-        hue_deg: hue?.map(f64::to_degrees),
+        // The way through radians must not move a limit off the whole degree that it names.
+        hue_deg: hue?.map(|hue_rad| (hue_rad.to_degrees() * 1e9).round() / 1e9),
         saturation,
         value,
     };

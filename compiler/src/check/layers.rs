@@ -2,11 +2,11 @@
 
 use super::Context;
 use super::arguments::{Bound, bare, bind, optional, rest};
+use super::measures::keypoint;
 use super::names::Meaning;
 use super::points::point;
 use super::quantity::{Measure, Wanted, read_whole};
 use super::uses::Uses;
-use super::values::keypoint;
 use crate::ast::{Argument, Expr, ExprKind, Ident, Keypoint};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::{Merged, unique};

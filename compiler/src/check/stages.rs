@@ -3,8 +3,8 @@
 use super::Context;
 use super::model::{self, Checked};
 use super::templates::{self, Place, Scope};
-use super::{conditions, examples, pictures, reads, uses};
-use crate::ast::{Component, Expr, Ident, Saying, Sayings, Stage, Text};
+use super::{examples, pictures, reads, said, uses};
+use crate::ast::{Expr, Ident, Saying, Sayings, Stage, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::{Merged, once};
 use crate::program::{self, Condition, Layers, ModelRole, Picture, Template};
@@ -24,9 +24,9 @@ pub(crate) struct Prompts {
 }
 
 /// What a stage speaks of, and whether it shows it.
-struct Spoken {
-    shows_layers: bool,
-    layers: Vec<(String, Span)>,
+pub(super) struct Spoken {
+    pub shows_layers: bool,
+    pub layers: Vec<(String, Span)>,
 }
 
 /// Builds the stages; what is wrong is left out.
@@ -119,15 +119,15 @@ fn read_names(merged: &Merged<'_>, context: &mut Context<'_>) {
     crate::merge::unique(keypoints.chain(fields).chain(reads), "name", context.report);
 }
 
-struct Builder<'m, 'a> {
-    merged: &'m Merged<'a>,
+pub(super) struct Builder<'m, 'a> {
+    pub(super) merged: &'m Merged<'a>,
     templates: Vec<Template>,
     /// Where each template is, by its name.
     places: BTreeMap<String, usize>,
     /// Components that some stage says.
-    said: BTreeSet<&'m str>,
+    pub(super) said: BTreeSet<&'m str>,
     /// For each stage that is right so far.
-    spoken: Vec<Spoken>,
+    pub(super) spoken: Vec<Spoken>,
 }
 
 impl<'m, 'a> Builder<'m, 'a> {
@@ -297,7 +297,7 @@ impl<'m, 'a> Builder<'m, 'a> {
         stage: usize,
         context: &mut Context<'_>,
     ) {
-        let when = match guard.map(|guard| self::guard(guard, context)) {
+        let when = match guard.map(|guard| said::guard(guard, context)) {
             None => None,
             Some(Some(when)) => Some(when),
             // The condition is wrong and reported; the text is checked as if it held.
@@ -339,79 +339,6 @@ impl<'m, 'a> Builder<'m, 'a> {
         }
     }
 
-    /// Warns of components of this task itself that no stage says, and checks their names all the same.
-    fn unsaid(&mut self, context: &mut Context<'_>) {
-        for component in self.merged.components.iter() {
-            let Component { name, text, .. } = component;
-            if self.said.contains(name.text.as_str()) {
-                continue;
-            }
-            let when = component
-                .when
-                .as_ref()
-                .and_then(|guard| self::guard(guard, context));
-            let scope = Scope {
-                place: Place::Nowhere,
-                has_last: true,
-                guarded: "",
-            };
-            templates::template(&name.text, text, when, scope, context);
-            let is_own = name.span.file == self.merged.task.name.span.file
-                && self.merged.is_own_component(name.span);
-            if is_own && !self.merged.stages.is_empty() && !self.merged.is_broken {
-                let message = format!("the component `{}` is said nowhere", name.text);
-                context.push(
-                    Diagnostic::new(Code::SaidNowhere, name.span, message)
-                        .help("name it in a stage's `say` or `system`, or remove it"),
-                );
-            }
-        }
-    }
-
-    /// Reports layers that are drawn and not named, or named and not drawn.
-    fn layers(&self, context: &mut Context<'_>) {
-        let mut named = BTreeSet::new();
-        for spoken in &self.spoken {
-            for (layer, span) in &spoken.layers {
-                named.insert(layer.as_str());
-                if !spoken.shows_layers {
-                    let message = format!("no picture of this stage shows `{layer}`");
-                    context.push(
-                        Diagnostic::new(Code::LayerNotShown, *span, message)
-                            .help("write `show scene with annotations` in the stage"),
-                    );
-                }
-            }
-        }
-        let Some(part) = self
-            .merged
-            .annotate
-            .filter(|_| !self.merged.stages.is_empty())
-        else {
-            return;
-        };
-        // What a variant leaves out is not the author's slip.
-        if self.merged.variant.is_some() || self.merged.has_faults {
-            return;
-        }
-        let all: Vec<String> = context
-            .layers
-            .iter()
-            .map(|layer| layer.name.clone())
-            .collect();
-        for layer in &part.list {
-            let name = layer.name.text.as_str();
-            if all.iter().any(|known| known == name) && !named.contains(name) {
-                let message = format!("the layer `{name}` is drawn and no prompt says what it is");
-                context.push(
-                    Diagnostic::new(Code::LayerNotNamed, layer.name.span, message).help(format!(
-                        "write `{{{{ {name} }}}}` in a text of the stage that shows it"
-                    )),
-                );
-            }
-        }
-    }
-
     /// Returns the components as they are declared, then the texts of the stages.
     fn in_order(self) -> Vec<Template> {
         let order = |template: &Template| {
@@ -422,21 +349,6 @@ impl<'m, 'a> Builder<'m, 'a> {
         templates.sort_by_key(order);
         templates
     }
-}
-
-/// Builds the condition under which a component is said.
-fn guard(expr: &Expr, context: &mut Context<'_>) -> Option<Condition> {
-    let when = conditions::check(expr, context)?;
-    let uses = uses::Uses::of_condition(&when);
-    if uses.action {
-        uses::needs_action(expr.span, context);
-        return None;
-    }
-    if uses.last && !uses::implies_last(&when) {
-        uses::needs_last(expr.span, "… when last and …", context);
-        return None;
-    }
-    Some(when)
 }
 
 fn part_help(part: &str) -> &'static str {

@@ -3,17 +3,14 @@
 //! Lengths carry the frame in which they are compared: the picture or the table. What the camera makes of
 //! the one in the other is only converted where `in` says so.
 
-use super::Context;
-use super::arguments::{bare, bind};
 use super::names::Meaning;
-use super::points::{direction_field, heading, is_heading, point};
+use super::points::{heading, is_heading, point};
 use super::quantity::{Measure, measure_of, no_conversion, quantity};
+use super::{Context, measures};
 use crate::ast::{Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic};
 use crate::exact::normalised_deg;
-use crate::program::{
-    Camera, Choices, Cloth, Heading, KeypointShape, Length, LengthUnit, Number, Point,
-};
+use crate::program::{Camera, Choices, Heading, KeypointShape, Length, LengthUnit, Number, Point};
 
 /// Where a length is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,7 +148,7 @@ pub(crate) fn operand(expr: &Expr, context: &mut Context<'_>) -> Option<Operand>
                 None
             }
         },
-        ExprKind::Call { name, .. } => call(name, expr, context),
+        ExprKind::Call { name, .. } => measures::call(name, expr, context),
         _ => {
             let found = context.written(expr.span);
             let message = format!("expected a value, found `{found}`");
@@ -248,121 +245,6 @@ fn named(name: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Operand> 
             None
         }
         _ => point(expr, context).map(Operand::Point),
-    }
-}
-
-fn call(name: &Ident, expr: &Expr, context: &mut Context<'_>) -> Option<Operand> {
-    let ExprKind::Call { arguments, .. } = &expr.kind else {
-        return None;
-    };
-    match name.text.as_str() {
-        "distance" => {
-            let bound = bind(name, arguments, &[bare("a"), bare("b")], context)?;
-            let a = point(bound.get("a")?, context);
-            let b = point(bound.get("b")?, context);
-            Some(Operand::Length(FramedLength {
-                native: NativeLength::Distance(a?, b?),
-                frame: Frame::Picture,
-                unit: "px".to_owned(),
-            }))
-        }
-        "angle_between" => {
-            let bound = bind(name, arguments, &[bare("a"), bare("b")], context)?;
-            let a = heading(bound.get("a")?, context);
-            let b = heading(bound.get("b")?, context);
-            Some(Operand::Between {
-                a: a?,
-                b: b?,
-                unit: "deg".to_owned(),
-            })
-        }
-        "count" => {
-            let bound = bind(name, arguments, &[bare("points")], context)?;
-            let shapes = [KeypointShape::Points];
-            let keypoint = keypoint(bound.get("points")?, &shapes, "points to count", context)?;
-            Some(Operand::Counted {
-                number: Number::Count { keypoint },
-                as_percent: AsPercent::No,
-            })
-        }
-        "coverage" => {
-            let bound = bind(name, arguments, &[bare("mask")], context)?;
-            let mask = keypoint(
-                bound.get("mask")?,
-                &[KeypointShape::Mask],
-                "a mask",
-                context,
-            )?;
-            let px_per_m = context.camera.as_ref().map(Camera::px_per_m)?;
-            let area_m2 = context.cloth.as_ref().map(Cloth::area_m2)?;
-            Some(Operand::Counted {
-                number: Number::Coverage {
-                    mask,
-                    flat_px: area_m2 * px_per_m * px_per_m,
-                },
-                as_percent: AsPercent::No,
-            })
-        }
-        "mirror" => point(expr, context).map(Operand::Point),
-        "nearest" => {
-            let bound = bind(
-                name,
-                arguments,
-                &[bare("field"), bare("direction")],
-                context,
-            )?;
-            direction_field(bound.get("field")?, context)?;
-            heading(bound.get("direction")?, context)?;
-            let message =
-                "`nearest` is written in texts, as `{{ nearest(direction, from center to pick) }}`";
-            context.push(Diagnostic::new(Code::WrongExpression, expr.span, message));
-            None
-        }
-        _ => {
-            let known = ["distance", "angle_between", "count", "coverage", "mirror"];
-            context.unknown("measure", name, known);
-            None
-        }
-    }
-}
-
-/// Returns the name of a keypoint of one of the wanted shapes.
-pub(super) fn keypoint(
-    expr: &Expr,
-    wanted: &[KeypointShape],
-    words: &str,
-    context: &mut Context<'_>,
-) -> Option<String> {
-    let ExprKind::Name(text) = &expr.kind else {
-        let found = context.written(expr.span);
-        let message = format!("expected {words}, found `{found}`");
-        context.push(Diagnostic::new(Code::WrongExpression, expr.span, message));
-        return None;
-    };
-    let name = Ident {
-        text: text.clone(),
-        span: expr.span,
-    };
-    match context.names.get(text) {
-        Some(Meaning::Keypoint(Some(shape))) if wanted.contains(&shape) => Some(name.text),
-        // Its own declaration is wrong and reported there.
-        Some(Meaning::Keypoint(None)) => None,
-        Some(Meaning::Keypoint(Some(shape))) => {
-            context.push(super::keypoints::wrong_kind(&name, shape, words));
-            None
-        }
-        _ => {
-            let fits = |meaning| matches!(meaning, Meaning::Keypoint(Some(shape)) if wanted.contains(&shape));
-            let candidates = context.names.that(fits);
-            let kind = match wanted {
-                [KeypointShape::Mask, ..] => "mask",
-                [KeypointShape::Box] => "box",
-                [KeypointShape::Outline] => "outline",
-                _ => "keypoint",
-            };
-            context.unknown(kind, &name, candidates);
-            None
-        }
     }
 }
 
