@@ -15,4 +15,5 @@ mod recorded_starts;
 mod stand_in;
 mod tidy;
 mod verbs;
+mod whole_programs;
 mod world_conformance;

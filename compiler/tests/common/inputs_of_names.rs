@@ -1,9 +1,115 @@
-//! Generated inputs about names: unknown, repeated, many.
+//! Generated inputs about texts, and about names: unknown, repeated, many.
 
 use super::{Input, KEYPOINTS, STAGE, WHOLE, input};
 
-/// One input for each way in which names can be many or wrong.
+/// One input for each way in which texts and names can be many or wrong.
 pub const NAMES: &[Input] = &[
+    // Texts.
+    input("strings that do not close", STAGE, "say \"a\n", "}}\n"),
+    input(
+        "long texts that do not close",
+        "task t {\n",
+        "component c@ \"\"\"\n",
+        "}\n",
+    ),
+    input(
+        "long texts that do not close, in junk",
+        "task t {\n",
+        "? \"\"\"\n",
+        "}\n",
+    ),
+    input(
+        "one long string",
+        "task t {\ncomponent c \"",
+        "abc ",
+        "\"\n}\n",
+    ),
+    input(
+        "one long text",
+        "task t {\ncomponent c \"\"\"\n",
+        "  abc abc\n",
+        "\"\"\"\n}\n",
+    ),
+    input(
+        "one text of blank lines",
+        "task t {\ncomponent c \"\"\"\n",
+        "  \n",
+        "\"\"\"\n}\n",
+    ),
+    input(
+        "long texts",
+        "task t {\n",
+        "component c@ \"\"\"\n  abc\n  \"\"\"\n",
+        "}\n",
+    ),
+    input(
+        "placeholders",
+        "task t {\nstage s {\nsay \"\"\"\n",
+        "{{ a@ }}",
+        "\"\"\"\n}}\n",
+    ),
+    input(
+        "placeholders of one name",
+        "task t {\nstage s {\nsay \"\"\"\n",
+        "{{ a }}\n",
+        "\"\"\"\n}}\n",
+    ),
+    input(
+        "lone braces",
+        "task t {\nstage s {\nsay \"",
+        "{{",
+        "\"\n}}\n",
+    ),
+    input(
+        "lone braces with blanks",
+        "task t {\nstage s {\nsay \"",
+        "{{ ",
+        "\"\n}}\n",
+    ),
+    input(
+        "one long path",
+        "task t {\nstage s {\nsay \"{{ a",
+        ".a",
+        " }}\"\n}}\n",
+    ),
+    input(
+        "backslashes",
+        "task t {\nstage s {\nsay \"",
+        "\\a",
+        "\"\n}}\n",
+    ),
+    input("escapes", "task t {\nstage s {\nsay \"", "\\\"", "\"\n}}\n"),
+    input(
+        "typographic quotes",
+        "task t {\n",
+        "component c@ “a”\n",
+        "}\n",
+    ),
+    input(
+        "typographic quotes in a row",
+        "task t {\ncomponent c ",
+        "“",
+        "\n}\n",
+    ),
+    input(
+        "typographic long quotes",
+        "task t {\n",
+        "component c@ “““a”””\n",
+        "}\n",
+    ),
+    input("single quotes", "task t {\n", "component c@ 'a'\n", "}\n"),
+    input(
+        "single quotes that do not close",
+        "task t {\n",
+        "component c@ 'a\n",
+        "}\n",
+    ),
+    input(
+        "runaway lines",
+        "task t {\ncomponent c \"\"\"\n",
+        "component d\n",
+        "\"\"\"\n}\n",
+    ),
     // Names: unknown, repeated, many.
     input("unknown masks", KEYPOINTS, "k@ = centroid(u@)\n", "}}\n"),
     input("unknown functions", KEYPOINTS, "k@ = f@(1)\n", "}}\n"),
