@@ -170,7 +170,14 @@ pub fn run(
         }
         _ => end,
     };
-    keeper.close(job, outcome, score.found(), covered, &sheet, begun.elapsed())
+    keeper.close(
+        job,
+        outcome,
+        score.found(),
+        covered,
+        &sheet,
+        begun.elapsed(),
+    )
 }
 
 /// What one step leaves to the next.

@@ -32,7 +32,10 @@ pub(super) fn score(
     keeper: &mut Keeper,
     progress: &mut dyn FnMut(Event<'_>),
 ) -> Result<Scored, RunError> {
-    let Some(particles) = world.particles().filter(|_| !job.program.experts.is_empty()) else {
+    let Some(particles) = world
+        .particles()
+        .filter(|_| !job.program.experts.is_empty())
+    else {
         return Ok(Scored::Absent);
     };
     let begun = Instant::now();

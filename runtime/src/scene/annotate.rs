@@ -49,13 +49,13 @@ impl Scene {
             let mut pixels = Vec::new();
             for spot in at {
                 match spot {
-                    Spot::Points { keypoint } => pixels.extend(self.points(keypoint).ok_or_else(
-                        || {
+                    Spot::Points { keypoint } => {
+                        pixels.extend(self.points(keypoint).ok_or_else(|| {
                             SceneError::Missing(Missing {
                                 name: keypoint.clone(),
                             })
-                        },
-                    )?),
+                        })?)
+                    }
                     Spot::One { point } => pixels.push(pixel(point)?),
                 }
             }

@@ -48,8 +48,7 @@ impl Scene {
                     response: *response,
                 };
                 let mask = self.mask(mask)?;
-                let found =
-                    vision::corners(&observation.depth_m, &observation.rgb, mask, &search)?;
+                let found = vision::corners(&observation.depth_m, &observation.rgb, mask, &search)?;
                 Found::Corners(found)
             }
             Extractor::Centroid { mask } => vision::centroid(self.mask(mask)?)
