@@ -150,7 +150,7 @@ mod tests {
             assert!(off < 0.06, "{}: off by {off}", fixture["name"]);
             n_points += 1;
         }
-        assert!(n_points >= 9, "{n_points} points");
+        assert!(n_points >= 5, "{n_points} points");
     }
 
     #[test]

@@ -19,10 +19,8 @@ const RISE_M: f32 = 0.1;
 const MAX_HANG_STEPS: u32 = 300;
 /// Most steps that the dropped cloth is given to come to rest (SoftGym: 300).
 const MAX_REST_STEPS: u32 = 300;
-/// Most further spells in which what still creeps is slowed down.
-const MAX_CALMING_SPELLS: u32 = 30;
-/// Steps of such a spell.
-const CALMING_STEPS: u32 = 10;
+/// Most further steps in which what still creeps is slowed down.
+const MAX_CALMING_STEPS: u32 = 300;
 /// Where the invisible hand begins every step: below any cloth, so that its sphere touches none.
 const HAND_M: [f32; 3] = [0.0, 0.0, -10.0];
 
@@ -44,7 +42,7 @@ impl Simulator {
     /// velocities, its clock at zero.
     ///
     /// - `interrupted`: asked before every step; `true` ends the crumpling early, with the cloth let go
-    ///   where it is.
+    ///   where it is, without the lift's speed.
     pub fn crumple(
         &mut self,
         seed: u64,
@@ -57,7 +55,7 @@ impl Simulator {
         let mut steps = 0;
         self.hold(Some(lifted));
         self.lift_and_drop(lift_m, &mut steps, interrupted)
-            .inspect_err(|_| self.hold(None))?;
+            .inspect_err(|_| self.restart_from(Planes::from_points(&self.positions())))?;
         Ok(Crumpled {
             lifted,
             lift_m,
@@ -95,15 +93,13 @@ impl Simulator {
             }
         }
         // Whoever starts from these positions starts without speeds, and a heap that rests by the hop of some
-        // particles then slides on (by 13 mm, one did): it is brought to rest without speeds.
-        for _ in 0..MAX_CALMING_SPELLS {
+        // particles then slides on (one by 13 mm): it is brought to rest from standstill to standstill, until
+        // a step changes nothing.
+        for _ in 0..MAX_CALMING_STEPS {
             self.restart_from(centred(&self.positions()));
             step(self, 0.0)?;
             if self.is_at_rest() {
                 break;
-            }
-            for _ in 1..CALMING_STEPS {
-                step(self, 0.0)?;
             }
         }
         self.restart_from(centred(&self.positions()));

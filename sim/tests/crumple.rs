@@ -1,0 +1,129 @@
+//! Crumpled cloths: equal seeds, what a heap must be, interruption.
+#![allow(clippy::unwrap_used)]
+
+use sim::{Grid, Look, Params, SimError, Simulator, TopDownCamera};
+
+fn flat(dim: usize) -> Simulator {
+    Simulator::flat(Grid::new(dim, dim, 0.00625).unwrap(), &Params::default())
+}
+
+fn crumpled(dim: usize, seed: u64) -> Simulator {
+    let mut cloth = flat(dim);
+    cloth.crumple(seed, &|| false).unwrap();
+    cloth
+}
+
+/// Returns the share of its own flat area that a cloth covers, seen from 10 m above.
+fn coverage(cloth: &Simulator) -> f32 {
+    let camera = TopDownCamera::new(10.0, 0.06, 512).unwrap();
+    let frame = camera.render(cloth.grid(), &cloth.positions(), &Look::default());
+    let pixels = frame.depth_m.iter().filter(|depth| **depth < 9.998).count();
+    let side_m = (cloth.grid().dimx - 1) as f32 * cloth.grid().spacing_m;
+    pixels as f32 * (10.0 / camera.focal_px()).powi(2) / (side_m * side_m)
+}
+
+/// Returns the length of every edge over its length at rest.
+fn stretches(cloth: &Simulator) -> Vec<f32> {
+    let (grid, points) = (cloth.grid(), cloth.positions());
+    let length = |a: usize, b: usize| {
+        let square = |axis: usize| (points[a][axis] - points[b][axis]).powi(2);
+        (square(0) + square(1) + square(2)).sqrt() / grid.spacing_m
+    };
+    (0..points.len())
+        .flat_map(|index| {
+            let right = (index % grid.dimx + 1 < grid.dimx).then_some(index + 1);
+            let front = (index + grid.dimx < points.len()).then_some(index + grid.dimx);
+            right
+                .into_iter()
+                .chain(front)
+                .map(move |other| (index, other))
+        })
+        .map(|(index, other)| length(index, other))
+        .collect()
+}
+
+/// Checks what every heap must be, and returns its coverage.
+fn check_heap(cloth: &Simulator, name: &str) -> f32 {
+    let points = cloth.positions();
+    for point in &points {
+        assert!(point.iter().all(|value| value.is_finite()), "{name}");
+        assert!(point[2] >= 0.0, "{name}: {point:?} is under the table");
+    }
+    for axis in [0, 1] {
+        let mean = points.iter().map(|p| p[axis]).sum::<f32>() / points.len() as f32;
+        assert!(mean.abs() < 0.001, "{name}: {mean} m off the centre");
+    }
+    let stretches = stretches(cloth);
+    let mean = stretches.iter().sum::<f32>() / stretches.len() as f32;
+    assert!((0.99..1.03).contains(&mean), "{name}: mean stretch {mean}");
+    // Recorded heaps have single edges of up to 1.9 too.
+    let long = stretches.iter().filter(|&&stretch| stretch > 1.2).count();
+    assert!(100 * long < stretches.len(), "{name}: {long} long edges");
+    assert!(Simulator::from_positions(cloth.grid(), &points, &Params::default()).is_ok());
+    coverage(cloth)
+}
+
+#[test]
+fn a_flat_cloth_covers_its_area_as_these_tests_measure_it() {
+    let covered = coverage(&flat(41));
+    assert!((covered - 1.0).abs() < 0.02, "{covered}");
+}
+
+#[test]
+fn equal_seeds_give_equal_heaps_and_others_give_others() {
+    let [one, same, other] = [3, 3, 4].map(|seed| crumpled(24, seed));
+    assert_eq!(one.digest(), same.digest());
+    assert_ne!(one.digest(), other.digest());
+    for (cloth, name) in [(&one, "3"), (&other, "4")] {
+        let covered = check_heap(cloth, name);
+        assert!((0.25..0.85).contains(&covered), "{name} covers {covered}");
+    }
+}
+
+#[test]
+fn a_heap_goes_on_as_one_that_was_started_from_its_positions() {
+    let mut heap = crumpled(16, 5);
+    assert_eq!(heap.steps(), 0);
+    let grid = heap.grid();
+    let mut copy = Simulator::from_positions(grid, &heap.positions(), &Params::default()).unwrap();
+    for cloth in [&mut heap, &mut copy] {
+        cloth
+            .pick_and_place([0.02, 0.0], [0.0, 0.05], &|| false)
+            .unwrap();
+    }
+    assert_eq!(heap.digest(), copy.digest());
+}
+
+#[test]
+fn an_interrupted_crumpling_ends_at_once_and_lets_go() {
+    // In the lift, while hanging, and while coming to rest.
+    for stop in [0, 5, 60, 320] {
+        let mut cloth = flat(12);
+        let asked = std::cell::Cell::new(0);
+        let interrupted = || asked.replace(asked.get() + 1) >= stop;
+        match cloth.crumple(1, &interrupted) {
+            Err(error) => assert_eq!(error, SimError::Interrupted { steps: stop }),
+            Ok(done) => assert!(done.steps <= stop, "went on after {stop}: {done:?}"),
+        }
+        cloth.settle(300).unwrap();
+        let highest = cloth
+            .positions()
+            .iter()
+            .fold(0.0, |high: f32, p| high.max(p[2]));
+        assert!(highest < 0.06, "still held after {stop}: {highest}");
+    }
+}
+
+#[test]
+#[ignore = "long: ten heaps, a minute of computing"]
+fn long_ten_heaps_cover_as_much_as_recorded_ones() {
+    let mut sum = 0.0;
+    for seed in 0..10 {
+        let covered = check_heap(&crumpled(41, seed), &seed.to_string());
+        println!("seed {seed} covers {covered:.3}");
+        assert!((0.3..0.85).contains(&covered), "{seed} covers {covered}");
+        sum += covered;
+    }
+    // Recorded: 0.33 to 0.63, mean 0.45, by a measure that adds a few hundredths.
+    assert!((0.35..0.55).contains(&(sum / 10.0)), "mean {}", sum / 10.0);
+}
