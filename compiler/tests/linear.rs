@@ -19,9 +19,9 @@ const SLACK: f64 = 1.15;
 
 /// Returns whether a text is parsed within so many calls.
 fn is_parsed_within(text: &str, calls: usize) -> bool {
-    pest::set_call_limit(NonZeroUsize::new(calls));
+    grammar::limit_calls(NonZeroUsize::new(calls));
     let parsed = grammar::parse(text);
-    pest::set_call_limit(None);
+    grammar::limit_calls(None);
     let gave_up = matches!(
         parsed.faults.as_slice(),
         [fault] if fault.span == (0..text.len()) && matches!(fault.problem, Problem::TooDeep { .. })

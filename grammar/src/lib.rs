@@ -16,7 +16,7 @@ mod tree;
 mod vocabulary;
 
 pub use fault::{Fault, Problem};
-pub use limits::{MAX_BYTES, MAX_NESTING, MAX_WORD_BYTES};
+pub use limits::{MAX_BYTES, MAX_NESTING, MAX_WORD_BYTES, limit_calls};
 pub use tree::{Kind, Node, Tree};
 pub use vocabulary::is_keyword;
 

@@ -15,6 +15,14 @@ pub const MAX_WORD_BYTES: usize = 200;
 /// The most brackets and braces that may be open at once.
 pub const MAX_NESTING: usize = 32;
 
+/// Lets every later parse of this process give up beyond so many calls of the grammar's rules; None: no limit.
+///
+/// Counts work where a clock would count the machine. A parse that gives up reports [`Problem::TooDeep`] over
+/// the whole text.
+pub fn limit_calls(calls: Option<std::num::NonZeroUsize>) {
+    pest::set_call_limit(calls);
+}
+
 /// Accepts a text that is short and flat enough to be parsed.
 pub(crate) fn check(text: &str) -> Result<(), Fault> {
     if text.len() > MAX_BYTES {

@@ -13,7 +13,7 @@ mod prompts;
 mod readme;
 mod recorded_starts;
 mod stand_in;
+mod steered;
 mod tidy;
 mod verbs;
-mod whole_programs;
 mod world_conformance;

@@ -98,7 +98,9 @@ pub(super) fn expr(file: FileId, node: Node<'_>) -> Option<Expr> {
             ExprKind::Heading { from, to }
         }
         Kind::Path => ExprKind::Path(node.text().to_owned()),
-        Kind::String => ExprKind::Text(text::text(file, node)?),
+        Kind::String | Kind::CurlyString | Kind::SingleString => {
+            ExprKind::Text(text::text(file, node)?)
+        }
         Kind::Quantity => quantity(file, node)?,
         Kind::Name => ExprKind::Name(node.text().to_owned()),
         Kind::Call => ExprKind::Call {
