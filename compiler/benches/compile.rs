@@ -112,9 +112,13 @@ fn milliseconds(time: Duration) -> f64 {
 fn stated_limits() -> bool {
     let one = Memory::one(inputs::two_hundred_lines(TASK));
     assert!(emit("input.fab", &one) > 0, "the task is right");
-    let one_task = shortest(20, || {
-        emit("input.fab", &one);
-    });
+    // One alone is shorter than the tick in which the system counts.
+    const REPEATS: u32 = 100;
+    let one_task = shortest(3, || {
+        for _ in 0..REPEATS {
+            emit("input.fab", &one);
+        }
+    }) / REPEATS;
     let folder = folder_of_a_thousand();
     let thousand_files = shortest(3, || {
         for number in 0..1000 {

@@ -88,10 +88,9 @@ impl Context<'_> {
     pub fn written(&self, span: Span) -> String {
         const MOST: usize = 40;
         let text = self.loaded.sources.text(span);
-        if text.chars().count() <= MOST {
-            text.to_owned()
-        } else {
-            text.chars().take(MOST).chain(['…']).collect()
+        match text.char_indices().nth(MOST) {
+            None => text.to_owned(),
+            Some((end, _)) => format!("{}…", &text[..end]),
         }
     }
 

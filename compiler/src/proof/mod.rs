@@ -5,6 +5,7 @@
 //! choices. Points are those of two generated scenes. The work is bounded and the same every time.
 
 mod declared;
+mod memory;
 mod others;
 mod scene;
 
@@ -37,7 +38,19 @@ pub struct Flaw {
 /// Returns what contradicts itself in a program's action space; nothing where it is consistent.
 ///
 /// At most one flaw for each value, in the order in which they are found.
+///
+/// A program whose answers are like those of one before has the same flaws, which are remembered.
 pub fn flaws(program: &Program) -> Vec<Flaw> {
+    let key = memory::key(program);
+    if let Some(known) = memory::recall(&key) {
+        return known;
+    }
+    let found = prove(program);
+    memory::keep(key, &found);
+    found
+}
+
+fn prove(program: &Program) -> Vec<Flaw> {
     let mut found = Flaws::default();
     declared::check(program, &mut found);
     if found.is_hopeless {

@@ -1,0 +1,59 @@
+//! Remembers what was proved: a thousand tasks that share a library share its action space.
+//!
+//! [`super::flaws`] depends on the parts of a program in [`key`] alone, so that remembering changes no result.
+
+use super::Flaw;
+use crate::program::{Extractor, Program};
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+/// The most action spaces that are remembered; then all are forgotten.
+const MOST: usize = 256;
+
+static KNOWN: Mutex<BTreeMap<String, Vec<Flaw>>> = Mutex::new(BTreeMap::new());
+
+/// Returns all that a proof depends on: fields, fixed points, the picture's side, the cloth's longer side.
+pub(super) fn key(program: &Program) -> String {
+    let points: Vec<(&str, bool, &[_])> = program
+        .keypoints
+        .iter()
+        .map(|keypoint| match &keypoint.extractor {
+            Extractor::Fixed { points } => (keypoint.name.as_str(), true, points.as_slice()),
+            _ => (keypoint.name.as_str(), false, &[][..]),
+        })
+        .collect();
+    let shapes: Vec<String> = program
+        .keypoints
+        .iter()
+        .map(|keypoint| format!("{:?}", keypoint.extractor.shape()))
+        .collect();
+    let edge_m = program.cloth.edge_m();
+    serde_json::to_string(&(
+        &program.actions,
+        points,
+        shapes,
+        program.camera.image_px,
+        edge_m,
+    ))
+    .expect("these have string keys and finite numbers")
+}
+
+/// Returns what is remembered of a key.
+pub(super) fn recall(key: &str) -> Option<Vec<Flaw>> {
+    // A thread that panicked cannot have left half of an entry.
+    let known = KNOWN
+        .lock()
+        .unwrap_or_else(|poisoned| poisoned.into_inner());
+    known.get(key).cloned()
+}
+
+/// Remembers what was proved.
+pub(super) fn keep(key: String, flaws: &[Flaw]) {
+    let mut known = KNOWN
+        .lock()
+        .unwrap_or_else(|poisoned| poisoned.into_inner());
+    if known.len() >= MOST {
+        known.clear();
+    }
+    known.insert(key, flaws.to_vec());
+}
