@@ -66,7 +66,7 @@ fn every_example_compiles() {
         .unwrap()
         .text
         .clone();
-    let mut n_examples = 0;
+    let (mut n_examples, mut n_tests) = (0, 0);
     for (number, block) in blocks
         .iter()
         .enumerate()
@@ -84,9 +84,24 @@ fn every_example_compiles() {
                 block.line
             );
         }
+        for test in &compiled.tests {
+            let program = compiled
+                .programs
+                .iter()
+                .find(|program| program.task == test.task && program.variant.is_none())
+                .unwrap();
+            let trial = compiler::trial::run(program, test);
+            assert!(
+                trial.is_expected,
+                "line {}: {}: {}",
+                block.line, test.name, trial.finding
+            );
+            n_tests += 1;
+        }
         n_examples += 1;
     }
-    assert!(n_examples > 10, "only {n_examples} examples were found");
+    assert!(n_examples > 25, "only {n_examples} examples were found");
+    assert!(n_tests >= 3, "only {n_tests} tests were run");
 }
 
 #[test]
