@@ -23,14 +23,20 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     let model = setting::model(&arguments.model)?;
     let beside = sources::folder_of(&arguments.task.file);
     let examples = ExamplePictures::load(&program, &beside).map_err(Failure::environment)?;
+    let interrupt = setting::interrupt()?;
     let first = setting::world(&program).map_err(Failure::environment)?;
-    let start = setting::start(&program, &beside, &arguments.start, first.as_ref())?;
+    let start = setting::start(
+        &program,
+        &beside,
+        &arguments.start,
+        first.as_ref(),
+        &interrupt,
+    )?;
     let folder = match &arguments.out {
         Some(path) => RunFolder::create(path),
-        None => RunFolder::create_next(Path::new("runs"), &program.task),
+        None => RunFolder::create_next(Path::new("runs"), &program.title().replace('/', "-")),
     };
     let folder = folder.map_err(Failure::environment)?;
-    let interrupt = setting::interrupt()?;
     let make_world = || setting::world(&program);
     let subgoals = match prepare(&program, &start, &beside, &make_world, &interrupt) {
         Ok(Some(subgoals)) => subgoals,

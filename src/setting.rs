@@ -5,6 +5,7 @@ use crate::exit::Failure;
 use crate::output;
 use compiler::program::{ClothStart, Program};
 use runtime::cache::Cache;
+use runtime::crumple;
 use runtime::files;
 use runtime::interrupt::Interrupt;
 use runtime::model::{Geometric, Model};
@@ -14,6 +15,9 @@ use std::path::{Path, PathBuf};
 
 /// The models that this build knows.
 const MODELS: &str = "`geometric` (an embedded stand-in)";
+
+/// The seed of a crumpled cloth where the command line names none.
+const DEFAULT_SEED: u64 = 0;
 
 /// Makes a simulated world for a program.
 pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
@@ -36,6 +40,7 @@ pub fn start(
     folder: &Path,
     arguments: &StartArguments,
     world: &dyn World,
+    interrupt: &Interrupt,
 ) -> Result<Start, Failure> {
     let Some(text) = &arguments.start else {
         if arguments.dims.is_some() {
@@ -45,7 +50,7 @@ pub fn start(
         }
         return match &program.cloth.start {
             ClothStart::Flat => Ok(Start::flat(&program.cloth)),
-            ClothStart::Crumpled => crumpled(program, 0, world),
+            ClothStart::Crumpled => crumpled(program, DEFAULT_SEED, world, interrupt),
             ClothStart::File { file } => {
                 let path = files::resolve(folder, file).map_err(Failure::environment)?;
                 Start::load(&path, None).map_err(Failure::environment)
@@ -62,7 +67,7 @@ pub fn start(
             Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX))
         })?;
         return match program.cloth.start {
-            ClothStart::Crumpled => crumpled(program, seed, world),
+            ClothStart::Crumpled => crumpled(program, seed, world, interrupt),
             _ => Ok(Start::seeded(&program.cloth, seed)),
         };
     }
@@ -73,12 +78,24 @@ pub fn start(
     Start::load(Path::new(text), stated).map_err(Failure::environment)
 }
 
-fn crumpled(program: &Program, seed: u64, world: &dyn World) -> Result<Start, Failure> {
-    output::talk(&format!("crumpling the cloth, seed {seed}"));
-    let flat = Start::flat(&program.cloth);
-    world
-        .crumple(&flat, seed, &Interrupt::default())
-        .map_err(Failure::environment)
+fn crumpled(
+    program: &Program,
+    seed: u64,
+    world: &dyn World,
+    interrupt: &Interrupt,
+) -> Result<Start, Failure> {
+    let mut announce = || output::talk(&format!("crumpling the cloth, seed {seed}"));
+    let cloth = &program.cloth;
+    match crumple::start(cloth, seed, world, &cache(), interrupt, &mut announce) {
+        Ok(crumpled) => {
+            if let Some(why) = crumpled.not_kept {
+                output::talk(&format!("note: {why}"));
+            }
+            Ok(crumpled.start)
+        }
+        Err(WorldError::Interrupted) => Err(Failure::interrupted()),
+        Err(error) => Err(Failure::environment(error)),
+    }
 }
 
 fn stated_frame(dims: &str, up: &str, spacing_m: f64) -> Result<StartFrame, Failure> {

@@ -96,11 +96,22 @@ pub enum Decision {
     Act {
         /// The action.
         proposal: Proposal,
-        /// Whether it passes only without the checks that the task leaves out at last.
-        relaxed: bool,
+        /// Which answer it is.
+        accepted: Accepted,
     },
     /// End the rollout so.
     Stop(Outcome),
+}
+
+/// Which answer was taken in the end.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Accepted {
+    /// The stage that asked for it.
+    pub stage: String,
+    /// Which question of that stage and step it answered, from 1.
+    pub attempt: u32,
+    /// The checks that were left out, all questions being used up; empty where it passes every check.
+    pub without: Vec<String>,
 }
 
 /// Why a step could not even be asked.
@@ -166,8 +177,8 @@ pub fn decide<E: std::error::Error>(
             Answer::Text { name, value } => {
                 texts.insert(name, value);
             }
-            Answer::Action { proposal, relaxed } => {
-                decision = Decision::Act { proposal, relaxed };
+            Answer::Action { proposal, accepted } => {
+                decision = Decision::Act { proposal, accepted };
             }
             Answer::None(outcome) => return Ok(Decision::Stop(outcome)),
         }
@@ -177,8 +188,14 @@ pub fn decide<E: std::error::Error>(
 
 /// What a stage comes to in the end.
 enum Answer {
-    Text { name: String, value: String },
-    Action { proposal: Proposal, relaxed: bool },
+    Text {
+        name: String,
+        value: String,
+    },
+    Action {
+        proposal: Proposal,
+        accepted: Accepted,
+    },
     None(Outcome),
 }
 
@@ -193,8 +210,8 @@ struct Talk<'a> {
     stage: &'a Stage,
     messages: Vec<Message>,
     asked: u32,
-    /// Actions that were read and refused, oldest first.
-    refused: Vec<Proposal>,
+    /// Actions that were read and refused, oldest first, each with its question's number.
+    refused: Vec<(u32, Proposal)>,
 }
 
 impl<'a> Talk<'a> {
@@ -268,10 +285,8 @@ impl<'a> Talk<'a> {
                 verdict: Verdict::Accept,
                 ..
             } => {
-                return Ok(Next::Done(Answer::Action {
-                    proposal: Proposal { fields },
-                    relaxed: false,
-                }));
+                let proposal = Proposal { fields };
+                return Ok(Next::Done(self.accept(proposal, attempt.number, &[])));
             }
             Finding::Failed { .. } => return Ok(Next::Done(Answer::None(Outcome::ModelFailed))),
             Finding::Action {
@@ -279,20 +294,14 @@ impl<'a> Talk<'a> {
                 verdict: Verdict::Reject { message, .. },
                 ..
             } => {
-                self.refused.push(Proposal { fields });
+                self.refused.push((attempt.number, Proposal { fields }));
                 (message, Outcome::AttemptsExhausted)
             }
             Finding::Malformed { message, .. } => (message, Outcome::MalformedReply),
         };
         if self.asked >= self.situation.program.verify.attempts {
-            let answer = match self.relaxed(texts)? {
-                Some(proposal) => Answer::Action {
-                    proposal,
-                    relaxed: true,
-                },
-                None => Answer::None(outcome),
-            };
-            return Ok(Next::Done(answer));
+            let relaxed = self.relaxed(texts)?;
+            return Ok(Next::Done(relaxed.unwrap_or(Answer::None(outcome))));
         }
         let said = attempt.reply.map(|reply| reply.text).unwrap_or_default();
         self.messages.push(Message::text(Speaker::Assistant, said));
@@ -301,19 +310,26 @@ impl<'a> Talk<'a> {
     }
 
     /// Judges the answers in hand once more, newest first, without the checks that the task then leaves out.
-    fn relaxed(&self, texts: &BTreeMap<String, String>) -> Result<Option<Proposal>, RenderError> {
+    fn relaxed(&self, texts: &BTreeMap<String, String>) -> Result<Option<Answer>, RenderError> {
         let program = self.situation.program;
-        if program.verify.relaxed.is_empty() {
-            return Ok(None);
-        }
-        for proposal in self.refused.iter().rev() {
+        let without = &program.verify.relaxed;
+        for (number, proposal) in self.refused.iter().rev().filter(|_| !without.is_empty()) {
             let facts = self.situation.facts(texts);
             let verdict = verify::verdict(program, facts, proposal, Strictness::Relaxed)?;
             if verdict == Verdict::Accept {
-                return Ok(Some(proposal.clone()));
+                return Ok(Some(self.accept(proposal.clone(), *number, without)));
             }
         }
         Ok(None)
+    }
+
+    fn accept(&self, proposal: Proposal, attempt: u32, without: &[String]) -> Answer {
+        let accepted = Accepted {
+            stage: self.stage.name.clone(),
+            attempt,
+            without: without.to_owned(),
+        };
+        Answer::Action { proposal, accepted }
     }
 }
 

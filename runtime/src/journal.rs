@@ -5,7 +5,7 @@
 //! line is of a rollout that did not end by itself.
 
 use crate::action::Action;
-use crate::agent::Attempt;
+use crate::agent::{Accepted, Attempt};
 use crate::model::{Part, Request, Speaker};
 use crate::store;
 use crate::world::Executed;
@@ -71,15 +71,16 @@ pub struct StepLine {
     pub scene: Value,
     /// Every question of the step.
     pub attempts: Vec<Value>,
+    /// Which answer was taken, where one was.
+    pub accepted: Option<Accepted>,
     /// What was to be executed, where something was.
     pub action: Option<Action>,
     /// What the world really did.
     pub executed: Option<Executed>,
+    /// Covered area over that of the flat cloth after it, where the world knows.
+    pub coverage: Option<f64>,
     /// Why the step ended the rollout, in words.
     pub stopped: Option<String>,
-    /// Whether the action passes only without the checks that the task leaves out at last.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub relaxed: bool,
     /// Pictures and positions by what they show.
     pub files: serde_json::Map<String, Value>,
     /// Wall time by what it was spent on, seconds.

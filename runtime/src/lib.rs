@@ -21,6 +21,7 @@ pub mod vision;
 pub mod world;
 
 pub mod camera;
+pub mod crumple;
 pub mod expert;
 pub mod files;
 pub mod interrupt;

@@ -146,6 +146,11 @@ pub fn run(
             &mut sheet,
             progress,
         )?;
+        let stopped = match stopped {
+            None if covered.update(job, world.as_ref()) => Some(Outcome::GoalReached),
+            stopped => stopped,
+        };
+        turn.line.coverage = turn.line.executed.as_ref().and(covered.now);
         turn.timer.write(&mut turn.line.seconds);
         keeper.folder.append(&Line::Step(&turn.line))?;
         keeper.count(&turn.line, &turn.timer);
@@ -153,15 +158,12 @@ pub fn run(
             end = outcome;
             break;
         }
-        if covered.update(job, world.as_ref()) {
-            end = Outcome::GoalReached;
-            break;
-        }
     }
-    let score = if end == Outcome::HorizonReached {
-        score(job, world.as_ref(), &mut keeper, progress)?
-    } else {
-        Scored::Absent
+    let score = match end {
+        Outcome::HorizonReached | Outcome::GoalReached => {
+            score(job, world.as_ref(), &mut keeper, progress)?
+        }
+        _ => Scored::Absent,
     };
     let outcome = match &score {
         Scored::Interrupted => Outcome::Interrupted,
@@ -256,8 +258,8 @@ impl Turn<'_> {
             pictures: &pictures,
         };
         let proposal = match agent::decide(situation, job.models, &mut record)? {
-            Decision::Act { proposal, relaxed } => {
-                self.line.relaxed = relaxed;
+            Decision::Act { proposal, accepted } => {
+                self.line.accepted = Some(accepted);
                 proposal
             }
             Decision::Stop(outcome) => {

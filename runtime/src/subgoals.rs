@@ -314,8 +314,9 @@ fn draw(
     Ok(set)
 }
 
+/// Variants of a task may fold another way, so that each has its own pictures.
 fn pin_folder(program: &Program, folder: &Path) -> PathBuf {
-    folder.join(format!("{}.subgoals", program.task))
+    folder.join(format!("{}.subgoals", program.title().replace('/', ".")))
 }
 
 fn drawn_from(program: &Program, folds: &[Fold]) -> String {

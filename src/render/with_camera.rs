@@ -42,7 +42,13 @@ impl View {
         let subgoals = SubgoalSet::obtain(program, &folder, world.as_mut(), &interrupt)
             .map_err(Failure::environment)?;
         let examples = ExamplePictures::load(program, &folder).map_err(Failure::environment)?;
-        let start = setting::start(program, &folder, &arguments.start, world.as_ref())?;
+        let start = setting::start(
+            program,
+            &folder,
+            &arguments.start,
+            world.as_ref(),
+            &interrupt,
+        )?;
         let step = arguments.step;
         let seen = look(program, &start, step, world.as_mut(), &interrupt)?;
         let annotated = seen

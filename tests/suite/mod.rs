@@ -16,4 +16,5 @@ mod stand_in;
 mod steered;
 mod tidy;
 mod verbs;
+mod whole_programs;
 mod world_conformance;

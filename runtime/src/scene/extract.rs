@@ -18,7 +18,7 @@ impl Scene {
         };
         Ok(match extractor {
             Extractor::DepthMask { below_m } => {
-                seen(name, vision::depth_mask(&observation.depth_m, *below_m))?
+                self.seen(name, vision::depth_mask(&observation.depth_m, *below_m))?
             }
             Extractor::ColorMask {
                 hue_deg,
@@ -26,7 +26,7 @@ impl Scene {
                 value,
             } => {
                 let mask = vision::color_mask(&observation.rgb, *hue_deg, *saturation, *value);
-                seen(name, mask)?
+                self.seen(name, mask)?
             }
             Extractor::Corners {
                 mask,
@@ -59,7 +59,11 @@ impl Scene {
                 .ok_or_else(|| out_of_view(mask))?,
             Extractor::BoxCenter { of } => Found::Point(vision::box_center(self.corners_of(of)?)),
             Extractor::Contour { mask, tolerance_px } => {
-                Found::Outline(vision::contour(self.mask(mask)?, *tolerance_px)?)
+                let around = vision::contour(self.mask(mask)?, *tolerance_px)?;
+                if around.is_empty() {
+                    return Err(out_of_view(mask));
+                }
+                Found::Outline(around)
             }
             Extractor::EdgeMiddles { outline } => {
                 Found::Points(vision::edge_middles(self.outline(outline)?))
@@ -70,14 +74,16 @@ impl Scene {
             Extractor::Fixed { points } => Found::Points(points.clone()),
         })
     }
-}
 
-/// Accepts a mask that shows something.
-fn seen(name: &str, mask: Mask) -> Result<Found, SceneError> {
-    if mask.is_empty() {
-        return Err(SceneError::OutOfView {
-            mask: name.to_owned(),
-        });
+    /// Accepts a mask that shows something; none but the first, the cloth, must.
+    ///
+    /// A colour may be out of sight, as the underside of a cloth that lies flat.
+    fn seen(&self, name: &str, mask: Mask) -> Result<Found, SceneError> {
+        if mask.is_empty() && self.cloth().is_none() {
+            return Err(SceneError::OutOfView {
+                mask: name.to_owned(),
+            });
+        }
+        Ok(Found::Mask(mask))
     }
-    Ok(Found::Mask(mask))
 }

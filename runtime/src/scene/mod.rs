@@ -34,7 +34,7 @@ enum Found {
 /// Why a picture gives no scene.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// A mask is empty.
+    /// The first mask, the cloth, or one that something is taken from is empty.
     #[error("no pixel of the picture belongs to `{mask}`: the cloth is out of view")]
     OutOfView {
         /// The mask's name.
@@ -58,7 +58,8 @@ impl Scene {
     /// Finds every keypoint of `program` in `observation`.
     ///
     /// Keypoints of the start are taken from `first`, the rollout's first scene; without one, this
-    /// scene is the first. Fails where a mask is empty, a detector finds nothing, or OpenCV fails.
+    /// scene is the first. Fails where the first mask (the cloth) or one that something is taken from is
+    /// empty, a field has nothing to choose from, or OpenCV fails.
     pub fn of(
         program: &Program,
         observation: &Observation,
@@ -178,6 +179,7 @@ impl SceneView for Scene {
 
     fn distance_px(&self, region: &str, point: PixelPoint) -> Option<f64> {
         match self.get(region)? {
+            Found::Mask(mask) if mask.is_empty() => None,
             Found::Mask(mask) => Some(mask.distance_px(point)),
             Found::Box(corners) => Some(vision::box_distance_px(point, *corners)),
             _ => None,

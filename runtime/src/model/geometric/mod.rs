@@ -42,11 +42,11 @@ impl Model for Geometric {
     }
 
     fn ask(&self, request: &Request) -> Result<Reply, ModelError> {
-        if let Some(field) = prompt::asks_for_more(&all_words(&request.messages)) {
+        if let Some(more) = prompt::asks_for_more(&all_words(&request.messages)) {
             return Err(ModelError::Unsupported {
                 model: self.name().to_owned(),
                 why: format!(
-                    "it can only answer with a pick point and a place point, and the prompt asks for `{field}`"
+                    "it can only answer with a pick point and a place point, and the prompt asks {more}"
                 ),
             });
         }

@@ -101,7 +101,7 @@ impl AnswerLine {
     }
 }
 
-/// Returns what a prompt asks for besides a pick point and a place point, where its lines state a format.
+/// Says what a prompt asks for besides a pick point and a place point, where its lines state a format.
 ///
 /// A format that lists values, `Direction = 0 deg | 90 deg`, asks for that field; one for a pick point alone
 /// asks for something in a place point's stead.
@@ -109,14 +109,14 @@ pub fn asks_for_more(prompt: &str) -> Option<String> {
     let listed = prompt.lines().find_map(|line| {
         let (name, values) = line.split_once('=')?;
         let is_name = !name.trim().is_empty() && name.split_whitespace().count() <= 3;
-        (is_name && values.contains(" | ")).then(|| name.trim().to_owned())
+        (is_name && values.contains(" | ")).then(|| format!("for `{}`", name.trim()))
     });
     let stated = |field: &str| {
         prompt
             .lines()
             .any(|line| AnswerLine::read(field, line).is_some())
     };
-    let alone = (stated("pick") && !stated("place")).then(|| "no place point".to_owned());
+    let alone = (stated("pick") && !stated("place")).then(|| "for a pick point alone".to_owned());
     listed.or(alone)
 }
 

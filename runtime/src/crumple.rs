@@ -1,0 +1,144 @@
+//! Crumpled starts: made by a world, and kept, since that takes seconds.
+//!
+//! In: a program's cloth, a seed, a world. Out: a [`Start`], from the cache or crumpled anew. Equal cloths,
+//! seeds and worlds give equal bits.
+
+use crate::cache::Cache;
+use crate::interrupt::Interrupt;
+use crate::npy;
+use crate::start::Start;
+use crate::world::{World, WorldError};
+use compiler::program::Cloth;
+use sha2::{Digest, Sha256};
+
+/// A crumpled start, and how it was had.
+#[derive(Clone, Debug)]
+pub struct Crumpled {
+    /// The start.
+    pub start: Start,
+    /// Why it could not be kept for the next time, where that happened.
+    pub not_kept: Option<String>,
+}
+
+/// Returns the crumpled start that a seed chooses.
+///
+/// `announce` is called before a start is crumpled anew. Fails where the world cannot lay or crumple the
+/// cloth, or where `interrupt` is raised.
+pub fn start(
+    cloth: &Cloth,
+    seed: u64,
+    world: &dyn World,
+    cache: &Cache,
+    interrupt: &Interrupt,
+    announce: &mut dyn FnMut(),
+) -> Result<Crumpled, WorldError> {
+    let flat = Start::flat(cloth);
+    let key = key(&flat, seed, world);
+    if let Some(positions) = kept(cache, &key, &flat) {
+        return Ok(Crumpled {
+            start: Start::crumpled(flat.grid, seed, positions),
+            not_kept: None,
+        });
+    }
+    announce();
+    let start = world.crumple(&flat, seed, interrupt)?;
+    let kept = cache.put(&key, &npy::encode(&start.positions));
+    Ok(Crumpled {
+        start,
+        not_kept: kept.err(),
+    })
+}
+
+fn kept(cache: &Cache, key: &str, flat: &Start) -> Option<Vec<[f32; 3]>> {
+    let positions = npy::decode(&cache.get(key)?)?;
+    let whole = positions.len() == flat.positions.len()
+        && positions.iter().flatten().all(|value| value.is_finite());
+    whole.then_some(positions)
+}
+
+/// Covers everything that the start depends on, the code that computes it included.
+fn key(flat: &Start, seed: u64, world: &dyn World) -> String {
+    let mut hash = Sha256::new();
+    for part in [
+        "crumpled start, format 1",
+        &world.parameters(),
+        &world.code(),
+        &flat.digest(),
+        &seed.to_string(),
+        include_str!("start/mod.rs"),
+        include_str!("world/simulated.rs"),
+    ] {
+        hash.update((part.len() as u64).to_le_bytes());
+        hash.update(part);
+    }
+    crate::digest::hex(&hash.finalize())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::world::SimulatedWorld;
+    use compiler::program::{Camera, ClothStart, ImageUp};
+
+    const CLOTH: Cloth = Cloth {
+        dimx: 12,
+        dimy: 10,
+        spacing_m: 0.00625,
+        start: ClothStart::Crumpled,
+    };
+
+    fn world() -> SimulatedWorld {
+        let camera = Camera {
+            height_m: 0.65,
+            fov_rad: 0.785,
+            image_px: 64,
+            up: ImageUp::Y,
+        };
+        SimulatedWorld::new(&camera).unwrap()
+    }
+
+    /// Returns the start, and whether it had to be crumpled.
+    fn crumpled(seed: u64, cache: &Cache) -> (Start, bool) {
+        let mut anew = false;
+        let mut announce = || anew = true;
+        let interrupt = Interrupt::default();
+        let crumpled = start(&CLOTH, seed, &world(), cache, &interrupt, &mut announce);
+        (crumpled.unwrap().start, anew)
+    }
+
+    #[test]
+    fn a_start_is_crumpled_once_and_has_the_same_bits_from_the_cache() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::at(folder.path().to_owned());
+        let (bare, _) = crumpled(7, &Cache::none());
+        assert_eq!(crumpled(7, &cache), (bare.clone(), true));
+        assert_eq!(crumpled(7, &cache), (bare.clone(), false));
+        let (other, anew) = crumpled(8, &cache);
+        assert!(anew && other.digest() != bare.digest());
+    }
+
+    #[test]
+    fn a_damaged_entry_is_crumpled_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::at(folder.path().to_owned());
+        let (first, _) = crumpled(3, &cache);
+        let entry = std::fs::read_dir(folder.path()).unwrap().next().unwrap();
+        let path = entry.unwrap().path();
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+        assert_eq!(crumpled(3, &cache), (first, true));
+    }
+
+    #[test]
+    fn a_raised_interrupt_keeps_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let interrupt = Interrupt::default();
+        interrupt.raise();
+        let cache = Cache::at(folder.path().to_owned());
+        let crumpled = start(&CLOTH, 1, &world(), &cache, &interrupt, &mut || {});
+        assert!(matches!(crumpled, Err(WorldError::Interrupted)));
+        let kept = std::fs::read_dir(folder.path()).unwrap();
+        assert_eq!(kept.count(), 0);
+    }
+}
