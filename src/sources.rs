@@ -240,7 +240,7 @@ mod tests {
         let (_root, folder) = folders();
         symlink("lib/base.fab", folder.join("base.fab")).expect("a link");
         let text = "use \"base.fab\"\ntask t extends base { }\n";
-        assert_eq!(codes(&folder, "task.fab", text), [String::new(); 0]);
+        assert!(codes(&folder, "task.fab", text).is_empty());
     }
 
     #[test]

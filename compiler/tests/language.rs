@@ -100,7 +100,7 @@ fn every_example_compiles() {
         }
         n_examples += 1;
     }
-    assert!(n_examples > 25, "only {n_examples} examples were found");
+    assert!(n_examples > 20, "only {n_examples} examples were found");
     assert!(n_tests >= 3, "only {n_tests} tests were run");
 }
 

@@ -320,7 +320,13 @@ fn pin_folder(program: &Program, folder: &Path) -> PathBuf {
 }
 
 fn drawn_from(program: &Program, folds: &[Fold]) -> String {
-    let source =
-        serde_json::json!({ "cloth": program.cloth, "camera": program.camera, "folds": folds });
+    // They are drawn from the flat cloth, however a rollout begins.
+    let cloth = &program.cloth;
+    let source = serde_json::json!({
+        "cloth": [cloth.dimx, cloth.dimy],
+        "spacing_m": cloth.spacing_m,
+        "camera": program.camera,
+        "folds": folds,
+    });
     crate::digest::hex(&Sha256::digest(source.to_string()))
 }

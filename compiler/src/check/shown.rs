@@ -22,7 +22,7 @@ pub(crate) enum Placed {
     /// Words that are known now.
     Literal(String),
     /// A value that is known later.
-    Value(Shown),
+    Value(Box<Shown>),
 }
 
 /// Builds a placeholder; None, with a report, where it is wrong.
@@ -41,6 +41,10 @@ pub(crate) fn check(expr: &Expr, scope: Scope<'_>, context: &mut Context<'_>) ->
         return None;
     }
     Some(placed)
+}
+
+fn later(shown: Shown) -> Placed {
+    Placed::Value(Box::new(shown))
 }
 
 fn value(expr: &Expr, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Placed> {
@@ -62,7 +66,7 @@ fn value(expr: &Expr, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pla
             )?;
             let field = direction_field(bound.get("field")?, context);
             let to = heading(bound.get("direction")?, context);
-            Some(Placed::Value(Shown::Nearest {
+            Some(later(Shown::Nearest {
                 field: field?,
                 to: to?,
             }))
@@ -136,7 +140,7 @@ fn named(name: &Ident, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pl
             return None;
         }
     };
-    Some(Placed::Value(shown))
+    Some(later(shown))
 }
 
 fn unknown(name: &Ident, place: Place, context: &mut Context<'_>) {
@@ -169,7 +173,7 @@ fn dotted(path: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> 
         && let Some(field) = context.actions.iter().find(|field| field.name == name)
     {
         return Some(match field.choices {
-            Choices::Points { .. } => Placed::Value(Shown::Choices {
+            Choices::Points { .. } => later(Shown::Choices {
                 field: name.to_owned(),
             }),
             _ => Placed::Literal(space::listed(field, &space::declared(field))),
@@ -181,7 +185,7 @@ fn dotted(path: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> 
             return written(value, expr, context);
         }
         if context.actions.iter().any(|field| field.name == name) {
-            return Some(Placed::Value(Shown::LastField {
+            return Some(later(Shown::LastField {
                 field: name.to_owned(),
             }));
         }
@@ -219,21 +223,21 @@ fn written(value: Operand, expr: &Expr, context: &mut Context<'_>) -> Option<Pla
     Some(match value {
         Operand::Length(length) => self::length(&length, context)?,
         Operand::Angle { deg, unit } => Placed::Literal(number(deg, &of_angle(&unit))),
-        Operand::Between { a, b, unit } => Placed::Value(Shown::Angle {
+        Operand::Between { a, b, unit } => later(Shown::Angle {
             a,
             b,
             written: of_angle(&unit),
         }),
         Operand::Number(value) => Placed::Literal(exact::written(value, 4)),
-        Operand::Counted { number, as_percent } => Placed::Value(Shown::Number {
+        Operand::Counted { number, as_percent } => later(Shown::Number {
             number,
             written: match as_percent {
                 AsPercent::Yes => plain(100.0, 0, "%"),
                 AsPercent::No => plain(1.0, 3, ""),
             },
         }),
-        Operand::Point(point) => Placed::Value(Shown::Point { point }),
-        Operand::WordField(field) => Placed::Value(Shown::Field { field }),
+        Operand::Point(point) => later(Shown::Point { point }),
+        Operand::WordField(field) => later(Shown::Field { field }),
         Operand::Word(word) => Placed::Literal(word),
         Operand::Heading => {
             let found = context.written(expr.span);
@@ -274,7 +278,7 @@ fn length(length: &FramedLength, context: &Context<'_>) -> Option<Placed> {
     };
     Some(match lowered(&length.native, length.frame, context)? {
         Length::Constant { value } => Placed::Literal(number(value, &written)),
-        length => Placed::Value(Shown::Length { length, written }),
+        length => later(Shown::Length { length, written }),
     })
 }
 

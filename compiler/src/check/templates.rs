@@ -115,7 +115,7 @@ pub(crate) fn template(
                 let written = context.loaded.sources.text(expr.span);
                 let name = context.variables.name(&shown, written);
                 jinja.variable(&name);
-                variables.insert(name, shown);
+                variables.insert(name, *shown);
             }
         }
     }

@@ -109,11 +109,11 @@ fn one(check: &ast::Check, context: &mut Context<'_>) -> Option<(Check, Template
                 .help("it refuses what was not offered; choose another name"),
         );
     }
-    let when = match &check.when {
-        None => None,
-        // Where the guard is wrong, the rest is checked as if it held.
-        Some(guard) => Some(conditions::check(guard, context).unwrap_or(Condition::Last)),
-    };
+    // Where the guard is wrong, the rest is checked as if it held.
+    let when = check
+        .when
+        .as_ref()
+        .map(|guard| conditions::check(guard, context).unwrap_or(Condition::Last));
     let has_last = when.as_ref().is_some_and(uses::implies_last);
     let guarded = format!("check {}", check.name.text);
     let mut holds = None;

@@ -212,9 +212,8 @@ impl<'a> Merged<'a> {
 
     /// Returns whether a rollout needs subgoals: where a stage shows one.
     pub fn needs_subgoals(&self) -> bool {
-        let shows_one = self.stages.iter().flat_map(|stage| &stage.show).any(|show| {
+        self.stages.iter().flat_map(|stage| &stage.show).any(|show| {
             show.list.iter().any(|(picture, _)| !matches!(&picture.kind, ExprKind::Name(name) if name == "scene"))
-        });
-        shows_one
+        })
     }
 }

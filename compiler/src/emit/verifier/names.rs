@@ -99,8 +99,11 @@ mod tests {
     #[test]
     fn numbers_keep_their_bits_and_must_be_finite() {
         for value in [0.1, -0.0, 1e-300, 1e300, 224.0, f64::MIN_POSITIVE / 8.0] {
-            let text = number(value).unwrap();
-            assert_eq!(text.parse::<f64>().unwrap().to_bits(), value.to_bits());
+            let text = number(value).expect("a finite number");
+            assert_eq!(
+                text.parse::<f64>().expect("a number").to_bits(),
+                value.to_bits()
+            );
             assert!(
                 text.contains(['.', 'e']),
                 "{text} would be an integer in Python"
