@@ -4,6 +4,7 @@ use crate::cli::CheckArguments;
 use crate::exit::{Exit, Failure};
 use crate::{fix, output, sources};
 use compiler::diag;
+use compiler::program::Program;
 use serde_json::{Value, json};
 
 /// Checks every file, whatever the others hold.
@@ -42,11 +43,12 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
         for program in &compiled.programs {
             let per_step = program.calls_per_step();
             let calls = u64::from(per_step) * u64::from(program.horizon);
-            if !arguments.json {
+            if !arguments.json && program.variant.is_none() {
                 output::data(&format!(
-                    "{file}: task `{}` is right; at most {per_step} model calls per step, {calls} in {} steps",
-                    program.title(),
-                    program.horizon
+                    "{file}: task `{}` is right; at most {per_step} model calls per step, {calls} in {} steps{}",
+                    program.task,
+                    program.horizon,
+                    variants(&compiled.programs, &program.task)
                 ));
             }
             tasks.push(json!({
@@ -71,4 +73,17 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
         );
     }
     Ok(exit)
+}
+
+/// Lists the variants of a task.
+fn variants(programs: &[Program], task: &str) -> String {
+    let own = programs.iter().filter(|program| program.task == task);
+    let names: Vec<&str> = own
+        .filter_map(|program| program.variant.as_deref())
+        .collect();
+    if names.is_empty() {
+        String::new()
+    } else {
+        format!("\n  so are its variants: {}", names.join(", "))
+    }
 }
