@@ -35,8 +35,8 @@ lint: deps
 	@$(WITH_ENV) sh scripts/lint.sh
 
 bench: deps
-	$(WITH_ENV) cargo bench --locked -p fabc-compiler --bench compile
-	$(WITH_ENV) cargo bench --locked -p fabc-sim --bench cloth
+	$(WITH_ENV) cargo bench --locked -p compiler --bench compile
+	$(WITH_ENV) cargo bench --locked -p sim --bench cloth
 
 deps:
 	@sh scripts/deps.sh

@@ -17,7 +17,7 @@ step cargo clippy --workspace --all-targets --locked -- -D warnings
 # translates, no library of the system; on wasm32 not even that is there.
 no_system_library() {
     tree=$(cargo tree --edges normal,build --prefix none --locked --package "$@")
-    if printf '%s\n' "$tree" | grep -E '^(fabc-runtime|opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
+    if printf '%s\n' "$tree" | grep -E '^(runtime|opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
         echo "$1 depends on the crates named above, which need a system library" >&2
         exit 1
     fi
@@ -26,8 +26,8 @@ no_system_library() {
 # The compiler and the authoring tool have to build alone.
 step cargo clippy --package fabc --no-default-features --locked -- -D warnings
 step no_system_library fabc --no-default-features
-step no_system_library fabc-compiler
-step no_system_library fabc-compiler --target wasm32-unknown-unknown
+step no_system_library compiler
+step no_system_library compiler --target wasm32-unknown-unknown
 
 RUSTDOCFLAGS="-D warnings"
 export RUSTDOCFLAGS

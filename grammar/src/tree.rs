@@ -18,9 +18,30 @@ pub struct Tree {
 #[derive(Clone, Debug)]
 struct Entry {
     kind: Kind,
-    span: Range<usize>,
+    // A text is shorter than 4 GiB by far, and a tree of half the size is walked faster.
+    start: u32,
+    end: u32,
     /// Index of the first entry after this one's descendants.
-    next: usize,
+    next: u32,
+}
+
+impl Entry {
+    fn new(kind: Kind, span: Range<usize>, next: usize) -> Entry {
+        Entry {
+            kind,
+            start: span.start as u32,
+            end: span.end as u32,
+            next: next as u32,
+        }
+    }
+
+    fn span(&self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
+
+    fn next(&self) -> usize {
+        self.next as usize
+    }
 }
 
 /// A place in a [`Tree`].
@@ -172,11 +193,9 @@ kinds! {
 impl Tree {
     /// Makes the tree of a text that is not parsed.
     pub(crate) fn junk(text: &str) -> Tree {
-        let stray = |kind, next| Entry {
-            kind,
-            span: 0..text.len(),
-            next,
-        };
+        // Only a text that is too long to be parsed could be longer than an entry can say.
+        let end = text.floor_char_boundary(text.len().min(u32::MAX as usize));
+        let stray = |kind, next| Entry::new(kind, 0..end, next);
         Tree {
             text: text.to_owned(),
             entries: vec![stray(Kind::File, 2), stray(Kind::Stray, 2)],
@@ -206,11 +225,8 @@ impl Tree {
                     }
                     cursor = pos.pos();
                     open.push(tree.entries.len());
-                    tree.entries.push(Entry {
-                        kind: Kind::of(rule),
-                        span: cursor..cursor,
-                        next: 0,
-                    });
+                    tree.entries
+                        .push(Entry::new(Kind::of(rule), cursor..cursor, 0));
                 }
                 Token::End { pos, .. } => {
                     let index = open.pop().expect("pest closes only what it opened");
@@ -231,10 +247,10 @@ impl Tree {
         let is_file = self.entries[index].kind == Kind::File;
         while !is_file && next > index + 1 && self.entries[next - 1].kind.is_trivia() {
             next -= 1;
-            end = self.entries[next].span.start;
+            end = self.entries[next].span().start;
         }
-        self.entries[index].span.end = end;
-        self.entries[index].next = next;
+        self.entries[index].end = end as u32;
+        self.entries[index].next = next as u32;
     }
 
     fn fill(&mut self, gap: Range<usize>) {
@@ -248,11 +264,8 @@ impl Tree {
                 .unwrap_or(rest.len());
             let kind = if spaces { Kind::Space } else { Kind::Token };
             let next = self.entries.len() + 1;
-            self.entries.push(Entry {
-                kind,
-                span: start..start + length,
-                next,
-            });
+            self.entries
+                .push(Entry::new(kind, start..start + length, next));
             start += length;
         }
     }
@@ -278,7 +291,7 @@ impl Tree {
     /// Returns the nodes without children in source order; their texts make up the whole text.
     pub fn leaves(&self) -> impl Iterator<Item = Node<'_>> {
         self.nodes()
-            .filter(|node| node.entry().next == node.index + 1)
+            .filter(|node| node.entry().next() == node.index + 1)
     }
 }
 
@@ -294,7 +307,7 @@ impl<'t> Node<'t> {
 
     /// Returns its bytes' place in the text.
     pub fn span(self) -> Range<usize> {
-        self.entry().span.clone()
+        self.entry().span()
     }
 
     /// Returns its text.
@@ -304,9 +317,9 @@ impl<'t> Node<'t> {
 
     /// Returns whether something that does not fit follows on the same line, so that the node is only a part of what was meant.
     pub fn is_cut(self) -> bool {
-        for entry in &self.tree.entries[self.entry().next..] {
+        for entry in &self.tree.entries[self.entry().next()..] {
             let ends_line =
-                entry.kind.is_trivia() && self.tree.text[entry.span.clone()].contains(['\n', '\r']);
+                entry.kind.is_trivia() && self.tree.text[entry.span()].contains(['\n', '\r']);
             if ends_line || !entry.kind.is_trivia() {
                 return matches!(entry.kind, Kind::Junk | Kind::JunkSection);
             }
@@ -316,14 +329,14 @@ impl<'t> Node<'t> {
 
     /// Returns its children in source order, blanks and comments included.
     pub fn children(self) -> impl Iterator<Item = Node<'t>> {
-        let end = self.entry().next;
+        let end = self.entry().next();
         let mut index = self.index + 1;
         std::iter::from_fn(move || {
             let child = (index < end).then_some(Node {
                 tree: self.tree,
                 index,
             })?;
-            index = child.entry().next;
+            index = child.entry().next();
             Some(child)
         })
     }

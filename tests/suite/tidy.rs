@@ -115,7 +115,7 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
         ),
         (
             "sim/Cargo.toml",
-            "[dependencies.x] # why\npackage = \"fabc-grammar\"\n",
+            "[dependencies.x] # why\npackage = \"grammar\"\n",
             Some(1),
         ),
         (

@@ -42,7 +42,7 @@ impl Dependency {
     /// Whether this is our crate of that name, under whatever name it is imported.
     pub fn is(&self, ours: &str) -> bool {
         let package = self.package.as_ref().unwrap_or(&self.name);
-        package == ours || package.strip_prefix("fabc-") == Some(ours)
+        package == ours
     }
 }
 
