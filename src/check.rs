@@ -40,7 +40,7 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
         } else if !compiled.diagnostics.is_empty() {
             output::data(&sources::findings(&compiled, output::data_color()));
         }
-        for program in &compiled.programs {
+        for (number, program) in compiled.programs.iter().enumerate() {
             let per_step = program.calls_per_step();
             let calls = u64::from(per_step) * u64::from(program.horizon);
             if !arguments.json && program.variant.is_none() {
@@ -48,7 +48,7 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
                     "{file}: task `{}` is right; at most {per_step} model calls per step, {calls} in {} steps{}",
                     program.task,
                     program.horizon,
-                    variants(&compiled.programs, &program.task)
+                    variants(&compiled.programs[number + 1..])
                 ));
             }
             tasks.push(json!({
@@ -75,11 +75,11 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// Lists the variants of a task.
-fn variants(programs: &[Program], task: &str) -> String {
-    let own = programs.iter().filter(|program| program.task == task);
-    let names: Vec<&str> = own
-        .filter_map(|program| program.variant.as_deref())
+/// Lists the variants of a task, which follow it.
+fn variants(following: &[Program]) -> String {
+    let names: Vec<&str> = following
+        .iter()
+        .map_while(|program| program.variant.as_deref())
         .collect();
     if names.is_empty() {
         String::new()

@@ -7,12 +7,14 @@ use compiler::program::{Expect, Program, Test};
 use compiler::trial::{self, Finding, Trial};
 use compiler::{Compiled, diag};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// Runs every test of every file; one that fails exits with 1.
 pub fn run(arguments: &TestArguments) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     let mut rows = Vec::new();
     let mut errors = Vec::new();
+    let mut diagnostics = Vec::new();
     let (mut n_passed, mut n_failed) = (0, 0);
     for file in &arguments.files {
         let compiled = match sources::compile(file) {
@@ -31,6 +33,9 @@ pub fn run(arguments: &TestArguments) -> Result<Exit, Failure> {
                 output::talk_color(),
             );
             output::talk(text.trim_end());
+        }
+        if let Value::Array(found) = diag::to_json(&compiled.diagnostics, &compiled.sources) {
+            diagnostics.extend(found);
         }
         if compiled.has_errors() {
             errors.push(format!("`{file}` cannot be compiled"));
@@ -52,6 +57,9 @@ pub fn run(arguments: &TestArguments) -> Result<Exit, Failure> {
             rows.push(row(file, test, &trial));
         }
     }
+    if let (Some(words), true, Exit::Done) = (&arguments.only, rows.is_empty(), exit) {
+        return Err(Failure::usage(format!("no test's name contains `{words}`")));
+    }
     if n_failed > 0 && exit == Exit::Done {
         exit = Exit::Author;
     }
@@ -61,6 +69,7 @@ pub fn run(arguments: &TestArguments) -> Result<Exit, Failure> {
             "failed": n_failed,
             "tests": rows,
             "errors": errors,
+            "diagnostics": diagnostics,
         }));
     } else {
         output::data(&format!("{n_passed} passed, {n_failed} failed"));
@@ -74,12 +83,19 @@ fn chosen<'c>(
     only: Option<&'c str>,
 ) -> impl Iterator<Item = (&'c Test, &'c Program)> {
     let wanted = move |test: &&Test| only.is_none_or(|words| test.name.contains(words));
-    compiled.tests.iter().filter(wanted).filter_map(|test| {
-        let mut programs = compiled.programs.iter();
-        let program =
-            programs.find(|program| program.task == test.task && program.variant.is_none());
-        Some((test, program?))
-    })
+    let whole = compiled
+        .programs
+        .iter()
+        .filter(|program| program.variant.is_none());
+    let programs: BTreeMap<&str, &Program> = whole
+        .map(|program| (program.task.as_str(), program))
+        .collect();
+    let with_program = move |test: &'c Test| Some((test, *programs.get(test.task.as_str())?));
+    compiled
+        .tests
+        .iter()
+        .filter(wanted)
+        .filter_map(with_program)
 }
 
 fn line(file: &str, test: &Test, trial: &Trial) -> String {

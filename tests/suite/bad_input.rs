@@ -97,8 +97,15 @@ fn a_file_that_is_enormous() {
     refused(
         folder.path(),
         &["check", "task.fab"],
+        1,
+        &["F0001", "at most 1048576 are accepted"],
+    );
+    fs::write(folder.path().join("task.fab"), "# fold\n".repeat(700_000)).unwrap();
+    refused(
+        folder.path(),
+        &["check", "task.fab"],
         2,
-        &["longer than 1048576 bytes"],
+        &["longer than 4194304 bytes"],
     );
 }
 

@@ -83,6 +83,14 @@ fn start(expr: &Expr, context: &mut Context<'_>) -> Option<ClothStart> {
         ExprKind::Name(name) if name == "crumpled" => Some(ClothStart::Crumpled),
         ExprKind::Text(text) => {
             let file = super::files::named(text, "a start file", context)?;
+            if !file.path.ends_with(".npy") {
+                let written = context.written(expr.span);
+                let message = format!("{written} names no start file");
+                context.push(Diagnostic::new(Code::WrongForm, expr.span, message).help(
+                    "a start file ends in `.npy`; `flat` and `crumpled` stand without quotes",
+                ));
+                return None;
+            }
             Some(ClothStart::File { file })
         }
         _ => {

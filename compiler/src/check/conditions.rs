@@ -155,7 +155,7 @@ fn unlike(
             format!("`{left_words}` and `{right_words}` have no order: each is {left_kind}");
         (Code::WrongExpression, whole.span, message)
     } else if left_kind == right_kind {
-        let message = format!("`{left_words}` and `{right_words}` do not depend on the action");
+        let message = format!("`{left_words}` and `{right_words}` are both constants");
         (Code::WrongExpression, whole.span, message)
     } else if let Operand::Number(_) = right {
         let message = format!("`{right_words}` has no unit");
@@ -215,8 +215,12 @@ fn lengths(
     let (left, right) = (lowered_left?, lowered_right?);
     if let (Length::Constant { .. }, Length::Constant { .. }) = (&left, &right) {
         let found = context.written(whole.span);
-        let message = format!("`{found}` does not depend on the action");
-        context.push(Diagnostic::new(Code::WrongExpression, whole.span, message).help(FORMS));
+        let message = format!("`{found}` compares two constants");
+        context.push(
+            Diagnostic::new(Code::WrongExpression, whole.span, message).help(
+                "one side depends on the action or the scene, such as `distance(pick, place)`",
+            ),
+        );
         return None;
     }
     Some(Condition::Lengths {

@@ -132,6 +132,16 @@ fn answer(reply: &Reply, read: Option<&Read>, context: &mut Context<'_>) -> Opti
 
 /// Says why an answer cannot be read as an action whose fixed choices are offered; None: it can.
 fn unreadable_action(said: &str, context: &Context<'_>) -> Option<String> {
+    // Where a field's own declaration is wrong, an answer cannot be judged.
+    let declared = context
+        .names
+        .that(|meaning| meaning == super::names::Meaning::Field);
+    let is_whole = declared
+        .iter()
+        .all(|name| *name == "place" || context.actions.iter().any(|field| field.name == **name));
+    if !is_whole {
+        return None;
+    }
     let edge_m = context
         .cloth
         .as_ref()

@@ -57,6 +57,8 @@ pub(crate) struct Context<'a> {
     pub camera: Option<Camera>,
     pub actions: Vec<ActionField>,
     pub layers: Vec<Layer>,
+    /// Every layer that is declared, rightly or not.
+    pub declared_layers: BTreeSet<&'a str>,
     /// Layers that need the action before.
     pub last_layers: BTreeSet<String>,
     /// Layers that the texts of the stage under way name.
@@ -76,6 +78,7 @@ impl<'a> Context<'a> {
             camera: None,
             actions: Vec::new(),
             layers: Vec::new(),
+            declared_layers: BTreeSet::new(),
             last_layers: BTreeSet::new(),
             named_layers: Vec::new(),
             variables: Variables::default(),
@@ -189,7 +192,7 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Checked {
                 if number == 0 && is_entry {
                     variants.extend(merged.applicable_variants().map(Some));
                 }
-                let built = task::check(&merged, &stamps, loaded, &mut own);
+                let built = task::check(&merged, &stamps, sees_faults, loaded, &mut own);
                 let is_right = own.errors() == 0 && !sees_faults;
                 report.absorb(own);
                 if is_right

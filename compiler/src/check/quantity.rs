@@ -213,9 +213,12 @@ fn measured(expr: &Expr, wanted: Measure, context: &mut Context<'_>) -> Option<f
         (Measure::Pixels, Measure::Length) if context.camera.is_some() => {
             mixed(expr, wanted, measure, format!("write `{written} in px`"))
         }
-        (Measure::Length, Measure::Pixels) if context.camera.is_some() => {
-            mixed(expr, wanted, measure, format!("write `{written} in mm`"))
-        }
+        (Measure::Length, Measure::Pixels) => Diagnostic::new(
+            Code::MixedFrames,
+            expr.span,
+            format!("expected {}, found {}", wanted.noun(), measure.noun()),
+        )
+        .help(format!("write {}", wanted.words())),
         _ => Diagnostic::new(
             Code::WrongQuantity,
             expr.span,
@@ -295,6 +298,10 @@ fn unit(unit: &Ident, context: &mut Context<'_>) -> Option<(Measure, f64)> {
         format!("there is no unit `{}`", unit.text),
     );
     let near = nearest(&unit.text, UNITS.iter().map(|(name, ..)| *name));
+    if unit.text == "%" {
+        context.push(diagnostic.help("write a fraction: `0.9` for nine tenths"));
+        return None;
+    }
     context.push(match (foreign, near) {
         (Some(right), _) => diagnostic
             .help(format!("write `{right}`"))

@@ -144,6 +144,10 @@ fn named(name: &Ident, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pl
 }
 
 fn unknown(name: &Ident, place: Place, context: &mut Context<'_>) {
+    // A layer whose own declaration is wrong is reported there.
+    if context.declared_layers.contains(name.text.as_str()) {
+        return;
+    }
     let mut candidates = context.names.that(|meaning| match (meaning, place) {
         (Meaning::Keypoint(shape), _) => {
             shape.is_some_and(|shape| matches!(shape, KeypointShape::Points | KeypointShape::Point))
@@ -189,6 +193,14 @@ fn dotted(path: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> 
                 field: name.to_owned(),
             }));
         }
+    }
+    // A field whose own declaration is wrong is reported there.
+    let field = path
+        .trim_start_matches("last.")
+        .trim_end_matches(".choices");
+    let is_declared = context.names.get(field) == Some(Meaning::Field);
+    if is_declared && !context.actions.iter().any(|known| known.name == field) {
+        return None;
     }
     let name = Ident {
         text: path.to_owned(),

@@ -16,6 +16,7 @@ use sha2::{Digest, Sha256};
 pub(super) fn check(
     merged: &Merged<'_>,
     stamps: &[SourceStamp],
+    sees_faults: bool,
     loaded: &Loaded,
     report: &mut Report,
 ) -> Option<(Program, Vec<Test>)> {
@@ -25,6 +26,12 @@ pub(super) fn check(
         .constants
         .iter()
         .map(|constant| (constant.name.text.as_str(), constant))
+        .collect();
+    context.declared_layers = merged
+        .annotate
+        .iter()
+        .flat_map(|part| &part.list)
+        .map(|layer| layer.name.text.as_str())
         .collect();
     constants::check(merged, &mut context);
     context.cloth = merged
@@ -57,7 +64,7 @@ pub(super) fn check(
     let mut prompts = stages::check(merged, &mut context);
     let verify = verification::check(merged, &mut prompts.templates, &mut context);
     let tests = if merged.variant.is_none() {
-        trials::check(merged, &prompts.stages, &verify, &mut context)
+        trials::check(merged, &prompts.stages, &mut context)
     } else {
         Vec::new()
     };
@@ -68,7 +75,9 @@ pub(super) fn check(
         layers,
         ..
     } = context;
-    if !is_complete(merged, loaded, report) || merged.subgoals.is_some() && subgoals.is_none() {
+    if !is_complete(merged, sees_faults, loaded, report)
+        || merged.subgoals.is_some() && subgoals.is_none()
+    {
         return None;
     }
     let program = Program {
@@ -90,7 +99,7 @@ pub(super) fn check(
         horizon: horizon?,
         goal,
     };
-    if report.errors() == 0 {
+    if report.errors() == 0 && !sees_faults {
         contradictions(&program, merged, report);
     }
     Some((program, tests))
@@ -129,7 +138,12 @@ pub(super) fn stamps(loaded: &Loaded) -> Vec<SourceStamp> {
 ///
 /// A task with cloth, subgoals or a horizon, and stages is meant to run, so that a lack of anything else is an
 /// error; one without them may serve as a base.
-fn is_complete(merged: &Merged<'_>, loaded: &Loaded, report: &mut Report) -> bool {
+fn is_complete(
+    merged: &Merged<'_>,
+    sees_faults: bool,
+    loaded: &Loaded,
+    report: &mut Report,
+) -> bool {
     let lacks = |parts: &[(&'static str, bool)]| -> Vec<&'static str> {
         parts
             .iter()
@@ -166,7 +180,7 @@ fn is_complete(merged: &Merged<'_>, loaded: &Loaded, report: &mut Report) -> boo
         return false;
     }
     let is_base = loaded.is_extended(merged.task);
-    if !is_base && name.span.file == loaded.entry().id {
+    if !is_base && !sees_faults && name.span.file == loaded.entry().id {
         let lacking: Vec<&str> = own.into_iter().chain(shared).collect();
         let message = format!(
             "`{}` cannot run by itself: it has no {}",

@@ -136,29 +136,29 @@ pub(crate) fn template(
 /// Warns of `{name}` where the name has a value: likely one brace was forgotten.
 fn single_braces(literal: &str, text: &Text, context: &mut Context<'_>) {
     const LONGEST: usize = 64;
+    let source = &context.loaded.sources.get(text.span.file).text[text.span.range()];
+    let mut from = 0;
     for (at, _) in literal.match_indices('{') {
         let rest = &literal[at + 1..];
-        let length = rest
-            .bytes()
-            .take(LONGEST)
-            .position(|byte| !(byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.')));
-        let Some(length) = length.filter(|length| rest[*length..].starts_with('}')) else {
+        let Some(length) = rest.bytes().take(LONGEST).position(|byte| byte == b'}') else {
             continue;
         };
-        let name = &rest[..length];
+        let name = rest[..length].trim_matches(' ');
         let is_value = context.names.get(name).is_some()
             || context.constants.contains_key(name)
             || context.layers.iter().any(|layer| layer.name == name)
             || name == shown::FORMAT;
-        if !is_value {
+        // Two braces are meant as they stand: behind wrong quotes, or for a model that is to read them.
+        let is_double = literal[..at].ends_with('{') || rest[length + 1..].starts_with('}');
+        if !is_value || is_double {
             continue;
         }
-        let written = format!("{{{name}}}");
-        let source = &context.loaded.sources.get(text.span.file).text;
-        // Where the same words stand twice, the first place is as good as the other.
-        let start = source[text.span.range()]
-            .find(&written)
-            .map_or(text.span.start, |offset| text.span.start + offset);
+        let written = &literal[at..at + length + 2];
+        let Some(offset) = source[from..].find(written) else {
+            continue;
+        };
+        let start = text.span.start + from + offset;
+        from += offset + written.len();
         let span = Span::new(text.span.file, start..start + written.len());
         let message = format!("`{written}` stands for itself, not for the value `{name}`");
         context.push(

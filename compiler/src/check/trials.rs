@@ -8,7 +8,7 @@ use super::subgoals::pixel;
 use crate::ast::{self, Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic, among, nearest};
 use crate::merge::{Merged, once};
-use crate::program::{Expect, Given, KeypointShape, PixelPoint, Read, Stage, Test, Verify};
+use crate::program::{Expect, Given, KeypointShape, PixelPoint, Read, Stage, Test};
 use crate::verify::OFFERED;
 
 /// The most tests of a task, and points that one gives.
@@ -22,12 +22,7 @@ const STEP: Wanted = Wanted {
 };
 
 /// Builds the tests of a task; what is wrong is left out.
-pub(crate) fn check(
-    merged: &Merged<'_>,
-    stages: &[Stage],
-    verify: &Verify,
-    context: &mut Context<'_>,
-) -> Vec<Test> {
+pub(crate) fn check(merged: &Merged<'_>, stages: &[Stage], context: &mut Context<'_>) -> Vec<Test> {
     let tests = &merged.task.tests;
     if let Some(beyond) = tests.get(MAX_TESTS) {
         let message = format!("a task has at most {MAX_TESTS} tests");
@@ -36,7 +31,7 @@ pub(crate) fn check(
     }
     tests
         .iter()
-        .filter_map(|test| one(test, merged, stages, verify, context))
+        .filter_map(|test| one(test, merged, stages, context))
         .collect()
 }
 
@@ -44,7 +39,6 @@ fn one(
     test: &ast::Test,
     merged: &Merged<'_>,
     stages: &[Stage],
-    verify: &Verify,
     context: &mut Context<'_>,
 ) -> Option<Test> {
     let reply = once(&test.replies, "`reply`", |part| part.span, context.report);
@@ -98,7 +92,7 @@ fn one(
         }
     }?;
     let said = literal(&reply.text, context);
-    let expect = self::expect(expect, &stages[stage], verify, context);
+    let expect = self::expect(expect, &stages[stage], merged, context);
     let source = context.loaded.sources.get(test.span.file);
     let test = Test {
         name: name?,
@@ -234,7 +228,7 @@ fn rectangle(part: &ast::Given, context: &mut Context<'_>) -> Option<[PixelPoint
 fn expect(
     part: &ast::Expect,
     stage: &Stage,
-    verify: &Verify,
+    merged: &Merged<'_>,
     context: &mut Context<'_>,
 ) -> Option<Expect> {
     let what = part.what.text.as_str();
@@ -257,7 +251,7 @@ fn expect(
             let Some(check) = &part.check else {
                 return mismatch(part, "it is not said which check refuses", context);
             };
-            self::check_name(check, verify, context)
+            self::check_name(check, merged, context)
         }
         "text" => {
             let Some(text) = &part.text else {
@@ -281,9 +275,10 @@ fn mismatch(part: &ast::Expect, message: &str, context: &mut Context<'_>) -> Opt
     None
 }
 
-fn check_name(check: &Ident, verify: &Verify, context: &mut Context<'_>) -> Option<Expect> {
+fn check_name(check: &Ident, merged: &Merged<'_>, context: &mut Context<'_>) -> Option<Expect> {
     let known = || {
-        let declared = verify.checks.iter().map(|check| check.name.as_str());
+        let declared = merged.verify.iter().flat_map(|part| &part.checks);
+        let declared = declared.map(|check| check.name.text.as_str());
         declared.chain([OFFERED])
     };
     if known().any(|known| known == check.text) {

@@ -140,6 +140,11 @@ impl Diagnostic {
         )
     }
 
+    /// Adds a change that probably repairs it, but may not be all that is needed.
+    pub(crate) fn likely(self, span: Span, replacement: impl Into<String>) -> Diagnostic {
+        self.with_edit(span, replacement.into(), Certainty::Likely)
+    }
+
     fn with_edit(mut self, span: Span, replacement: String, certainty: Certainty) -> Diagnostic {
         self.edits.push(Edit {
             span,

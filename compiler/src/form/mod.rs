@@ -24,7 +24,7 @@ pub(crate) fn diagnose(fault: &Fault, file: FileId, text: &str) -> Diagnostic {
         Problem::Unexpected { found, expected } => unexpected(span, found.as_deref(), expected, text),
         Problem::UnknownWord { word, known, block } => unknown_word(span, word, known, block.as_deref()),
         Problem::MissingOpen { block } => {
-            Diagnostic::new(Code::MissingBrace, span, format!("`{block}` has no `{{`")).label("expected `{`").edit(span, " {")
+            Diagnostic::new(Code::MissingBrace, span, format!("`{block}` has no `{{`")).label("expected `{`").likely(span, " {")
         }
         Problem::MissingClose { block, .. } => {
             Diagnostic::new(Code::MissingBrace, span, format!("the `{{` of `{block}` is never closed"))
@@ -37,8 +37,15 @@ pub(crate) fn diagnose(fault: &Fault, file: FileId, text: &str) -> Diagnostic {
                 .help("a name begins with a letter and has only letters without accents, digits and `_`; words of the language are no names")
         }
         Problem::Surplus { found } => {
-            Diagnostic::new(Code::Unexpected, span, format!("expected `{{`, found `{found}`"))
-                .help(format!("remove `{found}`"))
+            let diagnostic =
+                Diagnostic::new(Code::Unexpected, span, format!("expected `{{`, found `{found}`"));
+            let continues_a_word = text[..span.start]
+                .ends_with(|before: char| before.is_alphanumeric() || before == '_');
+            if continues_a_word {
+                diagnostic.help("a name has only letters without accents, digits and `_`")
+            } else {
+                diagnostic.help(format!("remove `{found}`"))
+            }
         }
         Problem::StrayClose => Diagnostic::new(Code::StrayBrace, span, "this `}` closes nothing")
             .help("remove it, or look for a `}` too many above"),
