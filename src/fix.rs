@@ -1,12 +1,12 @@
 //! Makes the changes that diagnostics are certain of.
 
 use crate::exit::Failure;
-use crate::{output, sources};
+use crate::{output, sources, store};
 use compiler::diag::{Certainty, Diagnostic, Edit};
 use compiler::{Compiled, Span};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The most rounds: a repair may bring another fault to light.
 const MAX_ROUNDS: usize = 20;
@@ -70,12 +70,10 @@ fn meet(a: Span, b: Span) -> bool {
     a.file == b.file && a.start <= b.end && b.start <= a.end
 }
 
-/// Writes a file whole or not at all; a link stays a link.
+/// Writes a file whole or not at all; a link stays a link, and who may read it stays as it was.
 fn write(path: &Path, text: &str) -> std::io::Result<()> {
     let path = fs::canonicalize(path)?;
-    let mut beside: PathBuf = path.clone();
-    beside.set_extension("fab.new");
-    fs::write(&beside, text)?;
-    fs::set_permissions(&beside, fs::metadata(&path)?.permissions())?;
-    fs::rename(&beside, &path)
+    let permissions = fs::metadata(&path)?.permissions();
+    store::write_whole(&path, text.as_bytes())?;
+    fs::set_permissions(&path, permissions)
 }

@@ -3,7 +3,8 @@
 //! In: a key that covers everything the result depends on. Out: the bytes, if they were kept. A lost
 //! or unwritable cache costs time, never a result.
 
-use crate::store;
+use crate::{npy, store};
+use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::PathBuf;
 
@@ -24,6 +25,30 @@ impl Cache {
     /// Keeps nothing.
     pub fn none() -> Cache {
         Cache { folder: None }
+    }
+
+    /// Returns a key that covers every part.
+    pub fn key<'p>(parts: impl IntoIterator<Item = &'p str>) -> String {
+        let mut hash = Sha256::new();
+        for part in parts {
+            // With its length, so that no two lists of parts run together alike.
+            hash.update((part.len() as u64).to_le_bytes());
+            hash.update(part);
+        }
+        crate::digest::hex(&hash.finalize())
+    }
+
+    /// Returns the particle positions kept under `key`; None where they are not `count` finite ones.
+    pub fn positions(&self, key: &str, count: usize) -> Option<Vec<[f32; 3]>> {
+        let positions = npy::decode(&self.get(key)?)?;
+        let whole =
+            positions.len() == count && positions.iter().flatten().all(|value| value.is_finite());
+        whole.then_some(positions)
+    }
+
+    /// Keeps particle positions under `key`; says why where they cannot be kept.
+    pub fn put_positions(&self, key: &str, positions: &[[f32; 3]]) -> Result<(), String> {
+        self.put(key, &npy::encode(positions))
     }
 
     /// Returns the bytes kept under `key`, a string of letters and digits.

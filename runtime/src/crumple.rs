@@ -5,11 +5,9 @@
 
 use crate::cache::Cache;
 use crate::interrupt::Interrupt;
-use crate::npy;
 use crate::start::Start;
 use crate::world::{World, WorldError};
 use compiler::program::Cloth;
-use sha2::{Digest, Sha256};
 
 /// A crumpled start, and how it was had.
 #[derive(Clone, Debug)]
@@ -34,7 +32,7 @@ pub fn start(
 ) -> Result<Crumpled, WorldError> {
     let flat = Start::flat(cloth);
     let key = key(&flat, seed, world);
-    if let Some(positions) = kept(cache, &key, &flat) {
+    if let Some(positions) = cache.positions(&key, flat.positions.len()) {
         return Ok(Crumpled {
             start: Start::crumpled(flat.grid, seed, positions),
             not_kept: None,
@@ -42,24 +40,16 @@ pub fn start(
     }
     announce();
     let start = world.crumple(&flat, seed, interrupt)?;
-    let kept = cache.put(&key, &npy::encode(&start.positions));
+    let kept = cache.put_positions(&key, &start.positions);
     Ok(Crumpled {
         start,
         not_kept: kept.err(),
     })
 }
 
-fn kept(cache: &Cache, key: &str, flat: &Start) -> Option<Vec<[f32; 3]>> {
-    let positions = npy::decode(&cache.get(key)?)?;
-    let whole = positions.len() == flat.positions.len()
-        && positions.iter().flatten().all(|value| value.is_finite());
-    whole.then_some(positions)
-}
-
 /// Covers everything that the start depends on, the code that computes it included.
 fn key(flat: &Start, seed: u64, world: &dyn World) -> String {
-    let mut hash = Sha256::new();
-    for part in [
+    Cache::key([
         "crumpled start, format 1",
         &world.parameters(),
         &world.code(),
@@ -67,11 +57,7 @@ fn key(flat: &Start, seed: u64, world: &dyn World) -> String {
         &seed.to_string(),
         include_str!("start/mod.rs"),
         include_str!("world/simulated.rs"),
-    ] {
-        hash.update((part.len() as u64).to_le_bytes());
-        hash.update(part);
-    }
-    crate::digest::hex(&hash.finalize())
+    ])
 }
 
 #[cfg(test)]

@@ -5,11 +5,9 @@
 
 use crate::cache::Cache;
 use crate::interrupt::Interrupt;
-use crate::npy;
 use crate::start::{Grid, RESTING_HEIGHT_M, Start};
 use crate::world::{Motion, World, WorldError, WorldPoint};
 use compiler::program::{ClothPoint, Fold, Sequence};
-use sha2::{Digest, Sha256};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -53,8 +51,10 @@ pub fn ends(
         .iter()
         .map(|sequence| key(sequence, start, world.as_ref()))
         .collect();
-    let mut known: Vec<Option<Vec<[f32; 3]>>> =
-        keys.iter().map(|key| kept(cache, key, start)).collect();
+    let mut known: Vec<Option<Vec<[f32; 3]>>> = keys
+        .iter()
+        .map(|key| cache.positions(key, start.positions.len()))
+        .collect();
     let missing: Vec<usize> = (0..known.len())
         .filter(|&index| known[index].is_none())
         .collect();
@@ -110,7 +110,7 @@ fn simulate(
                     let result = end_of(&sequences[index], start, make_world, interrupt);
                     // Kept at once, so that a stop loses at most what is under way.
                     let kept = result.as_ref().map_or(Ok(()), |positions| {
-                        cache.put(&keys[index], &npy::encode(positions))
+                        cache.put_positions(&keys[index], positions)
                     });
                     let result = result.map(|positions| (positions, kept.err()));
                     let stop = result.is_err();
@@ -187,17 +187,9 @@ fn no_particles() -> WorldError {
     }
 }
 
-fn kept(cache: &Cache, key: &str, start: &Start) -> Option<Vec<[f32; 3]>> {
-    let positions = npy::decode(&cache.get(key)?)?;
-    let whole = positions.len() == start.positions.len()
-        && positions.iter().flatten().all(|value| value.is_finite());
-    whole.then_some(positions)
-}
-
 /// Covers everything that an end state depends on, the code that computes it included.
 fn key(sequence: &Sequence, start: &Start, world: &dyn World) -> String {
-    let mut hash = Sha256::new();
-    for part in [
+    Cache::key([
         "expert end state, format 1",
         &world.parameters(),
         &world.code(),
@@ -206,11 +198,7 @@ fn key(sequence: &Sequence, start: &Start, world: &dyn World) -> String {
         include_str!("expert.rs"),
         include_str!("start/mod.rs"),
         include_str!("world/simulated.rs"),
-    ] {
-        hash.update((part.len() as u64).to_le_bytes());
-        hash.update(part);
-    }
-    crate::digest::hex(&hash.finalize())
+    ])
 }
 
 #[cfg(test)]

@@ -176,7 +176,8 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Checked {
             let mut number = 0;
             while number < variants.len() {
                 let mut own = Report::default();
-                let merged = merge::merge(task, variants[number].take(), loaded, &mut own);
+                let mut merged = merge::merge(task, variants[number].take(), loaded, &mut own);
+                merged.sees_faults = sees_faults;
                 merged_bytes += merged.bytes
                     + merged.experts.map_or(0, |experts| {
                         let name = &experts.name;
@@ -192,7 +193,7 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Checked {
                 if number == 0 && is_entry {
                     variants.extend(merged.applicable_variants().map(Some));
                 }
-                let built = task::check(&merged, &stamps, sees_faults, loaded, &mut own);
+                let built = task::check(&merged, &stamps, loaded, &mut own);
                 let is_right = own.errors() == 0 && !sees_faults;
                 report.absorb(own);
                 if is_right

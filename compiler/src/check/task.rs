@@ -16,7 +16,6 @@ use sha2::{Digest, Sha256};
 pub(super) fn check(
     merged: &Merged<'_>,
     stamps: &[SourceStamp],
-    sees_faults: bool,
     loaded: &Loaded,
     report: &mut Report,
 ) -> Option<(Program, Vec<Test>)> {
@@ -75,9 +74,7 @@ pub(super) fn check(
         layers,
         ..
     } = context;
-    if !is_complete(merged, sees_faults, loaded, report)
-        || merged.subgoals.is_some() && subgoals.is_none()
-    {
+    if !is_complete(merged, loaded, report) || merged.subgoals.is_some() && subgoals.is_none() {
         return None;
     }
     let program = Program {
@@ -99,7 +96,7 @@ pub(super) fn check(
         horizon: horizon?,
         goal,
     };
-    if report.errors() == 0 && !sees_faults {
+    if report.errors() == 0 && !merged.sees_faults {
         contradictions(&program, merged, report);
     }
     Some((program, tests))
@@ -138,12 +135,7 @@ pub(super) fn stamps(loaded: &Loaded) -> Vec<SourceStamp> {
 ///
 /// A task with cloth, subgoals or a horizon, and stages is meant to run, so that a lack of anything else is an
 /// error; one without them may serve as a base.
-fn is_complete(
-    merged: &Merged<'_>,
-    sees_faults: bool,
-    loaded: &Loaded,
-    report: &mut Report,
-) -> bool {
+fn is_complete(merged: &Merged<'_>, loaded: &Loaded, report: &mut Report) -> bool {
     let lacks = |parts: &[(&'static str, bool)]| -> Vec<&'static str> {
         parts
             .iter()
@@ -180,7 +172,7 @@ fn is_complete(
         return false;
     }
     let is_base = loaded.is_extended(merged.task);
-    if !is_base && !sees_faults && name.span.file == loaded.entry().id {
+    if !is_base && !merged.sees_faults && name.span.file == loaded.entry().id {
         let lacking: Vec<&str> = own.into_iter().chain(shared).collect();
         let message = format!(
             "`{}` cannot run by itself: it has no {}",

@@ -155,27 +155,15 @@ pub fn guards_and_values(
         }
     }
     let mut context = Map::new();
-    for (name, value) in values {
-        put(&mut context, &name, value);
-    }
+    context.extend(
+        values
+            .into_iter()
+            .map(|(name, text)| (name, Value::from(text))),
+    );
     if !guards.is_empty() {
         context.insert(GUARDS.to_owned(), Value::Object(guards));
     }
     Ok(Value::Object(context))
-}
-
-/// Sets a name; one with a dot becomes a key of an object.
-fn put(context: &mut Map<String, Value>, name: &str, value: String) {
-    let Some((object, key)) = name.split_once('.') else {
-        context.insert(name.to_owned(), Value::from(value));
-        return;
-    };
-    let inner = context
-        .entry(object)
-        .or_insert_with(|| Value::Object(Map::new()));
-    if let Value::Object(inner) = inner {
-        put(inner, key, value);
-    }
 }
 
 /// Fills an emitted prompt with the settings that it is written for.

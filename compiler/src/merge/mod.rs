@@ -50,6 +50,8 @@ pub(crate) struct Merged<'a> {
     pub bytes: usize,
     /// Whether something of it is missing because of an error that is already reported.
     pub has_faults: bool,
+    /// Whether a file that it sees has an error of form, so that what follows from its parts says little.
+    pub sees_faults: bool,
     /// Whether a task below it is missing, so that an unknown name may be declared there.
     pub is_broken: bool,
 }
@@ -87,6 +89,7 @@ pub(crate) fn merge<'a>(
         variants: Vec::new(),
         bytes: 0,
         has_faults: false,
+        sees_faults: false,
         is_broken,
     };
     for task in chain.into_iter().rev() {

@@ -24,7 +24,7 @@ pub struct Template {
 /// A variable of a template.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Variable {
-    /// What the template calls it: names joined by dots.
+    /// What the template calls it; one name means one value in the whole program.
     pub name: String,
     /// What it shows.
     pub value: Shown,

@@ -128,10 +128,10 @@ pub fn one(
             (Err(missing), _) => return Err(missing.into()),
         }
     }
-    let mut context = BTreeMap::new();
-    for (variable, text) in self::values(program, template, values)? {
-        put(&mut context, &variable, text);
-    }
+    let context = self::values(program, template, values)?
+        .into_iter()
+        .map(|(variable, text)| (variable, Value::from(text)))
+        .collect();
     fill(&template.text, &context)
         .map(Some)
         .map_err(|why| RenderError::BadTemplate {
@@ -165,26 +165,6 @@ fn joined(program: &Program, names: &[String], values: Values<'_>) -> Result<Str
         texts.extend(one(program, name, values)?);
     }
     Ok(texts.join("\n\n"))
-}
-
-/// Sets a name; one with a dot becomes an attribute.
-fn put(context: &mut BTreeMap<String, Value>, name: &str, text: String) {
-    let Some((object, attribute)) = name.split_once('.') else {
-        context.insert(name.to_owned(), Value::from(text));
-        return;
-    };
-    let mut attributes: BTreeMap<String, Value> = BTreeMap::new();
-    if let Some(known) = context.get(object)
-        && let Ok(names) = known.try_iter()
-    {
-        for key in names {
-            if let Ok(value) = known.get_item(&key) {
-                attributes.insert(key.to_string(), value);
-            }
-        }
-    }
-    put(&mut attributes, attribute, text);
-    context.insert(object.to_owned(), Value::from(attributes));
 }
 
 /// Fills Jinja source; says why where that is impossible.

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod jinja2;
+
 use compiler::facts::{Done, Facts, SceneView};
 use compiler::program::{PixelPoint, Program, Value};
 use compiler::reply::Proposal;

@@ -13,14 +13,12 @@ use compiler::render::{self, PromptSpeaker, Values};
 use compiler::reply::Proposal;
 use compiler::space;
 use std::collections::BTreeMap;
-use std::io::Write;
-use std::process::{Command, Stdio};
 
 /// Parts of a stage: names that Python's dictionaries have methods for, and texts that end or begin badly.
 const PARTS: [(&str, &str); 4] = [
     ("items", "\n{{ v0 }} is {"),
     ("plan.say.7", "- {{ v1 }}{{ \"{%\" }} %}"),
-    ("keys", "{{ v0 }}{{ v2.inner }}\n"),
+    ("keys", "{{ v0 }}{{ v2_inner }}\n"),
     ("values", "{"),
 ];
 
@@ -50,7 +48,7 @@ fn guarded_program(guarded: [bool; 4]) -> Program {
                 name: name.to_owned(),
             },
         };
-        let used = ["v0", "v1", "v2.inner"].into_iter();
+        let used = ["v0", "v1", "v2_inner"].into_iter();
         program.templates.push(Template {
             name: name.to_owned(),
             when: guarded[index].then(|| programs::number(count, Comparison::AtLeast, 1.0)),
@@ -112,7 +110,7 @@ fn hard_text(chance: &mut Chance) -> String {
 fn filled(program: &Program, holding: [bool; 4], chance: &mut Chance) -> Vec<Filled> {
     let artifacts = emit::emit(std::slice::from_ref(program), &[]).unwrap();
     let scene = scene(holding, program);
-    let names = ["v0", "v1", "v2.inner", "instruction"];
+    let names = ["v0", "v1", "v2_inner", "instruction"];
     let texts: BTreeMap<String, String> = names
         .map(|name| (name.to_owned(), hard_text(chance)))
         .into_iter()
@@ -232,11 +230,11 @@ fn a_missing_guard_or_value_is_an_error() {
     let artifacts = emit::emit(std::slice::from_ref(&program), &[]).unwrap();
     let source = source(&artifacts, "prompts/plan.user.txt.j2");
     let whole = serde_json::json!({
-        "v0": "a", "v1": "b", "v2": { "inner": "c" },
+        "v0": "a", "v1": "b", "v2_inner": "c",
         "when": { "items": "yes", "plan.say.7": "", "keys": "yes", "values": "" },
     });
     assert_eq!(emit::fill(&source, &whole).unwrap(), "\na is {\n\nac\n");
-    for name in ["v0", "v2", "when"] {
+    for name in ["v0", "v2_inner", "when"] {
         let mut less = whole.clone();
         less.as_object_mut().unwrap().remove(name);
         assert!(emit::fill(&source, &less).is_err(), "{name}");
@@ -259,44 +257,22 @@ fn a_name_of_the_task_is_not_taken_for_what_was_said() {
     }
     let artifacts = emit::emit(std::slice::from_ref(&program), &[]).unwrap();
     let values = serde_json::json!({
-        "said": "x", "v1": "b", "v2": { "inner": "c" },
+        "said": "x", "v1": "b", "v2_inner": "c",
         "when": { "items": "yes", "plan.say.7": "yes", "keys": "", "values": "" },
     });
     let text = emit::fill(&source(&artifacts, "prompts/plan.user.txt.j2"), &values).unwrap();
     assert_eq!(text, "\nx is {\n\n- b{% %}");
 }
 
-/// The Python program that fills what it is given: a JSON list of `[template, values]` in, of texts out.
-const PEER: &str = "
-import json, sys, jinja2
-environment = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False)
-print(json.dumps([environment.from_string(text).render(**values) for text, values in json.load(sys.stdin)]))
-";
-
 #[test]
 #[ignore = "needs Python with jinja2 3.1.6: make test-peers"]
 fn peer_python_fills_every_emitted_prompt_alike() {
-    let python = std::env::var_os("FABC_PEER_PYTHON").expect("make test-peers names a Python");
     let all = filled_in_every_way();
     let asked: Vec<_> = all
         .iter()
         .map(|it| serde_json::json!([it.source, it.values]))
         .collect();
-    let mut peer = Command::new(python)
-        .args(["-c", PEER])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stdin = peer.stdin.take().unwrap();
-    stdin
-        .write_all(&serde_json::to_vec(&asked).unwrap())
-        .unwrap();
-    drop(stdin);
-    let answered = peer.wait_with_output().unwrap();
-    assert!(answered.status.success());
-    let answers: Vec<String> = serde_json::from_slice(&answered.stdout).unwrap();
-    assert_eq!(answers.len(), all.len());
+    let answers = crate::common::jinja2::rendered(&asked);
     for (ours, theirs) in all.iter().zip(&answers) {
         assert_eq!(ours.text, *theirs, "{}:\n{}", ours.path, ours.source);
     }

@@ -63,6 +63,16 @@ struct CheckOutline<'p> {
 }
 
 impl<'p> Outline<'p> {
+    /// Returns the texts of the helper functions that the code calls.
+    fn called(&self, table: &[(&str, &'static str)]) -> Vec<&'static str> {
+        let is_called = |(name, _): &&(&str, &'static str)| self.helpers.contains(name);
+        table
+            .iter()
+            .filter(is_called)
+            .map(|(_, text)| *text)
+            .collect()
+    }
+
     fn of(program: &'p Program, dialect: &'static Dialect) -> Result<Outline<'p>, EmitError> {
         let fields = fields(program, dialect)?;
         let mut lowering = Lowering {

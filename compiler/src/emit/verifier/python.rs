@@ -227,12 +227,7 @@ fn checks(outline: &Outline<'_>) -> String {
 }
 
 fn helpers(outline: &Outline<'_>) -> String {
-    let texts: Vec<&str> = super::python_helpers::HELPERS
-        .iter()
-        .filter(|(name, _)| outline.helpers.contains(name))
-        .map(|(_, text)| *text)
-        .collect();
-    texts.join("\n\n")
+    outline.called(super::python_helpers::HELPERS).join("\n\n")
 }
 
 fn list(outline: &Outline<'_>, name: &str, is_asked: impl Fn(&Check) -> bool) -> String {

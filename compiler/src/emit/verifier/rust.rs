@@ -267,10 +267,5 @@ fn checks(outline: &Outline<'_>) -> String {
 }
 
 fn helpers(outline: &Outline<'_>) -> String {
-    let texts: Vec<&str> = super::rust_helpers::HELPERS
-        .iter()
-        .filter(|(name, _)| outline.helpers.contains(name))
-        .map(|(_, text)| *text)
-        .collect();
-    texts.join("\n")
+    outline.called(super::rust_helpers::HELPERS).join("\n")
 }
