@@ -21,8 +21,6 @@ const MAX_HANG_STEPS: u32 = 300;
 const MAX_REST_STEPS: u32 = 300;
 /// Most further steps in which what still creeps is slowed down.
 const MAX_CALMING_STEPS: u32 = 300;
-/// Where the invisible hand begins every step: below any cloth, so that its sphere touches none.
-const HAND_M: [f32; 3] = [0.0, 0.0, -10.0];
 
 /// What crumpling did.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +51,7 @@ impl Simulator {
         let lifted = (chance.next() % self.grid().particle_count() as u64) as usize;
         let lift_m = MIN_LIFT_M + (MAX_LIFT_M - MIN_LIFT_M) * chance.fraction();
         let mut steps = 0;
-        self.hold(Some(lifted));
+        self.hold(&[lifted])?;
         self.lift_and_drop(lift_m, &mut steps, interrupted)
             .inspect_err(|_| self.restart_from(Planes::from_points(&self.positions())))?;
         Ok(Crumpled {
@@ -74,7 +72,7 @@ impl Simulator {
                 return Err(SimError::Interrupted { steps: *steps });
             }
             *steps += 1;
-            cloth.step_by_hand(HAND_M, [HAND_M[0], HAND_M[1], HAND_M[2] + rise_m])
+            cloth.step_held([0.0, 0.0, rise_m])
         };
         for _ in 0..(lift_m / RISE_M) as u32 {
             step(self, RISE_M)?;
@@ -85,7 +83,7 @@ impl Simulator {
                 break;
             }
         }
-        self.hold(None);
+        self.hold(&[])?;
         for _ in 0..MAX_REST_STEPS {
             step(self, 0.0)?;
             if self.is_at_rest() {

@@ -37,6 +37,7 @@ mod params;
 mod picker;
 mod planes;
 mod raster;
+mod scenario;
 mod simulator;
 mod solver;
 mod springs;
@@ -45,6 +46,7 @@ pub use camera::{CameraError, Frame, ImageUp, Look, MAX_SIZE_PX, MIN_SIZE_PX, To
 pub use crumple::Crumpled;
 pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
 pub use params::{ALGORITHM_VERSION, Params};
+pub use scenario::diagonal_fold;
 pub use simulator::{
     MAX_START_DEPTH_M, MAX_START_STRETCH, PickAndPlace, REACH_M, RestShortcut, SimError, Simulator,
     StartError,

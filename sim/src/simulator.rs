@@ -100,6 +100,14 @@ pub enum SimError {
         /// Steps of the action that ran.
         steps: u32,
     },
+    /// A particle was asked for that the cloth does not have.
+    #[error("there is no particle `{particle}`: the cloth has `{count}`, counted from 0")]
+    NoSuchParticle {
+        /// The index asked for.
+        particle: usize,
+        /// Particles of the grid.
+        count: usize,
+    },
     /// The route needs more steps than any sensible parameters allow.
     #[error("the picker's route takes more than `{MAX_ROUTE_STEPS}` steps")]
     EndlessRoute,
@@ -215,7 +223,7 @@ impl Simulator {
 
     /// Advances by one step with the picker where it is.
     pub fn step(&mut self) -> Result<(), SimError> {
-        self.step_to(self.sphere)
+        self.step_held([0.0; 3])
     }
 
     /// Steps until nothing moves any more, at most `max_steps` times; returns the steps taken.
@@ -278,21 +286,25 @@ impl Simulator {
         })
     }
 
-    /// Fixes a particle to the hand of [`Simulator::step_by_hand`], or lets all go.
-    pub(crate) fn hold(&mut self, particle: Option<usize>) {
-        self.held = particle;
-        self.solver.hold(particle);
+    /// Fixes particles in space, until the next call, instead of those that were held; none lets all go.
+    ///
+    /// Held particles move by [`Simulator::step_held`] alone. The picker takes no part: it grasps only in
+    /// [`Simulator::pick_and_place`], which lets go of everything first.
+    ///
+    /// Fails, and holds what it held, where an index is not that of a particle.
+    pub fn hold(&mut self, particles: &[usize]) -> Result<(), SimError> {
+        let count = self.grid.particle_count();
+        if let Some(&particle) = particles.iter().find(|&&particle| particle >= count) {
+            return Err(SimError::NoSuchParticle { particle, count });
+        }
+        self.solver.hold(particles);
         self.at_rest = false;
+        Ok(())
     }
 
-    /// Advances by one step with the picker away, while the held particle goes along with a hand.
-    ///
-    /// - `from`, `to`: the hand's way, world frame, metres; it must be far from the cloth, which it would push.
-    pub(crate) fn step_by_hand(&mut self, from: [f32; 3], to: [f32; 3]) -> Result<(), SimError> {
-        let picker = std::mem::replace(&mut self.sphere, from);
-        let done = self.step_to(to);
-        self.sphere = picker;
-        done
+    /// Advances by one step while the held particles move by `shift`, metres; the picker stays.
+    pub fn step_held(&mut self, shift: [f32; 3]) -> Result<(), SimError> {
+        self.advance(self.sphere, shift)
     }
 
     /// Tells whether the last step changed nothing.
@@ -313,27 +325,34 @@ impl Simulator {
         }
         let capture_m = self.params.picker_capture_m;
         self.held = picker::nearest(&self.solver.positions, self.sphere, capture_m);
-        if self.held.is_some() {
-            self.solver.hold(self.held);
+        if let Some(particle) = self.held {
+            self.solver.hold(&[particle]);
             self.at_rest = false;
         }
     }
 
     fn release(&mut self) {
         if self.held.take().is_some() {
-            self.solver.hold(None);
+            self.solver.hold(&[]);
             self.at_rest = false;
         }
     }
 
     /// Advances by one step while the sphere moves to `next`, with the held particle.
     fn step_to(&mut self, next: [f32; 3]) -> Result<(), SimError> {
+        let shift = [0, 1, 2].map(|axis| next[axis] - self.sphere[axis]);
+        self.advance(next, shift)
+    }
+
+    /// Advances by one step while the sphere moves to `next` and what is held by `shift`.
+    fn advance(&mut self, next: [f32; 3], shift: [f32; 3]) -> Result<(), SimError> {
         self.steps += 1;
         let skip = self.shortcut == RestShortcut::Skip
             && self.at_rest
+            && shift == [0.0; 3]
             && !self.solver.sphere_may_touch(self.sphere, next);
         if !skip {
-            let outcome = self.solver.step(self.sphere, next);
+            let outcome = self.solver.step(self.sphere, next, shift);
             self.at_rest = outcome == Outcome::Still;
         }
         self.sphere = next;

@@ -33,7 +33,7 @@ pub(crate) struct Solver {
     pub positions: Planes,
     pub velocities: Planes,
     inverse_mass: Vec<f32>,
-    held: Option<usize>,
+    held: Vec<usize>,
     params: Params,
     springs: Springs,
     contacts: Contacts,
@@ -52,7 +52,7 @@ impl Solver {
         Solver {
             velocities: Planes::zeros(n),
             inverse_mass: vec![1.0; n],
-            held: None,
+            held: Vec::new(),
             // A typing error in a parameter file must not hang the simulator.
             params: Params {
                 substeps: params.substeps.clamp(1, 100),
@@ -69,11 +69,12 @@ impl Solver {
         }
     }
 
-    /// Fixes a particle to the sphere (`Some`), or lets all move freely.
-    pub fn hold(&mut self, particle: Option<usize>) {
-        self.held = particle;
+    /// Fixes particles, which then move by a step's `shift` alone, and frees all others.
+    pub fn hold(&mut self, particles: &[usize]) {
+        self.held.clear();
+        self.held.extend_from_slice(particles);
         self.inverse_mass.fill(1.0);
-        if let Some(particle) = particle {
+        for &particle in particles {
             self.inverse_mass[particle] = 0.0;
             self.velocities.set(particle, [0.0; 3]);
         }
@@ -85,24 +86,25 @@ impl Solver {
     ///
     /// A step in which nothing touches the cloth and no particle outruns the rest speed is undone. A
     /// settled cloth so becomes exactly still, instead of trembling on by rounding errors.
-    pub fn step(&mut self, from: [f32; 3], to: [f32; 3]) -> Outcome {
+    pub fn step(&mut self, from: [f32; 3], to: [f32; 3], shift: [f32; 3]) -> Outcome {
         let sphere_in_play = self.sphere_may_touch(from, to);
         self.before.clone_from(&self.positions);
         self.velocities_before.clone_from(&self.velocities);
         for substep in 0..self.params.substeps {
             let sphere = self.sphere_at(from, to, substep);
-            if let Some(held) = self.held {
-                // It keeps its offset to the centre. PyFleX moves it the whole way before the first
-                // substep; going along with the sphere keeps replays of Double Straight together
-                // (20 recordings: 21.0 mm, at worst 27, instead of 25.5 mm, at worst 57).
+            // PyFleX moves a held particle the whole way before the first substep; going along with the
+            // sphere keeps replays of Double Straight together (20 recordings: 21.0 mm, at worst 27,
+            // instead of 25.5 mm, at worst 57).
+            let done = (substep + 1) as f32 / self.params.substeps as f32;
+            for &held in &self.held {
                 let at = self.before.get(held);
-                let carried = [0, 1, 2].map(|axis| at[axis] + (sphere.centre[axis] - from[axis]));
-                self.positions.set(held, carried);
+                self.positions
+                    .set(held, [0, 1, 2].map(|axis| at[axis] + done * shift[axis]));
             }
             self.substep(substep, sphere_in_play.then_some(sphere));
         }
         let rest_m = self.params.rest_speed_m_s * self.params.step_secs;
-        if sphere_in_play || self.positions.differs_beyond(&self.before, rest_m) {
+        if sphere_in_play || shift != [0.0; 3] || self.positions.differs_beyond(&self.before, rest_m) {
             return Outcome::Moved;
         }
         self.positions.clone_from(&self.before);
