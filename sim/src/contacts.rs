@@ -5,12 +5,14 @@
 //! positions, and a particle moves by the mean of what its contacts ask for
 //! (Jacobi), so their order has no say beyond rounding.
 
-use crate::neighbours::Pair;
 use crate::params::Params;
 use crate::planes::Planes;
+use multiversion::multiversion;
 
 // As in `springs`: keeps coincident particles from dividing zero by zero.
 const TINY_M2: f32 = 1e-20;
+// Particles that one look at the sphere compares with.
+const LOOK: usize = 8;
 
 /// The picker's sphere during one substep, world frame, metres.
 #[derive(Clone, Copy, Debug)]
@@ -40,50 +42,30 @@ impl Contacts {
     /// Pushes every touching particle out once, and drags it by friction.
     ///
     /// - `began`: positions at the start of the substep; friction opposes the displacement since then.
-    /// - `inverse_mass`: 1 for a free particle, 0 for the held one.
+    /// - `inverse_mass`: 1 for a free particle, 0 for a held one.
     pub fn resolve(
         &mut self,
         positions: &mut Planes,
         began: &Planes,
         inverse_mass: &[f32],
-        pairs: &[Pair],
+        pairs: &[[u32; 2]],
         sphere: Option<Sphere>,
         params: &Params,
     ) {
-        self.touch_table(positions, began, params);
-        for pair in pairs {
-            let (i, j) = pair.indices();
-            self.touch_pair(positions, began, inverse_mass, i, j, params);
+        for &[i, j] in pairs {
+            self.touch_pair(positions, began, inverse_mass, i as usize, j as usize, params);
         }
         if let Some(sphere) = sphere {
             self.touch_sphere(positions, began, sphere, params);
         }
-        apply(&mut positions.x, &self.shift.x, &self.count, inverse_mass);
-        apply(&mut positions.y, &self.shift.y, &self.count, inverse_mass);
-        apply(&mut positions.z, &self.shift.z, &self.count, inverse_mass);
-    }
-
-    /// Starts the pass: every particle's shift and count are written, for particles off the table with zeros.
-    fn touch_table(&mut self, positions: &Planes, began: &Planes, params: &Params) {
-        let n = positions.len();
-        let (x, y, z) = (&positions.x[..n], &positions.y[..n], &positions.z[..n]);
-        let (x0, y0) = (&began.x[..n], &began.y[..n]);
-        let shift_x = &mut self.shift.x[..n];
-        let shift_y = &mut self.shift.y[..n];
-        let shift_z = &mut self.shift.z[..n];
-        let count = &mut self.count[..n];
-        for i in 0..n {
-            let below = params.table_contact_m - z[i];
-            let depth = if below > 0.0 { below } else { 0.0 };
-            let slid_x = x[i] - x0[i];
-            let slid_y = y[i] - y0[i];
-            let slid = (slid_x * slid_x + slid_y * slid_y + TINY_M2).sqrt();
-            let share = params.table_friction * depth / slid;
-            let share = if share < 1.0 { share } else { 1.0 };
-            shift_x[i] = -share * slid_x;
-            shift_y[i] = -share * slid_y;
-            shift_z[i] = depth;
-            count[i] = if below > 0.0 { 1.0 } else { 0.0 };
+        let Planes { x, y, z } = positions;
+        if pairs.is_empty() && sphere.is_none() {
+            rest_on_table(x, y, z, &began.x, &began.y, inverse_mass, params);
+        } else {
+            let shift = &mut self.shift;
+            let shifts = [&mut shift.x[..], &mut shift.y[..], &mut shift.z[..]];
+            let count = &mut self.count;
+            shift_on_table(x, y, z, &began.x, &began.y, inverse_mass, shifts, count, params);
         }
     }
 
@@ -131,18 +113,16 @@ impl Contacts {
         params: &Params,
     ) {
         let reach = params.picker_radius_m + params.picker_skin_m;
-        for i in 0..positions.len() {
+        let mut from = 0;
+        while let Some(i) = first_within(&positions.x, &positions.y, &positions.z, from, sphere.centre, reach) {
+            from = i + 1;
             let p = positions.get(i);
             let out = [
                 p[0] - sphere.centre[0],
                 p[1] - sphere.centre[1],
                 p[2] - sphere.centre[2],
             ];
-            let distance_2 = dot(out, out) + TINY_M2;
-            if distance_2 >= reach * reach {
-                continue;
-            }
-            let distance = distance_2.sqrt();
+            let distance = (dot(out, out) + TINY_M2).sqrt();
             let per_distance = 1.0 / distance;
             let normal = out.map(|d| d * per_distance);
             let p0 = began.get(i);
@@ -189,11 +169,109 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn apply(plane: &mut [f32], shift: &[f32], count: &[f32], inverse_mass: &[f32]) {
-    let n = plane.len();
-    let (shift, count, inverse_mass) = (&shift[..n], &count[..n], &inverse_mass[..n]);
+/// Returns the first particle from `from` on that is nearer to the centre than `reach`.
+#[multiversion(targets("x86_64+avx2"))]
+fn first_within(
+    x: &[f32],
+    y: &[f32],
+    z: &[f32],
+    from: usize,
+    centre: [f32; 3],
+    reach: f32,
+) -> Option<usize> {
+    let within = |i: usize| {
+        let (dx, dy, dz) = (x[i] - centre[0], y[i] - centre[1], z[i] - centre[2]);
+        dx * dx + dy * dy + dz * dz + TINY_M2 < reach * reach
+    };
+    let n = x.len();
+    let (y, z) = (&y[..n], &z[..n]);
+    let mut start = from;
+    while start + LOOK <= n {
+        let (xs, ys, zs) = (
+            &x[start..start + LOOK],
+            &y[start..start + LOOK],
+            &z[start..start + LOOK],
+        );
+        let mut any = false;
+        for k in 0..LOOK {
+            let (dx, dy, dz) = (xs[k] - centre[0], ys[k] - centre[1], zs[k] - centre[2]);
+            any |= dx * dx + dy * dy + dz * dz + TINY_M2 < reach * reach;
+        }
+        if any {
+            break;
+        }
+        start += LOOK;
+    }
+    (start..n).find(|&i| within(i))
+}
+
+/// Table contact of one particle: how far it has to rise, and to go back by friction.
+#[inline(always)]
+fn table_contact(x: f32, y: f32, z: f32, x0: f32, y0: f32, height: f32, friction: f32) -> [f32; 3] {
+    let below = height - z;
+    let depth = if below > 0.0 { below } else { 0.0 };
+    let (slid_x, slid_y) = (x - x0, y - y0);
+    let slid = (slid_x * slid_x + slid_y * slid_y + TINY_M2).sqrt();
+    let share = friction * depth / slid;
+    let share = if share < 1.0 { share } else { 1.0 };
+    [-share * slid_x, -share * slid_y, depth]
+}
+
+/// Lifts particles out of the table where that is the only contact.
+// Separate slices, so that the compiler knows that they do not overlap.
+#[multiversion(targets("x86_64+avx2"))]
+fn rest_on_table(
+    x: &mut [f32],
+    y: &mut [f32],
+    z: &mut [f32],
+    x0: &[f32],
+    y0: &[f32],
+    inverse_mass: &[f32],
+    params: &Params,
+) {
+    let n = x.len();
+    let (y, z, inverse_mass) = (&mut y[..n], &mut z[..n], &inverse_mass[..n]);
+    let (x0, y0) = (&x0[..n], &y0[..n]);
+    let (height, friction) = (params.table_contact_m, params.table_friction);
     for i in 0..n {
-        let contacts = if count[i] > 1.0 { count[i] } else { 1.0 };
-        plane[i] += inverse_mass[i] * shift[i] / contacts;
+        let shift = table_contact(x[i], y[i], z[i], x0[i], y0[i], height, friction);
+        x[i] += inverse_mass[i] * shift[0];
+        y[i] += inverse_mass[i] * shift[1];
+        z[i] += inverse_mass[i] * shift[2];
+    }
+}
+
+/// Adds the table's contact to the shifts of the others, moves by their mean, and clears them.
+#[allow(clippy::too_many_arguments)]
+#[multiversion(targets("x86_64+avx2"))]
+fn shift_on_table(
+    x: &mut [f32],
+    y: &mut [f32],
+    z: &mut [f32],
+    x0: &[f32],
+    y0: &[f32],
+    inverse_mass: &[f32],
+    shifts: [&mut [f32]; 3],
+    count: &mut [f32],
+    params: &Params,
+) {
+    let n = x.len();
+    let (y, z, inverse_mass) = (&mut y[..n], &mut z[..n], &inverse_mass[..n]);
+    let (x0, y0, count) = (&x0[..n], &y0[..n], &mut count[..n]);
+    let [sx, sy, sz] = shifts;
+    let (sx, sy, sz) = (&mut sx[..n], &mut sy[..n], &mut sz[..n]);
+    let (height, friction) = (params.table_contact_m, params.table_friction);
+    for i in 0..n {
+        let shift = table_contact(x[i], y[i], z[i], x0[i], y0[i], height, friction);
+        let contacts = count[i] + if shift[2] > 0.0 { 1.0 } else { 0.0 };
+        let contacts = if contacts > 1.0 { contacts } else { 1.0 };
+        let share = inverse_mass[i] / contacts;
+        x[i] += share * (sx[i] + shift[0]);
+        y[i] += share * (sy[i] + shift[1]);
+        z[i] += share * (sz[i] + shift[2]);
+        sx[i] = 0.0;
+        sy[i] = 0.0;
+        sz[i] = 0.0;
+        count[i] = 0.0;
     }
 }

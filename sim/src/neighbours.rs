@@ -1,36 +1,19 @@
-//! Finds the pairs of particles that are close enough to touch.
+//! Finds the pairs of particles that touch.
 //!
-//! In: positions. Out: pairs in ascending order that are nearer than the
-//! contact distance and were not so in the flat cloth. The answer depends on
-//! the positions alone: the wide list of candidates, kept while nobody has
-//! moved far, only saves time.
+//! In: positions. Out: pairs that are nearer than the contact distance and were not so in the flat cloth. The
+//! answer and its order follow from the positions alone: nothing is kept from one search to the next but room.
 
 use crate::grid::Grid;
 use crate::planes::Planes;
+use multiversion::multiversion;
 use std::ops::Range;
 
-// Extra reach of the wide list, metres. A larger one lasts longer and costs more per substep; replays of
-// Double Straight took about the same time with 2, 3, 4 and 6 mm.
-const MARGIN_M: f32 = 0.003;
 // The search grid has at most this many cells a side; particles farther out share the outermost cells.
 const MAX_CELLS: usize = 256;
-// More candidates than this per particle are dropped, which only a crushed cloth can reach; it bounds memory.
-const MAX_CANDIDATES: usize = 256;
-
-/// Two particles in touch, the lower index in the upper half, so that sorting puts them in index order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Pair(u32);
-
-impl Pair {
-    fn new(i: u32, j: u32) -> Pair {
-        Pair(i.min(j) << 16 | i.max(j))
-    }
-
-    /// Returns both indices, the lower one first.
-    pub fn indices(self) -> (usize, usize) {
-        ((self.0 >> 16) as usize, (self.0 & 0xffff) as usize)
-    }
-}
+// More pairs than this per particle are dropped, which only a crushed cloth can reach; it bounds memory.
+const MAX_PAIRS_PER_PARTICLE: usize = 32;
+// Particles that one look compares with; a look costs the same whether all of them count or one.
+const LOOK: usize = 8;
 
 /// A search structure for one cloth.
 #[derive(Clone, Debug)]
@@ -41,14 +24,9 @@ pub(crate) struct Neighbours {
     row: Vec<f32>,
     /// Pairs whose squared distance in the grid, in spacings, is less than this never collide.
     rest_limit: f32,
-    /// Where the particles were when the wide list was made; empty before the first.
-    built_at: Planes,
-    /// Candidates of the particle in slot `s` of `cells` are `candidates[starts[s]..starts[s + 1]]`.
-    candidates: Vec<u32>,
-    starts: Vec<u32>,
-    in_touch: Vec<Pair>,
+    max_pairs: usize,
+    touching: Vec<[u32; 2]>,
     cells: Cells,
-    near: Vec<u32>,
 }
 
 /// Particles sorted by the square of the table that they hover over, with all that the search reads.
@@ -56,13 +34,15 @@ pub(crate) struct Neighbours {
 struct Cells {
     columns: usize,
     rows: usize,
-    /// Particles of cell `c` are those of `slots(c, c)`.
+    /// Particles of cell `c` are in the slots `first[c]..first[c + 1]`.
     first: Vec<u32>,
     cell_of_particle: Vec<u32>,
+    cell_of_slot: Vec<u32>,
     particle: Vec<u32>,
+    // From here on one value per slot, and `LOOK` more that are never counted.
     position: Planes,
-    grid_column: Vec<f32>,
-    grid_row: Vec<f32>,
+    column: Vec<f32>,
+    row: Vec<f32>,
 }
 
 impl Neighbours {
@@ -74,80 +54,115 @@ impl Neighbours {
             column: particles.clone().map(|i| (i % grid.dimx) as f32).collect(),
             row: particles.map(|i| (i / grid.dimx) as f32).collect(),
             rest_limit: (contact_m / grid.spacing_m).powi(2),
-            built_at: Planes::default(),
-            candidates: Vec::new(),
-            starts: Vec::new(),
-            in_touch: Vec::new(),
+            max_pairs: MAX_PAIRS_PER_PARTICLE * grid.particle_count(),
+            touching: Vec::new(),
             cells: Cells::default(),
-            near: Vec::new(),
         }
     }
 
-    /// Returns the pairs in touch, in index order.
+    /// Returns the pairs in touch.
     ///
     /// - `positions`: `[n_particles]`, metres.
-    pub fn find(&mut self, positions: &Planes) -> &[Pair] {
-        let first_time = self.built_at.len() != positions.len();
-        if first_time || positions.differs_beyond(&self.built_at, 0.5 * MARGIN_M) {
-            self.rebuild(positions);
-        }
-        let limit = self.contact_m * self.contact_m;
-        let (x, y, z) = (&positions.x[..], &positions.y[..], &positions.z[..]);
-        // Every candidate is written, and stays if the cursor moves past it: unlike a branch, this costs
-        // the same however often the answer changes.
-        self.in_touch
-            .resize(self.candidates.len() + 1, Pair::default());
-        let mut found = 0;
-        for (range, &i) in self.starts.windows(2).zip(&self.cells.particle) {
-            let [xi, yi, zi] = positions.get(i as usize);
-            for &j in &self.candidates[range[0] as usize..range[1] as usize] {
-                let (dx, dy, dz) = (xi - x[j as usize], yi - y[j as usize], zi - z[j as usize]);
-                self.in_touch[found] = Pair::new(i, j);
-                found += usize::from(dx * dx + dy * dy + dz * dz < limit);
+    pub fn find(&mut self, positions: &Planes) -> &[[u32; 2]] {
+        self.touching.clear();
+        let cells = &mut self.cells;
+        cells.sort(positions, &self.column, &self.row, self.contact_m);
+        let limits = Limits {
+            contact_2: self.contact_m * self.contact_m,
+            rest: self.rest_limit,
+        };
+        for row in 0..cells.rows {
+            for column in 0..cells.columns {
+                let cell = row * cells.columns + column;
+                let own = cells.slots(cell, cell);
+                if own.is_empty() {
+                    continue;
+                }
+                let right = cell + usize::from(column + 1 < cells.columns);
+                let ahead = cells.slots(cell, right).end;
+                let below = if row + 1 < cells.rows {
+                    let left = cell - usize::from(column > 0);
+                    cells.slots(left + cells.columns, right + cells.columns)
+                } else {
+                    0..0
+                };
+                if own.len() + below.len() + (ahead - own.end) > 1 {
+                    pairs_of_cell(
+                        own,
+                        ahead,
+                        below,
+                        &cells.position.x,
+                        &cells.position.y,
+                        &cells.position.z,
+                        &cells.column,
+                        &cells.row,
+                        &cells.particle,
+                        limits,
+                        &mut self.touching,
+                    );
+                }
             }
         }
-        self.in_touch.truncate(found);
-        // Candidates come in the order of the cells, which depends on when the list was made.
-        self.in_touch.sort_unstable();
-        &self.in_touch
+        self.touching.truncate(self.max_pairs);
+        &self.touching
     }
+}
 
-    /// Lists every pair within contact distance plus margin.
-    fn rebuild(&mut self, positions: &Planes) {
-        let reach = self.contact_m + MARGIN_M;
-        self.cells.sort(positions, &self.column, &self.row, reach);
-        self.candidates.clear();
-        self.starts.clear();
-        self.starts.push(0);
-        let cells = &self.cells;
-        let mut found = 0;
-        for slot in 0..cells.particle.len() {
-            let last = found + MAX_CANDIDATES;
-            for others in cells.later_neighbours(slot) {
-                let n = others.len();
-                if self.candidates.len() <= found + n {
-                    self.candidates.resize(2 * (found + n) + 1, 0);
+/// What makes a pair count.
+#[derive(Clone, Copy)]
+struct Limits {
+    contact_2: f32,
+    rest: f32,
+}
+
+/// Adds the pairs in touch that the slots `own` form with later ones: up to `ahead`, and in `below`.
+// Separate slices, so that the compiler knows that they do not overlap.
+#[allow(clippy::too_many_arguments)]
+#[multiversion(targets("x86_64+avx2"))]
+fn pairs_of_cell(
+    own: Range<usize>,
+    ahead: usize,
+    below: Range<usize>,
+    x: &[f32],
+    y: &[f32],
+    z: &[f32],
+    column: &[f32],
+    row: &[f32],
+    particle: &[u32],
+    limits: Limits,
+    touching: &mut Vec<[u32; 2]>,
+) {
+    let n = x.len();
+    let (y, z, column, row) = (&y[..n], &z[..n], &column[..n], &row[..n]);
+    for slot in own {
+        let (px, py, pz) = (x[slot], y[slot], z[slot]);
+        let (own_column, own_row) = (column[slot], row[slot]);
+        for others in [slot + 1..ahead, below.clone()] {
+            let mut from = others.start;
+            while from < others.end {
+                let to = from + LOOK;
+                let (xs, ys, zs) = (&x[from..to], &y[from..to], &z[from..to]);
+                let (columns, rows) = (&column[from..to], &row[from..to]);
+                let touches = |k: usize| {
+                    let (dx, dy, dz) = (px - xs[k], py - ys[k], pz - zs[k]);
+                    let (across, along) = (own_column - columns[k], own_row - rows[k]);
+                    (dx * dx + dy * dy + dz * dz < limits.contact_2)
+                        & (across * across + along * along >= limits.rest)
+                };
+                let mut any = false;
+                for k in 0..LOOK {
+                    any |= touches(k);
                 }
-                self.near.resize(self.near.len().max(n), 0);
-                cells.mark_near(
-                    slot,
-                    others.clone(),
-                    reach,
-                    self.rest_limit,
-                    &mut self.near[..n],
-                );
-                let target = &mut self.candidates[found..found + n + 1];
-                let mut kept = 0;
-                for (&other, &near) in cells.particle[others].iter().zip(&self.near) {
-                    target[kept] = other;
-                    kept += near as usize;
+                if any {
+                    for other in from..to.min(others.end) {
+                        if touches(other - from) {
+                            touching.push([particle[slot], particle[other]]);
+                        }
+                    }
                 }
-                found = (found + kept).min(last);
+                from = to;
             }
-            self.starts.push(found as u32);
         }
-        self.candidates.truncate(found);
-        self.built_at.clone_from(positions);
     }
 }
 
@@ -155,103 +170,94 @@ impl Cells {
     /// Sorts the particles by cell (counting sort, so the order within a cell is by index).
     fn sort(&mut self, positions: &Planes, column: &[f32], row: &[f32], cell_m: f32) {
         let n = positions.len();
-        let (min_x, max_x) = extent(&positions.x);
-        let (min_y, max_y) = extent(&positions.y);
+        let low = [extent(&positions.x), extent(&positions.y)];
+        let [(min_x, max_x), (min_y, max_y)] = low;
         self.columns = cell_index(max_x - min_x, cell_m) + 1;
         self.rows = cell_index(max_y - min_y, cell_m) + 1;
-        self.cell_of_particle.clear();
+        self.cell_of_particle.resize(n, 0);
+        number_cells(
+            &positions.x,
+            &positions.y,
+            [min_x, min_y],
+            1.0 / cell_m,
+            [self.columns as f32, self.rows as f32],
+            &mut self.cell_of_particle,
+        );
         self.first.clear();
         self.first.resize(self.columns * self.rows + 1, 0);
-        for i in 0..n {
-            let cell_column = cell_index(positions.x[i] - min_x, cell_m);
-            let cell_row = cell_index(positions.y[i] - min_y, cell_m);
-            let cell = cell_row * self.columns + cell_column;
-            self.cell_of_particle.push(cell as u32);
-            self.first[cell + 1] += 1;
+        for &cell in &self.cell_of_particle {
+            self.first[cell as usize + 1] += 1;
         }
         for cell in 1..self.first.len() {
             self.first[cell] += self.first[cell - 1];
         }
         self.particle.resize(n, 0);
-        self.grid_column.resize(n, 0.0);
-        self.grid_row.resize(n, 0.0);
-        self.position.resize(n);
         // `first` serves as the cursor of each cell and is shifted back afterwards.
-        for i in 0..n {
-            let cell = self.cell_of_particle[i] as usize;
-            let slot = self.first[cell] as usize;
-            self.first[cell] += 1;
-            self.particle[slot] = i as u32;
-            self.grid_column[slot] = column[i];
-            self.grid_row[slot] = row[i];
-            self.position.set(slot, positions.get(i));
+        for (particle, &cell) in self.cell_of_particle.iter().enumerate() {
+            let slot = &mut self.first[cell as usize];
+            self.particle[*slot as usize] = particle as u32;
+            *slot += 1;
         }
-        for cell in (1..self.first.len()).rev() {
-            self.first[cell] = self.first[cell - 1];
-        }
+        let cells = self.first.len();
+        self.first.copy_within(0..cells - 1, 1);
         self.first[0] = 0;
+        gather(&positions.x, &self.particle, &mut self.position.x);
+        gather(&positions.y, &self.particle, &mut self.position.y);
+        gather(&positions.z, &self.particle, &mut self.position.z);
+        gather(column, &self.particle, &mut self.column);
+        gather(row, &self.particle, &mut self.row);
     }
 
     /// Returns the slots of the cells from `first` to `last`, which lie in one row of cells.
     fn slots(&self, first: usize, last: usize) -> Range<usize> {
         self.first[first] as usize..self.first[last + 1] as usize
     }
+}
 
-    /// Returns the slots in the same and the adjoining cells that come later in the order: after `slot` in
-    /// its own row of cells, and in three cells of the next row. Each pair is met once.
-    fn later_neighbours(&self, slot: usize) -> [Range<usize>; 2] {
-        let cell = self.cell_of_particle[self.particle[slot] as usize] as usize;
-        let column = cell % self.columns;
-        let left = cell - usize::from(column > 0);
-        let right = cell + usize::from(column + 1 < self.columns);
-        let same_row = slot + 1..self.slots(cell, right).end;
-        if cell / self.columns + 1 < self.rows {
-            [
-                same_row,
-                self.slots(left + self.columns, right + self.columns),
-            ]
-        } else {
-            [same_row, 0..0]
-        }
-    }
+/// Writes the values of the listed particles, and `LOOK` zeros.
+fn gather(values: &[f32], particles: &[u32], target: &mut Vec<f32>) {
+    target.clear();
+    target.extend(particles.iter().map(|&particle| values[particle as usize]));
+    target.resize(particles.len() + LOOK, 0.0);
+}
 
-    /// Writes 1 for each slot of `others` that is within `reach` and may collide with `slot`, else 0.
-    // Kept out of line: only as an argument of a function is `near` known not to overlap the others.
-    #[inline(never)]
-    fn mark_near(
-        &self,
-        slot: usize,
-        others: Range<usize>,
-        reach: f32,
-        rest_limit: f32,
-        near: &mut [u32],
-    ) {
-        let n = near.len();
-        let xs = &self.position.x[others.clone()][..n];
-        let ys = &self.position.y[others.clone()][..n];
-        let zs = &self.position.z[others.clone()][..n];
-        let columns = &self.grid_column[others.clone()][..n];
-        let rows = &self.grid_row[others][..n];
-        let [x, y, z] = self.position.get(slot);
-        let (column, row) = (self.grid_column[slot], self.grid_row[slot]);
-        for k in 0..n {
-            let (dx, dy, dz) = (x - xs[k], y - ys[k], z - zs[k]);
-            let (across, along) = (column - columns[k], row - rows[k]);
-            let close = dx * dx + dy * dy + dz * dz < reach * reach;
-            let may_collide = across * across + along * along >= rest_limit;
-            near[k] = u32::from(close & may_collide);
-        }
+/// Writes the number of the cell that each particle is in.
+#[multiversion(targets("x86_64+avx2"))]
+fn number_cells(
+    x: &[f32],
+    y: &[f32],
+    min: [f32; 2],
+    per_cell: f32,
+    cells: [f32; 2],
+    number: &mut [u32],
+) {
+    let n = number.len();
+    let (x, y) = (&x[..n], &y[..n]);
+    for i in 0..n {
+        let column = ((x[i] - min[0]) * per_cell).min(cells[0] - 1.0);
+        let row = ((y[i] - min[1]) * per_cell).min(cells[1] - 1.0);
+        number[i] = row as i32 as u32 * cells[0] as u32 + column as i32 as u32;
     }
 }
 
 fn cell_index(offset_m: f32, cell_m: f32) -> usize {
-    ((offset_m / cell_m) as usize).min(MAX_CELLS - 1)
+    ((offset_m * (1.0 / cell_m)) as usize).min(MAX_CELLS - 1)
 }
 
+/// Returns the least and the greatest value.
+#[multiversion(targets("x86_64+avx2"))]
 fn extent(values: &[f32]) -> (f32, f32) {
-    values
-        .iter()
-        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &value| {
-            (low.min(value), high.max(value))
-        })
+    let (mut low, mut high) = ([f32::INFINITY; LOOK], [f32::NEG_INFINITY; LOOK]);
+    let looks = values.chunks_exact(LOOK);
+    let rest = looks.remainder();
+    for look in looks {
+        for k in 0..LOOK {
+            low[k] = if look[k] < low[k] { look[k] } else { low[k] };
+            high[k] = if look[k] > high[k] { look[k] } else { high[k] };
+        }
+    }
+    let all = |side: &[f32]| side.iter().chain(rest).copied().collect::<Vec<_>>();
+    let low = all(&low).into_iter().fold(f32::INFINITY, f32::min);
+    let high = all(&high).into_iter().fold(f32::NEG_INFINITY, f32::max);
+    (low, high)
 }

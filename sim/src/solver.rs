@@ -11,6 +11,7 @@ use crate::grid::Grid;
 use crate::neighbours::Neighbours;
 use crate::params::Params;
 use crate::planes::Planes;
+use multiversion::multiversion;
 use crate::springs::{Direction, Springs};
 
 // A sphere that stays farther than this from the cloth's bounding box for a whole step is left out of the
@@ -182,55 +183,71 @@ impl Solver {
     /// Moves free particles as if nothing touched them.
     fn predict(&mut self, dt: f32) {
         let keep = 1.0 - self.params.damping_per_s * dt;
-        let fall = self.params.gravity_m_s2 * dt;
-        let n = self.positions.len();
-        let weight = &self.inverse_mass[..n];
-        let advance = |position: &mut [f32], velocity: &[f32], gain: f32| {
-            let (position, velocity) = (&mut position[..n], &velocity[..n]);
-            for i in 0..n {
-                position[i] += weight[i] * dt * (keep * velocity[i] + gain);
-            }
-        };
-        advance(&mut self.positions.x, &self.velocities.x, 0.0);
-        advance(&mut self.positions.y, &self.velocities.y, 0.0);
-        advance(&mut self.positions.z, &self.velocities.z, -fall);
+        let gain = self.params.gravity_m_s2 * dt;
+        let weight = &self.inverse_mass;
+        fly(&mut self.positions.x, &self.velocities.x, weight, dt, keep, 0.0);
+        fly(&mut self.positions.y, &self.velocities.y, weight, dt, keep, 0.0);
+        fly(&mut self.positions.z, &self.velocities.z, weight, dt, keep, -gain);
     }
 
     /// Derives velocities from the substep's displacement, limits their change, and puts slow particles to sleep.
     fn finish(&mut self, dt: f32) {
-        let per_dt = 1.0 / dt;
         let max_change = self.params.max_acceleration_m_s2 * dt;
         let sleep_2 = self.params.sleep_speed_m_s * self.params.sleep_speed_m_s;
-        let n = self.positions.len();
         let Planes { x, y, z } = &mut self.positions;
-        let (x, y, z) = (&mut x[..n], &mut y[..n], &mut z[..n]);
-        let (x0, y0, z0) = (&self.began.x[..n], &self.began.y[..n], &self.began.z[..n]);
-        let Planes {
-            x: vx,
-            y: vy,
-            z: vz,
-        } = &mut self.velocities;
-        let (vx, vy, vz) = (&mut vx[..n], &mut vy[..n], &mut vz[..n]);
-        for i in 0..n {
-            let ux = (x[i] - x0[i]) * per_dt - vx[i];
-            let uy = (y[i] - y0[i]) * per_dt - vy[i];
-            let uz = (z[i] - z0[i]) * per_dt - vz[i];
-            let change = (ux * ux + uy * uy + uz * uz).sqrt();
-            let share = if change > max_change {
-                max_change / change
-            } else {
-                1.0
-            };
-            let wx = vx[i] + share * ux;
-            let wy = vy[i] + share * uy;
-            let wz = vz[i] + share * uz;
-            let sleeps = wx * wx + wy * wy + wz * wz < sleep_2;
-            x[i] = if sleeps { x0[i] } else { x[i] };
-            y[i] = if sleeps { y0[i] } else { y[i] };
-            z[i] = if sleeps { z0[i] } else { z[i] };
-            vx[i] = if sleeps { 0.0 } else { wx };
-            vy[i] = if sleeps { 0.0 } else { wy };
-            vz[i] = if sleeps { 0.0 } else { wz };
-        }
+        let v = &mut self.velocities;
+        let velocities = [&mut v.x[..], &mut v.y[..], &mut v.z[..]];
+        let began = [&self.began.x[..], &self.began.y[..], &self.began.z[..]];
+        derive_velocities(x, y, z, velocities, began, 1.0 / dt, max_change, sleep_2);
+    }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn fly(position: &mut [f32], velocity: &[f32], weight: &[f32], dt: f32, keep: f32, gain: f32) {
+    let n = position.len();
+    let (velocity, weight) = (&velocity[..n], &weight[..n]);
+    for i in 0..n {
+        position[i] += weight[i] * dt * (keep * velocity[i] + gain);
+    }
+}
+
+// Separate slices, so that the compiler knows that they do not overlap.
+#[allow(clippy::too_many_arguments)]
+#[multiversion(targets("x86_64+avx2"))]
+fn derive_velocities(
+    x: &mut [f32],
+    y: &mut [f32],
+    z: &mut [f32],
+    velocities: [&mut [f32]; 3],
+    began: [&[f32]; 3],
+    per_dt: f32,
+    max_change: f32,
+    sleep_2: f32,
+) {
+    let n = x.len();
+    let (y, z) = (&mut y[..n], &mut z[..n]);
+    let [vx, vy, vz] = velocities;
+    let (vx, vy, vz) = (&mut vx[..n], &mut vy[..n], &mut vz[..n]);
+    let (x0, y0, z0) = (&began[0][..n], &began[1][..n], &began[2][..n]);
+    for i in 0..n {
+        let ux = (x[i] - x0[i]) * per_dt - vx[i];
+        let uy = (y[i] - y0[i]) * per_dt - vy[i];
+        let uz = (z[i] - z0[i]) * per_dt - vz[i];
+        let change = (ux * ux + uy * uy + uz * uz).sqrt();
+        let share = if change > max_change {
+            max_change / change
+        } else {
+            1.0
+        };
+        let wx = vx[i] + share * ux;
+        let wy = vy[i] + share * uy;
+        let wz = vz[i] + share * uz;
+        let sleeps = wx * wx + wy * wy + wz * wz < sleep_2;
+        x[i] = if sleeps { x0[i] } else { x[i] };
+        y[i] = if sleeps { y0[i] } else { y[i] };
+        z[i] = if sleeps { z0[i] } else { z[i] };
+        vx[i] = if sleeps { 0.0 } else { wx };
+        vy[i] = if sleeps { 0.0 } else { wy };
+        vz[i] = if sleeps { 0.0 } else { wz };
     }
 }

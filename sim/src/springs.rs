@@ -9,10 +9,13 @@
 use crate::grid::Grid;
 use crate::params::Params;
 use crate::planes::Planes;
+use multiversion::multiversion;
 
 // Added to a squared length so that coincident particles give a zero force, not 0/0; it is far below
 // the rounding error of any real spring's squared length.
 const TINY_M2: f32 = 1e-20;
+// Side of the squares that a matrix is transposed by: four values fill a register of every x86-64.
+const TILE: usize = 4;
 
 /// Order in which a sweep visits families and rows; alternating it keeps errors from drifting one way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,14 +149,31 @@ impl Springs {
 }
 
 /// Writes the matrix `from`, of rows of `columns` values, into `to` with rows and columns exchanged.
+#[multiversion(targets("x86_64+avx2"))]
 fn transpose(from: &[f32], to: &mut [f32], columns: usize) {
     let rows = from.len() / columns;
-    for (column, target) in to.chunks_exact_mut(rows).enumerate() {
-        for (value, source) in target
-            .iter_mut()
-            .zip(from[column..].iter().step_by(columns))
-        {
-            *value = *source;
+    let whole_columns = columns - columns % TILE;
+    let bands = from.chunks_exact(TILE * columns);
+    let rest = bands.remainder();
+    for (band, lines) in bands.enumerate() {
+        let row = band * TILE;
+        let (l0, lines) = lines.split_at(columns);
+        let (l1, lines) = lines.split_at(columns);
+        let (l2, l3) = lines.split_at(columns);
+        let tiles = l0.chunks_exact(TILE).zip(l1.chunks_exact(TILE)).zip(l2.chunks_exact(TILE)).zip(l3.chunks_exact(TILE));
+        for ((((a, b), c), d), target) in tiles.zip(to.chunks_exact_mut(TILE * rows)) {
+            for (k, line) in target.chunks_exact_mut(rows).enumerate() {
+                line[row..row + TILE].copy_from_slice(&[a[k], b[k], c[k], d[k]]);
+            }
+        }
+        for column in whole_columns..columns {
+            to[column * rows + row..][..TILE].copy_from_slice(&[l0[column], l1[column], l2[column], l3[column]]);
+        }
+    }
+    let first = rows - rest.len() / columns;
+    for (k, line) in rest.chunks_exact(columns).enumerate() {
+        for (target, value) in to.chunks_exact_mut(rows).zip(line) {
+            target[first + k] = *value;
         }
     }
 }
@@ -204,7 +224,7 @@ fn two_rows(plane: &mut [f32], lower: usize, upper: usize, n: usize) -> (&mut [f
 // Separate slices in a function that stays out of line: only so does the compiler know that they do not
 // overlap, which is worth a factor of two.
 #[allow(clippy::too_many_arguments)]
-#[inline(never)]
+#[multiversion(targets("x86_64+avx2"))]
 fn pull_row_pair(
     ax: &mut [f32],
     ay: &mut [f32],
