@@ -13,6 +13,8 @@ use multiversion::multiversion;
 const TINY_M2: f32 = 1e-20;
 // Particles that one look at the sphere compares with.
 const LOOK: usize = 8;
+// Pairs that are computed side by side.
+const LANES: usize = 8;
 
 /// The picker's sphere during one substep, world frame, metres.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +23,47 @@ pub(crate) struct Sphere {
     pub centre: [f32; 3],
     /// Displacement of the centre during the substep.
     pub motion: [f32; 3],
+}
+
+/// Pairs in touch during one substep, with all that does not change from sweep to sweep.
+///
+/// The lists are as long as whole blocks of [`LANES`]; what is beyond `len` counts for nothing.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pairs {
+    len: usize,
+    first: Vec<u32>,
+    second: Vec<u32>,
+    /// From the second to the first particle when the substep began, metres.
+    began: Planes,
+    /// Share of a correction that each particle moves by: half, or all beside a held one.
+    share: Vec<f32>,
+}
+
+impl Pairs {
+    /// Lists the pairs of one substep instead of those of the last.
+    pub fn list(&mut self, pairs: &[[u32; 2]], began: &Planes, inverse_mass: &[f32]) {
+        self.len = pairs.len();
+        let whole = pairs.len().next_multiple_of(LANES);
+        self.first.clear();
+        self.first.extend(pairs.iter().map(|pair| pair[0]));
+        self.first.resize(whole, 0);
+        self.second.clear();
+        self.second.extend(pairs.iter().map(|pair| pair[1]));
+        self.second.resize(whole, 0);
+        self.began.resize(whole);
+        self.share.resize(whole, 0.0);
+        for (k, &[i, j]) in pairs.iter().enumerate() {
+            let (i, j) = (i as usize, j as usize);
+            let (a, b) = (began.get(i), began.get(j));
+            self.began.set(k, [a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
+            // This is 1 / (sum of both inverse masses) for sums of 2 and 1, without a division.
+            self.share[k] = 1.5 - 0.5 * (inverse_mass[i] + inverse_mass[j]);
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.len == 0
+    }
 }
 
 /// Accumulates corrections of one pass; kept between passes to save allocations.
@@ -48,13 +91,18 @@ impl Contacts {
         positions: &mut Planes,
         began: &Planes,
         inverse_mass: &[f32],
-        pairs: &[[u32; 2]],
+        pairs: &Pairs,
         sphere: Option<Sphere>,
         params: &Params,
     ) {
-        for &[i, j] in pairs {
-            self.touch_pair(positions, began, inverse_mass, i as usize, j as usize, params);
-        }
+        let keep_m = [params.self_contact_m, params.self_contact_softness, params.self_friction];
+        touch_pairs(
+            pairs,
+            [&positions.x, &positions.y, &positions.z],
+            [&mut self.shift.x, &mut self.shift.y, &mut self.shift.z],
+            &mut self.count,
+            keep_m,
+        );
         if let Some(sphere) = sphere {
             self.touch_sphere(positions, began, sphere, params);
         }
@@ -67,42 +115,6 @@ impl Contacts {
             let count = &mut self.count;
             shift_on_table(x, y, z, &began.x, &began.y, inverse_mass, shifts, count, params);
         }
-    }
-
-    #[inline]
-    fn touch_pair(
-        &mut self,
-        positions: &Planes,
-        began: &Planes,
-        inverse_mass: &[f32],
-        i: usize,
-        j: usize,
-        params: &Params,
-    ) {
-        let a = positions.get(i);
-        let b = positions.get(j);
-        let apart = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-        let distance_2 = dot(apart, apart) + TINY_M2;
-        if distance_2 >= params.self_contact_m * params.self_contact_m {
-            return;
-        }
-        let distance = distance_2.sqrt();
-        let depth = params.self_contact_softness * (params.self_contact_m - distance);
-        let per_distance = 1.0 / distance;
-        let normal = apart.map(|d| d * per_distance);
-        let a0 = began.get(i);
-        let b0 = began.get(j);
-        let slid = [
-            (a[0] - a0[0]) - (b[0] - b0[0]),
-            (a[1] - a0[1]) - (b[1] - b0[1]),
-            (a[2] - a0[2]) - (b[2] - b0[2]),
-        ];
-        let push = correction(normal, depth, slid, params.self_friction);
-        // Two free particles share the correction; beside the held one, the free particle takes all. This
-        // is 1 / (sum of both inverse masses) for sums of 2 and 1, without a division.
-        let share = 1.5 - 0.5 * (inverse_mass[i] + inverse_mass[j]);
-        self.add(i, push.map(|p| p * share));
-        self.add(j, push.map(|p| -p * share));
     }
 
     fn touch_sphere(
@@ -146,7 +158,7 @@ impl Contacts {
 }
 
 /// Returns the push out of a contact plus Coulomb friction: at most `friction * depth` against the sliding.
-#[inline]
+#[inline(always)]
 fn correction(normal: [f32; 3], depth: f32, slid: [f32; 3], friction: f32) -> [f32; 3] {
     let along_normal = dot(slid, normal);
     let tangent = [
@@ -164,9 +176,70 @@ fn correction(normal: [f32; 3], depth: f32, slid: [f32; 3], friction: f32) -> [f
     ]
 }
 
-#[inline]
+#[inline(always)]
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Adds what every pair in touch asks of its particles, all looking at the same positions.
+#[multiversion(targets("x86_64+avx2"))]
+fn touch_pairs(
+    pairs: &Pairs,
+    positions: [&[f32]; 3],
+    shifts: [&mut [f32]; 3],
+    count: &mut [f32],
+    [contact_m, softness, friction]: [f32; 3],
+) {
+    let n = count.len();
+    let [x, y, z] = positions;
+    let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
+    let [shift_x, shift_y, shift_z] = shifts;
+    let (shift_x, shift_y, shift_z) = (&mut shift_x[..n], &mut shift_y[..n], &mut shift_z[..n]);
+    let blocks = pairs.first.chunks_exact(LANES).zip(pairs.second.chunks_exact(LANES));
+    for (block, (first, second)) in blocks.enumerate() {
+        let from = block * LANES;
+        let range = from..from + LANES;
+        let x0 = &pairs.began.x[range.clone()];
+        let y0 = &pairs.began.y[range.clone()];
+        let z0 = &pairs.began.z[range.clone()];
+        let shares = &pairs.share[range];
+        let (mut dx, mut dy, mut dz) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            let (i, j) = (first[k] as usize, second[k] as usize);
+            dx[k] = x[i] - x[j];
+            dy[k] = y[i] - y[j];
+            dz[k] = z[i] - z[j];
+        }
+        let mut distance_2 = [0.0; LANES];
+        for k in 0..LANES {
+            distance_2[k] = dx[k] * dx[k] + dy[k] * dy[k] + dz[k] * dz[k] + TINY_M2;
+        }
+        let (mut push_x, mut push_y, mut push_z) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            let distance = distance_2[k].sqrt();
+            let depth = softness * (contact_m - distance);
+            let per_distance = 1.0 / distance;
+            let normal = [dx[k] * per_distance, dy[k] * per_distance, dz[k] * per_distance];
+            let slid = [dx[k] - x0[k], dy[k] - y0[k], dz[k] - z0[k]];
+            let push = correction(normal, depth, slid, friction);
+            push_x[k] = shares[k] * push[0];
+            push_y[k] = shares[k] * push[1];
+            push_z[k] = shares[k] * push[2];
+        }
+        for k in 0..LANES.min(pairs.len - from) {
+            if distance_2[k] < contact_m * contact_m {
+                let (i, j) = (first[k] as usize, second[k] as usize);
+                shift_x[i] += push_x[k];
+                shift_y[i] += push_y[k];
+                shift_z[i] += push_z[k];
+                count[i] += 1.0;
+                shift_x[j] -= push_x[k];
+                shift_y[j] -= push_y[k];
+                shift_z[j] -= push_z[k];
+                count[j] += 1.0;
+            }
+        }
+    }
 }
 
 /// Returns the first particle from `from` on that is nearer to the centre than `reach`.

@@ -137,30 +137,34 @@ fn pairs_of_cell(
     for slot in own {
         let (px, py, pz) = (x[slot], y[slot], z[slot]);
         let (own_column, own_row) = (column[slot], row[slot]);
-        for others in [slot + 1..ahead, below.clone()] {
+        let later = [slot + 1..ahead, below.clone()];
+        let mut near = [0u32; LOOK];
+        for others in &later {
             let mut from = others.start;
             while from < others.end {
                 let to = from + LOOK;
                 let (xs, ys, zs) = (&x[from..to], &y[from..to], &z[from..to]);
                 let (columns, rows) = (&column[from..to], &row[from..to]);
-                let touches = |k: usize| {
+                for k in 0..LOOK {
                     let (dx, dy, dz) = (px - xs[k], py - ys[k], pz - zs[k]);
                     let (across, along) = (own_column - columns[k], own_row - rows[k]);
-                    (dx * dx + dy * dy + dz * dz < limits.contact_2)
-                        & (across * across + along * along >= limits.rest)
-                };
-                let mut any = false;
-                for k in 0..LOOK {
-                    any |= touches(k);
-                }
-                if any {
-                    for other in from..to.min(others.end) {
-                        if touches(other - from) {
-                            touching.push([particle[slot], particle[other]]);
-                        }
-                    }
+                    near[k] |= u32::from(dx * dx + dy * dy + dz * dz < limits.contact_2)
+                        & u32::from(across * across + along * along >= limits.rest);
                 }
                 from = to;
+            }
+        }
+        // Most particles touch nothing, and one answer for all that follow is cheaper than one for each.
+        if near == [0; LOOK] {
+            continue;
+        }
+        for other in later.into_iter().flatten() {
+            let (dx, dy, dz) = (px - x[other], py - y[other], pz - z[other]);
+            let (across, along) = (own_column - column[other], own_row - row[other]);
+            if dx * dx + dy * dy + dz * dz < limits.contact_2
+                && across * across + along * along >= limits.rest
+            {
+                touching.push([particle[slot], particle[other]]);
             }
         }
     }

@@ -6,7 +6,7 @@
 //! what really moved (position-based dynamics, Müller et al. 2007). Who moves
 //! the sphere is the picker's business.
 
-use crate::contacts::{Contacts, Sphere};
+use crate::contacts::{Contacts, Pairs, Sphere};
 use crate::grid::Grid;
 use crate::neighbours::Neighbours;
 use crate::params::Params;
@@ -39,6 +39,7 @@ pub(crate) struct Solver {
     springs: Springs,
     contacts: Contacts,
     neighbours: Neighbours,
+    pairs: Pairs,
     /// Positions when the substep began.
     began: Planes,
     /// State when the step began.
@@ -63,6 +64,7 @@ impl Solver {
             springs: Springs::new(grid, params),
             contacts: Contacts::new(n),
             neighbours: Neighbours::new(grid, params.self_contact_m),
+            pairs: Pairs::default(),
             began: positions.clone(),
             before: positions.clone(),
             velocities_before: Planes::zeros(n),
@@ -160,7 +162,8 @@ impl Solver {
         let dt = self.params.step_secs / self.params.substeps as f32;
         self.began.clone_from(&self.positions);
         self.predict(dt);
-        let pairs = self.neighbours.find(&self.positions);
+        let touching = self.neighbours.find(&self.positions);
+        self.pairs.list(touching, &self.began, &self.inverse_mass);
         for sweep in 0..self.params.sweeps {
             let direction = match (sweep + substep) % 2 {
                 0 => Direction::Forward,
@@ -172,7 +175,7 @@ impl Solver {
                 &mut self.positions,
                 &self.began,
                 &self.inverse_mass,
-                pairs,
+                &self.pairs,
                 sphere,
                 &self.params,
             );
