@@ -4,7 +4,6 @@
 //! how high come from the seed alone; the rest is the solver's work, so equal cloths and seeds give equal
 //! bits. The picker takes no part and stays at home.
 
-use crate::planes::Planes;
 use crate::simulator::{SimError, Simulator};
 
 /// Least height that the chosen particle is lifted by, metres (SoftGym: 0.5 to 1).
@@ -53,7 +52,7 @@ impl Simulator {
         let mut steps = 0;
         self.hold(&[lifted])?;
         self.lift_and_drop(lift_m, &mut steps, interrupted)
-            .inspect_err(|_| self.restart_from(Planes::from_points(&self.positions())))?;
+            .inspect_err(|_| self.restart_from(&self.positions()))?;
         Ok(Crumpled {
             lifted,
             lift_m,
@@ -94,29 +93,28 @@ impl Simulator {
         // particles then slides on (one by 13 mm): it is brought to rest from standstill to standstill, until
         // a step changes nothing.
         for _ in 0..MAX_CALMING_STEPS {
-            self.restart_from(centred(&self.positions()));
+            self.restart_from(&centred(&self.positions()));
             step(self, 0.0)?;
             if self.is_at_rest() {
                 break;
             }
         }
-        self.restart_from(centred(&self.positions()));
+        self.restart_from(&centred(&self.positions()));
         Ok(())
     }
 }
 
 /// Shifts a cloth as a whole, so that its mean lies above the table's centre (as SoftGym does).
-fn centred(positions: &[[f32; 3]]) -> Planes {
+fn centred(positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mean = |axis: usize| {
         let sum: f64 = positions.iter().map(|point| f64::from(point[axis])).sum();
         (sum / positions.len() as f64) as f32
     };
     let [x, y] = [mean(0), mean(1)];
-    let shifted: Vec<[f32; 3]> = positions
+    positions
         .iter()
         .map(|point| [point[0] - x, point[1] - y, point[2]])
-        .collect();
-    Planes::from_points(&shifted)
+        .collect()
 }
 
 /// The generator SplitMix64 (Steele, Lea, Flood 2014): whole numbers only, so equal on every machine.

@@ -1,6 +1,5 @@
 //! SHA-256 of particle states, so that two runs can be compared bit by bit.
 
-use crate::planes::Planes;
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
@@ -14,12 +13,10 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
 }
 
 /// Hashes the bits of every position: x, y, z of particle 0, then of particle 1, each little-endian.
-pub(crate) fn digest_of(positions: &Planes) -> String {
+pub(crate) fn digest_of(positions: &[[f32; 3]]) -> String {
     let mut hasher = Sha256::new();
-    for particle in 0..positions.len() {
-        for coordinate in positions.get(particle) {
-            hasher.update(coordinate.to_bits().to_le_bytes());
-        }
+    for coordinate in positions.iter().flatten() {
+        hasher.update(coordinate.to_bits().to_le_bytes());
     }
     hex(&hasher.finalize())
 }

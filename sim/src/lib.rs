@@ -32,6 +32,7 @@ mod contacts;
 mod crumple;
 mod digest;
 mod grid;
+mod layout;
 mod neighbours;
 mod params;
 mod picker;

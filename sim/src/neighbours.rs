@@ -3,23 +3,24 @@
 //! In: positions. Out: pairs that are nearer than the contact distance and were not so in the flat cloth. The
 //! answer and its order follow from the positions alone: nothing is kept from one search to the next but room.
 
-use crate::grid::Grid;
+use crate::layout::Layout;
 use crate::planes::Planes;
 use multiversion::multiversion;
-use std::ops::Range;
+use wide::f32x4;
 
 // The search grid has at most this many cells a side; particles farther out share the outermost cells.
 const MAX_CELLS: usize = 256;
 // More pairs than this per particle are dropped, which only a crushed cloth can reach; it bounds memory.
 const MAX_PAIRS_PER_PARTICLE: usize = 32;
 // Particles that one look compares with; a look costs the same whether all of them count or one.
-const LOOK: usize = 8;
+const LOOK: usize = 4;
 
 /// A search structure for one cloth.
 #[derive(Clone, Debug)]
 pub(crate) struct Neighbours {
     contact_m: f32,
-    /// Column and row of every particle in the cloth's grid.
+    layout: Layout,
+    /// Column and row of every slot in the cloth's grid.
     column: Vec<f32>,
     row: Vec<f32>,
     /// Pairs whose squared distance in the grid, in spacings, is less than this never collide.
@@ -37,24 +38,27 @@ struct Cells {
     /// Particles of cell `c` are in the slots `first[c]..first[c + 1]`.
     first: Vec<u32>,
     cell_of_particle: Vec<u32>,
-    cell_of_slot: Vec<u32>,
     particle: Vec<u32>,
     // From here on one value per slot, and `LOOK` more that are never counted.
-    position: Planes,
+    x: Vec<f32>,
+    y: Vec<f32>,
+    z: Vec<f32>,
     column: Vec<f32>,
     row: Vec<f32>,
 }
 
 impl Neighbours {
     /// Makes an empty structure; `contact_m` is the distance at which particles touch.
-    pub fn new(grid: Grid, contact_m: f32) -> Neighbours {
-        let particles = 0..grid.particle_count();
+    pub fn new(layout: &Layout, contact_m: f32) -> Neighbours {
+        let grid = layout.grid();
+        let slots = 0..layout.len();
         Neighbours {
             contact_m,
-            column: particles.clone().map(|i| (i % grid.dimx) as f32).collect(),
-            row: particles.map(|i| (i / grid.dimx) as f32).collect(),
+            column: slots.clone().map(|slot| (slot % layout.stride()) as f32).collect(),
+            row: slots.map(|slot| (slot / layout.stride()) as f32).collect(),
             rest_limit: (contact_m / grid.spacing_m).powi(2),
             max_pairs: MAX_PAIRS_PER_PARTICLE * grid.particle_count(),
+            layout: layout.clone(),
             touching: Vec::new(),
             cells: Cells::default(),
         }
@@ -66,43 +70,19 @@ impl Neighbours {
     pub fn find(&mut self, positions: &Planes) -> &[[u32; 2]] {
         self.touching.clear();
         let cells = &mut self.cells;
-        cells.sort(positions, &self.column, &self.row, self.contact_m);
+        cells.sort(positions, &self.layout, &self.column, &self.row, self.contact_m);
         let limits = Limits {
             contact_2: self.contact_m * self.contact_m,
             rest: self.rest_limit,
         };
-        for row in 0..cells.rows {
-            for column in 0..cells.columns {
-                let cell = row * cells.columns + column;
-                let own = cells.slots(cell, cell);
-                if own.is_empty() {
-                    continue;
-                }
-                let right = cell + usize::from(column + 1 < cells.columns);
-                let ahead = cells.slots(cell, right).end;
-                let below = if row + 1 < cells.rows {
-                    let left = cell - usize::from(column > 0);
-                    cells.slots(left + cells.columns, right + cells.columns)
-                } else {
-                    0..0
-                };
-                if own.len() + below.len() + (ahead - own.end) > 1 {
-                    pairs_of_cell(
-                        own,
-                        ahead,
-                        below,
-                        &cells.position.x,
-                        &cells.position.y,
-                        &cells.position.z,
-                        &cells.column,
-                        &cells.row,
-                        &cells.particle,
-                        limits,
-                        &mut self.touching,
-                    );
-                }
-            }
-        }
+        list_pairs(
+            cells.columns,
+            &cells.first,
+            [&cells.x, &cells.y, &cells.z, &cells.column, &cells.row],
+            &cells.particle,
+            limits,
+            &mut self.touching,
+        );
         self.touching.truncate(self.max_pairs);
         &self.touching
     }
@@ -115,73 +95,82 @@ struct Limits {
     rest: f32,
 }
 
-/// Adds the pairs in touch that the slots `own` form with later ones: up to `ahead`, and in `below`.
-// Separate slices, so that the compiler knows that they do not overlap.
-#[allow(clippy::too_many_arguments)]
-#[multiversion(targets("x86_64+avx2"))]
-fn pairs_of_cell(
-    own: Range<usize>,
-    ahead: usize,
-    below: Range<usize>,
-    x: &[f32],
-    y: &[f32],
-    z: &[f32],
-    column: &[f32],
-    row: &[f32],
+/// Lists the pairs in touch, cell by cell: those within a cell, with the next one, and with three of the row below.
+fn list_pairs(
+    columns: usize,
+    first: &[u32],
+    values: [&[f32]; 5],
     particle: &[u32],
     limits: Limits,
     touching: &mut Vec<[u32; 2]>,
 ) {
-    let n = x.len();
-    let (y, z, column, row) = (&y[..n], &z[..n], &column[..n], &row[..n]);
-    for slot in own {
-        let (px, py, pz) = (x[slot], y[slot], z[slot]);
-        let (own_column, own_row) = (column[slot], row[slot]);
-        let later = [slot + 1..ahead, below.clone()];
-        let mut near = [0u32; LOOK];
-        for others in &later {
-            let mut from = others.start;
-            while from < others.end {
-                let to = from + LOOK;
-                let (xs, ys, zs) = (&x[from..to], &y[from..to], &z[from..to]);
-                let (columns, rows) = (&column[from..to], &row[from..to]);
-                for k in 0..LOOK {
-                    let (dx, dy, dz) = (px - xs[k], py - ys[k], pz - zs[k]);
-                    let (across, along) = (own_column - columns[k], own_row - rows[k]);
-                    near[k] |= u32::from(dx * dx + dy * dy + dz * dz < limits.contact_2)
-                        & u32::from(across * across + along * along >= limits.rest);
-                }
-                from = to;
+    let n = values[0].len();
+    let values = values.map(|values| &values[..n]);
+    let cells = first.len() - 1;
+    let at = |cell: usize| first[cell] as usize;
+    for row in 0..cells / columns {
+        for column in 0..columns {
+            let cell = row * columns + column;
+            let own = at(cell)..at(cell + 1);
+            if own.is_empty() {
+                continue;
             }
-        }
-        // Most particles touch nothing, and one answer for all that follow is cheaper than one for each.
-        if near == [0; LOOK] {
-            continue;
-        }
-        for other in later.into_iter().flatten() {
-            let (dx, dy, dz) = (px - x[other], py - y[other], pz - z[other]);
-            let (across, along) = (own_column - column[other], own_row - row[other]);
-            if dx * dx + dy * dy + dz * dz < limits.contact_2
-                && across * across + along * along >= limits.rest
-            {
-                touching.push([particle[slot], particle[other]]);
+            let (left, right) = (usize::from(column > 0), usize::from(column + 1 < columns));
+            let ahead = at(cell + right + 1);
+            let below = if cell + columns < cells {
+                at(cell + columns - left)..at(cell + columns + right + 1)
+            } else {
+                0..0
+            };
+            for slot in own {
+                let point = values.map(|values| f32x4::splat(values[slot]));
+                for others in [slot + 1..ahead, below.clone()] {
+                    let mut from = others.start;
+                    while from < others.end {
+                        let mut touched = look(values, point, from, limits);
+                        while touched != 0 {
+                            let other = from + touched.trailing_zeros() as usize;
+                            if other < others.end {
+                                touching.push([particle[slot], particle[other]]);
+                            }
+                            touched &= touched - 1;
+                        }
+                        from += LOOK;
+                    }
+                }
             }
         }
     }
 }
 
+/// Returns one bit for each of the slots from `from` on: whether it touches the point.
+#[inline(always)]
+fn look(values: [&[f32]; 5], point: [f32x4; 5], from: usize, limits: Limits) -> u32 {
+    let apart = |axis: usize| {
+        let mut lanes = [0.0; LOOK];
+        lanes.copy_from_slice(&values[axis][from..from + LOOK]);
+        point[axis] - f32x4::new(lanes)
+    };
+    let [dx, dy, dz, across, along] = [apart(0), apart(1), apart(2), apart(3), apart(4)];
+    let close = (dx * dx + dy * dy + dz * dz).simd_lt(f32x4::splat(limits.contact_2));
+    let may_collide = (across * across + along * along).simd_ge(f32x4::splat(limits.rest));
+    (close & may_collide).to_bitmask()
+}
+
 impl Cells {
     /// Sorts the particles by cell (counting sort, so the order within a cell is by index).
-    fn sort(&mut self, positions: &Planes, column: &[f32], row: &[f32], cell_m: f32) {
-        let n = positions.len();
-        let low = [extent(&positions.x), extent(&positions.y)];
-        let [(min_x, max_x), (min_y, max_y)] = low;
+    fn sort(&mut self, positions: &Planes, layout: &Layout, column: &[f32], row: &[f32], cell_m: f32) {
+        let slots = layout.slots();
+        gather(&positions.x, slots, &mut self.x);
+        gather(&positions.y, slots, &mut self.y);
+        let (min_x, max_x) = extent(&self.x[..slots.len()]);
+        let (min_y, max_y) = extent(&self.y[..slots.len()]);
         self.columns = cell_index(max_x - min_x, cell_m) + 1;
         self.rows = cell_index(max_y - min_y, cell_m) + 1;
-        self.cell_of_particle.resize(n, 0);
+        self.cell_of_particle.resize(slots.len(), 0);
         number_cells(
-            &positions.x,
-            &positions.y,
+            &self.x,
+            &self.y,
             [min_x, min_y],
             1.0 / cell_m,
             [self.columns as f32, self.rows as f32],
@@ -195,26 +184,21 @@ impl Cells {
         for cell in 1..self.first.len() {
             self.first[cell] += self.first[cell - 1];
         }
-        self.particle.resize(n, 0);
+        self.particle.resize(slots.len(), 0);
         // `first` serves as the cursor of each cell and is shifted back afterwards.
-        for (particle, &cell) in self.cell_of_particle.iter().enumerate() {
-            let slot = &mut self.first[cell as usize];
-            self.particle[*slot as usize] = particle as u32;
-            *slot += 1;
+        for (&slot, &cell) in slots.iter().zip(&self.cell_of_particle) {
+            let place = &mut self.first[cell as usize];
+            self.particle[*place as usize] = slot;
+            *place += 1;
         }
         let cells = self.first.len();
         self.first.copy_within(0..cells - 1, 1);
         self.first[0] = 0;
-        gather(&positions.x, &self.particle, &mut self.position.x);
-        gather(&positions.y, &self.particle, &mut self.position.y);
-        gather(&positions.z, &self.particle, &mut self.position.z);
+        gather(&positions.x, &self.particle, &mut self.x);
+        gather(&positions.y, &self.particle, &mut self.y);
+        gather(&positions.z, &self.particle, &mut self.z);
         gather(column, &self.particle, &mut self.column);
         gather(row, &self.particle, &mut self.row);
-    }
-
-    /// Returns the slots of the cells from `first` to `last`, which lie in one row of cells.
-    fn slots(&self, first: usize, last: usize) -> Range<usize> {
-        self.first[first] as usize..self.first[last + 1] as usize
     }
 }
 

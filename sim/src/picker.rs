@@ -5,7 +5,6 @@
 //! heights and speed follow Foldsformer's folding environment.
 
 use crate::params::Params;
-use crate::planes::Planes;
 
 // The picker counts as arrived within this distance of a way point, metres (Foldsformer).
 const ARRIVED_M: f32 = 1e-4;
@@ -62,20 +61,4 @@ pub(crate) fn advance(from: [f32; 3], target: [f32; 3], travel_m: f32) -> Option
     }
     let share = travel_m / distance;
     Some([0, 1, 2].map(|axis| from[axis] + share * way[axis]))
-}
-
-/// Returns the particle nearest to the sphere's centre, if it is within `capture_m`; of equals, the first.
-pub(crate) fn nearest(positions: &Planes, centre: [f32; 3], capture_m: f32) -> Option<usize> {
-    let mut best = None;
-    let mut best_2 = f32::INFINITY;
-    for particle in 0..positions.len() {
-        let [x, y, z] = positions.get(particle);
-        let (dx, dy, dz) = (x - centre[0], y - centre[1], z - centre[2]);
-        let distance_2 = dx * dx + dy * dy + dz * dz;
-        if distance_2 <= capture_m * capture_m && distance_2 < best_2 {
-            best = Some(particle);
-            best_2 = distance_2;
-        }
-    }
-    best
 }

@@ -8,7 +8,7 @@ use crate::digest::digest_of;
 use crate::grid::Grid;
 use crate::params::Params;
 use crate::picker::{self, Gripper, Leg};
-use crate::planes::Planes;
+use crate::layout::Layout;
 use crate::solver::{Outcome, Solver};
 
 /// Farthest a particle may start, and the picker may be sent, from the table's centre along an axis, metres.
@@ -152,7 +152,7 @@ impl Simulator {
     /// Lays a flat cloth on the centre of the table, at rest.
     pub fn flat(grid: Grid, params: &Params) -> Simulator {
         let positions = grid.flat_positions(params);
-        Simulator::start(grid, Planes::from_points(&positions), params)
+        Simulator::start(grid, &positions, params)
     }
 
     /// Puts a cloth where the positions say, at rest.
@@ -166,17 +166,13 @@ impl Simulator {
         params: &Params,
     ) -> Result<Simulator, StartError> {
         check_start(grid, positions)?;
-        Ok(Simulator::start(
-            grid,
-            Planes::from_points(positions),
-            params,
-        ))
+        Ok(Simulator::start(grid, positions, params))
     }
 
-    fn start(grid: Grid, positions: Planes, params: &Params) -> Simulator {
+    fn start(grid: Grid, positions: &[[f32; 3]], params: &Params) -> Simulator {
         Simulator {
             grid,
-            solver: Solver::new(grid, positions, params),
+            solver: Solver::new(Layout::new(grid, |_| true), positions, params),
             sphere: params.picker_home_m,
             params: params.clone(),
             held: None,
@@ -198,12 +194,12 @@ impl Simulator {
 
     /// Returns where every particle is, in grid order, world frame, metres.
     pub fn positions(&self) -> Vec<[f32; 3]> {
-        self.solver.positions.to_points()
+        self.solver.points()
     }
 
     /// Returns the velocity of every particle, in grid order, world frame, metres per second.
     pub fn velocities(&self) -> Vec<[f32; 3]> {
-        self.solver.velocities.to_points()
+        self.solver.velocities()
     }
 
     /// Returns the number of steps since the start.
@@ -218,7 +214,7 @@ impl Simulator {
 
     /// Returns the SHA-256 of all positions' bits, as 64 hex digits.
     pub fn digest(&self) -> String {
-        digest_of(&self.solver.positions)
+        digest_of(&self.positions())
     }
 
     /// Advances by one step with the picker where it is.
@@ -313,7 +309,7 @@ impl Simulator {
     }
 
     /// Begins anew with the cloth at the given positions, at rest.
-    pub(crate) fn restart_from(&mut self, positions: Planes) {
+    pub(crate) fn restart_from(&mut self, positions: &[[f32; 3]]) {
         let shortcut = self.shortcut;
         *self = Simulator::start(self.grid, positions, &self.params);
         self.shortcut = shortcut;
@@ -324,7 +320,7 @@ impl Simulator {
             return;
         }
         let capture_m = self.params.picker_capture_m;
-        self.held = picker::nearest(&self.solver.positions, self.sphere, capture_m);
+        self.held = self.solver.nearest(self.sphere, capture_m);
         if let Some(particle) = self.held {
             self.solver.hold(&[particle]);
             self.at_rest = false;

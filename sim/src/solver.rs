@@ -7,7 +7,7 @@
 //! the sphere is the picker's business.
 
 use crate::contacts::{Contacts, Pairs, Sphere};
-use crate::grid::Grid;
+use crate::layout::Layout;
 use crate::neighbours::Neighbours;
 use crate::params::Params;
 use crate::planes::Planes;
@@ -31,9 +31,11 @@ pub(crate) enum Outcome {
 /// The cloth's state and the room to advance it.
 #[derive(Clone, Debug)]
 pub(crate) struct Solver {
-    pub positions: Planes,
-    pub velocities: Planes,
+    layout: Layout,
+    positions: Planes,
+    velocities: Planes,
     inverse_mass: Vec<f32>,
+    /// Slots of the held particles.
     held: Vec<usize>,
     params: Params,
     springs: Springs,
@@ -49,11 +51,17 @@ pub(crate) struct Solver {
 
 impl Solver {
     /// Puts a cloth at the given positions, at rest.
-    pub fn new(grid: Grid, positions: Planes, params: &Params) -> Solver {
-        let n = grid.particle_count();
+    ///
+    /// - `points`: one for each particle of the grid; those of missing particles are not read.
+    pub fn new(layout: Layout, points: &[[f32; 3]], params: &Params) -> Solver {
+        let n = layout.len();
+        let mut positions = Planes::zeros(n);
+        for &slot in layout.slots() {
+            positions.set(slot as usize, points[layout.particle(slot as usize)]);
+        }
         Solver {
             velocities: Planes::zeros(n),
-            inverse_mass: vec![1.0; n],
+            inverse_mass: layout.free(),
             held: Vec::new(),
             // A typing error in a parameter file must not hang the simulator.
             params: Params {
@@ -61,25 +69,73 @@ impl Solver {
                 sweeps: params.sweeps.clamp(1, 100),
                 ..params.clone()
             },
-            springs: Springs::new(grid, params),
+            springs: Springs::new(&layout, params),
             contacts: Contacts::new(n),
-            neighbours: Neighbours::new(grid, params.self_contact_m),
+            neighbours: Neighbours::new(&layout, params.self_contact_m),
             pairs: Pairs::default(),
             began: positions.clone(),
             before: positions.clone(),
             velocities_before: Planes::zeros(n),
             positions,
+            layout,
         }
+    }
+
+    /// Returns the position of every particle of the grid; a missing one is at the origin.
+    pub fn points(&self) -> Vec<[f32; 3]> {
+        self.by_particle(&self.positions)
+    }
+
+    /// Returns the velocity of every particle of the grid; that of a missing one is zero.
+    pub fn velocities(&self) -> Vec<[f32; 3]> {
+        self.by_particle(&self.velocities)
+    }
+
+    /// Sets the velocity of every particle; those of missing ones are not read.
+    pub fn set_velocities(&mut self, velocities: &[[f32; 3]]) {
+        for &slot in self.layout.slots() {
+            let velocity = velocities[self.layout.particle(slot as usize)];
+            self.velocities.set(slot as usize, velocity);
+        }
+    }
+
+    fn by_particle(&self, planes: &Planes) -> Vec<[f32; 3]> {
+        let mut points = vec![[0.0; 3]; self.layout.grid().particle_count()];
+        for &slot in self.layout.slots() {
+            points[self.layout.particle(slot as usize)] = planes.get(slot as usize);
+        }
+        points
+    }
+
+    /// Returns the number of springs.
+    pub fn spring_count(&self) -> usize {
+        self.springs.count()
+    }
+
+    /// Returns the particle nearest to `centre`, if it is within `capture_m`; of equals, the first.
+    pub fn nearest(&self, centre: [f32; 3], capture_m: f32) -> Option<usize> {
+        let mut best = None;
+        let mut best_2 = f32::INFINITY;
+        for &slot in self.layout.slots() {
+            let [x, y, z] = self.positions.get(slot as usize);
+            let (dx, dy, dz) = (x - centre[0], y - centre[1], z - centre[2]);
+            let distance_2 = dx * dx + dy * dy + dz * dz;
+            if distance_2 <= capture_m * capture_m && distance_2 < best_2 {
+                best = Some(self.layout.particle(slot as usize));
+                best_2 = distance_2;
+            }
+        }
+        best
     }
 
     /// Fixes particles, which then move by a step's `shift` alone, and frees all others.
     pub fn hold(&mut self, particles: &[usize]) {
         self.held.clear();
-        self.held.extend_from_slice(particles);
-        self.inverse_mass.fill(1.0);
-        for &particle in particles {
-            self.inverse_mass[particle] = 0.0;
-            self.velocities.set(particle, [0.0; 3]);
+        self.held.extend(particles.iter().map(|&particle| self.layout.slot(particle)));
+        self.inverse_mass = self.layout.free();
+        for &slot in &self.held {
+            self.inverse_mass[slot] = 0.0;
+            self.velocities.set(slot, [0.0; 3]);
         }
         self.springs.set_inverse_mass(&self.inverse_mass);
     }
@@ -123,7 +179,8 @@ impl Solver {
             let low = from[axis].min(to[axis]) - reach;
             let high = from[axis].max(to[axis]) + reach;
             let (mut above, mut below) = (false, false);
-            for &value in planes[axis] {
+            for &slot in self.layout.slots() {
+                let value = planes[axis][slot as usize];
                 above |= value >= low;
                 below |= value <= high;
             }
@@ -141,11 +198,12 @@ impl Solver {
         {
             return None;
         }
-        (0..self.positions.len()).find(|&i| {
-            planes
-                .iter()
-                .any(|p| p.get(i).iter().any(|v| !v.is_finite()))
-        })
+        let is_broken = |slot: &u32| {
+            let vectors = planes.iter().map(|p| p.get(*slot as usize));
+            vectors.flatten().any(|v| !v.is_finite())
+        };
+        let slot = self.layout.slots().iter().find(|slot| is_broken(slot))?;
+        Some(self.layout.particle(*slot as usize))
     }
 
     fn sphere_at(&self, from: [f32; 3], to: [f32; 3], substep: u32) -> Sphere {
@@ -170,7 +228,7 @@ impl Solver {
                 _ => Direction::Backward,
             };
             self.springs
-                .sweep(&mut self.positions, &self.inverse_mass, direction);
+                .sweep(&mut self.positions, direction);
             self.contacts.resolve(
                 &mut self.positions,
                 &self.began,
