@@ -278,8 +278,10 @@ impl Simulator {
         })
     }
 
-    /// Fixes a particle to the hand of [`Simulator::step_by_hand`], or lets all go.
-    pub(crate) fn hold(&mut self, particle: Option<usize>) {
+    /// Fixes a particle to the hand of [`Simulator::step_by_hand`], or lets all go; as does an index that no
+    /// particle has.
+    pub fn hold(&mut self, particle: Option<usize>) {
+        let particle = particle.filter(|&index| index < self.grid.particle_count());
         self.held = particle;
         self.solver.hold(particle);
         self.at_rest = false;
@@ -288,7 +290,7 @@ impl Simulator {
     /// Advances by one step with the picker away, while the held particle goes along with a hand.
     ///
     /// - `from`, `to`: the hand's way, world frame, metres; it must be far from the cloth, which it would push.
-    pub(crate) fn step_by_hand(&mut self, from: [f32; 3], to: [f32; 3]) -> Result<(), SimError> {
+    pub fn step_by_hand(&mut self, from: [f32; 3], to: [f32; 3]) -> Result<(), SimError> {
         let picker = std::mem::replace(&mut self.sphere, from);
         let done = self.step_to(to);
         self.sphere = picker;

@@ -1,4 +1,4 @@
-//! Reads recorded folding demonstrations for tests and the replay example.
+//! Reads recorded folding demonstrations for tests.
 //!
 //! In: the folder named by `FABC_REFERENCE_DATA`. Out: starts, actions and ends
 //! in this crate's world frame; without the folder a test counts as skipped.
