@@ -63,7 +63,7 @@ pub struct ReplayArguments {
     /// Only demonstrations of this task, by the recorded data's own name.
     #[arg(long, value_name = "NAME")]
     pub task: Option<String>,
-    /// Replace a parameter of the simulator, such as `sweeps=8`.
+    /// Replace a parameter of the simulator, such as `substeps=8`.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub changes: Vec<String>,
     #[command(flatten)]

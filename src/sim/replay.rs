@@ -56,7 +56,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<Exit, Failure> {
         let start = demonstration.positions()?.start;
         lay(demonstration, &start, &params)?;
     }
-    let n_threads = threads(&arguments.threads);
+    let n_threads = threads(&arguments.threads).min(wanted.len());
     let (began, total) = (Instant::now(), wanted.len());
     let results = in_parallel(
         total,
@@ -97,7 +97,7 @@ fn params(changes: &[String]) -> Result<Params, Failure> {
         let wrong = |why: String| Failure::usage(format!("`--set {change}`: {why}"));
         let (name, text) = change
             .split_once('=')
-            .ok_or_else(|| wrong("write NAME=VALUE, such as `sweeps=8`".to_owned()))?;
+            .ok_or_else(|| wrong("write NAME=VALUE, such as `substeps=8`".to_owned()))?;
         let value: Value = serde_json::from_str(text)
             .map_err(|_| wrong(format!("`{text}` is no number and no list of numbers")))?;
         values[name] = value;
