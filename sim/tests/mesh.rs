@@ -4,6 +4,8 @@
 use proptest::prelude::*;
 use sim::mesh::{self, MeshError};
 use sim::{Grid, Mask, Params};
+use std::io::Write;
+use std::process::{Command, Stdio};
 
 fn twice_signed_area(positions: &[[f32; 3]], [a, b, c]: [usize; 3]) -> f64 {
     let [a, b, c] = [a, b, c].map(|index| positions[index].map(f64::from));
@@ -85,7 +87,49 @@ fn positions_that_are_no_mesh_are_refused_with_their_values() {
     );
 }
 
-/// Discs, bars and holes of many sizes, all of them cloths.
+#[test]
+#[ignore = "needs Python with trimesh: make test-peers"]
+fn peer_trimesh_reads_the_mesh_of_a_square_with_a_hole() {
+    let python = std::env::var_os("FABC_PEER_PYTHON").expect("make test-peers names a Python");
+    let outline = include_str!("../outlines/square_with_hole.txt");
+    let mask = Mask::parse(outline, 0.00625).unwrap();
+    let positions = mask.grid().flat_positions(&Params::default());
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/peers/read_mesh.py");
+    let mut reader = Command::new(python)
+        .arg(script)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let text = mesh::obj(&mask, &positions).unwrap();
+    let mut input = reader.stdin.take().unwrap();
+    input.write_all(text.as_bytes()).unwrap();
+    drop(input);
+    let output = reader.wait_with_output().unwrap();
+    assert!(output.status.success());
+    let read: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(read["vertices"], mask.count());
+    assert_eq!(read["faces"], mesh::triangles(&mask).len());
+    assert_eq!(read["faces_up"], true, "{read}");
+    assert_eq!(read["winding_agrees"], true, "{read}");
+    assert_eq!(read["euler_number"], 0, "{read}");
+    let number = |pointer: &str| read.pointer(pointer).unwrap().as_f64().unwrap();
+    assert!((number("/area_m2") - mesh::flat_area_m2(&mask)).abs() < 1e-6);
+    for (pointer, expected) in [
+        ("/bounds_m/0/0", -0.153125),
+        ("/bounds_m/0/2", 0.005),
+        ("/bounds_m/1/1", 0.153125),
+        ("/uv_of_back_right/0", 1.0),
+        ("/uv_of_back_right/1", 1.0),
+    ] {
+        assert!(
+            (number(pointer) - expected).abs() < 1e-6,
+            "{pointer}: {read}"
+        );
+    }
+}
+
+/// Frames and whole rectangles of many sizes.
 fn masks() -> impl Strategy<Value = Mask> {
     let hole = (6usize..20, 6usize..20, 1usize..4).prop_map(|(dimx, dimy, rim)| {
         let grid = Grid::new(dimx, dimy, 0.01).unwrap();
