@@ -7,7 +7,7 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 #[path = "../../../tests/recorded_data.rs"]
-mod data;
+pub mod data;
 
 use serde_json::Value;
 use sim::{Grid, Params, RestShortcut, Simulator};
