@@ -115,14 +115,24 @@ pub struct CrumpleArguments {
     pub json: bool,
 }
 
+/// Which particles lie where.
+#[derive(Args)]
+pub struct StateArguments {
+    /// Particle positions.
+    #[arg(value_name = "STATE.npy")]
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub frame: FrameArguments,
+    /// Which particles of the grid there are: rows of `#` and `.`, seen from above; default: all.
+    #[arg(long, value_name = "FILE.txt")]
+    pub outline: Option<PathBuf>,
+}
+
 /// Arguments of `sim render`.
 #[derive(Args)]
 pub struct DrawArguments {
-    /// Particle positions.
-    #[arg(value_name = "STATE.npy")]
-    pub state: PathBuf,
     #[command(flatten)]
-    pub frame: FrameArguments,
+    pub state: StateArguments,
     /// The picture; default: STATE.png in the working folder.
     #[arg(short = 'o', long = "out", value_name = "FILE.png")]
     pub out: Option<PathBuf>,
@@ -152,11 +162,8 @@ pub enum CameraArgument {
 /// Arguments of `sim export`.
 #[derive(Args)]
 pub struct ExportArguments {
-    /// Particle positions.
-    #[arg(value_name = "STATE.npy")]
-    pub state: PathBuf,
     #[command(flatten)]
-    pub frame: FrameArguments,
+    pub state: StateArguments,
     /// Positions with a description beside them (.npy), or a mesh (.obj).
     #[arg(short = 'o', long = "out", value_name = "FILE.npy|FILE.obj")]
     pub out: PathBuf,

@@ -1,4 +1,4 @@
-//! `fabc sim export`: particle positions for other programs, in the world frame.
+//! `fabc sim export`: positions or a mesh for other programs, in the world frame.
 
 use super::files::{self, State};
 use crate::cli::sim::ExportArguments;
@@ -15,15 +15,24 @@ const MADE_BY: &str = "fabc sim export";
 /// Writes positions, and lists the files.
 pub fn run(arguments: &ExportArguments) -> Result<Exit, Failure> {
     let write = writer(&arguments.out)?;
-    let state = files::read_state(&arguments.state, &arguments.frame)?;
-    files::not_onto_itself(&arguments.state, &arguments.out)?;
+    if let Some(outline) = &arguments.state.outline
+        && files::ends_in(&arguments.out, "npy")
+    {
+        return Err(Failure::usage(format!(
+            "`--outline {}` says nothing of `{}`, which keeps every position; write `.obj` for a mesh",
+            outline.display(),
+            arguments.out.display()
+        )));
+    }
+    let state = files::read_state(&arguments.state)?;
+    files::not_onto_itself(&arguments.state.file, &arguments.out)?;
     let written = write(&state, &arguments.out)?;
     let names: Vec<String> = written.iter().map(|it| it.display().to_string()).collect();
     if arguments.json {
         output::json(&json!({
             "params": Params::default().hash(),
             "files": names,
-            "particles": state.positions.len(),
+            "particles": state.mask.count(),
         }));
     } else {
         output::data(&names.join("\n"));
@@ -39,8 +48,11 @@ fn writer(path: &Path) -> Result<Writer, Failure> {
     if files::ends_in(path, "npy") {
         return Ok(positions);
     }
+    if files::ends_in(path, "obj") {
+        return Ok(mesh);
+    }
     Err(Failure::usage(format!(
-        "`-o {}` has no known ending; write `.npy` for positions",
+        "`-o {}` has no known ending; write `.npy` for positions, `.obj` for a mesh",
         path.display()
     )))
 }
@@ -55,8 +67,15 @@ fn positions(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
             path.display()
         )));
     }
-    let description = files::description(&state.stated_grid, MADE_BY);
+    let description = files::description(&state.grid, MADE_BY);
     files::write(path, &npy::encode(&state.positions))?;
     files::write(&beside, &files::json_bytes(&description))?;
     Ok(vec![path.to_owned(), beside])
+}
+
+/// Writes the cloth's triangles as a Wavefront file.
+fn mesh(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let text = sim::mesh::obj(&state.mask, &state.positions).map_err(Failure::environment)?;
+    files::write(path, text.as_bytes())?;
+    Ok(vec![path.to_owned()])
 }

@@ -1,39 +1,64 @@
 //! The files that the verbs read and write: states in, pictures, positions and meshes out.
 
 use super::SPACING_M;
-use crate::cli::FrameArguments;
+use crate::cli::sim::StateArguments;
 use crate::exit::Failure;
 use crate::{setting, sources};
 use runtime::start::{Grid, Start, StartFrame, Up};
 use runtime::store;
 use serde_json::Value;
+use sim::Mask;
 use std::path::Path;
 
-/// Particle positions in the world frame, and the grid of their cloth.
+/// Particle positions in the world frame, and their cloth.
 pub struct State {
     /// `[dimy * dimx]` positions, index `iy * dimx + ix`, world frame, metres.
     pub positions: Vec<[f32; 3]>,
-    /// The grid, within the simulator's bounds.
-    pub grid: sim::Grid,
-    /// The same grid as the file states it.
-    pub stated_grid: Grid,
+    /// Which particles there are; its grid is within the simulator's bounds.
+    pub mask: Mask,
+    /// The grid as the file states it.
+    pub grid: Grid,
 }
 
 /// Reads a state as `fabc run --start` reads one; frame and grid are stated somewhere, never guessed.
-pub fn read_state(path: &Path, frame: &FrameArguments) -> Result<State, Failure> {
-    let stated = setting::stated_frame(frame, SPACING_M)?;
+pub fn read_state(arguments: &StateArguments) -> Result<State, Failure> {
+    let stated = setting::stated_frame(&arguments.frame, SPACING_M)?;
+    let path = &arguments.file;
     let start = Start::load(path, stated).map_err(Failure::environment)?;
-    let grid = sim::Grid::new(
-        start.grid.dimx as usize,
-        start.grid.dimy as usize,
-        start.grid.spacing_m as f32,
-    )
-    .map_err(|error| Failure::environment(format!("`{}`: {error}", path.display())))?;
+    let Grid {
+        dimx,
+        dimy,
+        spacing_m,
+    } = start.grid;
+    let grid = sim::Grid::new(dimx as usize, dimy as usize, spacing_m as f32)
+        .map_err(|error| Failure::environment(format!("`{}`: {error}", path.display())))?;
+    let mask = match &arguments.outline {
+        Some(outline) => read_outline(outline, grid, path)?,
+        None => Mask::full(grid),
+    };
     Ok(State {
         positions: start.positions,
-        grid,
-        stated_grid: start.grid,
+        mask,
+        grid: start.grid,
     })
+}
+
+/// Reads which particles of a state's grid there are.
+fn read_outline(path: &Path, grid: sim::Grid, state: &Path) -> Result<Mask, Failure> {
+    let shown = path.display();
+    let wrong = |why: String| Failure::environment(format!("the outline `{shown}`: {why}"));
+    let bytes = sources::read_bounded(path).map_err(wrong)?;
+    let text = String::from_utf8(bytes).map_err(|_| wrong("it is not UTF-8 text".to_owned()))?;
+    let mask = Mask::parse(&text, grid.spacing_m).map_err(|error| wrong(error.to_string()))?;
+    if mask.grid() != grid {
+        let [found, wanted] =
+            [mask.grid(), grid].map(|it| format!("{} columns and {} rows", it.dimx, it.dimy));
+        return Err(wrong(format!(
+            "it has {found}; right would be {wanted}, as the grid of `{}`",
+            state.display()
+        )));
+    }
+    Ok(mask)
 }
 
 /// Refuses to write over the file that is read.

@@ -17,9 +17,9 @@ const GREY_PER_M: f32 = 255.0;
 pub fn run(arguments: &DrawArguments) -> Result<Exit, Failure> {
     let camera = camera(arguments)?;
     let path = output_path(arguments)?;
-    let state = files::read_state(&arguments.state, &arguments.frame)?;
-    files::not_onto_itself(&arguments.state, &path)?;
-    let frame = camera.render(state.grid, &state.positions, &Look::default());
+    let state = files::read_state(&arguments.state)?;
+    files::not_onto_itself(&arguments.state.file, &path)?;
+    let frame = camera.render(state.mask, &state.positions, &Look::default());
     // The table is at the camera's height, up to rounding.
     let nearer = |depth: &&f32| **depth < camera.height_m - 1e-4;
     let cloth_px = frame.depth_m.iter().filter(nearer).count();
@@ -77,7 +77,7 @@ fn output_path(arguments: &DrawArguments) -> Result<PathBuf, Failure> {
         }
         return Ok(path.clone());
     }
-    let stem = arguments.state.file_stem().unwrap_or_default();
+    let stem = arguments.state.file.file_stem().unwrap_or_default();
     let path = PathBuf::from(stem).with_added_extension("png");
     if path.symlink_metadata().is_ok() {
         return Err(Failure::environment(format!(

@@ -2,7 +2,7 @@
 
 use super::bad_input::refused;
 use super::bad_starts::write_npy;
-use super::sim_verbs::{data_set, flat, write_manifest};
+use super::sim_replay::{data_set, flat, write_manifest};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -249,7 +249,7 @@ fn states_and_outputs_that_cannot_be() {
         (
             format!("export {state} -o o.ply"),
             64,
-            &["`-o o.ply`", "`.npy`"],
+            &["`-o o.ply`", "`.npy`", "`.obj`"],
         ),
         (format!("export {state} -o no/o.npy"), 2, &["`no/o.npy`"]),
         (
@@ -265,6 +265,45 @@ fn states_and_outputs_that_cannot_be() {
     ] {
         sim_refused(here, &call, code, words);
     }
+    let square = |side: usize| format!("{}\n", "#".repeat(side)).repeat(side);
+    fs::write(here.join("outline.txt"), square(8)).unwrap();
+    for (letters, words) in [
+        (
+            square(8),
+            &[
+                "`outline.txt`",
+                "8 columns and 8 rows",
+                "10 columns and 8 rows",
+            ][..],
+        ),
+        ("##\n#?\n".to_owned(), &["row 2, column 2", "`?`"]),
+        ("###\n##\n".to_owned(), &["row 2", "fill rows"]),
+        (square(201), &["`201`", "`2` to `200`"]),
+        (String::new(), &["`0`"]),
+    ] {
+        fs::write(here.join("outline.txt"), letters).unwrap();
+        for verb in ["render", "export"] {
+            let out = if verb == "render" { "o.png" } else { "o.obj" };
+            let call = format!("{verb} {state} -o {out} --outline outline.txt");
+            sim_refused(here, &call, 2, words);
+        }
+    }
+    let call = format!("export {state} -o o.npy --outline outline.txt");
+    sim_refused(
+        here,
+        &call,
+        64,
+        &["`--outline outline.txt`", "`o.npy`", "`.obj`"],
+    );
+    fs::write(here.join("outline.txt"), [0xff]).unwrap();
+    let call = format!("render {state} -o o.png --outline outline.txt");
+    sim_refused(here, &call, 2, &["not UTF-8"]);
+    sim_refused(
+        here,
+        &call.replace("outline.txt", "gone.txt"),
+        2,
+        &["`gone.txt`"],
+    );
     fs::write(here.join("state.png"), "mine").unwrap();
     sim_refused(
         here,
@@ -276,5 +315,5 @@ fn states_and_outputs_that_cannot_be() {
     fs::write(here.join("file"), "").unwrap();
     sim_refused(here, "crumple --size 4 -o file", 2, &["`file`"]);
     let left = fs::read_dir(here).unwrap().count();
-    assert_eq!(left, 3, "a refused call left something behind");
+    assert_eq!(left, 4, "a refused call left something behind");
 }
