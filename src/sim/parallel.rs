@@ -103,8 +103,13 @@ mod tests {
         let failed = in_parallel(1000, 1, job, |_| {}).unwrap_err();
         assert_eq!(failed.to_string(), "job 3");
         assert_eq!(begun.into_inner(), 4);
-        let stopped = in_parallel(1000, 1, |index| Ok((index < 2).then_some(index)), |_| {});
-        let stopped = stopped.unwrap();
+        let begun = AtomicUsize::new(0);
+        let job = |index: usize| {
+            begun.fetch_add(1, Ordering::Relaxed);
+            Ok((index < 2).then_some(index))
+        };
+        let stopped = in_parallel(1000, 1, job, |_| {}).unwrap();
+        assert_eq!(begun.into_inner(), 3);
         assert_eq!(stopped[..4], [Some(0), Some(1), None, None]);
         assert_eq!(stopped.len(), 1000);
     }

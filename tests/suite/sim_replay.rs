@@ -124,6 +124,32 @@ fn a_replay_of_recorded_folds_is_equal_on_any_number_of_threads() {
 }
 
 #[test]
+fn only_the_tasks_and_ids_that_are_asked_for_are_replayed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut manifest = data_set(folder.path());
+    let entry = manifest["entries"][0].clone();
+    manifest["entries"] = [("Roll", 3), ("Fold", 1), ("Fold", 2)]
+        .map(|(task, id)| {
+            let mut entry = entry.clone();
+            entry["task"] = json!(task);
+            entry["id"] = json!(id);
+            entry
+        })
+        .into();
+    write_manifest(folder.path(), &manifest);
+    let replayed = |arguments: &[&str]| -> Vec<String> {
+        let value = told(folder.path(), &[&["replay", "set"], arguments].concat());
+        let entries = value["entries"].as_array().unwrap();
+        let name = |entry: &Value| format!("{} {}", entry["task"].as_str().unwrap(), entry["id"]);
+        entries.iter().map(name).collect()
+    };
+    assert_eq!(replayed(&[]), ["Roll 3", "Fold 1", "Fold 2"]);
+    assert_eq!(replayed(&["--ids", "2,3"]), ["Roll 3", "Fold 2"]);
+    assert_eq!(replayed(&["--task", "Fold"]), ["Fold 1", "Fold 2"]);
+    assert_eq!(replayed(&["--task", "Fold", "--ids", "1"]), ["Fold 1"]);
+}
+
+#[test]
 #[cfg(unix)]
 fn an_interrupted_replay_keeps_what_is_finished() {
     use std::process::{Command, Stdio};
