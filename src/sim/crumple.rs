@@ -16,6 +16,7 @@ use runtime::world::{SimulatedWorld, WorldError};
 use runtime::{crumple, metrics, npy};
 use serde::Serialize;
 use serde_json::{Value, json};
+use sim::{Mask, mesh};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -28,8 +29,10 @@ struct Crumpled {
     seed: u64,
     /// The positions; none where no folder was named.
     file: Option<String>,
-    /// Covered share of the flat cloth's area, as SoftGym measures both.
+    /// Covered share of the flat cloth's area, as SoftGym measures both; it may exceed 1.
     coverage: Option<f64>,
+    /// Area of the table under the cloth over that of the flat cloth, however it is turned.
+    true_coverage: Option<f64>,
     /// SHA-256 over grid and positions.
     digest: String,
 }
@@ -53,6 +56,7 @@ pub fn run(arguments: &CrumpleArguments) -> Result<Exit, Failure> {
         prepare(folder, &cloth, &seeds)?;
     }
     let interrupt = setting::interrupt()?;
+    output::progress(&format!("0 of {} crumpled", seeds.len()));
     let results = in_parallel(
         seeds.len(),
         threads(&arguments.threads),
@@ -61,7 +65,6 @@ pub fn run(arguments: &CrumpleArguments) -> Result<Exit, Failure> {
     );
     output::progress("");
     let starts: Vec<Crumpled> = results?.into_iter().flatten().collect();
-    let coverages: Vec<f64> = starts.iter().filter_map(|start| start.coverage).collect();
     if arguments.json {
         output::json(&json!({
             "params": sim::Params::default().hash(),
@@ -69,10 +72,11 @@ pub fn run(arguments: &CrumpleArguments) -> Result<Exit, Failure> {
             "dimy": cloth.dimy,
             "spacing_m": cloth.spacing_m,
             "starts": starts,
-            "coverage": spread(&coverages),
+            "coverage": spread(starts.iter().filter_map(|start| start.coverage)),
+            "true_coverage": spread(starts.iter().filter_map(|start| start.true_coverage)),
         }));
     } else {
-        output::data(&table(&starts, &coverages));
+        output::data(&table(&starts));
     }
     Ok(if starts.len() < seeds.len() {
         output::talk(&format!(
@@ -122,17 +126,29 @@ fn one(
         Err(WorldError::Interrupted) => return Ok(None),
         Err(error) => return Err(Failure::environment(format!("seed {seed}: {error}"))),
     };
-    let coverage = metrics::coverage(&start.positions, &start.grid);
-    let file = match folder {
-        Some(folder) => Some(write(folder, &start, seed, coverage)?),
-        None => None,
-    };
-    Ok(Some(Crumpled {
+    let mut crumpled = Crumpled {
         seed,
-        file,
-        coverage,
+        file: None,
+        coverage: metrics::coverage(&start.positions, &start.grid),
+        true_coverage: true_coverage(&start),
         digest: start.digest(),
-    }))
+    };
+    if let Some(folder) = folder {
+        crumpled.file = Some(write(folder, &start, &crumpled)?);
+    }
+    Ok(Some(crumpled))
+}
+
+fn true_coverage(start: &Start) -> Option<f64> {
+    let Grid {
+        dimx,
+        dimy,
+        spacing_m,
+    } = start.grid;
+    let grid = sim::Grid::new(dimx as usize, dimy as usize, spacing_m as f32).ok()?;
+    let mask = Mask::full(grid);
+    let flat_m2 = mesh::flat_area_m2(&mask);
+    metrics::true_coverage(&start.positions, &mesh::triangles(&mask), flat_m2)
 }
 
 /// Names the positions of a seed and their description.
@@ -159,18 +175,14 @@ fn prepare(folder: &Path, cloth: &Cloth, seeds: &[u64]) -> Result<(), Failure> {
 }
 
 /// Writes positions and their description; returns the file's name.
-fn write(
-    folder: &Path,
-    start: &Start,
-    seed: u64,
-    coverage: Option<f64>,
-) -> Result<String, Failure> {
+fn write(folder: &Path, start: &Start, crumpled: &Crumpled) -> Result<String, Failure> {
     let Grid { dimx, dimy, .. } = start.grid;
-    let [positions, beside] = paths(folder, dimx, dimy, seed);
+    let [positions, beside] = paths(folder, dimx, dimy, crumpled.seed);
     let mut description = files::description(&start.grid, MADE_BY);
     description["params"] = json!(sim::Params::default().hash());
-    description["seed"] = json!(seed);
-    description["coverage"] = json!(coverage);
+    description["seed"] = json!(crumpled.seed);
+    description["coverage"] = json!(crumpled.coverage);
+    description["true_coverage"] = json!(crumpled.true_coverage);
     // The description first: without it, positions would stand in the way of the next call.
     files::write(&beside, &files::json_bytes(&description))?;
     files::write(&positions, &npy::encode(&start.positions))?;
@@ -178,7 +190,8 @@ fn write(
 }
 
 /// Returns mean, least and greatest value; null of none.
-fn spread(values: &[f64]) -> Value {
+fn spread(values: impl Iterator<Item = f64>) -> Value {
+    let values: Vec<f64> = values.collect();
     if values.is_empty() {
         return Value::Null;
     }
@@ -189,28 +202,25 @@ fn spread(values: &[f64]) -> Value {
     })
 }
 
-fn table(starts: &[Crumpled], coverages: &[f64]) -> String {
-    let mut lines = vec![format!("{:>8}  {:>8}  file", "seed", "coverage")];
+fn table(starts: &[Crumpled]) -> String {
+    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
+    let mut lines = vec![format!(
+        "{:>8}  {:>8}  {:>8}  file",
+        "seed", "coverage", "true"
+    )];
     lines.extend(starts.iter().map(|start| {
-        let coverage = start
-            .coverage
-            .map_or("-".to_owned(), |value| format!("{value:.3}"));
         let file = start
             .file
             .as_deref()
             .unwrap_or("(not kept; `-o DIR` writes it)");
-        format!("{:>8}  {coverage:>8}  {file}", start.seed)
+        let [covered, truly] = [start.coverage, start.true_coverage].map(number);
+        format!("{:>8}  {covered:>8}  {truly:>8}  {file}", start.seed)
     }));
-    let all = spread(coverages);
-    let number = |name: &str| all[name].as_f64().unwrap_or(f64::NAN);
-    if !coverages.is_empty() {
-        lines.push(format!(
-            "coverage: mean {:.3}, from {:.3} to {:.3}, of {} starts",
-            number("mean"),
-            number("min"),
-            number("max"),
-            coverages.len()
-        ));
+    let covered = spread(starts.iter().filter_map(|start| start.coverage));
+    let truly = spread(starts.iter().filter_map(|start| start.true_coverage));
+    for name in ["mean", "min", "max"] {
+        let [covered, truly] = [&covered, &truly].map(|all| number(all[name].as_f64()));
+        lines.push(format!("{name:>8}  {covered:>8}  {truly:>8}"));
     }
     lines.join("\n")
 }

@@ -58,6 +58,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<Exit, Failure> {
     }
     let n_threads = threads(&arguments.threads).min(wanted.len());
     let (began, total) = (Instant::now(), wanted.len());
+    output::progress(&format!("0 of {total} replayed"));
     let results = in_parallel(
         total,
         n_threads,

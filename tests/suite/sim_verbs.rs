@@ -3,6 +3,7 @@
 use super::bad_starts::write_npy;
 use super::sim_replay::flat;
 use super::support::{Said, fabc, finish, project};
+use runtime::metrics;
 use runtime::start::Start;
 use serde_json::{Value, json};
 use std::fs;
@@ -68,13 +69,23 @@ fn crumpled_cloths_are_starts_and_the_same_again() {
         value["coverage"]["max"].as_f64(),
         covered.iter().copied().reduce(f64::max)
     );
+    let truly = |start: &Value| start["true_coverage"].as_f64().unwrap();
+    assert_eq!(
+        value["true_coverage"]["min"].as_f64(),
+        starts.iter().map(truly).reduce(f64::min)
+    );
     // Read back as any start is, by the description beside it.
     for start in starts {
         let read = Start::load(&here.join(start["file"].as_str().unwrap()), None).unwrap();
         assert_eq!((read.grid.dimx, read.grid.dimy), (12, 10));
         assert_eq!(start["digest"], read.digest());
+        let mask = sim::Mask::full(sim::Grid::new(12, 10, 0.00625).unwrap());
+        let triangles = sim::mesh::triangles(&mask);
+        let under_m2 = metrics::true_covered_area_m2(&read.positions, &triangles).unwrap();
+        let flat_m2 = 11.0 * 9.0 * 0.00625 * 0.00625;
+        assert!((truly(start) - under_m2 / flat_m2).abs() < 1e-6, "{start}");
         assert_eq!(
-            runtime::metrics::coverage(&read.positions, &read.grid),
+            metrics::coverage(&read.positions, &read.grid),
             start["coverage"].as_f64()
         );
     }
