@@ -1,5 +1,8 @@
 //! The command line.
 
+#[cfg(feature = "runtime")]
+pub mod sim;
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -34,6 +37,9 @@ pub enum Verb {
     /// Runs one rollout of a task.
     #[cfg(feature = "runtime")]
     Run(RunArguments),
+    /// Works on the cloth simulator itself: replays, speed, starts, pictures, meshes.
+    #[cfg(feature = "runtime")]
+    Sim(sim::SimArguments),
 }
 
 impl Verb {
@@ -49,6 +55,8 @@ impl Verb {
             Verb::Subgoals(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Run(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Sim(arguments) => arguments.verb.wants_json(),
         }
     }
 }
@@ -166,10 +174,18 @@ pub struct StartArguments {
     /// Particle positions (.npy), or a seed that turns the flat cloth; default: flat and straight.
     #[arg(long, value_name = "FILE.npy|SEED")]
     pub start: Option<String>,
-    /// Grid of the start file, where nothing beside it says: particles along its x and its other side.
+    #[command(flatten)]
+    pub frame: FrameArguments,
+}
+
+/// How the numbers of a file of particle positions are to be understood.
+#[cfg(feature = "runtime")]
+#[derive(Args)]
+pub struct FrameArguments {
+    /// Grid of the .npy file, where nothing beside it says: particles along its x and its other side.
     #[arg(long, value_name = "55x44", requires = "up")]
     pub dims: Option<String>,
-    /// Axis of the start file that points up, where nothing beside it says.
+    /// Axis of the .npy file that points up, where nothing beside it says.
     #[arg(long, value_name = "AXIS", requires = "dims", value_parser = ["y", "z"])]
     pub up: Option<String>,
 }

@@ -20,6 +20,8 @@ mod render;
 #[cfg(feature = "runtime")]
 mod run;
 #[cfg(feature = "runtime")]
+mod sim;
+#[cfg(feature = "runtime")]
 mod subgoals;
 mod test;
 
@@ -68,6 +70,8 @@ fn run(verb: Verb) -> Exit {
         Verb::Subgoals(arguments) => subgoals::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Run(arguments) => run::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Sim(arguments) => sim::run(&arguments),
     };
     done.unwrap_or_else(|failure| {
         output::talk(&format!("error: {failure}"));

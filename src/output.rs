@@ -27,6 +27,18 @@ pub fn talk(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
+/// Shows how far a long job is, in one line of a terminal that the next call replaces; elsewhere nothing.
+///
+/// An empty text takes the line away.
+#[cfg(feature = "runtime")]
+pub fn progress(text: &str) {
+    let mut stderr = std::io::stderr().lock();
+    if stderr.is_terminal() {
+        // Carriage return, text, and "erase to the end of the line".
+        let _ = write!(stderr, "\r{text}\x1b[K").and_then(|()| stderr.flush());
+    }
+}
+
 /// Writes one JSON document to stdout.
 pub fn json(value: &serde_json::Value) {
     data(&serde_json::to_string_pretty(value).expect("a JSON value can be written"));

@@ -1,6 +1,6 @@
 //! What a verb needs around a program: a world, a start, a cache, a way to be stopped.
 
-use crate::cli::StartArguments;
+use crate::cli::{FrameArguments, StartArguments};
 use crate::exit::Failure;
 use crate::output;
 use compiler::program::{ClothStart, Program};
@@ -43,7 +43,7 @@ pub fn start(
     interrupt: &Interrupt,
 ) -> Result<Start, Failure> {
     let Some(text) = &arguments.start else {
-        if arguments.dims.is_some() {
+        if arguments.frame.dims.is_some() {
             return Err(Failure::usage(
                 "`--dims` and `--up` describe a start file; name it with `--start FILE.npy`",
             ));
@@ -58,7 +58,7 @@ pub fn start(
         };
     };
     if text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty() {
-        if arguments.dims.is_some() {
+        if arguments.frame.dims.is_some() {
             return Err(Failure::usage(format!(
                 "`--dims` and `--up` describe a start file, and `--start {text}` is a seed"
             )));
@@ -71,10 +71,7 @@ pub fn start(
             _ => Ok(Start::seeded(&program.cloth, seed)),
         };
     }
-    let stated = match (&arguments.dims, &arguments.up) {
-        (Some(dims), Some(up)) => Some(stated_frame(dims, up, program.cloth.spacing_m)?),
-        _ => None,
-    };
+    let stated = stated_frame(&arguments.frame, program.cloth.spacing_m)?;
     Start::load(Path::new(text), stated).map_err(Failure::environment)
 }
 
@@ -98,24 +95,35 @@ fn crumpled(
     }
 }
 
-fn stated_frame(dims: &str, up: &str, spacing_m: f64) -> Result<StartFrame, Failure> {
-    let sides = dims
-        .split_once('x')
-        .and_then(|(x, y)| Some((x.parse::<u32>().ok()?, y.parse::<u32>().ok()?)));
-    let Some((dimx, dimy)) = sides.filter(|(dimx, dimy)| *dimx >= 2 && *dimy >= 2) else {
-        return Err(Failure::usage(format!(
-            "`--dims {dims}` is no grid; write two counts of at least 2, such as `55x44`"
-        )));
+/// Returns what the command line says of a file of positions, if it says anything.
+pub fn stated_frame(
+    arguments: &FrameArguments,
+    spacing_m: f64,
+) -> Result<Option<StartFrame>, Failure> {
+    let (Some(dims), Some(up)) = (&arguments.dims, &arguments.up) else {
+        return Ok(None);
     };
-    let up = if up == "y" { Up::Y } else { Up::Z };
-    Ok(StartFrame {
+    let [dimx, dimy] = dims_of(dims)?;
+    Ok(Some(StartFrame {
         grid: Grid {
             dimx,
             dimy,
             spacing_m,
         },
-        up,
-    })
+        up: if up == "y" { Up::Y } else { Up::Z },
+    }))
+}
+
+/// Reads `--dims`: particles along the cloth's x and along its other side.
+pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
+    text.split_once(['x', ','])
+        .and_then(|(x, y)| Some([x.parse().ok()?, y.parse().ok()?]))
+        .filter(|dims: &[u32; 2]| dims.iter().all(|dim| *dim >= 2))
+        .ok_or_else(|| {
+            Failure::usage(format!(
+                "`--dims {text}` is no grid; write two counts of at least 2, such as `55x44`"
+            ))
+        })
 }
 
 /// Opens the user's cache; `FABC_CACHE_DIR` names another place.

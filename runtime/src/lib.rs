@@ -35,12 +35,12 @@ pub mod subgoals;
 
 pub mod cache;
 pub mod journal;
+pub mod npy;
 pub mod sheet;
 pub mod store;
 
 mod bounded;
 mod digest;
-mod npy;
 #[cfg(test)]
 #[path = "../../tests/recorded_data.rs"]
 mod recorded;

@@ -4,7 +4,8 @@
 //! image. The camera looks straight down from above the table's centre; either
 //! world axis may be up in its image. Drawing triangles is `raster`'s business.
 
-use crate::grid::Grid;
+use crate::mask::Mask;
+use crate::mesh;
 use crate::raster::{Raster, Shade, Vertex};
 
 /// Smallest image side, pixels.
@@ -163,28 +164,29 @@ impl TopDownCamera {
 
     /// Draws the table and the cloth.
     ///
-    /// - `positions`: `[n_particles]` points in grid order, world frame, metres. Cells with a missing or
-    ///   non-finite corner are left out.
+    /// - `cloth`: a [`Grid`](crate::Grid) or a `&Mask`; cells with a missing corner are not drawn.
+    /// - `positions`: `[dimy * dimx]` points in grid order, world frame, metres; those of missing particles are
+    ///   not read. Cells with an absent or non-finite position are left out.
     ///
     /// Colour is the mean of 3 x 3 samples a pixel; depth is that of the pixel's centre alone, so no
     /// depth lies between two surfaces.
-    pub fn render(&self, grid: Grid, positions: &[[f32; 3]], look: &Look) -> Frame {
+    pub fn render(&self, cloth: impl Into<Mask>, positions: &[[f32; 3]], look: &Look) -> Frame {
         // Turning the finished picture keeps both equal to the last bit.
-        let frame = self.render_with_y_up(grid, positions, look);
+        let frame = self.render_with_y_up(&cloth.into(), positions, look);
         match self.up {
             ImageUp::Y => frame,
             ImageUp::X => frame.turned_left(),
         }
     }
 
-    fn render_with_y_up(&self, grid: Grid, positions: &[[f32; 3]], look: &Look) -> Frame {
+    fn render_with_y_up(&self, mask: &Mask, positions: &[[f32; 3]], look: &Look) -> Frame {
         let camera = TopDownCamera {
             up: ImageUp::Y,
             size_px: self.size_px.clamp(MIN_SIZE_PX, MAX_SIZE_PX),
             ..*self
         };
         let size = camera.size_px as usize;
-        let triangles = camera.triangles(grid, positions, look);
+        let triangles = camera.triangles(mask, positions, look);
         let mut raster = Raster::new(size, 1.0 / camera.height_m);
         let mut sums = vec![0u16; size * size * 3];
         let mut depth_m = Vec::new();
@@ -240,35 +242,25 @@ impl TopDownCamera {
         }
     }
 
-    /// Cuts the cloth into triangles, two a cell, with diagonals that alternate like a chessboard.
-    fn triangles(&self, grid: Grid, positions: &[[f32; 3]], look: &Look) -> Vec<[Vertex; 3]> {
-        let vertices = self.vertices(grid, positions, look);
+    /// Projects the cloth's triangles; of a cell that cannot be drawn whole, neither.
+    fn triangles(&self, mask: &Mask, positions: &[[f32; 3]], look: &Look) -> Vec<[Vertex; 3]> {
+        let vertices = self.vertices(mask, positions, look);
         let mut triangles = Vec::with_capacity(2 * vertices.len());
-        for iy in 0..grid.dimy.saturating_sub(1) {
-            for ix in 0..grid.dimx.saturating_sub(1) {
-                let back_left = iy * grid.dimx + ix;
-                let corners = [
-                    back_left,
-                    back_left + 1,
-                    back_left + grid.dimx + 1,
-                    back_left + grid.dimx,
-                ]
-                .map(|index| vertices.get(index).copied().flatten());
-                let [Some(a), Some(b), Some(c), Some(d)] = corners else {
-                    continue;
-                };
-                if (ix + iy) % 2 == 0 {
-                    triangles.extend([[a, b, c], [a, c, d]]);
-                } else {
-                    triangles.extend([[a, b, d], [b, c, d]]);
-                }
+        for cell in mesh::cells(mask) {
+            let corners = cell.map(|corners| {
+                // The mesh is anticlockwise as seen from above, the raster takes clockwise for the top.
+                let [first, second, third] = corners.map(|index| vertices.get(index)?.as_ref());
+                Some([*first?, *third?, *second?])
+            });
+            if let [Some(one), Some(other)] = corners {
+                triangles.extend([one, other]);
             }
         }
         triangles
     }
 
-    /// Projects and shades every particle; `None` for those that cannot be drawn.
-    fn vertices(&self, grid: Grid, positions: &[[f32; 3]], look: &Look) -> Vec<Option<Vertex>> {
+    /// Projects and shades every particle; `None` for those that are missing or cannot be drawn.
+    fn vertices(&self, mask: &Mask, positions: &[[f32; 3]], look: &Look) -> Vec<Option<Vertex>> {
         let shade_of = |upright: f32| {
             let brightness = 1.0 - look.shading.clamp(0.0, 1.0) * (1.0 - upright);
             let paint = |colour: [u8; 3]| colour.map(|c| f32::from(c) * brightness);
@@ -277,8 +269,11 @@ impl TopDownCamera {
                 underside: paint(look.underside),
             }
         };
-        (0..positions.len().min(grid.particle_count()))
+        (0..positions.len().min(mask.grid().particle_count()))
             .map(|index| {
+                if !mask.has(index) {
+                    return None;
+                }
                 let point = positions[index];
                 let below_m = self.height_m - point[2];
                 let [column, row] = self.project(point);
@@ -287,7 +282,7 @@ impl TopDownCamera {
                     column,
                     row,
                     inverse_depth: 1.0 / below_m,
-                    shade: shade_of(upright(grid, positions, index)),
+                    shade: shade_of(upright(mask, positions, index)),
                 })
             })
             .collect()
@@ -295,15 +290,20 @@ impl TopDownCamera {
 }
 
 /// Returns how much the surface at a particle faces up or down: 1 lying, 0 standing.
-fn upright(grid: Grid, positions: &[[f32; 3]], index: usize) -> f32 {
-    let (ix, iy) = (index % grid.dimx, index / grid.dimx);
-    let at = |ix: usize, iy: usize| {
-        let index = iy.min(grid.dimy - 1) * grid.dimx + ix.min(grid.dimx - 1);
-        positions.get(index).copied().unwrap_or_default()
+fn upright(mask: &Mask, positions: &[[f32; 3]], index: usize) -> f32 {
+    let dimx = mask.grid().dimx;
+    let column = index % dimx;
+    // Beyond an edge stands the particle itself, so that the slope there is that of one side.
+    let at = |neighbour: Option<usize>| {
+        let there = neighbour.filter(|&neighbour| mask.has(neighbour));
+        let point = positions.get(there.unwrap_or(index));
+        point.copied().unwrap_or_default()
     };
     let between = |a: [f32; 3], b: [f32; 3]| [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
-    let u = between(at(ix.saturating_sub(1), iy), at(ix + 1, iy));
-    let v = between(at(ix, iy.saturating_sub(1)), at(ix, iy + 1));
+    let left = (column > 0).then(|| index - 1);
+    let right = (column + 1 < dimx).then_some(index + 1);
+    let u = between(at(left), at(right));
+    let v = between(at(index.checked_sub(dimx)), at(Some(index + dimx)));
     let normal = [
         u[1] * v[2] - u[2] * v[1],
         u[2] * v[0] - u[0] * v[2],

@@ -95,7 +95,11 @@ impl Contacts {
         sphere: Option<Sphere>,
         params: &Params,
     ) {
-        let keep_m = [params.self_contact_m, params.self_contact_softness, params.self_friction];
+        let keep_m = [
+            params.self_contact_m,
+            params.self_contact_softness,
+            params.self_friction,
+        ];
         touch_pairs(
             pairs,
             [&positions.x, &positions.y, &positions.z],
@@ -113,7 +117,17 @@ impl Contacts {
             let shift = &mut self.shift;
             let shifts = [&mut shift.x[..], &mut shift.y[..], &mut shift.z[..]];
             let count = &mut self.count;
-            shift_on_table(x, y, z, &began.x, &began.y, inverse_mass, shifts, count, params);
+            shift_on_table(
+                x,
+                y,
+                z,
+                &began.x,
+                &began.y,
+                inverse_mass,
+                shifts,
+                count,
+                params,
+            );
         }
     }
 
@@ -126,7 +140,14 @@ impl Contacts {
     ) {
         let reach = params.picker_radius_m + params.picker_skin_m;
         let mut from = 0;
-        while let Some(i) = first_within(&positions.x, &positions.y, &positions.z, from, sphere.centre, reach) {
+        while let Some(i) = first_within(
+            &positions.x,
+            &positions.y,
+            &positions.z,
+            from,
+            sphere.centre,
+            reach,
+        ) {
             from = i + 1;
             let p = positions.get(i);
             let out = [
@@ -195,7 +216,10 @@ fn touch_pairs(
     let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
     let [shift_x, shift_y, shift_z] = shifts;
     let (shift_x, shift_y, shift_z) = (&mut shift_x[..n], &mut shift_y[..n], &mut shift_z[..n]);
-    let blocks = pairs.first.chunks_exact(LANES).zip(pairs.second.chunks_exact(LANES));
+    let blocks = pairs
+        .first
+        .chunks_exact(LANES)
+        .zip(pairs.second.chunks_exact(LANES));
     for (block, (first, second)) in blocks.enumerate() {
         let from = block * LANES;
         let range = from..from + LANES;
@@ -219,7 +243,11 @@ fn touch_pairs(
             let distance = distance_2[k].sqrt();
             let depth = softness * (contact_m - distance);
             let per_distance = 1.0 / distance;
-            let normal = [dx[k] * per_distance, dy[k] * per_distance, dz[k] * per_distance];
+            let normal = [
+                dx[k] * per_distance,
+                dy[k] * per_distance,
+                dz[k] * per_distance,
+            ];
             let slid = [dx[k] - x0[k], dy[k] - y0[k], dz[k] - z0[k]];
             let push = correction(normal, depth, slid, friction);
             push_x[k] = shares[k] * push[0];

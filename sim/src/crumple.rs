@@ -4,7 +4,8 @@
 //! how high come from the seed alone; the rest is the solver's work, so equal cloths and seeds give equal
 //! bits. The picker takes no part and stays at home.
 
-use crate::simulator::{SimError, Simulator};
+use crate::error::SimError;
+use crate::simulator::Simulator;
 
 /// Least height that the chosen particle is lifted by, metres (SoftGym: 0.5 to 1).
 const MIN_LIFT_M: f32 = 0.5;

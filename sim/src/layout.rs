@@ -128,7 +128,10 @@ impl Layout {
 
     /// Returns inverse masses by slot: 1 for particles, 0 for padding and missing ones.
     pub fn free(&self) -> Vec<f32> {
-        self.present.iter().map(|&there| if there { 1.0 } else { 0.0 }).collect()
+        self.present
+            .iter()
+            .map(|&there| if there { 1.0 } else { 0.0 })
+            .collect()
     }
 
     /// Writes a plane of this layout into one of the transposed layout.
@@ -145,7 +148,13 @@ fn stride(columns: usize) -> usize {
 }
 
 /// Writes a matrix into another with rows and columns exchanged, tile by tile.
-fn transpose(from: &[f32], to: &mut [f32], stride: usize, to_stride: usize, [down, across]: [usize; 2]) {
+fn transpose(
+    from: &[f32],
+    to: &mut [f32],
+    stride: usize,
+    to_stride: usize,
+    [down, across]: [usize; 2],
+) {
     for (row, band) in from.chunks_exact(TILE * stride).take(down).enumerate() {
         let (l0, rest) = band.split_at(stride);
         let (l1, rest) = rest.split_at(stride);

@@ -21,7 +21,8 @@
 //!
 //! World frame: right-handed, z up, origin at the table's centre, metres,
 //! seconds. Particle index: `iy * dimx + ix`, `ix` along +X and `iy` along -Y
-//! of the flat cloth. Nothing here knows of tasks, prompts or models.
+//! of the flat cloth. A [`Mask`] leaves particles of the grid out; [`mesh`] cuts
+//! the rest into triangles. Nothing here knows of tasks, prompts or models.
 //!
 //! Read on in this order: [`Simulator`], then `picker` (the route), `crumple`, `solver`
 //! (the order of all passes), `springs`, `contacts`, `neighbours`, and every
@@ -31,8 +32,11 @@ mod camera;
 mod contacts;
 mod crumple;
 mod digest;
+mod error;
 mod grid;
 mod layout;
+mod mask;
+pub mod mesh;
 mod neighbours;
 mod params;
 mod picker;
@@ -40,18 +44,19 @@ mod planes;
 mod raster;
 mod scenario;
 mod simulator;
+mod snapshot;
 mod solver;
 mod springs;
 
 pub use camera::{CameraError, Frame, ImageUp, Look, MAX_SIZE_PX, MIN_SIZE_PX, TopDownCamera};
 pub use crumple::Crumpled;
+pub use error::{MAX_START_DEPTH_M, MAX_START_STRETCH, REACH_M, SimError, StartError};
 pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
+pub use mask::{Mask, MaskError};
 pub use params::{ALGORITHM_VERSION, Params};
 pub use scenario::diagonal_fold;
-pub use simulator::{
-    MAX_START_DEPTH_M, MAX_START_STRETCH, PickAndPlace, REACH_M, RestShortcut, SimError, Simulator,
-    StartError,
-};
+pub use simulator::{PickAndPlace, RestShortcut, Simulator};
+pub use snapshot::Snapshot;
 
 /// Digest of this crate's sources, 16 hex digits: equal results need equal code.
 pub const CODE_DIGEST: &str = env!("SIM_CODE_DIGEST");

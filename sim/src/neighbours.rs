@@ -54,7 +54,10 @@ impl Neighbours {
         let slots = 0..layout.len();
         Neighbours {
             contact_m,
-            column: slots.clone().map(|slot| (slot % layout.stride()) as f32).collect(),
+            column: slots
+                .clone()
+                .map(|slot| (slot % layout.stride()) as f32)
+                .collect(),
             row: slots.map(|slot| (slot / layout.stride()) as f32).collect(),
             rest_limit: (contact_m / grid.spacing_m).powi(2),
             max_pairs: MAX_PAIRS_PER_PARTICLE * grid.particle_count(),
@@ -70,7 +73,13 @@ impl Neighbours {
     pub fn find(&mut self, positions: &Planes) -> &[[u32; 2]] {
         self.touching.clear();
         let cells = &mut self.cells;
-        cells.sort(positions, &self.layout, &self.column, &self.row, self.contact_m);
+        cells.sort(
+            positions,
+            &self.layout,
+            &self.column,
+            &self.row,
+            self.contact_m,
+        );
         let limits = Limits {
             contact_2: self.contact_m * self.contact_m,
             rest: self.rest_limit,
@@ -159,7 +168,14 @@ fn look(values: [&[f32]; 5], point: [f32x4; 5], from: usize, limits: Limits) -> 
 
 impl Cells {
     /// Sorts the particles by cell (counting sort, so the order within a cell is by index).
-    fn sort(&mut self, positions: &Planes, layout: &Layout, column: &[f32], row: &[f32], cell_m: f32) {
+    fn sort(
+        &mut self,
+        positions: &Planes,
+        layout: &Layout,
+        column: &[f32],
+        row: &[f32],
+        cell_m: f32,
+    ) {
         let slots = layout.slots();
         gather(&positions.x, slots, &mut self.x);
         gather(&positions.y, slots, &mut self.y);

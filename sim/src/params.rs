@@ -24,8 +24,8 @@ pub struct Params {
     /// Gauss-Seidel sweeps over all springs per substep, 1 to 100. Fewer leave the cloth slack, more make it too
     /// stiff to drape; PyFleX runs 30 slower-converging Jacobi passes. Trial: 7, of 6, 7, 8 and 9.
     pub sweeps: u32,
-    /// Downward acceleration, m/s^2. PyFleX: 9.8.
-    pub gravity_m_s2: f32,
+    /// Acceleration of everything, world frame, m/s^2; a tilted one makes the table a slope. PyFleX: 9.8, down.
+    pub gravity_m_s2: [f32; 3],
     /// Share of the velocity lost per second. PyFleX: 1.0.
     pub damping_per_s: f32,
     /// Largest change of velocity, m/s^2; softens the pop of a compressed stack at release. PyFleX: 100.
@@ -80,7 +80,7 @@ impl Default for Params {
             step_secs: 0.01,
             substeps: 4,
             sweeps: 7,
-            gravity_m_s2: 9.8,
+            gravity_m_s2: [0.0, 0.0, -9.8],
             damping_per_s: 1.0,
             max_acceleration_m_s2: 100.0,
             sleep_speed_m_s: 0.02,

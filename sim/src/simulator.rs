@@ -5,113 +5,14 @@
 //! `camera`; anything about tasks is nowhere in this crate.
 
 use crate::digest::digest_of;
+use crate::error::{MAX_ROUTE_STEPS, REACH_M, SimError, StartError, check_start};
 use crate::grid::Grid;
+use crate::layout::Layout;
+use crate::mask::Mask;
 use crate::params::Params;
 use crate::picker::{self, Gripper, Leg};
-use crate::layout::Layout;
+use crate::snapshot::Snapshot;
 use crate::solver::{Outcome, Solver};
-
-/// Farthest a particle may start, and the picker may be sent, from the table's centre along an axis, metres.
-pub const REACH_M: f32 = 2.0;
-/// Longest stretch spring accepted in a start, as a multiple of its rest length; recorded starts reach 1.9.
-pub const MAX_START_STRETCH: f32 = 3.0;
-/// Deepest a particle may start below the table's surface, metres; leaves room for rounding in files.
-pub const MAX_START_DEPTH_M: f32 = 0.001;
-// The longest route is 7 legs of at most 2 * sqrt(3) * REACH_M at the default 5 mm a step, about 10,000 steps.
-const MAX_ROUTE_STEPS: u32 = 20_000;
-
-/// Says why positions cannot be a cloth's start.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum StartError {
-    /// Positions and grid disagree.
-    #[error("`{got}` positions do not fill a grid of `{expected}` particles")]
-    WrongCount {
-        /// Particles of the grid.
-        expected: usize,
-        /// Positions given.
-        got: usize,
-    },
-    /// A coordinate is infinite or not a number.
-    #[error("particle `{particle}` has a coordinate `{value}`, which is not a finite number")]
-    NonFinite {
-        /// Index of the first such particle.
-        particle: usize,
-        /// The coordinate.
-        value: f32,
-    },
-    /// A particle is under the table.
-    #[error("particle `{particle}` is at height `{z_m}` m, below the table")]
-    BelowTable {
-        /// Index of the first such particle.
-        particle: usize,
-        /// Its height, metres.
-        z_m: f32,
-    },
-    /// A particle is nowhere near the table.
-    #[error(
-        "particle `{particle}` has a coordinate of `{value_m}` m, more than `{REACH_M}` m from the table's centre"
-    )]
-    TooFar {
-        /// Index of the first such particle.
-        particle: usize,
-        /// The coordinate, metres.
-        value_m: f32,
-    },
-    /// Two neighbours are too far apart for this grid; often dims or spacing are wrong.
-    #[error(
-        "particles `{particle}` and `{neighbour}` are `{length_m}` m apart, more than `{MAX_START_STRETCH}` times their rest distance of `{rest_m}` m"
-    )]
-    OverStretched {
-        /// Index of the first such particle.
-        particle: usize,
-        /// Index of its neighbour along a side.
-        neighbour: usize,
-        /// Distance between them, metres.
-        length_m: f32,
-        /// Distance between them at rest, metres.
-        rest_m: f32,
-    },
-}
-
-/// Says why the simulation stopped.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SimError {
-    /// The solver produced a position or velocity that is not a finite number.
-    #[error("particle `{particle}` is no longer at a finite position after step `{step}`")]
-    NonFinite {
-        /// Index of the first such particle.
-        particle: usize,
-        /// Steps simulated, including the failing one.
-        step: u64,
-    },
-    /// The picker was sent to a place that is not a finite point near the table.
-    #[error(
-        "the picker cannot go to (`{x_m}`, `{y_m}`) m, outside `{REACH_M}` m around the table's centre"
-    )]
-    OutOfReach {
-        /// X of the target, metres.
-        x_m: f32,
-        /// Y of the target, metres.
-        y_m: f32,
-    },
-    /// The caller asked to stop; the cloth is left as it was at that step.
-    #[error("interrupted after `{steps}` steps of the action")]
-    Interrupted {
-        /// Steps of the action that ran.
-        steps: u32,
-    },
-    /// A particle was asked for that the cloth does not have.
-    #[error("there is no particle `{particle}`: the cloth has `{count}`, counted from 0")]
-    NoSuchParticle {
-        /// The index asked for.
-        particle: usize,
-        /// Particles of the grid.
-        count: usize,
-    },
-    /// The route needs more steps than any sensible parameters allow.
-    #[error("the picker's route takes more than `{MAX_ROUTE_STEPS}` steps")]
-    EndlessRoute,
-}
 
 /// What a pick-and-place really did.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,7 +28,7 @@ pub struct PickAndPlace {
 /// One cloth on a table, and the picker over it.
 #[derive(Clone, Debug)]
 pub struct Simulator {
-    grid: Grid,
+    mask: Mask,
     params: Params,
     solver: Solver,
     sphere: [f32; 3],
@@ -150,29 +51,36 @@ pub enum RestShortcut {
 
 impl Simulator {
     /// Lays a flat cloth on the centre of the table, at rest.
-    pub fn flat(grid: Grid, params: &Params) -> Simulator {
-        let positions = grid.flat_positions(params);
-        Simulator::start(grid, &positions, params)
+    ///
+    /// - `cloth`: a [`Grid`], or a [`Mask`] of one.
+    pub fn flat(cloth: impl Into<Mask>, params: &Params) -> Simulator {
+        let mask = cloth.into();
+        let positions = mask.grid().flat_positions(params);
+        Simulator::start(mask, &positions, params)
     }
 
     /// Puts a cloth where the positions say, at rest.
     ///
-    /// - `positions`: `[n_particles]` points in grid order, world frame, metres.
+    /// - `cloth`: a [`Grid`], or a [`Mask`] of one.
+    /// - `positions`: `[n_particles]` points in grid order, world frame, metres; those of missing particles
+    ///   are not read.
     ///
     /// Fails on the first particle that cannot be part of a cloth on this table.
     pub fn from_positions(
-        grid: Grid,
+        cloth: impl Into<Mask>,
         positions: &[[f32; 3]],
         params: &Params,
     ) -> Result<Simulator, StartError> {
-        check_start(grid, positions)?;
-        Ok(Simulator::start(grid, positions, params))
+        let mask = cloth.into();
+        check_start(&mask, positions)?;
+        Ok(Simulator::start(mask, positions, params))
     }
 
-    fn start(grid: Grid, positions: &[[f32; 3]], params: &Params) -> Simulator {
+    fn start(mask: Mask, positions: &[[f32; 3]], params: &Params) -> Simulator {
+        let layout = Layout::new(mask.grid(), |particle| mask.has(particle));
         Simulator {
-            grid,
-            solver: Solver::new(Layout::new(grid, |_| true), positions, params),
+            mask,
+            solver: Solver::new(layout, positions, params),
             sphere: params.picker_home_m,
             params: params.clone(),
             held: None,
@@ -189,10 +97,20 @@ impl Simulator {
 
     /// Returns the grid that the cloth was made with.
     pub fn grid(&self) -> Grid {
-        self.grid
+        self.mask.grid()
     }
 
-    /// Returns where every particle is, in grid order, world frame, metres.
+    /// Returns which particles of the grid the cloth is made of.
+    pub fn mask(&self) -> &Mask {
+        &self.mask
+    }
+
+    /// Returns the number of springs that a sweep pulls.
+    pub fn spring_count(&self) -> usize {
+        self.solver.spring_count()
+    }
+
+    /// Returns where every particle is, in grid order, world frame, metres; missing ones are at the origin.
     pub fn positions(&self) -> Vec<[f32; 3]> {
         self.solver.points()
     }
@@ -253,6 +171,9 @@ impl Simulator {
                 return Err(SimError::OutOfReach { x_m, y_m });
             }
         }
+        if !self.solver.held().is_empty() {
+            self.let_go();
+        }
         let mut grasped = None;
         let mut steps = 0;
         for Leg { target, gripper } in picker::legs(pick, place, &self.params) {
@@ -289,10 +210,11 @@ impl Simulator {
     ///
     /// Fails, and holds what it held, where an index is not that of a particle.
     pub fn hold(&mut self, particles: &[usize]) -> Result<(), SimError> {
-        let count = self.grid.particle_count();
-        if let Some(&particle) = particles.iter().find(|&&particle| particle >= count) {
+        let count = self.grid().particle_count();
+        if let Some(&particle) = particles.iter().find(|&&particle| !self.has(particle)) {
             return Err(SimError::NoSuchParticle { particle, count });
         }
+        self.held = None;
         self.solver.hold(particles);
         self.at_rest = false;
         Ok(())
@@ -303,6 +225,47 @@ impl Simulator {
         self.advance(self.sphere, shift)
     }
 
+    /// Returns the indices of the held particles: by the hand of [`Simulator::hold`], or by the picker.
+    pub fn held(&self) -> Vec<usize> {
+        self.solver.held()
+    }
+
+    /// Returns the centre of the picker's sphere, world frame, metres.
+    pub fn sphere(&self) -> [f32; 3] {
+        self.sphere
+    }
+
+    /// Gives every particle a velocity.
+    ///
+    /// - `velocities`: `[n_particles]`, grid order, world frame, metres per second; those of missing particles
+    ///   are not read.
+    ///
+    /// Fails, and changes nothing, where the count differs or a number is not finite.
+    pub fn set_velocities(&mut self, velocities: &[[f32; 3]]) -> Result<(), SimError> {
+        let moving = Snapshot {
+            velocities: velocities.to_vec(),
+            at_rest: false,
+            ..self.snapshot()
+        };
+        self.restore(&moving)
+    }
+
+    /// Tells whether a particle of the grid is part of the cloth.
+    pub(crate) fn has(&self, particle: usize) -> bool {
+        particle < self.grid().particle_count() && self.mask.has(particle)
+    }
+
+    /// Takes over a state that fits.
+    pub(crate) fn resume(&mut self, snapshot: &Snapshot) {
+        self.solver.set_positions(&snapshot.positions);
+        self.solver.hold(&snapshot.held);
+        self.solver.set_velocities(&snapshot.velocities);
+        self.held = None;
+        self.sphere = snapshot.sphere;
+        self.steps = snapshot.steps;
+        self.at_rest = snapshot.at_rest;
+    }
+
     /// Tells whether the last step changed nothing.
     pub(crate) fn is_at_rest(&self) -> bool {
         self.at_rest
@@ -311,7 +274,7 @@ impl Simulator {
     /// Begins anew with the cloth at the given positions, at rest.
     pub(crate) fn restart_from(&mut self, positions: &[[f32; 3]]) {
         let shortcut = self.shortcut;
-        *self = Simulator::start(self.grid, positions, &self.params);
+        *self = Simulator::start(self.mask.clone(), positions, &self.params);
         self.shortcut = shortcut;
     }
 
@@ -328,10 +291,15 @@ impl Simulator {
     }
 
     fn release(&mut self) {
-        if self.held.take().is_some() {
-            self.solver.hold(&[]);
-            self.at_rest = false;
+        if self.held.is_some() {
+            self.let_go();
         }
+    }
+
+    fn let_go(&mut self) {
+        self.held = None;
+        self.solver.hold(&[]);
+        self.at_rest = false;
     }
 
     /// Advances by one step while the sphere moves to `next`, with the held particle.
@@ -349,61 +317,14 @@ impl Simulator {
             && !self.solver.sphere_may_touch(self.sphere, next);
         if !skip {
             let outcome = self.solver.step(self.sphere, next, shift);
+            let outcome = outcome.map_err(|broken| SimError::NonFinite {
+                particle: broken.particle,
+                step: self.steps,
+                place: broken.place,
+            })?;
             self.at_rest = outcome == Outcome::Still;
         }
         self.sphere = next;
-        match self.solver.first_non_finite() {
-            Some(particle) => Err(SimError::NonFinite {
-                particle,
-                step: self.steps,
-            }),
-            None => Ok(()),
-        }
+        Ok(())
     }
-}
-
-fn check_start(grid: Grid, positions: &[[f32; 3]]) -> Result<(), StartError> {
-    if positions.len() != grid.particle_count() {
-        return Err(StartError::WrongCount {
-            expected: grid.particle_count(),
-            got: positions.len(),
-        });
-    }
-    for (particle, point) in positions.iter().enumerate() {
-        for &value in point {
-            if !value.is_finite() {
-                return Err(StartError::NonFinite { particle, value });
-            }
-            if value.abs() > REACH_M {
-                return Err(StartError::TooFar {
-                    particle,
-                    value_m: value,
-                });
-            }
-        }
-        if point[2] < -MAX_START_DEPTH_M {
-            return Err(StartError::BelowTable {
-                particle,
-                z_m: point[2],
-            });
-        }
-    }
-    for particle in 0..positions.len() {
-        let right = (particle % grid.dimx + 1 < grid.dimx).then_some(particle + 1);
-        let front = (particle + grid.dimx < positions.len()).then_some(particle + grid.dimx);
-        for neighbour in right.into_iter().chain(front) {
-            let [a, b] = [positions[particle], positions[neighbour]];
-            let length_m =
-                ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2) + (a[2] - b[2]).powi(2)).sqrt();
-            if length_m > MAX_START_STRETCH * grid.spacing_m {
-                return Err(StartError::OverStretched {
-                    particle,
-                    neighbour,
-                    length_m,
-                    rest_m: grid.spacing_m,
-                });
-            }
-        }
-    }
-    Ok(())
 }

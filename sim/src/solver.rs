@@ -11,8 +11,8 @@ use crate::layout::Layout;
 use crate::neighbours::Neighbours;
 use crate::params::Params;
 use crate::planes::Planes;
-use multiversion::multiversion;
 use crate::springs::{Direction, Springs};
+use multiversion::multiversion;
 
 // A sphere that stays farther than this from the cloth's bounding box for a whole step is left out of the
 // step. No particle moves as far in 0.01 s unless it flies at 2 m/s.
@@ -26,6 +26,13 @@ pub(crate) enum Outcome {
     /// Every position and velocity is as before, bit for bit, and the sphere was out of play; the next
     /// such step would do the same.
     Still,
+}
+
+/// A particle whose position is not a finite number, and where in a step that was noticed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Broken {
+    pub particle: usize,
+    pub place: &'static str,
 }
 
 /// The cloth's state and the room to advance it.
@@ -91,6 +98,22 @@ impl Solver {
         self.by_particle(&self.velocities)
     }
 
+    /// Returns the held particles.
+    pub fn held(&self) -> Vec<usize> {
+        self.held
+            .iter()
+            .map(|&slot| self.layout.particle(slot))
+            .collect()
+    }
+
+    /// Moves every particle; the places of missing ones are not read.
+    pub fn set_positions(&mut self, points: &[[f32; 3]]) {
+        for &slot in self.layout.slots() {
+            let point = points[self.layout.particle(slot as usize)];
+            self.positions.set(slot as usize, point);
+        }
+    }
+
     /// Sets the velocity of every particle; those of missing ones are not read.
     pub fn set_velocities(&mut self, velocities: &[[f32; 3]]) {
         for &slot in self.layout.slots() {
@@ -131,7 +154,8 @@ impl Solver {
     /// Fixes particles, which then move by a step's `shift` alone, and frees all others.
     pub fn hold(&mut self, particles: &[usize]) {
         self.held.clear();
-        self.held.extend(particles.iter().map(|&particle| self.layout.slot(particle)));
+        self.held
+            .extend(particles.iter().map(|&particle| self.layout.slot(particle)));
         self.inverse_mass = self.layout.free();
         for &slot in &self.held {
             self.inverse_mass[slot] = 0.0;
@@ -145,7 +169,14 @@ impl Solver {
     ///
     /// A step in which nothing touches the cloth and no particle outruns the rest speed is undone. A
     /// settled cloth so becomes exactly still, instead of trembling on by rounding errors.
-    pub fn step(&mut self, from: [f32; 3], to: [f32; 3], shift: [f32; 3]) -> Outcome {
+    ///
+    /// Fails on the first particle whose position is not a finite number.
+    pub fn step(
+        &mut self,
+        from: [f32; 3],
+        to: [f32; 3],
+        shift: [f32; 3],
+    ) -> Result<Outcome, Broken> {
         let sphere_in_play = self.sphere_may_touch(from, to);
         self.before.clone_from(&self.positions);
         self.velocities_before.clone_from(&self.velocities);
@@ -160,15 +191,18 @@ impl Solver {
                 self.positions
                     .set(held, [0, 1, 2].map(|axis| at[axis] + done * shift[axis]));
             }
-            self.substep(substep, sphere_in_play.then_some(sphere));
+            self.substep(substep, sphere_in_play.then_some(sphere))?;
         }
         let rest_m = self.params.rest_speed_m_s * self.params.step_secs;
-        if sphere_in_play || shift != [0.0; 3] || self.positions.differs_beyond(&self.before, rest_m) {
-            return Outcome::Moved;
+        if sphere_in_play
+            || shift != [0.0; 3]
+            || self.positions.differs_beyond(&self.before, rest_m)
+        {
+            return Ok(Outcome::Moved);
         }
         self.positions.clone_from(&self.before);
         self.velocities.clone_from(&self.velocities_before);
-        Outcome::Still
+        Ok(Outcome::Still)
     }
 
     /// Tells whether the sphere, on this way, comes near enough to the cloth to be part of a step.
@@ -188,22 +222,23 @@ impl Solver {
         })
     }
 
-    /// Returns the first particle with a coordinate that is not a number.
-    pub fn first_non_finite(&self) -> Option<usize> {
-        let all_finite = |plane: &[f32]| plane.iter().fold(true, |all, v| all & v.is_finite());
-        let planes = [&self.positions, &self.velocities];
-        if planes
-            .iter()
-            .all(|p| all_finite(&p.x) && all_finite(&p.y) && all_finite(&p.z))
-        {
-            return None;
+    /// Fails on the first particle whose position is not a finite number.
+    fn check_finite(&self, place: &'static str) -> Result<(), Broken> {
+        let Planes { x, y, z } = &self.positions;
+        if all_finite(x) && all_finite(y) && all_finite(z) {
+            return Ok(());
         }
-        let is_broken = |slot: &u32| {
-            let vectors = planes.iter().map(|p| p.get(*slot as usize));
-            vectors.flatten().any(|v| !v.is_finite())
+        let is_broken = |slot: &&u32| {
+            let point = self.positions.get(**slot as usize);
+            point.iter().any(|value| !value.is_finite())
         };
-        let slot = self.layout.slots().iter().find(|slot| is_broken(slot))?;
-        Some(self.layout.particle(*slot as usize))
+        match self.layout.slots().iter().find(is_broken) {
+            Some(&slot) => Err(Broken {
+                particle: self.layout.particle(slot as usize),
+                place,
+            }),
+            None => Ok(()),
+        }
     }
 
     fn sphere_at(&self, from: [f32; 3], to: [f32; 3], substep: u32) -> Sphere {
@@ -216,10 +251,11 @@ impl Solver {
         }
     }
 
-    fn substep(&mut self, substep: u32, sphere: Option<Sphere>) {
+    fn substep(&mut self, substep: u32, sphere: Option<Sphere>) -> Result<(), Broken> {
         let dt = self.params.step_secs / self.params.substeps as f32;
         self.began.clone_from(&self.positions);
         self.predict(dt);
+        self.check_finite("after free flight")?;
         let touching = self.neighbours.find(&self.positions);
         self.pairs.list(touching, &self.began, &self.inverse_mass);
         for sweep in 0..self.params.sweeps {
@@ -227,8 +263,7 @@ impl Solver {
                 0 => Direction::Forward,
                 _ => Direction::Backward,
             };
-            self.springs
-                .sweep(&mut self.positions, direction);
+            self.springs.sweep(&mut self.positions, direction);
             self.contacts.resolve(
                 &mut self.positions,
                 &self.began,
@@ -238,17 +273,40 @@ impl Solver {
                 &self.params,
             );
         }
+        self.check_finite("after springs and contacts")?;
         self.finish(dt);
+        Ok(())
     }
 
     /// Moves free particles as if nothing touched them.
     fn predict(&mut self, dt: f32) {
         let keep = 1.0 - self.params.damping_per_s * dt;
-        let gain = self.params.gravity_m_s2 * dt;
+        let [x, y, z] = self.params.gravity_m_s2.map(|gravity| gravity * dt);
         let weight = &self.inverse_mass;
-        fly(&mut self.positions.x, &self.velocities.x, weight, dt, keep, 0.0);
-        fly(&mut self.positions.y, &self.velocities.y, weight, dt, keep, 0.0);
-        fly(&mut self.positions.z, &self.velocities.z, weight, dt, keep, -gain);
+        fly(
+            &mut self.positions.x,
+            &self.velocities.x,
+            weight,
+            dt,
+            keep,
+            x,
+        );
+        fly(
+            &mut self.positions.y,
+            &self.velocities.y,
+            weight,
+            dt,
+            keep,
+            y,
+        );
+        fly(
+            &mut self.positions.z,
+            &self.velocities.z,
+            weight,
+            dt,
+            keep,
+            z,
+        );
     }
 
     /// Derives velocities from the substep's displacement, limits their change, and puts slow particles to sleep.
@@ -261,6 +319,13 @@ impl Solver {
         let began = [&self.began.x[..], &self.began.y[..], &self.began.z[..]];
         derive_velocities(x, y, z, velocities, began, 1.0 / dt, max_change, sleep_2);
     }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn all_finite(values: &[f32]) -> bool {
+    values
+        .iter()
+        .fold(true, |all, value| all & value.is_finite())
 }
 
 #[multiversion(targets("x86_64+avx2"))]

@@ -60,14 +60,22 @@ impl Springs {
     /// Lists the families of a cloth.
     pub fn new(layout: &Layout, params: &Params) -> Springs {
         let across = layout.transposed();
-        let [stretch, shear, bend] = [params.stretch, params.shear, params.bend].map(|s| s.min(1.0));
+        let [stretch, shear, bend] =
+            [params.stretch, params.shear, params.bend].map(|s| s.min(1.0));
         let spacing_m = layout.grid().spacing_m;
         let straight = |layout: &Layout, apart: usize, stiffness| {
             let rest_m = apart as f32 * spacing_m;
             Family::new(layout, apart, [0, 0], rest_m, stiffness)
         };
-        let diagonal =
-            |columns| Family::new(layout, 1, columns, std::f32::consts::SQRT_2 * spacing_m, shear);
+        let diagonal = |columns| {
+            Family::new(
+                layout,
+                1,
+                columns,
+                std::f32::consts::SQRT_2 * spacing_m,
+                shear,
+            )
+        };
         Springs {
             along_columns: [straight(layout, 1, stretch), straight(layout, 2, bend)],
             along_diagonals: [diagonal([0, 1]), diagonal([1, 0])],
@@ -161,7 +169,11 @@ impl Family {
         let springs = layout.columns() - lower_column.max(upper_column);
         let lanes = springs.next_multiple_of(LANES);
         let row_pairs = layout.rows().saturating_sub(rows_apart);
-        let rows = if layout.is_full() { row_pairs.min(1) } else { row_pairs };
+        let rows = if layout.is_full() {
+            row_pairs.min(1)
+        } else {
+            row_pairs
+        };
         let mut all = vec![0.0; rows * lanes];
         for row in 0..rows {
             for k in 0..springs {
@@ -185,7 +197,11 @@ impl Family {
     }
 
     fn count(&self) -> usize {
-        let listed = self.stiffness.iter().filter(|&&stiffness| stiffness > 0.0).count();
+        let listed = self
+            .stiffness
+            .iter()
+            .filter(|&&stiffness| stiffness > 0.0)
+            .count();
         match self.stiffness_step {
             0 => listed * self.row_pairs,
             _ => listed,
@@ -240,7 +256,13 @@ fn pull_rows(
             }
         } else {
             for ((((ax, ay), az), ((bx, by), bz)), stiffness) in ends {
-                pull_lanes([ax, ay, az], [bx, by, bz], stiffness, |_| (0.5, 0.5), family.rest_m);
+                pull_lanes(
+                    [ax, ay, az],
+                    [bx, by, bz],
+                    stiffness,
+                    |_| (0.5, 0.5),
+                    family.rest_m,
+                );
             }
         }
     }

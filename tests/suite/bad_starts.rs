@@ -18,7 +18,7 @@ const RUN: [&str; 8] = [
 ];
 
 /// Writes a .npy file of the given type, shape and bytes.
-fn write_npy(path: &Path, kind: &str, shape: &str, body: &[u8]) {
+pub(super) fn write_npy(path: &Path, kind: &str, shape: &str, body: &[u8]) {
     let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
     while (10 + header.len() + 1) % 64 != 0 {
         header.push(' ');

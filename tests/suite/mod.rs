@@ -4,6 +4,7 @@ mod support;
 
 mod agent_loop;
 mod bad_input;
+mod bad_sim_input;
 mod bad_starts;
 mod build;
 mod journal;
@@ -12,6 +13,8 @@ mod peers;
 mod prompts;
 mod readme;
 mod recorded_starts;
+mod sim_replay;
+mod sim_verbs;
 mod stand_in;
 mod steered;
 mod tidy;

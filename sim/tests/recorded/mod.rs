@@ -1,4 +1,4 @@
-//! Reads recorded folding demonstrations for tests and the replay example.
+//! Reads recorded folding demonstrations for tests.
 //!
 //! In: the folder named by `FABC_REFERENCE_DATA`. Out: starts, actions and ends
 //! in this crate's world frame; without the folder a test counts as skipped.
@@ -7,7 +7,7 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 #[path = "../../../tests/recorded_data.rs"]
-mod data;
+pub mod data;
 
 use serde_json::Value;
 use sim::{Grid, Params, RestShortcut, Simulator};

@@ -1,0 +1,226 @@
+//! `fabc sim crumple`: starts for smoothing, by their seeds.
+//!
+//! The starts are those of `fabc run --start SEED` with a crumpled cloth of the same size, and are kept in the
+//! same cache.
+
+use super::SPACING_M;
+use super::files;
+use super::parallel::{in_parallel, threads};
+use crate::cli::sim::CrumpleArguments;
+use crate::exit::{Exit, Failure};
+use crate::{output, setting};
+use compiler::program::{Camera, Cloth, ClothStart, ImageUp};
+use runtime::interrupt::Interrupt;
+use runtime::start::{Grid, Start};
+use runtime::world::{SimulatedWorld, WorldError};
+use runtime::{crumple, metrics, npy};
+use serde::Serialize;
+use serde_json::{Value, json};
+use sim::{Mask, mesh};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Says in a description who wrote it, so that a later call knows what it may replace.
+const MADE_BY: &str = "fabc sim crumple";
+
+/// One crumpled cloth.
+#[derive(Serialize)]
+struct Crumpled {
+    seed: u64,
+    /// The positions; none where no folder was named.
+    file: Option<String>,
+    /// Covered share of the flat cloth's area, as SoftGym measures both; it may exceed 1.
+    coverage: Option<f64>,
+    /// Area of the table under the cloth over that of the flat cloth, however it is turned.
+    true_coverage: Option<f64>,
+    /// SHA-256 over grid and positions.
+    digest: String,
+}
+
+/// Crumples, writes, and reports.
+pub fn run(arguments: &CrumpleArguments) -> Result<Exit, Failure> {
+    let cloth = cloth(arguments)?;
+    let last = arguments.seed.checked_add(u64::from(arguments.count) - 1);
+    if last.is_none() {
+        return Err(Failure::usage(format!(
+            "`--seed {}` and `--count {}` go beyond the largest seed, {}",
+            arguments.seed,
+            arguments.count,
+            u64::MAX
+        )));
+    }
+    let seeds: Vec<u64> = (0..u64::from(arguments.count))
+        .map(|number| arguments.seed + number)
+        .collect();
+    if let Some(folder) = &arguments.out {
+        prepare(folder, &cloth, &seeds)?;
+    }
+    let interrupt = setting::interrupt()?;
+    output::progress(&format!("0 of {} crumpled", seeds.len()));
+    let results = in_parallel(
+        seeds.len(),
+        threads(&arguments.threads),
+        |index| one(&cloth, seeds[index], arguments.out.as_deref(), &interrupt),
+        |done| output::progress(&format!("{done} of {} crumpled", seeds.len())),
+    );
+    output::progress("");
+    let starts: Vec<Crumpled> = results?.into_iter().flatten().collect();
+    if arguments.json {
+        output::json(&json!({
+            "params": sim::Params::default().hash(),
+            "dimx": cloth.dimx,
+            "dimy": cloth.dimy,
+            "spacing_m": cloth.spacing_m,
+            "starts": starts,
+            "coverage": spread(starts.iter().filter_map(|start| start.coverage)),
+            "true_coverage": spread(starts.iter().filter_map(|start| start.true_coverage)),
+        }));
+    } else {
+        output::data(&table(&starts));
+    }
+    Ok(if starts.len() < seeds.len() {
+        output::talk(&format!(
+            "interrupted: {} of {} crumpled",
+            starts.len(),
+            seeds.len()
+        ));
+        Exit::Interrupted
+    } else {
+        Exit::Done
+    })
+}
+
+fn cloth(arguments: &CrumpleArguments) -> Result<Cloth, Failure> {
+    let ([dimx, dimy], shown) = match &arguments.dims {
+        Some(text) => (setting::dims_of(text)?, format!("--dims {text}")),
+        None => ([arguments.size; 2], format!("--size {}", arguments.size)),
+    };
+    sim::Grid::new(dimx as usize, dimy as usize, SPACING_M as f32)
+        .map_err(|error| Failure::usage(format!("`{shown}`: {error}")))?;
+    Ok(Cloth {
+        dimx,
+        dimy,
+        spacing_m: SPACING_M,
+        start: ClothStart::Crumpled,
+    })
+}
+
+/// Crumples one cloth and writes it; None where it was interrupted.
+fn one(
+    cloth: &Cloth,
+    seed: u64,
+    folder: Option<&Path>,
+    interrupt: &Interrupt,
+) -> Result<Option<Crumpled>, Failure> {
+    // A world comes with a camera, which takes no part.
+    let camera = Camera {
+        height_m: 1.0,
+        fov_rad: std::f64::consts::FRAC_PI_4,
+        image_px: 64,
+        up: ImageUp::X,
+    };
+    let world = SimulatedWorld::new(&camera).map_err(Failure::environment)?;
+    let cache = setting::cache();
+    let start = match crumple::start(cloth, seed, &world, &cache, interrupt, &mut || {}) {
+        Ok(crumpled) => crumpled.start,
+        Err(WorldError::Interrupted) => return Ok(None),
+        Err(error) => return Err(Failure::environment(format!("seed {seed}: {error}"))),
+    };
+    let mut crumpled = Crumpled {
+        seed,
+        file: None,
+        coverage: metrics::coverage(&start.positions, &start.grid),
+        true_coverage: true_coverage(&start),
+        digest: start.digest(),
+    };
+    if let Some(folder) = folder {
+        crumpled.file = Some(write(folder, &start, &crumpled)?);
+    }
+    Ok(Some(crumpled))
+}
+
+fn true_coverage(start: &Start) -> Option<f64> {
+    let Grid {
+        dimx,
+        dimy,
+        spacing_m,
+    } = start.grid;
+    let grid = sim::Grid::new(dimx as usize, dimy as usize, spacing_m as f32).ok()?;
+    let mask = Mask::full(grid);
+    let flat_m2 = mesh::flat_area_m2(&mask);
+    metrics::true_coverage(&start.positions, &mesh::triangles(&mask), flat_m2)
+}
+
+/// Names the positions of a seed and their description.
+fn paths(folder: &Path, dimx: u32, dimy: u32, seed: u64) -> [PathBuf; 2] {
+    ["npy", "json"].map(|ending| folder.join(format!("crumpled_{dimx}x{dimy}_{seed}.{ending}")))
+}
+
+/// Makes the folder, and refuses to replace what this verb did not write.
+fn prepare(folder: &Path, cloth: &Cloth, seeds: &[u64]) -> Result<(), Failure> {
+    for seed in seeds {
+        let paths = paths(folder, cloth.dimx, cloth.dimy, *seed);
+        if let Some(there) = paths.iter().find(|path| path.symlink_metadata().is_ok())
+            && !files::is_made_by(MADE_BY, &paths[1])
+        {
+            return Err(Failure::environment(format!(
+                "`{}` is there already and was not written by `{MADE_BY}`; name another folder",
+                there.display()
+            )));
+        }
+    }
+    fs::create_dir_all(folder).map_err(|error| {
+        Failure::environment(format!("cannot make `{}`: {error}", folder.display()))
+    })
+}
+
+/// Writes positions and their description; returns the file's name.
+fn write(folder: &Path, start: &Start, crumpled: &Crumpled) -> Result<String, Failure> {
+    let Grid { dimx, dimy, .. } = start.grid;
+    let [positions, beside] = paths(folder, dimx, dimy, crumpled.seed);
+    let mut description = files::description(&start.grid, MADE_BY);
+    description["params"] = json!(sim::Params::default().hash());
+    description["seed"] = json!(crumpled.seed);
+    description["coverage"] = json!(crumpled.coverage);
+    description["true_coverage"] = json!(crumpled.true_coverage);
+    // The description first: without it, positions would stand in the way of the next call.
+    files::write(&beside, &files::json_bytes(&description))?;
+    files::write(&positions, &npy::encode(&start.positions))?;
+    Ok(positions.display().to_string())
+}
+
+/// Returns mean, least and greatest value; null of none.
+fn spread(values: impl Iterator<Item = f64>) -> Value {
+    let values: Vec<f64> = values.collect();
+    if values.is_empty() {
+        return Value::Null;
+    }
+    json!({
+        "mean": values.iter().sum::<f64>() / values.len() as f64,
+        "min": values.iter().copied().fold(f64::INFINITY, f64::min),
+        "max": values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    })
+}
+
+fn table(starts: &[Crumpled]) -> String {
+    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
+    let mut lines = vec![format!(
+        "{:>8}  {:>8}  {:>8}  file",
+        "seed", "coverage", "true"
+    )];
+    lines.extend(starts.iter().map(|start| {
+        let file = start
+            .file
+            .as_deref()
+            .unwrap_or("(not kept; `-o DIR` writes it)");
+        let [covered, truly] = [start.coverage, start.true_coverage].map(number);
+        format!("{:>8}  {covered:>8}  {truly:>8}  {file}", start.seed)
+    }));
+    let covered = spread(starts.iter().filter_map(|start| start.coverage));
+    let truly = spread(starts.iter().filter_map(|start| start.true_coverage));
+    for name in ["mean", "min", "max"] {
+        let [covered, truly] = [&covered, &truly].map(|all| number(all[name].as_f64()));
+        lines.push(format!("{name:>8}  {covered:>8}  {truly:>8}"));
+    }
+    lines.join("\n")
+}

@@ -1,0 +1,196 @@
+//! Recorded demonstrations of folds, as a manifest lists them.
+//!
+//! In: a folder with `manifest.json`; the manifest's paths begin at the folder above it. Out: actions and
+//! positions in the world frame. Recorded points are y-up: world = (x, -z, y). All of it is taken for bad
+//! input until it is checked; nothing outside of the folder is read.
+
+use crate::exit::Failure;
+use crate::sources;
+use runtime::start::{Grid, Start, StartFrame, Up};
+use serde::Deserialize;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The longest name of a task, bytes.
+const MAX_NAME: usize = 64;
+
+/// One recorded demonstration; its positions stay on disk until they are asked for.
+pub struct Demonstration {
+    /// The recorded data's own name of the task.
+    pub task: String,
+    /// Its number among those of the task.
+    pub id: u64,
+    /// The cloth.
+    pub grid: sim::Grid,
+    /// What was done, in order.
+    pub picks: Vec<Pick>,
+    frame: StartFrame,
+    start: PathBuf,
+    end: PathBuf,
+}
+
+/// One recorded pick and place.
+pub struct Pick {
+    /// Where it was picked, table coordinates, world frame, metres.
+    pub pick: [f32; 2],
+    /// Where it was placed, likewise.
+    pub place: [f32; 2],
+    /// Index of the particle that was held.
+    pub particle: usize,
+}
+
+/// Where a cloth lay, `[particles]` points in grid order, world frame, metres.
+pub struct Positions {
+    /// Before the first pick.
+    pub start: Vec<[f32; 3]>,
+    /// After the last.
+    pub end: Vec<[f32; 3]>,
+}
+
+#[derive(Deserialize)]
+struct Manifest {
+    entries: Vec<serde_json::Value>,
+}
+
+#[derive(Deserialize)]
+struct Entry {
+    task: String,
+    id: u64,
+    dir: PathBuf,
+    dimx: u32,
+    dimy: u32,
+    spacing_m: f64,
+    steps: Vec<Step>,
+}
+
+#[derive(Deserialize)]
+struct Step {
+    pick_world_m: [f64; 3],
+    place_world_m: [f64; 3],
+    pick_keypoint: usize,
+}
+
+/// Reads the manifest, and finds the files of every entry.
+///
+/// Fails on the first thing that is wrong, naming the entry; the positions are checked by
+/// [`Demonstration::positions`].
+pub fn read(folder: &Path) -> Result<Vec<Demonstration>, Failure> {
+    let path = folder.join("manifest.json");
+    let shown = path.display();
+    let wrong =
+        |why: String| Failure::environment(format!("the manifest `{shown}` is wrong: {why}"));
+    let bytes = sources::read_bounded(&path).map_err(|why| {
+        Failure::environment(format!(
+            "cannot read `{shown}`: {why}; right would be a folder of recorded demonstrations with their manifest.json"
+        ))
+    })?;
+    let manifest: Manifest =
+        serde_json::from_slice(&bytes).map_err(|error| wrong(error.to_string()))?;
+    if manifest.entries.is_empty() {
+        return Err(wrong("its `entries` are empty".to_owned()));
+    }
+    let real = fs::canonicalize(folder).map_err(|error| wrong(error.to_string()))?;
+    let entries = manifest.entries.into_iter().enumerate();
+    entries
+        .map(|(number, value)| {
+            let at = |why: String| wrong(format!("entry {number} (counted from 0): {why}"));
+            let entry: Entry =
+                serde_json::from_value(value).map_err(|error| at(error.to_string()))?;
+            demonstration(entry, &real).map_err(at)
+        })
+        .collect()
+}
+
+fn demonstration(entry: Entry, folder: &Path) -> Result<Demonstration, String> {
+    let grid = sim::Grid::new(
+        entry.dimx as usize,
+        entry.dimy as usize,
+        entry.spacing_m as f32,
+    )
+    .map_err(|error| error.to_string())?;
+    // Names are printed, and a terminal would obey what is no plain letter.
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+    if !(1..=MAX_NAME).contains(&entry.task.len()) || !entry.task.chars().all(plain) {
+        return Err(format!(
+            "`task` {:?} is no name; write 1 to {MAX_NAME} letters, digits, `_`, `-` or `.`",
+            entry.task.chars().take(MAX_NAME).collect::<String>()
+        ));
+    }
+    if entry.steps.is_empty() {
+        return Err("it has no `steps`".to_owned());
+    }
+    let keypoints = keypoints(grid.dimx, grid.dimy);
+    let on_table = |[x, _, z]: [f64; 3]| [x as f32, -z as f32];
+    let picks = entry.steps.iter().map(|step| {
+        let particle = keypoints.get(step.pick_keypoint).copied();
+        Ok(Pick {
+            pick: on_table(step.pick_world_m),
+            place: on_table(step.place_world_m),
+            particle: particle.ok_or_else(|| {
+                let number = step.pick_keypoint;
+                format!(
+                    "`pick_keypoint` {number} is none of 0 to {}",
+                    keypoints.len() - 1
+                )
+            })?,
+        })
+    });
+    Ok(Demonstration {
+        picks: picks.collect::<Result<_, String>>()?,
+        frame: StartFrame {
+            grid: Grid {
+                dimx: entry.dimx,
+                dimy: entry.dimy,
+                spacing_m: entry.spacing_m,
+            },
+            up: Up::Y,
+        },
+        start: file_of(&entry, "init_pos.npy", folder)?,
+        end: file_of(&entry, "final_pos.npy", folder)?,
+        task: entry.task,
+        id: entry.id,
+        grid,
+    })
+}
+
+/// Returns the particles at the four corners and the four edges' middles, as the recorded data numbers them.
+fn keypoints(dimx: usize, dimy: usize) -> [usize; 8] {
+    let (middle_x, middle_y) = ((dimx - 1) / 2, (dimy - 1) / 2);
+    [
+        0,
+        dimx * (dimy - 1),
+        dimx - 1,
+        dimx * dimy - 1,
+        middle_y * dimx,
+        middle_x,
+        dimx * (dimy - 1) + middle_x,
+        middle_y * dimx + dimx - 1,
+    ]
+}
+
+/// Finds a file of an entry, at its real place below `folder`, which is a real path too.
+fn file_of(entry: &Entry, name: &str, folder: &Path) -> Result<PathBuf, String> {
+    let above = folder.parent().unwrap_or(folder);
+    let path = entry.dir.join(name);
+    let shown = path.display();
+    let real = fs::canonicalize(above.join(&path))
+        .map_err(|error| format!("cannot find `{shown}` below `{}`: {error}", above.display()))?;
+    if !real.starts_with(folder) {
+        return Err(format!(
+            "`{shown}` leads out of `{}`; right would be a path below it",
+            folder.display()
+        ));
+    }
+    Ok(real)
+}
+
+impl Demonstration {
+    /// Reads and checks where the cloth lay before and after.
+    pub fn positions(&self) -> Result<Positions, Failure> {
+        let load = |path: &Path| Start::load(path, Some(self.frame)).map_err(Failure::environment);
+        Ok(Positions {
+            start: load(&self.start)?.positions,
+            end: load(&self.end)?.positions,
+        })
+    }
+}

@@ -1,0 +1,81 @@
+//! `fabc sim export`: positions or a mesh for other programs, in the world frame.
+
+use super::files::{self, State};
+use crate::cli::sim::ExportArguments;
+use crate::exit::{Exit, Failure};
+use crate::output;
+use runtime::npy;
+use serde_json::json;
+use sim::Params;
+use std::path::{Path, PathBuf};
+
+/// Says in a description who wrote it, so that a later call knows what it may replace.
+const MADE_BY: &str = "fabc sim export";
+
+/// Writes positions, and lists the files.
+pub fn run(arguments: &ExportArguments) -> Result<Exit, Failure> {
+    let write = writer(&arguments.out)?;
+    if let Some(outline) = &arguments.state.outline
+        && files::ends_in(&arguments.out, "npy")
+    {
+        return Err(Failure::usage(format!(
+            "`--outline {}` says nothing of `{}`, which keeps every position; write `.obj` for a mesh",
+            outline.display(),
+            arguments.out.display()
+        )));
+    }
+    let state = files::read_state(&arguments.state)?;
+    files::not_onto_itself(&arguments.state.file, &arguments.out)?;
+    let written = write(&state, &arguments.out)?;
+    let names: Vec<String> = written.iter().map(|it| it.display().to_string()).collect();
+    if arguments.json {
+        output::json(&json!({
+            "params": Params::default().hash(),
+            "files": names,
+            "particles": state.mask.count(),
+        }));
+    } else {
+        output::data(&names.join("\n"));
+    }
+    Ok(Exit::Done)
+}
+
+/// Writes a state to a file and what belongs beside it.
+type Writer = fn(&State, &Path) -> Result<Vec<PathBuf>, Failure>;
+
+/// Chooses the format by the output's ending.
+fn writer(path: &Path) -> Result<Writer, Failure> {
+    if files::ends_in(path, "npy") {
+        return Ok(positions);
+    }
+    if files::ends_in(path, "obj") {
+        return Ok(mesh);
+    }
+    Err(Failure::usage(format!(
+        "`-o {}` has no known ending; write `.npy` for positions, `.obj` for a mesh",
+        path.display()
+    )))
+}
+
+/// Writes positions, and beside them the description that lets them be a start.
+fn positions(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let beside = path.with_extension("json");
+    if beside.symlink_metadata().is_ok() && !files::is_made_by(MADE_BY, &beside) {
+        return Err(Failure::environment(format!(
+            "`{}` is there already and was not written by `{MADE_BY}`; name another file than `{}`",
+            beside.display(),
+            path.display()
+        )));
+    }
+    let description = files::description(&state.grid, MADE_BY);
+    files::write(path, &npy::encode(&state.positions))?;
+    files::write(&beside, &files::json_bytes(&description))?;
+    Ok(vec![path.to_owned(), beside])
+}
+
+/// Writes the cloth's triangles as a Wavefront file.
+fn mesh(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let text = sim::mesh::obj(&state.mask, &state.positions).map_err(Failure::environment)?;
+    files::write(path, text.as_bytes())?;
+    Ok(vec![path.to_owned()])
+}

@@ -1,0 +1,319 @@
+//! Bad input to the `sim` verbs: one message with the value and what would be right, the documented exit code.
+
+use super::bad_input::refused;
+use super::bad_starts::write_npy;
+use super::sim_replay::{data_set, flat, write_manifest};
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+
+/// Checks a refusal of a verb of `sim`.
+fn sim_refused(folder: &Path, call: &str, code: i32, words: &[&str]) {
+    let arguments: Vec<&str> = std::iter::once("sim").chain(call.split(' ')).collect();
+    refused(folder, &arguments, code, words);
+}
+
+#[test]
+fn numbers_that_no_cloth_or_machine_has() {
+    let folder = tempfile::tempdir().unwrap();
+    data_set(folder.path());
+    for (call, words) in [
+        ("time --size 24", &["24", "25..=200"][..]),
+        ("time --size 201", &["201", "25..=200"]),
+        ("time --threads 0", &["0", "1..=256"]),
+        ("replay set --threads 0", &["0", "1..=256"]),
+        ("replay set --threads 257", &["257", "1..=256"]),
+        ("replay set --ids 0,7", &["id 7", "there are 0"]),
+        ("replay set --ids one", &["'one'"]),
+        (
+            "replay set --task fold",
+            &["`--task fold`", "there are Fold"],
+        ),
+        (
+            "replay set --set substeps",
+            &["`--set substeps`", "NAME=VALUE"],
+        ),
+        ("replay set --set substep=8", &["`substep`", "`substeps`"]),
+        ("replay set --set substeps=-8", &["-8", "u32"]),
+        ("replay set --set substeps=many", &["`many`"]),
+        (
+            "replay set --set gravity_m_s2=1e39",
+            &["`1e39` is too large"],
+        ),
+        ("crumple --size 0", &["`0`", "`2` to `200`"]),
+        (
+            "crumple --size 4000000000",
+            &["`4000000000`", "`2` to `200`"],
+        ),
+        ("crumple --size 8 --dims 8x8", &["--dims"]),
+        ("crumple --dims 8by8", &["`--dims 8by8`", "`55x44`"]),
+        ("crumple --dims 8x201", &["`201`", "`2` to `200`"]),
+        ("crumple --count 0", &["0", "1..=10000"]),
+        (
+            "crumple --seed 18446744073709551615 --count 2",
+            &["largest seed"],
+        ),
+    ] {
+        sim_refused(folder.path(), call, 64, words);
+    }
+    let left: Vec<_> = fs::read_dir(folder.path()).unwrap().collect();
+    assert_eq!(
+        left.len(),
+        1,
+        "a refused call left something behind: {left:?}"
+    );
+}
+
+#[test]
+fn a_solver_that_is_told_nonsense_ends_with_a_message() {
+    let folder = tempfile::tempdir().unwrap();
+    data_set(folder.path());
+    for (call, words) in [
+        ("replay set --set step_secs=0", &["`Fold` 0"][..]),
+        ("replay set --set picker_travel_m=0", &["`Fold` 0", "20000"]),
+    ] {
+        sim_refused(folder.path(), call, 2, words);
+    }
+}
+
+#[test]
+fn a_damaged_manifest() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    sim_refused(
+        here,
+        "replay set",
+        2,
+        &["`set/manifest.json`", "folder of recorded"],
+    );
+    let whole = data_set(here);
+    fs::write(here.join("set/manifest.json"), "{").unwrap();
+    sim_refused(here, "replay set", 2, &["manifest", "EOF"]);
+    fs::write(here.join("set/manifest.json"), "[".repeat(100_000)).unwrap();
+    sim_refused(here, "replay set", 2, &["manifest"]);
+    write_manifest(here, &json!({ "entries": [] }));
+    sim_refused(here, "replay set", 2, &["`entries` are empty"]);
+    write_manifest(here, &json!({ "entries": [7] }));
+    sim_refused(here, "replay set", 2, &["entry 0"]);
+    // Each change of a whole entry, and what is said of it.
+    let step = |name: &str, value: Value| {
+        let mut step = whole["entries"][0]["steps"][0].clone();
+        step[name] = value;
+        json!([step])
+    };
+    for (field, value, words) in [
+        ("task", json!("a\u{1b}[2J"), &["is no name"][..]),
+        ("task", json!(""), &["is no name"]),
+        ("id", json!(-1), &["-1"]),
+        ("dimx", json!(0), &["`0`", "`2` to `200`"]),
+        ("dimx", json!(4_000_000_000u32), &["`2` to `200`"]),
+        ("dimy", json!(9), &["[80, 3]", "[90, 3]", "10 by 9"]),
+        ("spacing_m", json!(null), &["null"]),
+        ("spacing_m", json!(0.0), &["`0`", "`0.001` to `0.1`"]),
+        (
+            "spacing_m",
+            json!(0.001),
+            &["particles `0` and `1`", "`0.001`"],
+        ),
+        ("steps", json!([]), &["no `steps`"]),
+        (
+            "steps",
+            step("pick_keypoint", json!(8)),
+            &["`pick_keypoint` 8", "0 to 7"],
+        ),
+        (
+            "steps",
+            step("pick_world_m", json!([0.0, 0.0])),
+            &["invalid length 2"],
+        ),
+        (
+            "steps",
+            step("place_world_m", json!([1e39, 0.0, 0.0])),
+            &["`Fold` 0", "`inf`", "`2` m"],
+        ),
+        ("dir", json!("set/Fold/01"), &["`set/Fold/01/init_pos.npy`"]),
+        (
+            "dir",
+            json!("other"),
+            &["`other/init_pos.npy` leads out of"],
+        ),
+        ("dir", json!("set/../other"), &["leads out of"]),
+        ("dir", json!(here.join("other")), &["leads out of"]),
+    ] {
+        let other = here.join("other");
+        fs::create_dir_all(&other).unwrap();
+        for name in ["init_pos.npy", "final_pos.npy"] {
+            fs::copy(here.join("set/Fold/00").join(name), other.join(name)).unwrap();
+        }
+        let mut manifest = whole.clone();
+        manifest["entries"][0][field] = value;
+        write_manifest(here, &manifest);
+        sim_refused(here, "replay set", 2, words);
+    }
+}
+
+#[test]
+fn damaged_positions_of_a_demonstration() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    data_set(here);
+    let [start, end] =
+        ["init_pos.npy", "final_pos.npy"].map(|it| here.join("set/Fold/00").join(it));
+    let mut broken = flat(10, 8);
+    broken[12 * 5..12 * 5 + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+    let mut far = flat(10, 8);
+    far[0..4].copy_from_slice(&5.0f32.to_le_bytes());
+    write_npy(&end, "<f4", "(80, 3)", &broken);
+    sim_refused(
+        here,
+        "replay set",
+        2,
+        &["final_pos.npy", "NaN at particle 5"],
+    );
+    write_npy(
+        &end,
+        "<f4",
+        "(9223372036854775807, 9223372036854775807)",
+        &broken,
+    );
+    sim_refused(
+        here,
+        "replay set",
+        2,
+        &["final_pos.npy", "promises more numbers"],
+    );
+    fs::remove_file(&end).unwrap();
+    sim_refused(here, "replay set", 2, &["entry 0", "final_pos.npy"]);
+    fs::create_dir(&end).unwrap();
+    sim_refused(here, "replay set", 2, &["final_pos.npy", "directory"]);
+    fs::remove_dir(&end).unwrap();
+    write_npy(&end, "<f4", "(80, 3)", &flat(10, 8));
+    write_npy(&start, "<f4", "(80, 3)", &far);
+    sim_refused(here, "replay set", 2, &["`Fold` 0", "`0`", "`5`"]);
+    #[cfg(unix)]
+    {
+        fs::remove_file(&start).unwrap();
+        let secret = here.join("secret.npy");
+        write_npy(&secret, "<f4", "(80, 3)", &flat(10, 8));
+        std::os::unix::fs::symlink(&secret, &start).unwrap();
+        sim_refused(here, "replay set", 2, &["leads out of"]);
+    }
+}
+
+#[test]
+fn states_and_outputs_that_cannot_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write_npy(&here.join("state.npy"), "<f4", "(80, 3)", &flat(10, 8));
+    for verb in ["render", "export"] {
+        let out = if verb == "render" { "o.png" } else { "o.npy" };
+        for (call, code, words) in [
+            ("nowhere.npy", 2, &["`nowhere.npy`"][..]),
+            ("state.npy", 2, &["`state.json`", "--dims 55x44 --up y"]),
+            ("state.npy --dims 10x8", 64, &["--up"]),
+            ("state.npy --dims 10x9 --up y", 2, &["[80, 3]", "[90, 3]"]),
+            ("state.npy --dims 10by8 --up y", 64, &["`--dims 10by8`"]),
+            (
+                "state.npy --dims 4000000000x4000000000 --up y",
+                2,
+                &["[80, 3]"],
+            ),
+            ("state.npy --dims 10x8 --up x", 64, &["'x'", "y, z"]),
+        ] {
+            sim_refused(here, &format!("{verb} {call} -o {out}"), code, words);
+        }
+    }
+    let state = "state.npy --dims 10x8 --up y";
+    for (call, code, words) in [
+        (
+            format!("render {state} -o o.jpg"),
+            64,
+            &["`-o o.jpg`", "`.png`"][..],
+        ),
+        (format!("render {state} -o no/o.png"), 2, &["`no/o.png`"]),
+        (
+            format!("render {state} -o o.png --size 0"),
+            64,
+            &["`0`", "`16` to `2048`"],
+        ),
+        (
+            format!("render {state} -o o.png --size 4000000000"),
+            64,
+            &["`16` to `2048`"],
+        ),
+        (
+            format!("render {state} -o o.png --camera robot"),
+            64,
+            &["'robot'", "folding, smoothing"],
+        ),
+        (
+            format!("export {state} -o o.ply"),
+            64,
+            &["`-o o.ply`", "`.npy`", "`.obj`"],
+        ),
+        (format!("export {state} -o no/o.npy"), 2, &["`no/o.npy`"]),
+        (
+            format!("export {state} -o state.npy"),
+            64,
+            &["`-o state.npy`", "the file that is read"],
+        ),
+        (
+            format!("export {state} -o ./state.npy"),
+            64,
+            &["the file that is read"],
+        ),
+    ] {
+        sim_refused(here, &call, code, words);
+    }
+    let square = |side: usize| format!("{}\n", "#".repeat(side)).repeat(side);
+    fs::write(here.join("outline.txt"), square(8)).unwrap();
+    for (letters, words) in [
+        (
+            square(8),
+            &[
+                "`outline.txt`",
+                "8 columns and 8 rows",
+                "10 columns and 8 rows",
+            ][..],
+        ),
+        ("##\n#?\n".to_owned(), &["row 2, column 2", "`?`"]),
+        ("###\n##\n".to_owned(), &["row 2", "fill rows"]),
+        (square(201), &["`201`", "`2` to `200`"]),
+        (String::new(), &["`0`"]),
+    ] {
+        fs::write(here.join("outline.txt"), letters).unwrap();
+        for verb in ["render", "export"] {
+            let out = if verb == "render" { "o.png" } else { "o.obj" };
+            let call = format!("{verb} {state} -o {out} --outline outline.txt");
+            sim_refused(here, &call, 2, words);
+        }
+    }
+    let call = format!("export {state} -o o.npy --outline outline.txt");
+    sim_refused(
+        here,
+        &call,
+        64,
+        &["`--outline outline.txt`", "`o.npy`", "`.obj`"],
+    );
+    fs::write(here.join("outline.txt"), [0xff]).unwrap();
+    let call = format!("render {state} -o o.png --outline outline.txt");
+    sim_refused(here, &call, 2, &["not UTF-8"]);
+    sim_refused(
+        here,
+        &call.replace("outline.txt", "gone.txt"),
+        2,
+        &["`gone.txt`"],
+    );
+    fs::write(here.join("state.png"), "mine").unwrap();
+    sim_refused(
+        here,
+        &format!("render {state}"),
+        2,
+        &["`state.png` is there already"],
+    );
+    assert_eq!(fs::read(here.join("state.png")).unwrap(), b"mine");
+    fs::write(here.join("file"), "").unwrap();
+    sim_refused(here, "crumple --size 4 -o file", 2, &["`file`"]);
+    let left = fs::read_dir(here).unwrap().count();
+    assert_eq!(left, 4, "a refused call left something behind");
+}

@@ -1,0 +1,279 @@
+//! The `sim` verbs through the command itself, on small cloths; `sim_replay` has the first of them.
+
+use super::bad_starts::write_npy;
+use super::sim_replay::flat;
+use super::support::{Said, fabc, finish, project};
+use runtime::metrics;
+use runtime::start::Start;
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+
+/// Runs a verb of `sim` to its end.
+fn said(folder: &Path, arguments: &[&str]) -> Said {
+    finish(fabc(folder).arg("sim").args(arguments))
+}
+
+/// Runs a verb of `sim` that succeeds, and returns its JSON.
+pub(super) fn told(folder: &Path, arguments: &[&str]) -> Value {
+    let said = said(folder, &[arguments, &["--json"]].concat());
+    assert_eq!(said.code, 0, "{arguments:?}\n{}", said.stderr);
+    let value: Value = serde_json::from_str(&said.stdout).unwrap();
+    assert_eq!(value["params"], sim::Params::default().hash(), "{value}");
+    value
+}
+
+#[test]
+fn time_counts_steps_springs_and_memory_and_gives_equal_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let value = told(folder.path(), &["time", "--size", "25"]);
+    // 10 up, 43 along a diagonal of 0.212 m, 10 down, 50 of settling.
+    for (field, expected) in [
+        ("particles", json!(625)),
+        ("steps", json!(113)),
+        ("substeps", json!(sim::Params::default().substeps)),
+        ("constraints", json!(3502)),
+        ("self_contact", json!(true)),
+    ] {
+        assert_eq!(value[field], expected, "`{field}` of {value}");
+    }
+    for field in ["cpu_ms_per_step", "wall_ms_per_step", "peak_mb"] {
+        assert!(value[field].as_f64().unwrap() > 0.0, "`{field}` of {value}");
+    }
+    let two = told(folder.path(), &["time", "--size", "25", "--threads", "2"]);
+    assert_eq!(two["digest"], value["digest"]);
+    assert_eq!(value["digest"].as_str().unwrap().len(), 64);
+}
+
+#[test]
+fn crumpled_cloths_are_starts_and_the_same_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let call = [
+        "crumple", "--dims", "12x10", "--seed", "5", "--count", "3", "-o", "starts",
+    ];
+    let value = told(here, &call);
+    let starts = value["starts"].as_array().unwrap();
+    let seeds: Vec<u64> = starts
+        .iter()
+        .map(|it| it["seed"].as_u64().unwrap())
+        .collect();
+    assert_eq!(seeds, [5, 6, 7]);
+    let covered: Vec<f64> = starts
+        .iter()
+        .map(|it| it["coverage"].as_f64().unwrap())
+        .collect();
+    let mean = covered.iter().sum::<f64>() / 3.0;
+    assert_eq!(value["coverage"]["mean"].as_f64(), Some(mean));
+    assert_eq!(
+        value["coverage"]["max"].as_f64(),
+        covered.iter().copied().reduce(f64::max)
+    );
+    let truly = |start: &Value| start["true_coverage"].as_f64().unwrap();
+    assert_eq!(
+        value["true_coverage"]["min"].as_f64(),
+        starts.iter().map(truly).reduce(f64::min)
+    );
+    // Read back as any start is, by the description beside it.
+    for start in starts {
+        let read = Start::load(&here.join(start["file"].as_str().unwrap()), None).unwrap();
+        assert_eq!((read.grid.dimx, read.grid.dimy), (12, 10));
+        assert_eq!(start["digest"], read.digest());
+        let mask = sim::Mask::full(sim::Grid::new(12, 10, 0.00625).unwrap());
+        let triangles = sim::mesh::triangles(&mask);
+        let under_m2 = metrics::true_covered_area_m2(&read.positions, &triangles).unwrap();
+        let flat_m2 = 11.0 * 9.0 * 0.00625 * 0.00625;
+        assert!((truly(start) - under_m2 / flat_m2).abs() < 1e-6, "{start}");
+        assert_eq!(
+            metrics::coverage(&read.positions, &read.grid),
+            start["coverage"].as_f64()
+        );
+    }
+    let bytes = fs::read(here.join("starts/crumpled_12x10_6.npy")).unwrap();
+    assert_eq!(told(here, &call), value);
+    assert_eq!(
+        fs::read(here.join("starts/crumpled_12x10_6.npy")).unwrap(),
+        bytes
+    );
+    // One seed alone, and nothing kept.
+    let alone = told(here, &["crumple", "--dims", "12,10", "--seed", "6"]);
+    assert_eq!(alone["starts"][0]["digest"], starts[1]["digest"]);
+    assert_eq!(alone["starts"][0]["file"], Value::Null);
+}
+
+#[test]
+fn a_start_of_somebody_else_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    fs::write(here.join("crumpled_6x6_0.npy"), "mine").unwrap();
+    let said = said(here, &["crumple", "--size", "6", "-o", "."]);
+    assert_eq!(said.code, 2, "{}", said.stdout);
+    assert!(
+        said.stderr.contains("crumpled_6x6_0.npy` is there already"),
+        "{}",
+        said.stderr
+    );
+    assert_eq!(fs::read(here.join("crumpled_6x6_0.npy")).unwrap(), b"mine");
+}
+
+/// Writes a flat cloth of 40 by 30 particles, its middle at the table's centre, as positions with z up.
+fn flat_state(folder: &Path) {
+    let positions: Vec<u8> = (0..1200)
+        .flat_map(|index| {
+            let (ix, iy) = (index % 40, index / 40);
+            [
+                0.00625 * (ix as f32 - 19.5),
+                0.00625 * (14.5 - iy as f32),
+                0.005,
+            ]
+        })
+        .flat_map(f32::to_le_bytes)
+        .collect();
+    write_npy(&folder.join("state.npy"), "<f4", "(1200, 3)", &positions);
+    let frame = json!({ "dimx": 40, "dimy": 30, "spacing_m": 0.00625, "up": "z" });
+    fs::write(folder.join("state.json"), frame.to_string()).unwrap();
+}
+
+#[test]
+fn the_cameras_draw_colour_and_depth() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    flat_state(here);
+    let value = told(here, &["render", "state.npy"]);
+    assert_eq!(
+        (&value["file"], &value["size_px"]),
+        (&json!("state.png"), &json!(224))
+    );
+    let picture = runtime::picture::load(&here.join("state.png")).unwrap();
+    let top = sim::Look::default().top;
+    // 39 by 29 spacings, 6.25 mm each, seen from 0.645 m: 102.2 by 76.0 pixels.
+    let orange = |picture: &image::RgbImage, at: [u32; 2]| picture.get_pixel(at[0], at[1]).0 == top;
+    assert!(
+        orange(&picture, [112, 112]) && orange(&picture, [63, 112]) && orange(&picture, [112, 76])
+    );
+    assert!(!orange(&picture, [59, 112]) && !orange(&picture, [112, 72]));
+    let cloth_px = value["cloth_px"].as_f64().unwrap();
+    assert!((cloth_px / (102.2 * 76.0) - 1.0).abs() < 0.02, "{cloth_px}");
+
+    // The smoothing camera has the cloth's long side upright.
+    let value = told(
+        here,
+        &[
+            "render",
+            "state.npy",
+            "--camera",
+            "smoothing",
+            "-o",
+            "s.png",
+        ],
+    );
+    assert_eq!(value["size_px"], 720);
+    let picture = runtime::picture::load(&here.join("s.png")).unwrap();
+    assert!(orange(&picture, [360, 270]) && !orange(&picture, [270, 360]));
+
+    told(
+        here,
+        &[
+            "render",
+            "state.npy",
+            "--depth",
+            "--size",
+            "64",
+            "-o",
+            "d.png",
+        ],
+    );
+    let picture = runtime::picture::load(&here.join("d.png")).unwrap();
+    assert_eq!(picture.dimensions(), (64, 64));
+    // The whole part of 255 times 0.65 m, and times 0.645 m.
+    assert_eq!(
+        (picture.get_pixel(0, 0).0, picture.get_pixel(32, 32).0),
+        ([165; 3], [164; 3])
+    );
+}
+
+#[test]
+fn exported_positions_are_a_start_in_the_world_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write_npy(&here.join("recorded.npy"), "<f4", "(80, 3)", &flat(10, 8));
+    let call = [
+        "export",
+        "recorded.npy",
+        "--dims",
+        "10x8",
+        "--up",
+        "y",
+        "-o",
+        "world.npy",
+    ];
+    let value = told(here, &call);
+    assert_eq!(value["files"], json!(["world.npy", "world.json"]));
+    let read = Start::load(&here.join("world.npy"), None).unwrap();
+    assert_eq!((read.grid.dimx, read.grid.dimy), (10, 8));
+    assert_eq!(read.positions[0], [0.0, 0.0, 0.005]);
+    assert_eq!(read.positions[79], [9.0 * 0.00625, -7.0 * 0.00625, 0.005]);
+    // Its own files are replaced, and those of others are not.
+    told(here, &call);
+    fs::write(here.join("world.json"), "{}").unwrap();
+    let refused = said(here, &call);
+    assert_eq!(refused.code, 2);
+    assert!(
+        refused.stderr.contains("`world.json` is there already"),
+        "{}",
+        refused.stderr
+    );
+    assert_eq!(fs::read(here.join("world.json")).unwrap(), b"{}");
+}
+
+#[test]
+fn an_outline_cuts_the_cloth_in_pictures_and_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    flat_state(here);
+    // The right half of the 40 columns is missing.
+    let rows = format!("{}{}\n", "#".repeat(20), ".".repeat(20)).repeat(30);
+    fs::write(here.join("left.txt"), rows).unwrap();
+    let outline = ["--outline", "left.txt"];
+    let call = ["render", "state.npy", "-o", "left.png"];
+    told(here, &[&call[..], &outline].concat());
+    let picture = runtime::picture::load(&here.join("left.png")).unwrap();
+    let top = sim::Look::default().top;
+    assert_eq!(picture.get_pixel(100, 112).0, top);
+    assert_ne!(picture.get_pixel(124, 112).0, top);
+
+    let counts = |name: &str| {
+        let text = fs::read_to_string(here.join(name)).unwrap();
+        ["v ", "vt ", "f "].map(|kind| text.lines().filter(|line| line.starts_with(kind)).count())
+    };
+    let value = told(here, &["export", "state.npy", "-o", "whole.obj"]);
+    assert_eq!(
+        (&value["files"], &value["particles"]),
+        (&json!(["whole.obj"]), &json!(1200))
+    );
+    assert_eq!(counts("whole.obj"), [1200, 1200, 2 * 39 * 29]);
+    let call = ["export", "state.npy", "-o", "left.obj"];
+    let value = told(here, &[&call[..], &outline].concat());
+    assert_eq!(value["particles"], 600);
+    assert_eq!(counts("left.obj"), [600, 600, 2 * 19 * 29]);
+}
+
+#[test]
+fn every_verb_of_the_simulator_is_in_its_guide_and_in_the_readme() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = said(folder.path(), &["--help"]).stdout;
+    let guide = fs::read_to_string(project("docs/simulator.md")).unwrap();
+    let readme = fs::read_to_string(project("README.md")).unwrap();
+    for verb in ["replay", "time", "crumple", "render", "export"] {
+        assert!(
+            help.contains(&format!("\n  {verb} ")),
+            "no `{verb}` in\n{help}"
+        );
+        let heading = format!("\n## `fabc sim {verb}");
+        assert!(guide.contains(&heading), "no `{verb}` in docs/simulator.md");
+        assert!(
+            readme.contains(&format!("`fabc sim {verb}")),
+            "no `{verb}` in README.md"
+        );
+    }
+}
