@@ -5,6 +5,7 @@
 
 use crate::layout::Layout;
 use crate::planes::Planes;
+#[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
 use wide::f32x4;
 
@@ -226,7 +227,7 @@ fn gather(values: &[f32], particles: &[u32], target: &mut Vec<f32>) {
 }
 
 /// Writes the number of the cell that each particle is in.
-#[multiversion(targets("x86_64+avx2"))]
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn number_cells(
     x: &[f32],
     y: &[f32],
@@ -249,7 +250,7 @@ fn cell_index(offset_m: f32, cell_m: f32) -> usize {
 }
 
 /// Returns the least and the greatest value.
-#[multiversion(targets("x86_64+avx2"))]
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn extent(values: &[f32]) -> (f32, f32) {
     let (mut low, mut high) = ([f32::INFINITY; LOOK], [f32::NEG_INFINITY; LOOK]);
     let looks = values.chunks_exact(LOOK);
