@@ -91,6 +91,7 @@ impl Neighbours {
             [&cells.x, &cells.y, &cells.z, &cells.column, &cells.row],
             &cells.particle,
             limits,
+            self.max_pairs,
             &mut self.touching,
         );
         self.touching.truncate(self.max_pairs);
@@ -106,12 +107,15 @@ struct Limits {
 }
 
 /// Lists the pairs in touch, cell by cell: those within a cell, with the next one, and with three of the row below.
+///
+/// It ends early, with hardly more than `max_pairs`, where so many touch.
 fn list_pairs(
     columns: usize,
     first: &[u32],
     values: [&[f32]; 5],
     particle: &[u32],
     limits: Limits,
+    max_pairs: usize,
     touching: &mut Vec<[u32; 2]>,
 ) {
     let n = values[0].len();
@@ -133,6 +137,9 @@ fn list_pairs(
                 0..0
             };
             for slot in own {
+                if touching.len() > max_pairs {
+                    return;
+                }
                 let point = values.map(|values| f32x4::splat(values[slot]));
                 for others in [slot + 1..ahead, below.clone()] {
                     let mut from = others.start;

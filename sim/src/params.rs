@@ -185,10 +185,10 @@ impl Params {
             [0.0, 10.0],
             " m/s",
         )?;
+        // Cells of the search for contacts are as wide as this, and hold few particles of any grid.
+        within("self_contact_m", &[self.self_contact_m], [1e-3, 0.1], " m")?;
         let lengths = [
             ("table_contact_m", self.table_contact_m, 0.0),
-            // Cells of the search for contacts are as wide as this, and must not be too many.
-            ("self_contact_m", self.self_contact_m, 1e-4),
             ("picker_radius_m", self.picker_radius_m, 0.0),
             ("picker_skin_m", self.picker_skin_m, 0.0),
             ("picker_capture_m", self.picker_capture_m, 0.0),
