@@ -3,7 +3,7 @@
 //! Loops over contiguous planes are what the compiler turns into SIMD code;
 //! loops over `[x, y, z]` triples are not.
 
-/// One plane of `[n_particles]` per coordinate.
+/// One plane of values per coordinate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Planes {
     pub x: Vec<f32>,
@@ -13,50 +13,36 @@ pub(crate) struct Planes {
 
 impl Planes {
     /// Makes planes of zeros.
-    pub fn zeros(n_particles: usize) -> Planes {
+    pub fn zeros(n: usize) -> Planes {
         Planes {
-            x: vec![0.0; n_particles],
-            y: vec![0.0; n_particles],
-            z: vec![0.0; n_particles],
+            x: vec![0.0; n],
+            y: vec![0.0; n],
+            z: vec![0.0; n],
         }
     }
 
-    /// Splits points into planes.
-    pub fn from_points(points: &[[f32; 3]]) -> Planes {
-        Planes {
-            x: points.iter().map(|p| p[0]).collect(),
-            y: points.iter().map(|p| p[1]).collect(),
-            z: points.iter().map(|p| p[2]).collect(),
-        }
-    }
-
-    /// Returns the points in particle order.
-    pub fn to_points(&self) -> Vec<[f32; 3]> {
-        (0..self.len()).map(|i| self.get(i)).collect()
-    }
-
-    /// Returns the number of particles.
+    /// Returns the number of values in a plane.
     pub fn len(&self) -> usize {
         self.x.len()
     }
 
-    /// Returns one particle's vector.
-    pub fn get(&self, particle: usize) -> [f32; 3] {
-        [self.x[particle], self.y[particle], self.z[particle]]
+    /// Returns one vector.
+    pub fn get(&self, i: usize) -> [f32; 3] {
+        [self.x[i], self.y[i], self.z[i]]
     }
 
-    /// Replaces one particle's vector.
-    pub fn set(&mut self, particle: usize, value: [f32; 3]) {
-        self.x[particle] = value[0];
-        self.y[particle] = value[1];
-        self.z[particle] = value[2];
+    /// Replaces one vector.
+    pub fn set(&mut self, i: usize, value: [f32; 3]) {
+        self.x[i] = value[0];
+        self.y[i] = value[1];
+        self.z[i] = value[2];
     }
 
-    /// Changes the number of particles; new values are zero.
-    pub fn resize(&mut self, n_particles: usize) {
-        self.x.resize(n_particles, 0.0);
-        self.y.resize(n_particles, 0.0);
-        self.z.resize(n_particles, 0.0);
+    /// Changes the number of values; new ones are zero.
+    pub fn resize(&mut self, n: usize) {
+        self.x.resize(n, 0.0);
+        self.y.resize(n, 0.0);
+        self.z.resize(n, 0.0);
     }
 
     /// Tells whether any particle is farther than `limit` from where it is in `other`, or not a number.
