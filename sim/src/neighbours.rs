@@ -8,7 +8,7 @@ use crate::layout::Layout;
 use crate::planes::Planes;
 #[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
-use wide::{CmpGe, CmpLt, f32x4};
+use wide::f32x4;
 
 // The search grid has at most this many cells a side; particles farther out share the outermost cells.
 const MAX_CELLS: i32 = 256;
