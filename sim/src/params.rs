@@ -144,62 +144,46 @@ impl Params {
                 });
             }
         }
-        within("step_secs", &[self.step_secs], [1e-4, 0.1], " s")?;
-        // More would turn a velocity round within a substep, and make it grow.
+        let one = std::slice::from_ref::<f32>;
+        // More damping would turn a velocity round within a substep, and make it grow.
         let all_speed = self.substeps as f32 / self.step_secs;
-        let (g, home) = (&self.gravity_m_s2, &self.picker_home_m);
-        within("gravity_m_s2", g, [-100.0, 100.0], " m/s^2")?;
-        within(
-            "damping_per_s",
-            &[self.damping_per_s],
-            [0.0, all_speed],
-            " per second",
-        )?;
-        let shares = [
-            ("stretch", self.stretch, 10.0),
-            ("shear", self.shear, 10.0),
-            ("bend", self.bend, 10.0),
-            ("self_contact_softness", self.self_contact_softness, 1.0),
-            ("table_friction", self.table_friction, 100.0),
-            ("self_friction", self.self_friction, 100.0),
+        // The search for contacts sorts by squares of `self_contact_m`, which have to hold few particles each.
+        #[rustfmt::skip] // a table, one field a line
+        let rows = [
+            ("step_secs", one(&self.step_secs), [1e-4, 0.1], " s"),
+            ("gravity_m_s2", &self.gravity_m_s2, [-100.0, 100.0], " m/s^2"),
+            ("damping_per_s", one(&self.damping_per_s), [0.0, all_speed], " per second"),
+            ("max_acceleration_m_s2", one(&self.max_acceleration_m_s2), [0.0, 1e9], " m/s^2"),
+            ("sleep_speed_m_s", one(&self.sleep_speed_m_s), [0.0, 10.0], " m/s"),
+            ("rest_speed_m_s", one(&self.rest_speed_m_s), [0.0, 10.0], " m/s"),
+            ("stretch", one(&self.stretch), [0.0, 10.0], ""),
+            ("shear", one(&self.shear), [0.0, 10.0], ""),
+            ("bend", one(&self.bend), [0.0, 10.0], ""),
+            ("table_contact_m", one(&self.table_contact_m), [0.0, 1.0], " m"),
+            ("table_friction", one(&self.table_friction), [0.0, 100.0], ""),
+            ("self_contact_m", one(&self.self_contact_m), [1e-3, 0.1], " m"),
+            ("self_contact_softness", one(&self.self_contact_softness), [0.0, 1.0], ""),
+            ("self_friction", one(&self.self_friction), [0.0, 100.0], ""),
+            ("picker_radius_m", one(&self.picker_radius_m), [0.0, 1.0], " m"),
+            ("picker_skin_m", one(&self.picker_skin_m), [0.0, 1.0], " m"),
+            ("picker_capture_m", one(&self.picker_capture_m), [0.0, 1.0], " m"),
+            ("picker_travel_m", one(&self.picker_travel_m), [1e-5, 1.0], " m"),
+            ("picker_grasp_height_m", one(&self.picker_grasp_height_m), [0.0, 1.0], " m"),
+            ("picker_lift_height_m", one(&self.picker_lift_height_m), [0.0, 1.0], " m"),
+            ("picker_home_m", &self.picker_home_m, [-REACH_M, REACH_M], " m"),
         ];
-        for (field, value, high) in shares {
-            within(field, &[value], [0.0, high], "")?;
+        for (field, values, [low, high], unit) in rows {
+            if let Some(value) = values.iter().find(|value| !(low..=high).contains(value)) {
+                return Err(ParamsError {
+                    field,
+                    value: value.to_string(),
+                    low,
+                    high,
+                    unit,
+                });
+            }
         }
-        let max_acceleration = self.max_acceleration_m_s2;
-        within(
-            "max_acceleration_m_s2",
-            &[max_acceleration],
-            [0.0, 1e9],
-            " m/s^2",
-        )?;
-        within(
-            "sleep_speed_m_s",
-            &[self.sleep_speed_m_s],
-            [0.0, 10.0],
-            " m/s",
-        )?;
-        within(
-            "rest_speed_m_s",
-            &[self.rest_speed_m_s],
-            [0.0, 10.0],
-            " m/s",
-        )?;
-        // Cells of the search for contacts are as wide as this, and hold few particles of any grid.
-        within("self_contact_m", &[self.self_contact_m], [1e-3, 0.1], " m")?;
-        let lengths = [
-            ("table_contact_m", self.table_contact_m, 0.0),
-            ("picker_radius_m", self.picker_radius_m, 0.0),
-            ("picker_skin_m", self.picker_skin_m, 0.0),
-            ("picker_capture_m", self.picker_capture_m, 0.0),
-            ("picker_travel_m", self.picker_travel_m, 1e-5),
-            ("picker_grasp_height_m", self.picker_grasp_height_m, 0.0),
-            ("picker_lift_height_m", self.picker_lift_height_m, 0.0),
-        ];
-        for (field, value, low) in lengths {
-            within(field, &[value], [low, 1.0], " m")?;
-        }
-        within("picker_home_m", home, [-REACH_M, REACH_M], " m")
+        Ok(())
     }
 
     /// Returns 16 hex digits that change with any parameter and with the solver's arithmetic.
@@ -207,25 +191,6 @@ impl Params {
         let json = serde_json::to_string(self).expect("a struct of numbers always has a JSON text");
         let digest = Sha256::digest(format!("{ALGORITHM_VERSION} {json}"));
         crate::digest::hex(&digest[..8])
-    }
-}
-
-/// Fails on the first value that is outside the bounds, or not a number.
-fn within(
-    field: &'static str,
-    values: &[f32],
-    [low, high]: [f32; 2],
-    unit: &'static str,
-) -> Result<(), ParamsError> {
-    match values.iter().find(|value| !(low..=high).contains(value)) {
-        Some(value) => Err(ParamsError {
-            field,
-            value: value.to_string(),
-            low,
-            high,
-            unit,
-        }),
-        None => Ok(()),
     }
 }
 

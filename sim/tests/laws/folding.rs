@@ -47,7 +47,7 @@ fn no_particle_is_below_the_table_at_any_time_of_a_fold_with_the_picker() {
     let mut seen = cloth.clone();
     let total = seen.pick_and_place(from, place, &|| false).unwrap().steps;
     // Interrupts the action after ever more steps, to look at the cloth in between; before 180 it is on its way.
-    for stop in (180..total.min(280)).step_by(4) {
+    for stop in (180..total.min(280)).step_by(8) {
         let asked = std::cell::Cell::new(0);
         let interrupted = || {
             asked.set(asked.get() + 1);

@@ -80,7 +80,7 @@ fn a_sheet_that_hangs_from_a_side_gains_less_than_two_percent_of_its_length() {
 /// The remaining stretch of stiff springs is what gravity does in one substep: it goes with the square of dt.
 #[test]
 fn stretch_falls_with_the_square_of_the_substep() {
-    const DIM: usize = 30;
+    const DIM: usize = 20;
     // The sleeping rule would hold the cloth in the air.
     let with = |substeps: u32, held: &[usize]| {
         let params = Params {
@@ -91,9 +91,9 @@ fn stretch_falls_with_the_square_of_the_substep() {
         [edges[edges.len() * 99 / 100], edges[edges.len() - 1]]
     };
     let side: Vec<usize> = (0..DIM).collect();
-    // Measured slopes, p99 and maximum: 2.00 and 1.98 from a side; 1.83 and 1.79 from two corners, where 2
-    // substeps stretch the corner edges to double length and the springs are no longer linear.
-    for (held, low) in [(&side[..], 1.9), (&[0, DIM - 1][..], 1.7)] {
+    // Measured slopes, p99 and maximum: 1.99 and 1.99 from a side; 1.97 and 1.88 from two corners, where 2
+    // substeps stretch the corner's edges by 65 % and small strain is no longer a fair word.
+    for (held, low) in [(&side[..], 1.9), (&[0, DIM - 1][..], 1.8)] {
         let stretch = [2, 4, 8, 16].map(|substeps| with(substeps, held));
         for (k, name) in ["p99", "maximum"].into_iter().enumerate() {
             let slope = slope_of(stretch.map(|both| both[k]));
