@@ -311,3 +311,28 @@ fn extent(values: &[f32]) -> [f32; 2] {
         high.fold(f32::NEG_INFINITY, f32::max),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::grid::Grid;
+
+    /// A start may put all particles in one place, where almost every two touch.
+    #[test]
+    fn a_crushed_cloth_needs_bounded_memory() {
+        let grid = Grid::new(60, 60, 0.00625).unwrap();
+        let layout = Layout::new(grid, |_| true);
+        let mut neighbours = Neighbours::new(&layout, 0.01125);
+        let crushed = Planes::zeros(layout.len());
+        for _ in 0..3 {
+            assert_eq!(neighbours.find(&crushed).len(), neighbours.max_pairs);
+            // One particle more may have been compared with all others, and room grows by doubling.
+            let room = neighbours.now.pairs.capacity();
+            assert!(
+                room <= 2 * (neighbours.max_pairs + grid.particle_count()),
+                "{room}"
+            );
+        }
+    }
+}

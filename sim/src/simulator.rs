@@ -310,7 +310,11 @@ impl Simulator {
 
     /// Advances by one step while the sphere moves to `next`, with the held particle.
     fn step_to(&mut self, next: [f32; 3]) -> Result<(), SimError> {
-        let shift = [0, 1, 2].map(|axis| next[axis] - self.sphere[axis]);
+        // A sphere that carries nothing leaves a cloth at rest.
+        let shift = match self.held {
+            Some(_) => [0, 1, 2].map(|axis| next[axis] - self.sphere[axis]),
+            None => [0.0; 3],
+        };
         self.advance(next, shift)
     }
 

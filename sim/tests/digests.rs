@@ -155,6 +155,16 @@ fn a_snapshot_goes_on_with_the_same_bits_even_after_being_text() {
     assert_eq!(digests(RestShortcut::Skip, &through_json), here());
 }
 
+/// The shortcut has to be taken, or nothing is tested above: a sphere far from a resting cloth moves none of it.
+#[test]
+fn a_picker_on_its_way_leaves_a_resting_cloth_alone() {
+    let cloth = two_folds(RestShortcut::Skip, &uncut);
+    assert!(
+        cloth.snapshot().at_rest,
+        "the way home is long enough to come to rest"
+    );
+}
+
 /// Runs the pinned digests in another build of this crate.
 fn the_pinned_digests_hold_with(arguments: &[&str]) {
     let run = Command::new(env!("CARGO"))
