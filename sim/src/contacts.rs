@@ -7,6 +7,7 @@
 
 use crate::params::Params;
 use crate::planes::Planes;
+#[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
 
 // As in `springs`: keeps coincident particles from dividing zero by zero.
@@ -204,7 +205,7 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 /// Adds what every pair in touch asks of its particles, all looking at the same positions.
-#[multiversion(targets("x86_64+avx2"))]
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn touch_pairs(
     pairs: &Pairs,
     positions: [&[f32]; 3],
@@ -273,7 +274,7 @@ fn touch_pairs(
 }
 
 /// Returns the first particle from `from` on that is nearer to the centre than `reach`.
-#[multiversion(targets("x86_64+avx2"))]
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn first_within(
     x: &[f32],
     y: &[f32],
@@ -322,7 +323,7 @@ fn table_contact(x: f32, y: f32, z: f32, x0: f32, y0: f32, height: f32, friction
 
 /// Lifts particles out of the table where that is the only contact.
 // Separate slices, so that the compiler knows that they do not overlap.
-#[multiversion(targets("x86_64+avx2"))]
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn rest_on_table(
     x: &mut [f32],
     y: &mut [f32],
@@ -346,7 +347,7 @@ fn rest_on_table(
 
 /// Adds the table's contact to the shifts of the others, moves by their mean, and clears them.
 #[allow(clippy::too_many_arguments)]
-#[multiversion(targets("x86_64+avx2"))]
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn shift_on_table(
     x: &mut [f32],
     y: &mut [f32],

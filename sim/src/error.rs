@@ -1,6 +1,7 @@
 //! What can go wrong, in words that name the value and what would be right.
 
 use crate::mask::Mask;
+use crate::params::ParamsError;
 
 /// Farthest a particle may start, and the picker may be sent, from the table's centre along an axis, metres.
 pub const REACH_M: f32 = 2.0;
@@ -63,6 +64,9 @@ pub enum StartError {
         /// Distance between them at rest, metres.
         rest_m: f32,
     },
+    /// A parameter is out of bounds.
+    #[error(transparent)]
+    Params(#[from] ParamsError),
 }
 
 /// Says why the simulation stopped.
@@ -115,6 +119,9 @@ pub enum SimError {
     /// The route needs more steps than any sensible parameters allow.
     #[error("the picker's route takes more than `{MAX_ROUTE_STEPS}` steps")]
     EndlessRoute,
+    /// A parameter of this cloth is out of bounds; it never moved.
+    #[error(transparent)]
+    Params(#[from] ParamsError),
 }
 
 /// Checks that positions can be the start of a cloth on this table.

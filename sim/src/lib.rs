@@ -53,7 +53,7 @@ pub use crumple::Crumpled;
 pub use error::{MAX_START_DEPTH_M, MAX_START_STRETCH, REACH_M, SimError, StartError};
 pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
 pub use mask::{Mask, MaskError};
-pub use params::{ALGORITHM_VERSION, Params};
+pub use params::{ALGORITHM_VERSION, Params, ParamsError};
 pub use scenario::diagonal_fold;
 pub use simulator::{PickAndPlace, RestShortcut, Simulator};
 pub use snapshot::Snapshot;

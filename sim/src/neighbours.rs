@@ -6,8 +6,9 @@
 
 use crate::layout::Layout;
 use crate::planes::Planes;
+#[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
-use wide::{CmpGe, CmpLt, f32x4};
+use wide::f32x4;
 
 // The search grid has at most this many cells a side; particles farther out share the outermost cells.
 const MAX_CELLS: i32 = 256;
@@ -81,7 +82,10 @@ impl Neighbours {
             cell_m: contact_m,
             max_pairs: MAX_PAIRS_PER_PARTICLE * grid.particle_count(),
             layout: layout.clone(),
-            column: slots.clone().map(|slot| (slot % layout.stride()) as f32).collect(),
+            column: slots
+                .clone()
+                .map(|slot| (slot % layout.stride()) as f32)
+                .collect(),
             row: slots.map(|slot| (slot / layout.stride()) as f32).collect(),
             now: Search::default(),
             last: Search::default(),
@@ -98,9 +102,16 @@ impl Neighbours {
         gather(&positions.x, slots, &mut now.x);
         gather(&positions.y, slots, &mut now.y);
         gather(&positions.z, slots, &mut now.z);
-        now.cells.number(&now.x[..slots.len()], &now.y[..slots.len()], self.cell_m);
+        now.cells
+            .number(&now.x[..slots.len()], &now.y[..slots.len()], self.cell_m);
         now.cells.sort(slots);
-        let sources = [&positions.x, &positions.y, &positions.z, &self.column, &self.row];
+        let sources = [
+            &positions.x,
+            &positions.y,
+            &positions.z,
+            &self.column,
+            &self.row,
+        ];
         for (source, values) in sources.into_iter().zip(&mut now.cells.values) {
             gather(source, &now.cells.slot, values);
         }
@@ -114,7 +125,14 @@ impl Neighbours {
         let (now, last) = (&self.now, &self.last);
         let cells = now.cells.columns * now.cells.rows;
         self.stale.clear();
-        if last.x.len() != now.x.len() || now.cells.origin != last.cells.origin || now.cells.columns != last.cells.columns || now.cells.rows != last.cells.rows {
+        // Where pairs were dropped, those kept would depend on what went before.
+        let dropped = last.pairs.len() >= self.max_pairs;
+        if dropped
+            || last.x.len() != now.x.len()
+            || now.cells.origin != last.cells.origin
+            || now.cells.columns != last.cells.columns
+            || now.cells.rows != last.cells.rows
+        {
             self.stale.resize(cells, true);
             return;
         }
@@ -153,14 +171,18 @@ impl Neighbours {
                     let own = cells.first[cell] as usize..cells.first[cell + 1] as usize;
                     let ahead = cells.first[right + 1] as usize;
                     for place in own {
+                        // A start may crush a cloth so that almost all pairs touch.
+                        if now.pairs.len() >= self.max_pairs {
+                            break;
+                        }
                         cells.look_for(place, place + 1..ahead, self.limits, &mut now.pairs);
                         cells.look_for(place, below.clone(), self.limits, &mut now.pairs);
                     }
-                    now.pairs.truncate(self.max_pairs);
                 } else {
                     let kept = last.first_pair[cell] as usize..last.first_pair[cell + 1] as usize;
                     now.pairs.extend_from_slice(&last.pairs[kept]);
                 }
+                now.pairs.truncate(self.max_pairs);
                 now.first_pair.push(now.pairs.len() as u32);
             }
         }
@@ -253,7 +275,7 @@ fn gather(values: &[f32], slots: &[u32], target: &mut Vec<f32>) {
 }
 
 /// Writes the number of the cell that each particle is in.
-#[multiversion(targets("x86_64+avx2"))]
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn number_cells(
     x: &[f32],
     y: &[f32],
@@ -284,5 +306,33 @@ fn extent(values: &[f32]) -> [f32; 2] {
     }
     let low = low.to_array().into_iter().chain(rest.iter().copied());
     let high = high.to_array().into_iter().chain(rest.iter().copied());
-    [low.fold(f32::INFINITY, f32::min), high.fold(f32::NEG_INFINITY, f32::max)]
+    [
+        low.fold(f32::INFINITY, f32::min),
+        high.fold(f32::NEG_INFINITY, f32::max),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::grid::Grid;
+
+    /// A start may put all particles in one place, where almost every two touch.
+    #[test]
+    fn a_crushed_cloth_needs_bounded_memory() {
+        let grid = Grid::new(60, 60, 0.00625).unwrap();
+        let layout = Layout::new(grid, |_| true);
+        let mut neighbours = Neighbours::new(&layout, 0.01125);
+        let crushed = Planes::zeros(layout.len());
+        for _ in 0..3 {
+            assert_eq!(neighbours.find(&crushed).len(), neighbours.max_pairs);
+            // One particle more may have been compared with all others, and room grows by doubling.
+            let room = neighbours.now.pairs.capacity();
+            assert!(
+                room <= 2 * (neighbours.max_pairs + grid.particle_count()),
+                "{room}"
+            );
+        }
+    }
 }

@@ -4,18 +4,24 @@
 //! comes from, where such a number exists; the others were chosen by replaying
 //! recorded demonstrations (`examples/replay.rs`) and say so.
 
-use serde::{Deserialize, Serialize};
+use crate::error::REACH_M;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sha2::{Digest, Sha256};
 
 /// Names the solver's arithmetic. Raise it whenever a change of code changes results.
 pub const ALGORITHM_VERSION: u32 = 1;
 
+/// Most substeps, and most sweeps, that bound the time of a step.
+const MAX_COUNT: u32 = 100;
+
 /// Numbers that decide how the cloth and the picker move.
 ///
 /// "PyFleX" marks a value of the scene behind the recorded data; "trial" marks
-/// one chosen by replaying recorded demonstrations.
+/// one chosen by replaying recorded demonstrations. What is read from a file is within the bounds of
+/// [`Params::check`]; a simulator refuses to step with anything else.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+// `remote` keeps the derived reader as a function of its own, so that `Deserialize` can check what it read.
+#[serde(default, deny_unknown_fields, remote = "Self")]
 pub struct Params {
     /// Length of one step, seconds. PyFleX: 0.01.
     pub step_secs: f32,
@@ -107,11 +113,100 @@ impl Default for Params {
     }
 }
 
+/// A parameter that no simulation can run with.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("the parameter `{field}` is `{value}`, outside `{low}` to `{high}`{unit}")]
+pub struct ParamsError {
+    /// Name of the field.
+    pub field: &'static str,
+    /// Its value.
+    pub value: String,
+    /// Least value allowed.
+    pub low: f32,
+    /// Greatest value allowed.
+    pub high: f32,
+    /// Unit of all three after a blank, or nothing.
+    pub unit: &'static str,
+}
+
 impl Params {
+    /// Tells whether every number is finite and within bounds that keep a step finite in time and size.
+    ///
+    /// Fails on the first field that is not. The bounds are far beyond what resembles cloth: they exclude
+    /// typing errors and units mixed up, and promise nothing about how well the cloth behaves.
+    pub fn check(&self) -> Result<(), ParamsError> {
+        let counts = [("substeps", self.substeps), ("sweeps", self.sweeps)];
+        for (field, count) in counts {
+            if !(1..=MAX_COUNT).contains(&count) {
+                return Err(ParamsError {
+                    field,
+                    value: count.to_string(),
+                    low: 1.0,
+                    high: MAX_COUNT as f32,
+                    unit: "",
+                });
+            }
+        }
+        let one = std::slice::from_ref::<f32>;
+        // More damping would turn a velocity round within a substep, and make it grow.
+        let all_speed = self.substeps as f32 / self.step_secs;
+        // The search for contacts sorts by squares of `self_contact_m`, which have to hold few particles each.
+        #[rustfmt::skip] // a table, one field a line
+        let rows = [
+            ("step_secs", one(&self.step_secs), [1e-4, 0.1], " s"),
+            ("gravity_m_s2", &self.gravity_m_s2, [-100.0, 100.0], " m/s^2"),
+            ("damping_per_s", one(&self.damping_per_s), [0.0, all_speed], " per second"),
+            ("max_acceleration_m_s2", one(&self.max_acceleration_m_s2), [0.0, 1e9], " m/s^2"),
+            ("sleep_speed_m_s", one(&self.sleep_speed_m_s), [0.0, 10.0], " m/s"),
+            ("rest_speed_m_s", one(&self.rest_speed_m_s), [0.0, 10.0], " m/s"),
+            ("stretch", one(&self.stretch), [0.0, 10.0], ""),
+            ("shear", one(&self.shear), [0.0, 10.0], ""),
+            ("bend", one(&self.bend), [0.0, 10.0], ""),
+            ("table_contact_m", one(&self.table_contact_m), [0.0, 1.0], " m"),
+            ("table_friction", one(&self.table_friction), [0.0, 100.0], ""),
+            ("self_contact_m", one(&self.self_contact_m), [1e-3, 0.1], " m"),
+            ("self_contact_softness", one(&self.self_contact_softness), [0.0, 1.0], ""),
+            ("self_friction", one(&self.self_friction), [0.0, 100.0], ""),
+            ("picker_radius_m", one(&self.picker_radius_m), [0.0, 1.0], " m"),
+            ("picker_skin_m", one(&self.picker_skin_m), [0.0, 1.0], " m"),
+            ("picker_capture_m", one(&self.picker_capture_m), [0.0, 1.0], " m"),
+            ("picker_travel_m", one(&self.picker_travel_m), [1e-5, 1.0], " m"),
+            ("picker_grasp_height_m", one(&self.picker_grasp_height_m), [0.0, 1.0], " m"),
+            ("picker_lift_height_m", one(&self.picker_lift_height_m), [0.0, 1.0], " m"),
+            ("picker_home_m", &self.picker_home_m, [-REACH_M, REACH_M], " m"),
+        ];
+        for (field, values, [low, high], unit) in rows {
+            if let Some(value) = values.iter().find(|value| !(low..=high).contains(value)) {
+                return Err(ParamsError {
+                    field,
+                    value: value.to_string(),
+                    low,
+                    high,
+                    unit,
+                });
+            }
+        }
+        Ok(())
+    }
+
     /// Returns 16 hex digits that change with any parameter and with the solver's arithmetic.
     pub fn hash(&self) -> String {
         let json = serde_json::to_string(self).expect("a struct of numbers always has a JSON text");
         let digest = Sha256::digest(format!("{ALGORITHM_VERSION} {json}"));
         crate::digest::hex(&digest[..8])
+    }
+}
+
+impl Serialize for Params {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Params::serialize(self, serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Params {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Params, D::Error> {
+        let params = Params::deserialize(deserializer)?;
+        params.check().map_err(serde::de::Error::custom)?;
+        Ok(params)
     }
 }

@@ -9,7 +9,7 @@ use crate::error::{MAX_ROUTE_STEPS, REACH_M, SimError, StartError, check_start};
 use crate::grid::Grid;
 use crate::layout::Layout;
 use crate::mask::Mask;
-use crate::params::Params;
+use crate::params::{Params, ParamsError};
 use crate::picker::{self, Gripper, Leg};
 use crate::snapshot::Snapshot;
 use crate::solver::{Outcome, Solver};
@@ -37,6 +37,8 @@ pub struct Simulator {
     /// Whether the last step was `Still` and nothing was touched since.
     at_rest: bool,
     shortcut: RestShortcut,
+    /// What is wrong with the parameters; no step is computed with such.
+    fault: Option<ParamsError>,
 }
 
 /// Whether steps of a cloth at rest are computed; results are the same bits either way.
@@ -53,6 +55,7 @@ impl Simulator {
     /// Lays a flat cloth on the centre of the table, at rest.
     ///
     /// - `cloth`: a [`Grid`], or a [`Mask`] of one.
+    /// - `params`: a number out of bounds (see [`Params::check`]) is told by every step that is asked for.
     pub fn flat(cloth: impl Into<Mask>, params: &Params) -> Simulator {
         let mask = cloth.into();
         let positions = mask.grid().flat_positions(params);
@@ -65,12 +68,14 @@ impl Simulator {
     /// - `positions`: `[n_particles]` points in grid order, world frame, metres; those of missing particles
     ///   are not read.
     ///
-    /// Fails on the first particle that cannot be part of a cloth on this table.
+    /// Fails on the first parameter that is out of bounds, and on the first particle that cannot be part of
+    /// a cloth on this table.
     pub fn from_positions(
         cloth: impl Into<Mask>,
         positions: &[[f32; 3]],
         params: &Params,
     ) -> Result<Simulator, StartError> {
+        params.check()?;
         let mask = cloth.into();
         check_start(&mask, positions)?;
         Ok(Simulator::start(mask, positions, params))
@@ -87,6 +92,7 @@ impl Simulator {
             steps: 0,
             at_rest: false,
             shortcut: RestShortcut::Skip,
+            fault: params.check().err(),
         }
     }
 
@@ -314,6 +320,9 @@ impl Simulator {
 
     /// Advances by one step while the sphere moves to `next` and what is held by `shift`.
     fn advance(&mut self, next: [f32; 3], shift: [f32; 3]) -> Result<(), SimError> {
+        if let Some(fault) = &self.fault {
+            return Err(fault.clone().into());
+        }
         self.steps += 1;
         let skip = self.shortcut == RestShortcut::Skip
             && self.at_rest

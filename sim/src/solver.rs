@@ -12,6 +12,7 @@ use crate::neighbours::Neighbours;
 use crate::params::Params;
 use crate::planes::Planes;
 use crate::springs::{Direction, Springs};
+#[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
 
 // A sphere that stays farther than this from the cloth's bounding box for a whole step is left out of the
@@ -321,14 +322,14 @@ impl Solver {
     }
 }
 
-#[multiversion(targets("x86_64+avx2"))]
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn all_finite(values: &[f32]) -> bool {
     values
         .iter()
         .fold(true, |all, value| all & value.is_finite())
 }
 
-#[multiversion(targets("x86_64+avx2"))]
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn fly(position: &mut [f32], velocity: &[f32], weight: &[f32], dt: f32, keep: f32, gain: f32) {
     let n = position.len();
     let (velocity, weight) = (&velocity[..n], &weight[..n]);
@@ -339,7 +340,7 @@ fn fly(position: &mut [f32], velocity: &[f32], weight: &[f32], dt: f32, keep: f3
 
 // Separate slices, so that the compiler knows that they do not overlap.
 #[allow(clippy::too_many_arguments)]
-#[multiversion(targets("x86_64+avx2"))]
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn derive_velocities(
     x: &mut [f32],
     y: &mut [f32],

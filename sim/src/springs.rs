@@ -8,6 +8,7 @@
 use crate::layout::{LANES, Layout};
 use crate::params::Params;
 use crate::planes::Planes;
+#[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
 
 // Added to a squared length so that coincident particles give a zero force, not 0/0; it is far below
@@ -215,7 +216,7 @@ impl Family {
 }
 
 /// Pulls one family, row pair after row pair.
-#[multiversion(targets("x86_64+avx2"))]
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn pull_rows(
     x: &mut [f32],
     y: &mut [f32],

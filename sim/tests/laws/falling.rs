@@ -1,0 +1,139 @@
+//! Falling: free, damped, onto the table; and what may not fall at all.
+
+use super::*;
+
+#[test]
+fn a_falling_cloth_covers_half_g_t_squared() {
+    // Damping would slow the fall.
+    let params = Params {
+        damping_per_s: 0.0,
+        ..Params::default()
+    };
+    let grid = grid(10, 8);
+    let mut cloth = Simulator::from_positions(grid, &at_height(grid, 1.0), &params).unwrap();
+    run(&mut cloth, 30);
+    // Symplectic Euler falls g t dt / 2 farther than the parabola; dt is a substep of 2.5 ms.
+    let (t, dt) = (0.3, 0.0025);
+    let expected = 0.5 * 9.8 * t * t + 0.5 * 9.8 * t * dt;
+    for point in cloth.positions() {
+        let fallen = 1.0 - point[2];
+        // Positions round to 6e-8 m, which at 2.5 ms a substep adds up to a few tenths of a millimetre.
+        assert!(
+            (fallen - expected).abs() < 5e-4,
+            "{fallen} instead of {expected}"
+        );
+    }
+    for velocity in cloth.velocities() {
+        assert!((velocity[2] + 9.8 * t).abs() < 3e-3, "{velocity:?}");
+    }
+}
+
+#[test]
+fn damping_slows_a_fall_towards_g_over_damping() {
+    let grid = grid(4, 4);
+    let mut cloth =
+        Simulator::from_positions(grid, &at_height(grid, 2.0), &Params::default()).unwrap();
+    run(&mut cloth, 50);
+    let expected = 9.8 * (1.0 - (-0.5f32).exp());
+    let speed = -cloth.velocities()[0][2];
+    assert!(
+        (speed - expected).abs() < 0.01 * expected,
+        "{speed} instead of {expected}"
+    );
+}
+
+/// The sleeping rule compares the speed after one substep with 0.02 m/s: gravity must give more than that.
+#[test]
+fn the_default_substep_is_long_enough_for_a_cloth_to_begin_to_fall() {
+    let fallen_m = |substeps: u32| {
+        let params = Params {
+            substeps,
+            ..Params::default()
+        };
+        let grid = grid(4, 4);
+        let mut cloth = Simulator::from_positions(grid, &at_height(grid, 0.5), &params).unwrap();
+        run(&mut cloth, 10);
+        0.5 - cloth.positions()[5][2]
+    };
+    assert!(fallen_m(Params::default().substeps) > 0.045);
+    // With shorter substeps the rule would hold any cloth in the air, so they need a lower sleep speed.
+    assert_eq!(fallen_m(8), 0.0);
+}
+
+#[test]
+fn no_particle_accelerates_beyond_the_limit() {
+    // Nothing else may accelerate the cloth.
+    let params = Params {
+        gravity_m_s2: [0.0; 3],
+        ..Params::default()
+    };
+    let grid = grid(12, 12);
+    let stretched: Vec<[f32; 3]> = at_height(grid, 0.5)
+        .iter()
+        .map(|p| [1.5 * p[0], 1.5 * p[1], p[2]])
+        .collect();
+    let mut cloth = Simulator::from_positions(grid, &stretched, &params).unwrap();
+    cloth.step().unwrap();
+    let speeds = cloth
+        .velocities()
+        .into_iter()
+        .map(|v| distance(v, [0.0; 3]));
+    let fastest = speeds.fold(0.0, f32::max);
+    // 100 m/s^2 for 10 ms.
+    assert!((0.01..1.001).contains(&fastest), "{fastest} m/s");
+}
+
+#[test]
+fn a_flat_cloth_at_rest_stays_bitwise_at_rest() {
+    let mut cloth = flat(55, 44);
+    let start = cloth.digest();
+    run(&mut cloth, 20);
+    assert_eq!(cloth.digest(), start);
+    assert!(cloth.velocities().iter().flatten().all(|&v| v == 0.0));
+    assert_eq!(cloth.steps(), 20);
+    assert!((cloth.time_s() - 0.2).abs() < 1e-6);
+}
+
+#[test]
+fn a_dropped_cloth_comes_to_rest_on_the_table() {
+    let grid = grid(12, 12);
+    let mut cloth =
+        Simulator::from_positions(grid, &at_height(grid, 0.05), &Params::default()).unwrap();
+    let steps = cloth.settle(500).unwrap();
+    assert!(steps > 5 && steps < 500, "{steps}");
+    for point in cloth.positions() {
+        assert!((point[2] - REST_HEIGHT_M).abs() < 5e-4, "{point:?}");
+    }
+}
+
+/// From the smallest to the largest grid, a cloth falls as a body and lands flat.
+#[test]
+fn rectangles_of_every_size_fall_alike_and_land_flat() {
+    for [dimx, dimy] in [
+        [2, 2],
+        [2, 3],
+        [3, 2],
+        [7, 8],
+        [8, 7],
+        [9, 17],
+        [2, 200],
+        [200, 2],
+        [200, 200],
+    ] {
+        let grid = grid(dimx, dimy);
+        let mut cloth =
+            Simulator::from_positions(grid, &at_height(grid, 0.02), &Params::default()).unwrap();
+        run(&mut cloth, 3);
+        let points = cloth.positions();
+        // 12 substeps of 2.5 ms with damping: 9.8 * 0.0025^2 * 12 * 13 / 2, less 1 % of it.
+        let fallen = 0.02 - lowest(&points);
+        assert!(
+            (fallen - 0.00475).abs() < 5e-5,
+            "{dimx} x {dimy}: {fallen} m"
+        );
+        run(&mut cloth, 12);
+        for (point, start) in cloth.positions().iter().zip(at_height(grid, REST_HEIGHT_M)) {
+            assert!(distance(*point, start) < 5e-4, "{dimx} x {dimy}: {point:?}");
+        }
+    }
+}
