@@ -100,7 +100,6 @@ impl Contacts {
             params.self_contact_m,
             params.self_contact_softness,
             params.self_friction,
-            params.self_contact_speed_m_s * params.step_secs / (params.substeps * params.sweeps) as f32,
         ];
         touch_pairs(
             pairs,
@@ -211,7 +210,7 @@ fn touch_pairs(
     positions: [&[f32]; 3],
     shifts: [&mut [f32]; 3],
     count: &mut [f32],
-    [contact_m, softness, friction, max_push_m]: [f32; 4],
+    [contact_m, softness, friction]: [f32; 3],
 ) {
     let n = count.len();
     let [x, y, z] = positions;
@@ -244,7 +243,6 @@ fn touch_pairs(
         for k in 0..LANES {
             let distance = distance_2[k].sqrt();
             let depth = softness * (contact_m - distance);
-            let depth = if depth < max_push_m { depth } else { max_push_m };
             let per_distance = 1.0 / distance;
             let normal = [
                 dx[k] * per_distance,

@@ -60,8 +60,6 @@ pub struct Params {
     /// Share of a self-contact's penetration removed per sweep. Hard contacts (1.0) throw a folded
     /// stack open when it is released. Trial: 0.15.
     pub self_contact_softness: f32,
-    /// Fastest that a self-contact pushes two particles apart, m/s. Trial.
-    pub self_contact_speed_m_s: f32,
     /// Coulomb friction between layers. PyFleX: 1.0.
     pub self_friction: f32,
     /// Radius of the picker's sphere, metres. SoftGym's folding environment: 0.05.
@@ -100,7 +98,6 @@ impl Default for Params {
             table_friction: 0.75,
             self_contact_m: 0.01125,
             self_contact_softness: 0.15,
-            self_contact_speed_m_s: 1000.0,
             self_friction: 1.0,
             picker_radius_m: 0.05,
             picker_skin_m: 0.005,
