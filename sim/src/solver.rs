@@ -19,6 +19,9 @@ use multiversion::multiversion;
 // step. No particle moves as far in 0.01 s unless it flies at 2 m/s.
 const SPHERE_MARGIN_M: f32 = 0.02;
 
+// A particle at most this far above its resting height is on the table, metres.
+const TABLE_REACH_M: f32 = 1e-4;
+
 /// Tells whether a step changed anything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Outcome {
@@ -50,6 +53,8 @@ pub(crate) struct Solver {
     contacts: Contacts,
     neighbours: Neighbours,
     pairs: Pairs,
+    /// By slot: 1 for a particle of a pair in touch, else 0.
+    layered: Vec<f32>,
     /// Positions when the substep began.
     began: Planes,
     /// State when the step began.
@@ -81,6 +86,7 @@ impl Solver {
             contacts: Contacts::new(n),
             neighbours: Neighbours::new(&layout, params.self_contact_m),
             pairs: Pairs::default(),
+            layered: vec![0.0; n],
             began: positions.clone(),
             before: positions.clone(),
             velocities_before: Planes::zeros(n),
@@ -258,7 +264,12 @@ impl Solver {
         self.predict(dt);
         self.check_finite("after free flight")?;
         let touching = self.neighbours.find(&self.positions);
-        self.pairs.list(touching, &self.began, &self.inverse_mass);
+        self.pairs
+            .list(touching, &self.began, &self.inverse_mass);
+        self.layered.fill(0.0);
+        for &slot in touching.iter().flatten() {
+            self.layered[slot as usize] = 1.0;
+        }
         for sweep in 0..self.params.sweeps {
             let direction = match (sweep + substep) % 2 {
                 0 => Direction::Forward,
@@ -310,7 +321,8 @@ impl Solver {
         );
     }
 
-    /// Derives velocities from the substep's displacement, limits their change, and puts slow particles to sleep.
+    /// Derives velocities from the substep's displacement, limits their change, and puts slow particles to sleep
+    /// where the table or another layer bears them; in the air nothing would hold them.
     fn finish(&mut self, dt: f32) {
         let max_change = self.params.max_acceleration_m_s2 * dt;
         let sleep_2 = self.params.sleep_speed_m_s * self.params.sleep_speed_m_s;
@@ -318,7 +330,20 @@ impl Solver {
         let v = &mut self.velocities;
         let velocities = [&mut v.x[..], &mut v.y[..], &mut v.z[..]];
         let began = [&self.began.x[..], &self.began.y[..], &self.began.z[..]];
-        derive_velocities(x, y, z, velocities, began, 1.0 / dt, max_change, sleep_2);
+        let support = (
+            &self.layered[..],
+            self.params.table_contact_m + TABLE_REACH_M,
+        );
+        derive_velocities(
+            x,
+            y,
+            z,
+            velocities,
+            began,
+            support,
+            1.0 / dt,
+            [max_change, sleep_2],
+        );
     }
 }
 
@@ -347,11 +372,12 @@ fn derive_velocities(
     z: &mut [f32],
     velocities: [&mut [f32]; 3],
     began: [&[f32]; 3],
+    (layered, table_m): (&[f32], f32),
     per_dt: f32,
-    max_change: f32,
-    sleep_2: f32,
+    [max_change, sleep_2]: [f32; 2],
 ) {
     let n = x.len();
+    let layered = &layered[..n];
     let (y, z) = (&mut y[..n], &mut z[..n]);
     let [vx, vy, vz] = velocities;
     let (vx, vy, vz) = (&mut vx[..n], &mut vy[..n], &mut vz[..n]);
@@ -369,7 +395,8 @@ fn derive_velocities(
         let wx = vx[i] + share * ux;
         let wy = vy[i] + share * uy;
         let wz = vz[i] + share * uz;
-        let sleeps = wx * wx + wy * wy + wz * wz < sleep_2;
+        let supported = (layered[i] > 0.0) | (z[i] < table_m);
+        let sleeps = (wx * wx + wy * wy + wz * wz < sleep_2) & supported;
         x[i] = if sleeps { x0[i] } else { x[i] };
         y[i] = if sleeps { y0[i] } else { y[i] };
         z[i] = if sleeps { z0[i] } else { z[i] };
