@@ -2,7 +2,7 @@
 //!
 //! The defaults are those of the PyFleX scene that the paper's folding data
 //! comes from, where such a number exists; the others were chosen by replaying
-//! recorded demonstrations (`examples/replay.rs`) and say so.
+//! recorded demonstrations (`fabc sim replay --set NAME=VALUE`) and say so.
 
 use crate::error::REACH_M;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -36,8 +36,8 @@ pub struct Params {
     pub damping_per_s: f32,
     /// Largest change of velocity, m/s^2; softens the pop of a compressed stack at release. PyFleX: 100.
     pub max_acceleration_m_s2: f32,
-    /// Particles slower than this at the end of a substep go back to where it began, m/s. It stands for
-    /// static friction, and lets a settled cloth become exactly still. PyFleX: 0.02.
+    /// Particles slower than this at the end of a substep go back to where it began, m/s, if the table or another
+    /// layer bears them. It stands for static friction, and lets a settled cloth become still. PyFleX: 0.02.
     pub sleep_speed_m_s: f32,
     /// A cloth with the picker away, and of which no particle moves faster than this over a whole step,
     /// stays exactly where it is, m/s. Just above the hop of a lone particle at the sleep speed (0.02 m/s
