@@ -26,8 +26,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!(
             "seed {seed:3}: particle {:4} by {:.2} m, {:4} steps, {secs:5.2} s, covers {:.3}, height {:.1} mm, \
              stretch mean {:.4} max {:.3}, moves {:.2} mm in the next second",
-            done.lifted,
-            done.lift_m,
+            done.lifts[0].particle,
+            done.lifts[0].height_m,
             done.steps,
             coverage(grid, &positions)?,
             1000.0 * positions.iter().fold(0.0, |high: f32, p| high.max(p[2])),
