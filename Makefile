@@ -37,6 +37,7 @@ lint: deps
 bench: deps
 	$(WITH_ENV) cargo bench --locked -p compiler --bench compile
 	$(WITH_ENV) cargo bench --locked -p sim --bench cloth
+	$(WITH_ENV) sh scripts/count-instructions.sh
 
 deps:
 	@sh scripts/deps.sh

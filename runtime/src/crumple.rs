@@ -5,9 +5,26 @@
 
 use crate::cache::Cache;
 use crate::interrupt::Interrupt;
-use crate::start::Start;
+use crate::metrics;
+use crate::start::{Grid, Start};
 use crate::world::{World, WorldError};
 use compiler::program::Cloth;
+
+/// Most lifts for one start. One suffices for most; five take some ten seconds.
+pub(crate) const MOST_LIFTS: u32 = 5;
+/// Coverages that a start may have: those of the 40 recorded starts go from 0.325 to 0.625 (protocol, section 5).
+const COVERAGES: std::ops::RangeInclusive<f64> = 0.32..=0.63;
+
+/// Tells whether a heap covers as much of the table as recorded starts do, by SoftGym's measure.
+///
+/// A world lifts a heap again that does not, from where it lies, at most [`MOST_LIFTS`] times in all. SoftGym lifts
+/// once and keeps what comes; here single heaps would lie too open for a start. Equal on every machine: the
+/// measure has basic operations alone.
+///
+/// - `positions`: `[dimy * dimx]`, grid order, world frame, metres.
+pub(crate) fn is_start(positions: &[[f32; 3]], grid: &Grid) -> bool {
+    metrics::coverage(positions, grid).is_some_and(|covered| COVERAGES.contains(&covered))
+}
 
 /// A crumpled start, and how it was had.
 #[derive(Clone, Debug)]
@@ -55,6 +72,8 @@ fn key(flat: &Start, seed: u64, world: &dyn World) -> String {
         &world.code(),
         &flat.digest(),
         &seed.to_string(),
+        include_str!("crumple.rs"),
+        include_str!("metrics/grid_coverage.rs"),
         include_str!("start/mod.rs"),
         include_str!("world/simulated.rs"),
     ])
@@ -102,6 +121,28 @@ mod tests {
         assert_eq!(crumpled(7, &cache), (bare.clone(), false));
         let (other, anew) = crumpled(8, &cache);
         assert!(anew && other.digest() != bare.digest());
+    }
+
+    #[test]
+    fn heaps_outside_of_the_recorded_spread_are_no_starts() {
+        let grid = Grid {
+            dimx: 40,
+            dimy: 40,
+            spacing_m: 0.00625,
+        };
+        // A flat cloth covers 0.95 by this measure; drawn together to a share of its width, about that share.
+        let drawn = |share: f32| -> Vec<[f32; 3]> {
+            (0..1600)
+                .map(|index| {
+                    [(index % 40) as f32 * share, (index / 40) as f32, 0.8].map(|at| at * 0.00625)
+                })
+                .collect()
+        };
+        for (share, expected) in [(1.0, false), (0.75, false), (0.45, true), (0.2, false)] {
+            let covered = metrics::coverage(&drawn(share), &grid);
+            assert_eq!(is_start(&drawn(share), &grid), expected, "{covered:?}");
+        }
+        assert!(!is_start(&[], &grid));
     }
 
     #[test]

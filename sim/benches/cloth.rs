@@ -1,10 +1,13 @@
 //! Speed of the cloth, as figures that are compared within one run.
 //!
 //! `fold_resting_skipped` against `fold_every_step` is the gain of skipping steps of a cloth at rest;
-//! `step_flat` is one step of a cloth that lies flat and is computed all the same.
+//! `step_flat` is one step of a cloth that lies flat and is computed all the same. `diagonal_fold_by_size` is the
+//! fold of `fabc sim time`; its items are particles times steps, so that equal items per second at all sizes mean
+//! a cost in proportion to the particles. `diagonal_fold_side_by_side` folds one cloth on each thread: items per
+//! second of two threads over those of one is what a second rollout at the same time is worth.
 
-use divan::{Bencher, black_box};
-use sim::{Grid, Look, Params, RestShortcut, Simulator, TopDownCamera};
+use divan::{Bencher, black_box, counter::ItemsCount};
+use sim::{Grid, Look, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold};
 
 fn main() {
     divan::main();
@@ -40,6 +43,35 @@ fn fold_every_step(bencher: Bencher) {
     bencher
         .with_inputs(|| cloth(RestShortcut::Compute))
         .bench_values(fold);
+}
+
+/// Folds a square cloth by hand, every step computed.
+fn fold_square(dim: usize) -> Simulator {
+    let grid = Grid::new(dim, dim, 0.00625).expect("at most 200 particles along a side");
+    diagonal_fold(grid, &Params::default(), &|| false).expect("a fold within reach")
+}
+
+/// Counts the particles of all steps of a fold.
+///
+/// The steps are those of `diagonal_fold`, which only a run of it tells.
+fn particle_steps(dim: usize) -> ItemsCount {
+    let side_m = (dim - 1) as f64 * 0.00625;
+    let steps = 70.0 + (side_m * std::f64::consts::SQRT_2 / 0.005).ceil();
+    ItemsCount::new(dim * dim * steps as usize)
+}
+
+#[divan::bench(args = [25, 50, 100, 200], sample_count = 1, sample_size = 1)]
+fn diagonal_fold_by_size(bencher: Bencher, dim: usize) {
+    bencher
+        .counter(particle_steps(dim))
+        .bench(|| fold_square(black_box(dim)));
+}
+
+#[divan::bench(threads = [1, 2], sample_count = 4, sample_size = 1)]
+fn diagonal_fold_side_by_side(bencher: Bencher) {
+    bencher
+        .counter(particle_steps(50))
+        .bench(|| fold_square(black_box(50)));
 }
 
 #[divan::bench(sample_count = 50, sample_size = 1)]

@@ -1,8 +1,11 @@
 //! Crumples a cloth as SoftGym does: lifts it by one particle, drops it, lets it come to rest.
 //!
-//! In: a cloth and a seed. Out: the same cloth in a heap on the table's centre, at rest. Which particle and
-//! how high come from the seed alone; the rest is the solver's work, so equal cloths and seeds give equal
-//! bits. The picker takes no part and stays at home.
+//! In: a cloth and a seed, and a judge where a heap may be refused. Out: the same cloth in a heap on the table's
+//! centre, at rest. Which particle and how high come from the seed alone; the rest is the solver's work, so equal
+//! cloths and seeds give equal bits. The picker takes no part and stays at home.
+//!
+//! SoftGym differs in three ways: it puts the particle at its height at once, it lifts once and keeps whatever
+//! heap that gives, and it ends while the heap still moves. What heap is good enough is the caller's to say.
 
 use crate::error::SimError;
 use crate::simulator::Simulator;
@@ -23,42 +26,81 @@ const MAX_REST_STEPS: u32 = 300;
 const MAX_CALMING_STEPS: u32 = 300;
 
 /// What crumpling did.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Crumpled {
-    /// Index of the particle that was lifted.
-    pub lifted: usize,
-    /// How high it was lifted, metres.
-    pub lift_m: f32,
-    /// Steps simulated.
+    /// The lifts, in their order; at least one.
+    pub lifts: Vec<Lift>,
+    /// Steps simulated, over all lifts.
     pub steps: u32,
 }
 
+/// One lift by one particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lift {
+    /// Index of the particle that was lifted.
+    pub particle: usize,
+    /// How far it was lifted from where it lay, metres.
+    pub height_m: f32,
+}
+
 impl Simulator {
-    /// Lifts the cloth by a particle that the seed chooses, drops it, and lays the heap on the table's centre.
+    /// Lifts the cloth once by a particle that the seed chooses, drops it, and lays the heap on the table's centre.
     ///
-    /// Afterwards the cloth is as [`Simulator::from_positions`] would start it from its positions: without
-    /// velocities, its clock at zero.
-    ///
-    /// - `interrupted`: asked before every step; `true` ends the crumpling early, with the cloth let go
-    ///   where it is, without the lift's speed.
+    /// This is [`Simulator::crumple_until`] with the first heap taken as it is.
     pub fn crumple(
         &mut self,
         seed: u64,
         interrupted: &dyn Fn() -> bool,
     ) -> Result<Crumpled, SimError> {
+        self.crumple_until(seed, 1, &|_| true, interrupted)
+    }
+
+    /// Lifts and drops the cloth, from the heap as it lies, until a heap is taken.
+    ///
+    /// Particles and heights of all lifts come from one sequence that the seed begins. Where no heap is taken,
+    /// the last one is left. Afterwards the cloth is as [`Simulator::from_positions`] would start it from its
+    /// positions: without velocities, its clock at zero.
+    ///
+    /// - `most_lifts`: bounds the time; a lift takes at most 1000 steps. 0 counts as 1.
+    /// - `take`: judges each heap at rest: `[n_particles]` points, grid order, world frame, metres; missing ones
+    ///   are at the origin. Equal bits need a rule that gives equal answers on every machine.
+    /// - `interrupted`: asked before every step; `true` ends the crumpling early, with the cloth let go
+    ///   where it is, without the lift's speed.
+    pub fn crumple_until(
+        &mut self,
+        seed: u64,
+        most_lifts: u32,
+        take: &dyn Fn(&[[f32; 3]]) -> bool,
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<Crumpled, SimError> {
         let mut chance = SplitMix(seed);
+        let mut done = Crumpled {
+            lifts: Vec::new(),
+            steps: 0,
+        };
+        loop {
+            let lift = self.lift_by_chance(&mut chance);
+            self.hold(&[lift.particle])?;
+            self.lift_and_drop(lift.height_m, &mut done.steps, interrupted)
+                .inspect_err(|_| self.restart_from(&self.positions()))?;
+            done.lifts.push(lift);
+            if done.lifts.len() >= most_lifts as usize || take(&self.positions()) {
+                return Ok(done);
+            }
+        }
+    }
+
+    fn lift_by_chance(&self, chance: &mut SplitMix) -> Lift {
         // The remainder favours the first particles by less than one in 10^14.
-        let lifted = (chance.next() % self.grid().particle_count() as u64) as usize;
-        let lift_m = MIN_LIFT_M + (MAX_LIFT_M - MIN_LIFT_M) * chance.fraction();
-        let mut steps = 0;
-        self.hold(&[lifted])?;
-        self.lift_and_drop(lift_m, &mut steps, interrupted)
-            .inspect_err(|_| self.restart_from(&self.positions()))?;
-        Ok(Crumpled {
-            lifted,
-            lift_m,
-            steps,
-        })
+        let number = (chance.next() % self.mask().count() as u64) as usize;
+        let count = self.grid().particle_count();
+        let particle = (0..count)
+            .filter(|&particle| self.has(particle))
+            .nth(number);
+        Lift {
+            particle: particle.expect("a number below the count of those that exist"),
+            height_m: MIN_LIFT_M + (MAX_LIFT_M - MIN_LIFT_M) * chance.fraction(),
+        }
     }
 
     fn lift_and_drop(
@@ -74,8 +116,9 @@ impl Simulator {
             *steps += 1;
             cloth.step_held([0.0, 0.0, rise_m])
         };
-        for _ in 0..(lift_m / RISE_M) as u32 {
-            step(self, RISE_M)?;
+        let rises = (lift_m / RISE_M).ceil();
+        for _ in 0..rises as u32 {
+            step(self, lift_m / rises)?;
         }
         for _ in 0..MAX_HANG_STEPS {
             step(self, 0.0)?;
@@ -94,28 +137,30 @@ impl Simulator {
         // particles then slides on (one by 13 mm): it is brought to rest from standstill to standstill, until
         // a step changes nothing.
         for _ in 0..MAX_CALMING_STEPS {
-            self.restart_from(&centred(&self.positions()));
+            self.restart_from(&self.centred());
             step(self, 0.0)?;
             if self.is_at_rest() {
                 break;
             }
         }
-        self.restart_from(&centred(&self.positions()));
+        self.restart_from(&self.centred());
         Ok(())
     }
-}
 
-/// Shifts a cloth as a whole, so that its mean lies above the table's centre (as SoftGym does).
-fn centred(positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let mean = |axis: usize| {
-        let sum: f64 = positions.iter().map(|point| f64::from(point[axis])).sum();
-        (sum / positions.len() as f64) as f32
-    };
-    let [x, y] = [mean(0), mean(1)];
-    positions
-        .iter()
-        .map(|point| [point[0] - x, point[1] - y, point[2]])
-        .collect()
+    /// Returns the positions shifted as a whole, so that their mean lies above the table's centre (as SoftGym does).
+    fn centred(&self) -> Vec<[f32; 3]> {
+        let positions = self.positions();
+        let mean = |axis: usize| {
+            // Missing particles are at the origin and add nothing.
+            let sum: f64 = positions.iter().map(|point| f64::from(point[axis])).sum();
+            (sum / self.mask().count() as f64) as f32
+        };
+        let [x, y] = [mean(0), mean(1)];
+        positions
+            .iter()
+            .map(|point| [point[0] - x, point[1] - y, point[2]])
+            .collect()
+    }
 }
 
 /// The generator SplitMix64 (Steele, Lea, Flood 2014): whole numbers only, so equal on every machine.

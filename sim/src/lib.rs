@@ -51,7 +51,7 @@ mod solver;
 mod springs;
 
 pub use camera::{CameraError, Frame, ImageUp, Look, MAX_SIZE_PX, MIN_SIZE_PX, TopDownCamera};
-pub use crumple::Crumpled;
+pub use crumple::{Crumpled, Lift};
 pub use error::{MAX_START_DEPTH_M, MAX_START_STRETCH, REACH_M, SimError, StartError};
 pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
 pub use mask::{Mask, MaskError};

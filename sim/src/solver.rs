@@ -264,8 +264,7 @@ impl Solver {
         self.predict(dt);
         self.check_finite("after free flight")?;
         let touching = self.neighbours.find(&self.positions);
-        self.pairs
-            .list(touching, &self.began, &self.inverse_mass);
+        self.pairs.list(touching, &self.began, &self.inverse_mass);
         self.layered.fill(0.0);
         for &slot in touching.iter().flatten() {
             self.layered[slot as usize] = 1.0;

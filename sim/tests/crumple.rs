@@ -1,7 +1,8 @@
 //! Crumpled cloths: equal seeds, what a heap must be, interruption.
 #![allow(clippy::unwrap_used)]
 
-use sim::{Grid, Look, Params, SimError, Simulator, TopDownCamera};
+use sim::{Grid, Look, Mask, Params, SimError, Simulator, TopDownCamera};
+use std::cell::Cell;
 
 fn flat(dim: usize) -> Simulator {
     Simulator::flat(Grid::new(dim, dim, 0.00625).unwrap(), &Params::default())
@@ -95,11 +96,68 @@ fn a_heap_goes_on_as_one_that_was_started_from_its_positions() {
 }
 
 #[test]
+fn a_refused_heap_is_lifted_again_from_where_it_lies() {
+    let asked = Cell::new(0);
+    let third = |_: &[[f32; 3]]| asked.replace(asked.get() + 1) == 2;
+    let mut cloth = flat(12);
+    let done = cloth.crumple_until(9, 20, &third, &|| false).unwrap();
+    assert_eq!([done.lifts.len(), asked.get()], [3, 3]);
+    assert_ne!(done.lifts[0], done.lifts[1]);
+    let mut once = flat(12);
+    let first = once.crumple(9, &|| false).unwrap();
+    assert_eq!(first.lifts, done.lifts[..1]);
+    assert!(first.steps < done.steps);
+    assert_ne!(once.digest(), cloth.digest());
+    check_heap(&cloth, "the third");
+}
+
+#[test]
+fn a_cloth_of_which_no_heap_is_taken_keeps_the_last() {
+    for (most, lifts) in [(0, 1), (1, 1), (2, 2)] {
+        let mut cloth = flat(12);
+        let done = cloth.crumple_until(9, most, &|_| false, &|| false).unwrap();
+        assert_eq!(done.lifts.len(), lifts);
+        check_heap(&cloth, "the last");
+    }
+}
+
+#[test]
+fn the_lifted_particle_rises_by_the_height_that_is_told() {
+    let mut cloth = flat(12);
+    let highest = Cell::new(0);
+    let lifted = cloth.clone().crumple(9, &|| false).unwrap().lifts[0];
+    // Stopped where it hangs.
+    let stop = || highest.replace(highest.get() + 1) >= 12;
+    let rises = (lifted.height_m / 0.1).ceil() as u32;
+    assert!(rises <= 12 && lifted.height_m >= 0.5, "{lifted:?}");
+    cloth.crumple(9, &stop).unwrap_err();
+    let z_m = cloth.positions()[lifted.particle][2];
+    let expected_m = Params::default().table_contact_m + lifted.height_m;
+    assert!((z_m - expected_m).abs() < 1e-4, "{z_m} of {expected_m}");
+}
+
+#[test]
+fn a_cloth_with_a_hole_is_crumpled_onto_the_centre() {
+    let grid = Grid::new(16, 16, 0.00625).unwrap();
+    let hole = |ix: usize, iy: usize| !((2..8).contains(&ix) && (2..8).contains(&iy));
+    let mask = Mask::from_fn(grid, hole).unwrap();
+    for seed in 0..4 {
+        let mut cloth = Simulator::flat(&mask, &Params::default());
+        let done = cloth.crumple(seed, &|| false).unwrap();
+        assert!(mask.has(done.lifts[0].particle), "{done:?}");
+        for axis in [0, 1] {
+            let sum: f32 = cloth.positions().iter().map(|point| point[axis]).sum();
+            assert!((sum / mask.count() as f32).abs() < 1e-4, "{sum}");
+        }
+    }
+}
+
+#[test]
 fn an_interrupted_crumpling_ends_at_once_and_lets_go() {
     // In the lift, while hanging, and while coming to rest.
     for stop in [0, 5, 60, 320] {
         let mut cloth = flat(12);
-        let asked = std::cell::Cell::new(0);
+        let asked = Cell::new(0);
         let interrupted = || asked.replace(asked.get() + 1) >= stop;
         match cloth.crumple(1, &interrupted) {
             Err(error) => assert_eq!(error, SimError::Interrupted { steps: stop }),

@@ -103,7 +103,8 @@ fn params(changes: &[String]) -> Result<Params, Failure> {
             .map_err(|_| wrong(format!("`{text}` is no number and no list of numbers")))?;
         values[name] = value;
         // Once for each, so that the message names the one that is wrong.
-        serde_json::from_value::<Params>(values.clone()).map_err(|error| wrong(error.to_string()))?;
+        serde_json::from_value::<Params>(values.clone())
+            .map_err(|error| wrong(error.to_string()))?;
     }
     Ok(serde_json::from_value(values).expect("it was read after the last change"))
 }

@@ -38,7 +38,10 @@ fn numbers_that_no_cloth_or_machine_has() {
         ("replay set --set substeps=many", &["`many`"]),
         ("replay set --set step_secs=1e39", &["`step_secs`", "`inf`"]),
         ("replay set --set step_secs=0", &["`step_secs`", "`0`"]),
-        ("replay set --set picker_travel_m=0", &["`picker_travel_m`", "`0`"]),
+        (
+            "replay set --set picker_travel_m=0",
+            &["`picker_travel_m`", "`0`"],
+        ),
         ("replay set --set gravity_m_s2=9.8", &["gravity_m_s2=9.8"]),
         ("crumple --size 0", &["`0`", "`2` to `200`"]),
         (

@@ -2,6 +2,7 @@
 
 use super::{Executed, Grasp, Motion, World, WorldError};
 use crate::camera::Camera;
+use crate::crumple;
 use crate::interrupt::Interrupt;
 use crate::observation::Observation;
 use crate::start::Start;
@@ -130,7 +131,12 @@ impl World for SimulatedWorld {
     ) -> Result<Start, WorldError> {
         let mut cloth = self.lay(start)?;
         cloth
-            .crumple(seed, &|| interrupt.is_raised())
+            .crumple_until(
+                seed,
+                crumple::MOST_LIFTS,
+                &|positions| crumple::is_start(positions, &start.grid),
+                &|| interrupt.is_raised(),
+            )
             .map_err(stopped)?;
         Ok(Start::crumpled(start.grid, seed, cloth.positions()))
     }

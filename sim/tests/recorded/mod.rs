@@ -110,7 +110,7 @@ fn read(root: &Path, entry: &Value) -> Demonstration {
 }
 
 /// Reads a float32 `[n, 3]` array in NumPy's format 1.0 and turns it z-up.
-fn read_points(path: &Path) -> Vec<[f32; 3]> {
+pub fn read_points(path: &Path) -> Vec<[f32; 3]> {
     let bytes = std::fs::read(path).unwrap();
     let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
     let values: Vec<f32> = bytes[header..]

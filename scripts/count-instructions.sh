@@ -1,0 +1,142 @@
+#!/bin/sh
+# Counts the instructions of the simulator's steps, and compares them with pinned numbers.
+#
+# count-instructions.sh        counts, prints, compares; ends with 1 where a pinned number is exceeded by over 5 %
+# count-instructions.sh --pin  counts, and pins what it counted
+#
+# Valgrind's callgrind runs examples/fold.rs of the crate `sim`. Counts do not depend on how busy the machine is,
+# so that a slower step shows anywhere; without valgrind nothing is counted, and the exit code is 0. Two builds are
+# counted: `narrow`, for the baseline instruction set, and `wide`, where this machine has AVX2. Of each, one whole
+# fold of 50 x 50 particles, in all and by function, and the first 15 steps of several sizes. sim/benches/instructions.txt
+# holds the numbers; a new compiler or a change of the simulator's parameters may need them pinned anew.
+set -eu
+cd "$(dirname "$0")/.."
+
+pins=sim/benches/instructions.txt
+sizes='25 50 100 200'
+steps=15
+machine=$(uname -m)
+target=${CARGO_TARGET_DIR:-target}
+
+if ! command -v valgrind >/dev/null || ! command -v callgrind_annotate >/dev/null; then
+    echo "instructions are not counted: valgrind is missing (Debian: apt-get install valgrind)"
+    exit 0
+fi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+# Prints the instructions of a run: count FILE ARGUMENT...
+count() {
+    out=$1
+    shift
+    valgrind --tool=callgrind --callgrind-out-file="$out" "$work/fold" "$@" >"$work/steps" 2>"$work/log" || {
+        cat "$work/log" >&2
+        exit 2
+    }
+    awk '/^(summary|totals):/ { print $2; exit }' "$out"
+}
+
+# Prints "FUNCTION INSTRUCTIONS" of a callgrind file, the ten heaviest. A name's blanks become `_`; what was inlined
+# from another file counts for the function that it is in.
+functions() {
+    callgrind_annotate --threshold=100 --auto=no "$1" 2>/dev/null | awk '
+        /^ *[0-9,]+ +\([ 0-9.]+%\) +[^ ]/ && !/PROGRAM TOTALS/ {
+            count = $1
+            gsub(",", "", count)
+            sub(/^ *[0-9,]+ +\([ 0-9.]+%\) +[^:]*:/, "")
+            sub(/ \[[^][]*\]$/, "")
+            gsub(" ", "_")
+            sum[$0] += count
+        }
+        END { for (name in sum) printf "%s %.0f\n", name, sum[name] }
+    ' | sort -k 2,2nr -k 1,1 | head -n 10
+}
+
+# Appends "MACHINE BUILD RUN WHAT INSTRUCTIONS" to the results: what a step takes, without setting up.
+measure() {
+    build=$1
+    base=$(count "$work/base" 50 0)
+    all=$(count "$work/fold.out" 50)
+    taken=$(cat "$work/steps")
+    echo "$machine $build fold_50 total $(((all - base) / taken))" >>"$work/results"
+    functions "$work/fold.out" | while read -r name n; do
+        echo "$machine $build fold_50 $name $((n / taken))" >>"$work/results"
+    done
+    for size in $sizes; do
+        base=$(count "$work/base" "$size" 0)
+        all=$(count "$work/begin" "$size" "$steps")
+        echo "$machine $build begin_$size total $(((all - base) / steps))" >>"$work/results"
+    done
+}
+
+builds=narrow
+if grep -qs '^flags.* avx2' /proc/cpuinfo; then builds='narrow wide'; fi
+for build in $builds; do
+    features=
+    [ "$build" = wide ] || features='--features narrow'
+    # shellcheck disable=SC2086  # none or two words
+    cargo build --release --locked --quiet -p sim --example fold $features
+    cp "$target/release/examples/fold" "$work/fold"
+    measure "$build"
+done
+
+if [ "${1:-}" = --pin ]; then
+    {
+        grep '^#' "$pins"
+        grep -v '^#' "$pins" | grep -v "^$machine " || true
+        cat "$work/results"
+    } >"$work/pins"
+    cp "$work/pins" "$pins"
+fi
+
+awk -v pins="$pins" -v machine="$machine" -v steps="$steps" '
+    # Rows are padded to whole lanes and one lane more, columns to whole lanes; a pass works on all of it.
+    function slots(dim) { return (8 * int((dim + 6) / 8) + 8) * 8 * int((dim + 7) / 8) }
+    FILENAME == pins {
+        if ($0 !~ /^#/ && $1 == machine) pinned[$2, $3, $4] = $5
+        next
+    }
+    {
+        key = $2 SUBSEP $3 SUBSEP $4
+        if ($2 != build) {
+            build = $2
+            print "\ninstructions per step, " build " build, one whole fold of 50 x 50 particles"
+        }
+        if ($3 != run && $3 == "begin_25") {
+            print "\ninstructions per step, " build " build, the first " steps " steps"
+        }
+        run = $3
+        if ($4 == "total") whole = $5
+        note = "not pinned"
+        if (key in pinned) {
+            change = 100 * ($5 / pinned[key] - 1)
+            note = sprintf("%+.1f %% of the pinned", change)
+            # Small functions move for small reasons; the total has them too.
+            if (change > 5 && $5 > 0.05 * whole) { note = note "  MORE THAN 5 %"; failed = 1 }
+            if (change < -5 && $4 == "total") note = note "; pin anew to keep the gain"
+        }
+        name = $4
+        if (run ~ /^begin_/) {
+            dim = substr(run, 7)
+            name = dim " x " dim
+            each = $5 / slots(dim)
+            note = sprintf("%6.0f a particle, %6.0f a slot;  %s", $5 / dim / dim, each, note)
+            if (!(build in least) || each < least[build]) least[build] = each
+            if (each > most[build]) most[build] = each
+        }
+        printf "%12d  %-42s %s\n", $5, name, note
+    }
+    END {
+        print ""
+        for (build in most) {
+            spread = 100 * (most[build] / least[build] - 1)
+            printf "%s build: a slot of the largest and the smallest cost differ by %.0f %% over the sizes\n", build, spread
+            # Short rows cost wide passes their ends; there the pinned numbers have to do.
+            if (build == "narrow" && spread > 20) { print "  MORE THAN 20 %"; failed = 1 }
+        }
+        if (failed) print "the simulator takes more than its pinned numbers; scripts/count-instructions.sh says how to pin anew"
+        exit failed
+    }
+' "$pins" "$work/results"
