@@ -39,6 +39,7 @@ mod grid;
 mod layout;
 mod mask;
 pub mod mesh;
+mod motion;
 mod neighbours;
 mod params;
 mod picker;

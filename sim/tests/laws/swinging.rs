@@ -53,22 +53,21 @@ fn an_undamped_swing_gains_no_energy_and_loses_less_with_more_substeps() {
     assert!(lost[3] < 0.2, "{lost:?}");
 }
 
-/// Known limit: a particle slower than the sleep speed stops, and gravity along an arc gives it less in a substep.
+/// Known limit: a cloth of which nothing moves faster than the rest speed is still, even in the air.
 ///
-/// A strip at 20 degrees stops at its first turning points instead of swinging on; the sleeping rule does not ask
-/// whether anything touches the particle.
+/// A strip let go at 20 degrees so stops at a turning point instead of swinging on.
 #[test]
-fn the_sleeping_rule_stops_a_gentle_swing_in_the_air() {
+fn the_rest_rule_stops_a_gentle_swing_in_the_air() {
     let angle = |params: &Params| {
         let mut cloth = raised(20.0, params);
         run(&mut cloth, 400);
         let (first, last) = (cloth.positions()[0], cloth.positions()[4 * (ROWS - 1)]);
         (last[1] / (first[2] - last[2])).atan().to_degrees()
     };
-    let (asleep, awake) = (angle(&Params::default()), angle(&sleepless()));
-    assert!(awake.abs() < 3.0, "{awake}");
+    let (with_rules, without) = (angle(&Params::default()), angle(&sleepless()));
+    assert!(without.abs() < 3.0, "{without}");
     assert!(
-        asleep.abs() > 10.0,
-        "{asleep}; then the rule is better than told here"
+        (3.0..15.0).contains(&with_rules.abs()),
+        "{with_rules}; then the rules are other than told here"
     );
 }
