@@ -32,7 +32,7 @@ pub struct Params {
     pub sweeps: u32,
     /// Acceleration of everything, world frame, m/s^2; a tilted one makes the table a slope. PyFleX: 9.8, down.
     pub gravity_m_s2: [f32; 3],
-    /// Share of the velocity lost per second. PyFleX: 1.0. Trial: 2.0, of 0 to 4; less drags the far corners of a fold too far.
+    /// Share of the velocity lost per second. PyFleX: 1.0.
     pub damping_per_s: f32,
     /// Largest change of velocity, m/s^2; softens the pop of a compressed stack at release. PyFleX: 100.
     pub max_acceleration_m_s2: f32,
@@ -44,8 +44,7 @@ pub struct Params {
     /// for one substep of four), which otherwise never ends. Trial: 0.007 halves the time of a replay and
     /// leaves its errors as they are (18 recordings, means within 0.4 mm).
     pub rest_speed_m_s: f32,
-    /// Share of a stretch spring's error removed per sweep (neighbours along a side). PyFleX: 2.0.
-    /// Trial: 0.9, of 0.8 to 1; a whole share drags the far corners of a fold too far.
+    /// Share of a stretch spring's error removed per sweep (neighbours along a side). PyFleX: 2.0, clamped to 1.
     pub stretch: f32,
     /// Share of a shear spring's error removed per sweep (both diagonals of each cell). PyFleX: 1.0.
     pub shear: f32,
@@ -88,11 +87,11 @@ impl Default for Params {
             substeps: 4,
             sweeps: 7,
             gravity_m_s2: [0.0, 0.0, -9.8],
-            damping_per_s: 2.0,
+            damping_per_s: 1.0,
             max_acceleration_m_s2: 100.0,
             sleep_speed_m_s: 0.02,
             rest_speed_m_s: 0.007,
-            stretch: 0.9,
+            stretch: 1.0,
             shear: 1.0,
             bend: 0.5,
             table_contact_m: 0.005,
