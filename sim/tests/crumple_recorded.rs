@@ -6,9 +6,8 @@ mod recorded;
 use recorded::{data::recorded_data, mean_distance_mm, read_points};
 use sim::{Grid, Params, RestShortcut, Simulator};
 
-/// Steps that a state is given to settle: it is recorded in motion, at up to 0.65 m/s. SoftGym gives a dropped cloth
-/// as many; after 200, high heaps still sink by up to 4 mm in a second.
-const SETTLING_STEPS: u32 = 300;
+/// Steps that a recorded heap gets to come to rest; after half as many, high heaps still sink by up to 5 mm in a second.
+const SETTLING_STEPS: u32 = 600;
 /// Steps in which it then must stay: one second.
 const STAYING_STEPS: u32 = 100;
 /// Mean distance that its particles may drift meanwhile, millimetres.
