@@ -61,10 +61,6 @@ impl Pairs {
             self.share[k] = 1.5 - 0.5 * (inverse_mass[i] + inverse_mass[j]);
         }
     }
-
-    fn is_empty(&self) -> bool {
-        self.len == 0
-    }
 }
 
 /// Accumulates corrections of one pass; kept between passes to save allocations.
@@ -112,24 +108,18 @@ impl Contacts {
             self.touch_sphere(positions, began, sphere, params);
         }
         let Planes { x, y, z } = positions;
-        if pairs.is_empty() && sphere.is_none() {
-            rest_on_table(x, y, z, &began.x, &began.y, inverse_mass, params);
-        } else {
-            let shift = &mut self.shift;
-            let shifts = [&mut shift.x[..], &mut shift.y[..], &mut shift.z[..]];
-            let count = &mut self.count;
-            shift_on_table(
-                x,
-                y,
-                z,
-                &began.x,
-                &began.y,
-                inverse_mass,
-                shifts,
-                count,
-                params,
-            );
-        }
+        let shift = &mut self.shift;
+        move_by_mean(
+            x,
+            y,
+            z,
+            &began.x,
+            &began.y,
+            inverse_mass,
+            [&mut shift.x[..], &mut shift.y[..], &mut shift.z[..]],
+            &mut self.count,
+            params,
+        );
     }
 
     fn touch_sphere(
@@ -319,34 +309,11 @@ fn table_contact(x: f32, y: f32, z: f32, x0: f32, y0: f32, height: f32, friction
     [-share * slid_x, -share * slid_y, depth]
 }
 
-/// Lifts particles out of the table where that is the only contact.
-// Separate slices, so that the compiler knows that they do not overlap.
-#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
-fn rest_on_table(
-    x: &mut [f32],
-    y: &mut [f32],
-    z: &mut [f32],
-    x0: &[f32],
-    y0: &[f32],
-    inverse_mass: &[f32],
-    params: &Params,
-) {
-    let n = x.len();
-    let (y, z, inverse_mass) = (&mut y[..n], &mut z[..n], &inverse_mass[..n]);
-    let (x0, y0) = (&x0[..n], &y0[..n]);
-    let (height, friction) = (params.table_contact_m, params.table_friction);
-    for i in 0..n {
-        let shift = table_contact(x[i], y[i], z[i], x0[i], y0[i], height, friction);
-        x[i] += inverse_mass[i] * shift[0];
-        y[i] += inverse_mass[i] * shift[1];
-        z[i] += inverse_mass[i] * shift[2];
-    }
-}
-
 /// Adds the table's contact to the shifts of the others, moves by their mean, and clears them.
+// Separate slices, so that the compiler knows that they do not overlap.
 #[allow(clippy::too_many_arguments)]
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
-fn shift_on_table(
+fn move_by_mean(
     x: &mut [f32],
     y: &mut [f32],
     z: &mut [f32],

@@ -75,12 +75,7 @@ impl Solver {
             velocities: Planes::zeros(n),
             inverse_mass: layout.free(),
             held: Vec::new(),
-            // A typing error in a parameter file must not hang the simulator.
-            params: Params {
-                substeps: params.substeps.clamp(1, 100),
-                sweeps: params.sweeps.clamp(1, 100),
-                ..params.clone()
-            },
+            params: params.clone(),
             springs: Springs::new(&layout, params),
             contacts: Contacts::new(n),
             neighbours: Neighbours::new(&layout, params.self_contact_m),
