@@ -6,7 +6,7 @@
 use crate::cache::Cache;
 use crate::interrupt::Interrupt;
 use crate::metrics;
-use crate::start::{Grid, Start};
+use crate::start::Start;
 use crate::world::{World, WorldError};
 use compiler::program::Cloth;
 
@@ -22,8 +22,10 @@ const COVERAGES: std::ops::RangeInclusive<f64> = 0.32..=0.63;
 /// measure has basic operations alone.
 ///
 /// - `positions`: `[dimy * dimx]`, grid order, world frame, metres.
-pub(crate) fn is_start(positions: &[[f32; 3]], grid: &Grid) -> bool {
-    metrics::coverage(positions, grid).is_some_and(|covered| COVERAGES.contains(&covered))
+/// - `cloth`: the start that was lifted, for its grid and outline.
+pub(crate) fn is_start(positions: &[[f32; 3]], cloth: &Start) -> bool {
+    metrics::outlined_coverage(positions, &cloth.grid, cloth.outline.as_ref())
+        .is_some_and(|covered| COVERAGES.contains(&covered))
 }
 
 /// A crumpled start, and how it was had.
@@ -47,16 +49,29 @@ pub fn start(
     interrupt: &Interrupt,
     announce: &mut dyn FnMut(),
 ) -> Result<Crumpled, WorldError> {
-    let flat = Start::flat(cloth);
-    let key = key(&flat, seed, world);
+    start_from(&Start::flat(cloth), seed, world, cache, interrupt, announce)
+}
+
+/// Returns the crumpled start that a seed makes of a flat one, which may have an outline.
+///
+/// As [`start`] in all else.
+pub fn start_from(
+    flat: &Start,
+    seed: u64,
+    world: &dyn World,
+    cache: &Cache,
+    interrupt: &Interrupt,
+    announce: &mut dyn FnMut(),
+) -> Result<Crumpled, WorldError> {
+    let key = key(flat, seed, world);
     if let Some(positions) = cache.positions(&key, flat.positions.len()) {
         return Ok(Crumpled {
-            start: Start::crumpled(flat.grid, seed, positions),
+            start: flat.crumpled(seed, positions),
             not_kept: None,
         });
     }
     announce();
-    let start = world.crumple(&flat, seed, interrupt)?;
+    let start = world.crumple(flat, seed, interrupt)?;
     let kept = cache.put_positions(&key, &start.positions);
     Ok(Crumpled {
         start,
@@ -75,6 +90,7 @@ fn key(flat: &Start, seed: u64, world: &dyn World) -> String {
         include_str!("crumple.rs"),
         include_str!("metrics/grid_coverage.rs"),
         include_str!("start/mod.rs"),
+        include_str!("start/outline.rs"),
         include_str!("world/simulated.rs"),
     ])
 }
@@ -83,6 +99,7 @@ fn key(flat: &Start, seed: u64, world: &dyn World) -> String {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::start::Outline;
     use crate::world::SimulatedWorld;
     use compiler::program::{Camera, ClothStart, ImageUp};
 
@@ -125,11 +142,12 @@ mod tests {
 
     #[test]
     fn heaps_outside_of_the_recorded_spread_are_no_starts() {
-        let grid = Grid {
+        let flat = Start::flat(&Cloth {
             dimx: 40,
             dimy: 40,
-            spacing_m: 0.00625,
-        };
+            ..CLOTH
+        });
+        let grid = flat.grid;
         // A flat cloth covers 0.95 by this measure; drawn together to a share of its width, about that share.
         let drawn = |share: f32| -> Vec<[f32; 3]> {
             (0..1600)
@@ -140,9 +158,17 @@ mod tests {
         };
         for (share, expected) in [(1.0, false), (0.75, false), (0.45, true), (0.2, false)] {
             let covered = metrics::coverage(&drawn(share), &grid);
-            assert_eq!(is_start(&drawn(share), &grid), expected, "{covered:?}");
+            assert_eq!(is_start(&drawn(share), &flat), expected, "{covered:?}");
         }
-        assert!(!is_start(&[], &grid));
+        assert!(!is_start(&[], &flat));
+        // Of a cloth that is half missing, half as much is as open: here 0.86 of its own area, 0.43 of the grid's.
+        let half = Outline::new(&(("#".repeat(20) + &".".repeat(20) + "\n").repeat(40)));
+        let halved = Start {
+            outline: Some(half),
+            ..flat
+        };
+        assert!(is_start(&drawn(0.45), &halved));
+        assert!(!is_start(&drawn(0.9), &halved));
     }
 
     #[test]

@@ -77,6 +77,8 @@ pub struct StepLine {
     pub action: Option<Action>,
     /// What the world really did.
     pub executed: Option<Executed>,
+    /// SHA-256 of all positions' bits after it, as `fabc sim replay` prints it, where the world knows.
+    pub digest: Option<String>,
     /// Covered area over that of the flat cloth after it, where the world knows.
     pub coverage: Option<f64>,
     /// Why the step ended the rollout, in words.

@@ -93,12 +93,15 @@ pub struct TimeArguments {
 /// Arguments of `sim crumple`.
 #[derive(Args)]
 pub struct CrumpleArguments {
-    /// Particles along each side of a square cloth, 6.25 mm apart.
-    #[arg(long, value_name = "N", default_value_t = 40, conflicts_with = "dims")]
-    pub size: u32,
+    /// Particles along each side of a square cloth, 6.25 mm apart; default: 40.
+    #[arg(long, value_name = "N", conflicts_with = "dims")]
+    pub size: Option<u32>,
     /// Particles along the two sides of a cloth that is not square.
     #[arg(long, value_name = "44x40")]
     pub dims: Option<String>,
+    /// Which particles of the grid there are: rows of `#` and `.`, seen from above; its size is the cloth's.
+    #[arg(long, value_name = "FILE.txt")]
+    pub outline: Option<PathBuf>,
     /// The first cloth's seed; the others have the numbers after it.
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     pub seed: u64,
@@ -123,7 +126,7 @@ pub struct StateArguments {
     pub file: PathBuf,
     #[command(flatten)]
     pub frame: FrameArguments,
-    /// Which particles of the grid there are: rows of `#` and `.`, seen from above; default: all.
+    /// Which particles of the grid there are: rows of `#` and `.`, seen from above; default: as described, else all.
     #[arg(long, value_name = "FILE.txt")]
     pub outline: Option<PathBuf>,
 }

@@ -1,7 +1,7 @@
 //! `fabc sim crumple`: starts for smoothing, by their seeds.
 //!
 //! The starts are those of `fabc run --start SEED` with a crumpled cloth of the same size, and are kept in the
-//! same cache.
+//! same cache, as are those of cloths with an outline, which `fabc run` has not.
 
 use super::SPACING_M;
 use super::files;
@@ -9,19 +9,32 @@ use super::parallel::{in_parallel, threads};
 use crate::cli::sim::CrumpleArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, setting};
-use compiler::program::{Camera, Cloth, ClothStart, ImageUp};
+use compiler::program::{self, Camera, ClothStart, ImageUp};
 use runtime::interrupt::Interrupt;
-use runtime::start::{Grid, Start};
+use runtime::start::Start;
 use runtime::world::{SimulatedWorld, WorldError};
 use runtime::{crumple, metrics, npy};
 use serde::Serialize;
 use serde_json::{Value, json};
 use sim::{Mask, mesh};
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Says in a description who wrote it, so that a later call knows what it may replace.
 const MADE_BY: &str = "fabc sim crumple";
+/// Particles along each side where the command line says nothing.
+const DEFAULT_SIZE: u32 = 40;
+
+/// What is crumpled.
+struct Cloth {
+    /// It lying flat.
+    flat: Start,
+    /// Which particles of its grid there are.
+    mask: Mask,
+    /// What its files are called before `_SEED`.
+    name: OsString,
+}
 
 /// One crumpled cloth.
 #[derive(Serialize)]
@@ -68,9 +81,11 @@ pub fn run(arguments: &CrumpleArguments) -> Result<Exit, Failure> {
     if arguments.json {
         output::json(&json!({
             "params": sim::Params::default().hash(),
-            "dimx": cloth.dimx,
-            "dimy": cloth.dimy,
-            "spacing_m": cloth.spacing_m,
+            "dimx": cloth.flat.grid.dimx,
+            "dimy": cloth.flat.grid.dimy,
+            "spacing_m": cloth.flat.grid.spacing_m,
+            "outline": cloth.flat.outline,
+            "particles": cloth.mask.count(),
             "starts": starts,
             "coverage": spread(starts.iter().filter_map(|start| start.coverage)),
             "true_coverage": spread(starts.iter().filter_map(|start| start.true_coverage)),
@@ -91,18 +106,66 @@ pub fn run(arguments: &CrumpleArguments) -> Result<Exit, Failure> {
 }
 
 fn cloth(arguments: &CrumpleArguments) -> Result<Cloth, Failure> {
-    let ([dimx, dimy], shown) = match &arguments.dims {
-        Some(text) => (setting::dims_of(text)?, format!("--dims {text}")),
-        None => ([arguments.size; 2], format!("--size {}", arguments.size)),
+    let stated = stated_grid(arguments)?;
+    let mut name = OsString::from("crumpled_");
+    let mask = match &arguments.outline {
+        Some(path) => {
+            let mask = files::read_outline(path, SPACING_M as f32)?;
+            not_against(&stated, path, mask.grid())?;
+            name.push(path.file_stem().unwrap_or_default());
+            name.push("_");
+            mask
+        }
+        None => Mask::full(match stated {
+            Some((grid, _)) => grid,
+            None => grid_of([DEFAULT_SIZE; 2], &format!("--size {DEFAULT_SIZE}"))?,
+        }),
     };
-    sim::Grid::new(dimx as usize, dimy as usize, SPACING_M as f32)
-        .map_err(|error| Failure::usage(format!("`{shown}`: {error}")))?;
-    Ok(Cloth {
-        dimx,
-        dimy,
+    let sim::Grid { dimx, dimy, .. } = mask.grid();
+    name.push(format!("{dimx}x{dimy}"));
+    let declared = program::Cloth {
+        dimx: dimx as u32,
+        dimy: dimy as u32,
         spacing_m: SPACING_M,
         start: ClothStart::Crumpled,
-    })
+    };
+    let flat = Start {
+        outline: files::outline_of(&mask),
+        ..Start::flat(&declared)
+    };
+    Ok(Cloth { flat, mask, name })
+}
+
+/// Returns the grid that the command line states, and the words that state it.
+fn stated_grid(arguments: &CrumpleArguments) -> Result<Option<(sim::Grid, String)>, Failure> {
+    let ([dimx, dimy], shown) = match (&arguments.dims, arguments.size) {
+        (Some(text), _) => (setting::dims_of(text)?, format!("--dims {text}")),
+        (None, Some(size)) => ([size; 2], format!("--size {size}")),
+        (None, None) => return Ok(None),
+    };
+    let grid = grid_of([dimx, dimy], &shown)?;
+    Ok(Some((grid, shown)))
+}
+
+fn grid_of([dimx, dimy]: [u32; 2], shown: &str) -> Result<sim::Grid, Failure> {
+    sim::Grid::new(dimx as usize, dimy as usize, SPACING_M as f32)
+        .map_err(|error| Failure::usage(format!("`{shown}`: {error}")))
+}
+
+/// Refuses a stated grid that is not that of the outline.
+fn not_against(
+    stated: &Option<(sim::Grid, String)>,
+    outline: &Path,
+    found: sim::Grid,
+) -> Result<(), Failure> {
+    match stated {
+        Some((grid, shown)) if *grid != found => Err(Failure::usage(format!(
+            "`{shown}` and `--outline {}`, which has {}, contradict each other; the outline alone is enough",
+            outline.display(),
+            files::size(found)
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Crumples one cloth and writes it; None where it was interrupted.
@@ -121,7 +184,8 @@ fn one(
     };
     let world = SimulatedWorld::new(&camera).map_err(Failure::environment)?;
     let cache = setting::cache();
-    let start = match crumple::start(cloth, seed, &world, &cache, interrupt, &mut || {}) {
+    let start = match crumple::start_from(&cloth.flat, seed, &world, &cache, interrupt, &mut || {})
+    {
         Ok(crumpled) => crumpled.start,
         Err(WorldError::Interrupted) => return Ok(None),
         Err(error) => return Err(Failure::environment(format!("seed {seed}: {error}"))),
@@ -129,37 +193,33 @@ fn one(
     let mut crumpled = Crumpled {
         seed,
         file: None,
-        coverage: metrics::coverage(&start.positions, &start.grid),
-        true_coverage: true_coverage(&start),
+        coverage: metrics::outlined_coverage(&start.positions, &start.grid, start.outline.as_ref()),
+        true_coverage: metrics::true_coverage(
+            &start.positions,
+            &mesh::triangles(&cloth.mask),
+            mesh::flat_area_m2(&cloth.mask),
+        ),
         digest: start.digest(),
     };
     if let Some(folder) = folder {
-        crumpled.file = Some(write(folder, &start, &crumpled)?);
+        crumpled.file = Some(write(folder, cloth, &start, &crumpled)?);
     }
     Ok(Some(crumpled))
 }
 
-fn true_coverage(start: &Start) -> Option<f64> {
-    let Grid {
-        dimx,
-        dimy,
-        spacing_m,
-    } = start.grid;
-    let grid = sim::Grid::new(dimx as usize, dimy as usize, spacing_m as f32).ok()?;
-    let mask = Mask::full(grid);
-    let flat_m2 = mesh::flat_area_m2(&mask);
-    metrics::true_coverage(&start.positions, &mesh::triangles(&mask), flat_m2)
-}
-
 /// Names the positions of a seed and their description.
-fn paths(folder: &Path, dimx: u32, dimy: u32, seed: u64) -> [PathBuf; 2] {
-    ["npy", "json"].map(|ending| folder.join(format!("crumpled_{dimx}x{dimy}_{seed}.{ending}")))
+fn paths(folder: &Path, cloth: &Cloth, seed: u64) -> [PathBuf; 2] {
+    ["npy", "json"].map(|ending| {
+        let mut name = cloth.name.clone();
+        name.push(format!("_{seed}.{ending}"));
+        folder.join(name)
+    })
 }
 
 /// Makes the folder, and refuses to replace what this verb did not write.
 fn prepare(folder: &Path, cloth: &Cloth, seeds: &[u64]) -> Result<(), Failure> {
     for seed in seeds {
-        let paths = paths(folder, cloth.dimx, cloth.dimy, *seed);
+        let paths = paths(folder, cloth, *seed);
         if let Some(there) = paths.iter().find(|path| path.symlink_metadata().is_ok())
             && !files::is_made_by(MADE_BY, &paths[1])
         {
@@ -175,10 +235,14 @@ fn prepare(folder: &Path, cloth: &Cloth, seeds: &[u64]) -> Result<(), Failure> {
 }
 
 /// Writes positions and their description; returns the file's name.
-fn write(folder: &Path, start: &Start, crumpled: &Crumpled) -> Result<String, Failure> {
-    let Grid { dimx, dimy, .. } = start.grid;
-    let [positions, beside] = paths(folder, dimx, dimy, crumpled.seed);
-    let mut description = files::description(&start.grid, MADE_BY);
+fn write(
+    folder: &Path,
+    cloth: &Cloth,
+    start: &Start,
+    crumpled: &Crumpled,
+) -> Result<String, Failure> {
+    let [positions, beside] = paths(folder, cloth, crumpled.seed);
+    let mut description = files::description(&start.grid, &cloth.mask, MADE_BY);
     description["params"] = json!(sim::Params::default().hash());
     description["seed"] = json!(crumpled.seed);
     description["coverage"] = json!(crumpled.coverage);

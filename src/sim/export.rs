@@ -15,15 +15,6 @@ const MADE_BY: &str = "fabc sim export";
 /// Writes positions, and lists the files.
 pub fn run(arguments: &ExportArguments) -> Result<Exit, Failure> {
     let write = writer(&arguments.out)?;
-    if let Some(outline) = &arguments.state.outline
-        && files::ends_in(&arguments.out, "npy")
-    {
-        return Err(Failure::usage(format!(
-            "`--outline {}` says nothing of `{}`, which keeps every position; write `.obj` for a mesh",
-            outline.display(),
-            arguments.out.display()
-        )));
-    }
     let state = files::read_state(&arguments.state)?;
     files::not_onto_itself(&arguments.state.file, &arguments.out)?;
     let written = write(&state, &arguments.out)?;
@@ -67,7 +58,7 @@ fn positions(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
             path.display()
         )));
     }
-    let description = files::description(&state.grid, MADE_BY);
+    let description = files::description(&state.grid, &state.mask, MADE_BY);
     files::write(path, &npy::encode(&state.positions))?;
     files::write(&beside, &files::json_bytes(&description))?;
     Ok(vec![path.to_owned(), beside])

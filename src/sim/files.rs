@@ -4,9 +4,9 @@ use super::SPACING_M;
 use crate::cli::sim::StateArguments;
 use crate::exit::Failure;
 use crate::{setting, sources};
-use runtime::start::{Grid, Start, StartFrame, Up};
+use runtime::start::{Grid, Outline, Start, StartFrame, Up};
 use runtime::store;
-use serde_json::Value;
+use serde_json::{Value, json};
 use sim::Mask;
 use std::path::Path;
 
@@ -32,9 +32,14 @@ pub fn read_state(arguments: &StateArguments) -> Result<State, Failure> {
     } = start.grid;
     let grid = sim::Grid::new(dimx as usize, dimy as usize, spacing_m as f32)
         .map_err(|error| Failure::environment(format!("`{}`: {error}", path.display())))?;
-    let mask = match &arguments.outline {
-        Some(outline) => read_outline(outline, grid, path)?,
-        None => Mask::full(grid),
+    let described = match &start.outline {
+        Some(outline) => Some(described_outline(outline, grid, path)?),
+        None => None,
+    };
+    let mask = match (&arguments.outline, described) {
+        (Some(outline), described) => stated_outline(outline, grid, path, described)?,
+        (None, Some(described)) => described,
+        (None, None) => Mask::full(grid),
     };
     Ok(State {
         positions: start.positions,
@@ -43,22 +48,66 @@ pub fn read_state(arguments: &StateArguments) -> Result<State, Failure> {
     })
 }
 
-/// Reads which particles of a state's grid there are.
-fn read_outline(path: &Path, grid: sim::Grid, state: &Path) -> Result<Mask, Failure> {
-    let shown = path.display();
-    let wrong = |why: String| Failure::environment(format!("the outline `{shown}`: {why}"));
+/// Reads an outline from a file of its own; the grid is as large as the outline.
+pub fn read_outline(path: &Path, spacing_m: f32) -> Result<Mask, Failure> {
+    let wrong = |why: String| wrong_outline(path, &why);
     let bytes = sources::read_bounded(path).map_err(wrong)?;
     let text = String::from_utf8(bytes).map_err(|_| wrong("it is not UTF-8 text".to_owned()))?;
-    let mask = Mask::parse(&text, grid.spacing_m).map_err(|error| wrong(error.to_string()))?;
-    if mask.grid() != grid {
-        let [found, wanted] =
-            [mask.grid(), grid].map(|it| format!("{} columns and {} rows", it.dimx, it.dimy));
-        return Err(wrong(format!(
-            "it has {found}; right would be {wanted}, as the grid of `{}`",
-            state.display()
-        )));
+    Mask::parse(&text, spacing_m).map_err(|error| wrong(error.to_string()))
+}
+
+fn wrong_outline(path: &Path, why: &str) -> Failure {
+    Failure::environment(format!("the outline `{}`: {why}", path.display()))
+}
+
+/// Returns the outline that a state's description holds.
+fn described_outline(outline: &Outline, grid: sim::Grid, state: &Path) -> Result<Mask, Failure> {
+    Mask::parse(&outline.text(), grid.spacing_m)
+        .map_err(|error| error.to_string())
+        .and_then(|mask| fits(mask, grid, state))
+        .map_err(|why| {
+            let state = state.display();
+            Failure::environment(format!("the description of `{state}`: {why}"))
+        })
+}
+
+/// Reads the outline that the command line names for a state; it may not say otherwise than the description.
+fn stated_outline(
+    path: &Path,
+    grid: sim::Grid,
+    state: &Path,
+    described: Option<Mask>,
+) -> Result<Mask, Failure> {
+    let mask = fits(read_outline(path, grid.spacing_m)?, grid, state)
+        .map_err(|why| wrong_outline(path, &why))?;
+    match described {
+        Some(described) if described != mask => Err(Failure::usage(format!(
+            "`--outline {}` has {} particles, and the description of `{}` an outline of {} or of others; \
+             leave `--outline` out",
+            path.display(),
+            mask.count(),
+            state.display(),
+            described.count()
+        ))),
+        _ => Ok(mask),
     }
-    Ok(mask)
+}
+
+/// Checks that an outline is of a state's grid.
+fn fits(mask: Mask, grid: sim::Grid, state: &Path) -> Result<Mask, String> {
+    if mask.grid() == grid {
+        return Ok(mask);
+    }
+    let [found, wanted] = [mask.grid(), grid].map(size);
+    Err(format!(
+        "it has {found}; right would be {wanted}, as the grid of `{}`",
+        state.display()
+    ))
+}
+
+/// Says how large a grid is, in words.
+pub fn size(grid: sim::Grid) -> String {
+    format!("{} columns and {} rows", grid.dimx, grid.dimy)
 }
 
 /// Refuses to write over the file that is read.
@@ -90,15 +139,23 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 }
 
 /// Describes positions in the world frame, as a start's description says it, and which verb wrote it.
-pub fn description(grid: &Grid, made_by: &str) -> Value {
+pub fn description(grid: &Grid, mask: &Mask, made_by: &str) -> Value {
     let frame = StartFrame {
         grid: *grid,
         up: Up::Z,
     };
     let mut value =
         serde_json::to_value(frame).expect("a frame has string keys and finite numbers");
+    if let Some(outline) = outline_of(mask) {
+        value["outline"] = json!(outline);
+    }
     value["made_by"] = made_by.into();
     value
+}
+
+/// Returns the outline of a cloth that lacks particles; none of a whole one.
+pub fn outline_of(mask: &Mask) -> Option<Outline> {
+    (!mask.is_full()).then(|| Outline::new(&mask.to_string()))
 }
 
 /// Tells whether a description was written by the verb of that name, which then may replace it.

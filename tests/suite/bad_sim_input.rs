@@ -17,6 +17,7 @@ fn sim_refused(folder: &Path, call: &str, code: i32, words: &[&str]) {
 fn numbers_that_no_cloth_or_machine_has() {
     let folder = tempfile::tempdir().unwrap();
     data_set(folder.path());
+    fs::write(folder.path().join("9x9.txt"), "#########\n".repeat(9)).unwrap();
     for (call, words) in [
         ("time --size 24", &["24", "25..=200"][..]),
         ("time --size 201", &["201", "25..=200"]),
@@ -51,6 +52,18 @@ fn numbers_that_no_cloth_or_machine_has() {
         ("crumple --size 8 --dims 8x8", &["--dims"]),
         ("crumple --dims 8by8", &["`--dims 8by8`", "`55x44`"]),
         ("crumple --dims 8x201", &["`201`", "`2` to `200`"]),
+        (
+            "crumple --size 8 --outline 9x9.txt",
+            &["`--size 8`", "`--outline 9x9.txt`", "9 columns and 9 rows"],
+        ),
+        (
+            "crumple --dims 9x8 --outline 9x9.txt",
+            &[
+                "`--dims 9x8`",
+                "`--outline 9x9.txt`",
+                "9 columns and 9 rows",
+            ],
+        ),
         ("crumple --count 0", &["0", "1..=10000"]),
         (
             "crumple --seed 18446744073709551615 --count 2",
@@ -62,7 +75,7 @@ fn numbers_that_no_cloth_or_machine_has() {
     let left: Vec<_> = fs::read_dir(folder.path()).unwrap().collect();
     assert_eq!(
         left.len(),
-        1,
+        2,
         "a refused call left something behind: {left:?}"
     );
 }
@@ -271,30 +284,48 @@ fn states_and_outputs_that_cannot_be() {
         ("###\n##\n".to_owned(), &["row 2", "fill rows"]),
         (square(201), &["`201`", "`2` to `200`"]),
         (String::new(), &["`0`"]),
+        (square(1), &["`1`", "`2` to `200`"]),
+        (
+            "#.\n..\n".to_owned(),
+            &["1 particles", "at least 4, in a square"],
+        ),
+        (
+            "###\n##.\n..#\n".to_owned(),
+            &["row 1, column 3", "no square"],
+        ),
+        (
+            "##.##\n##.##\n".to_owned(),
+            &["row 1, column 4", "not joined to row 1, column 1"],
+        ),
+        (
+            "##..\n####\n..##\n".to_owned(),
+            &["in parts", "must share two neighbouring"],
+        ),
     ] {
-        fs::write(here.join("outline.txt"), letters).unwrap();
+        fs::write(here.join("outline.txt"), &letters).unwrap();
+        // `crumple` takes any grid, and so the first of these.
+        if letters != square(8) {
+            let call = "crumple --outline outline.txt -o starts";
+            sim_refused(here, call, 2, &[&["`outline.txt`"], words].concat());
+        }
         for verb in ["render", "export"] {
             let out = if verb == "render" { "o.png" } else { "o.obj" };
             let call = format!("{verb} {state} -o {out} --outline outline.txt");
             sim_refused(here, &call, 2, words);
         }
     }
-    let call = format!("export {state} -o o.npy --outline outline.txt");
-    sim_refused(
-        here,
-        &call,
-        64,
-        &["`--outline outline.txt`", "`o.npy`", "`.obj`"],
-    );
     fs::write(here.join("outline.txt"), [0xff]).unwrap();
     let call = format!("render {state} -o o.png --outline outline.txt");
-    sim_refused(here, &call, 2, &["not UTF-8"]);
-    sim_refused(
-        here,
-        &call.replace("outline.txt", "gone.txt"),
-        2,
-        &["`gone.txt`"],
-    );
+    for call in [&call, "crumple --outline outline.txt -o starts"] {
+        sim_refused(here, call, 2, &["not UTF-8"]);
+        sim_refused(
+            here,
+            &call.replace("outline.txt", "gone.txt"),
+            2,
+            &["`gone.txt`"],
+        );
+        sim_refused(here, &call.replace("outline.txt", "."), 2, &["directory"]);
+    }
     fs::write(here.join("state.png"), "mine").unwrap();
     sim_refused(
         here,
@@ -307,4 +338,51 @@ fn states_and_outputs_that_cannot_be() {
     sim_refused(here, "crumple --size 4 -o file", 2, &["`file`"]);
     let left = fs::read_dir(here).unwrap().count();
     assert_eq!(left, 4, "a refused call left something behind");
+}
+
+#[test]
+fn outlines_in_a_description_that_cannot_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write_npy(&here.join("state.npy"), "<f4", "(80, 3)", &flat(10, 8));
+    fs::write(here.join("left.txt"), "#####.....\n".repeat(8)).unwrap();
+    let rows = |row: &str, count: usize| json!(vec![row; count]);
+    for (outline, code, words) in [
+        (json!("##"), 2, &["state.json", "expected a sequence"][..]),
+        (json!([1]), 2, &["state.json", "expected a string"]),
+        (rows("##########", 7), 2, &["has 7 rows", "would be 8"]),
+        (rows("#########", 8), 2, &["row 1", "9 letters", "be 10"]),
+        (
+            rows("#####?????", 8),
+            2,
+            &["`state.npy`", "column 6", "`?`"],
+        ),
+        (rows("#.#.#.#.#.", 8), 2, &["`state.npy`", "no square"]),
+        (rows("..........", 8), 2, &["`state.npy`", "0 particles"]),
+        (
+            rows("        ##", 8),
+            2,
+            &["`state.npy`", "column 1", "` `"],
+        ),
+        (
+            rows(".....#####", 8),
+            64,
+            &["`--outline left.txt`", "`state.npy`", "leave"],
+        ),
+    ] {
+        let description =
+            json!({ "dimx": 10, "dimy": 8, "spacing_m": 0.00625, "up": "y", "outline": outline });
+        fs::write(here.join("state.json"), description.to_string()).unwrap();
+        sim_refused(
+            here,
+            "export state.npy -o o.obj --outline left.txt",
+            code,
+            words,
+        );
+        if code == 2 {
+            sim_refused(here, "render state.npy -o o.png", code, words);
+        }
+    }
+    let left = fs::read_dir(here).unwrap().count();
+    assert_eq!(left, 3, "a refused call left something behind");
 }

@@ -129,3 +129,19 @@ fn a_start_that_no_cloth_can_have() {
     refused(here, &RUN, 2, &["start.npy", "cannot be laid"]);
     assert!(no_run_in(here), "a refused start made a run folder");
 }
+
+#[test]
+fn a_start_with_an_outline_is_none_of_a_rollout() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    demonstrated(here);
+    write_npy(&here.join("start.npy"), "<f4", "(64, 3)", &flat(64));
+    let description = serde_json::json!({
+        "dimx": 8, "dimy": 8, "spacing_m": 0.00625, "up": "y", "outline": vec!["####...."; 8]
+    });
+    fs::write(here.join("start.json"), description.to_string()).unwrap();
+    let call = ["run", "small.fab", "--start", "start.npy"];
+    let words = ["`start.npy`", "has an outline", "whole cloth"];
+    refused(here, &call, 2, &words);
+    assert!(no_run_in(here), "a refused start made a run folder");
+}

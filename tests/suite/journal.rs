@@ -6,8 +6,11 @@ use runtime::cache::Cache;
 use runtime::journal::{JournalError, RunFolder};
 use runtime::model::Geometric;
 use runtime::rollout::RolloutReport;
+use runtime::start::{Start, StartFrame};
 use runtime::world::Look;
-use serde_json::Value;
+use serde_json::{Value, json};
+use sim::{Params, Simulator};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Runs the small task with two expert sequences into `folder`.
@@ -135,6 +138,31 @@ fn the_named_files_give_the_reported_distance() {
         (nearest - reported).abs() < 1e-6,
         "recomputed {nearest}, reported {reported}"
     );
+}
+
+#[test]
+fn every_step_has_the_digest_of_the_positions_that_it_keeps() {
+    let folder = tempfile::tempdir().unwrap();
+    run_small(folder.path());
+    let run = folder.path().join("run");
+    let lines = lines(&run);
+    let frame: StartFrame = serde_json::from_value(json!({
+        "dimx": lines[0]["start"]["grid"]["dimx"],
+        "dimy": lines[0]["start"]["grid"]["dimy"],
+        "spacing_m": lines[0]["start"]["grid"]["spacing_m"],
+        "up": "z",
+    }))
+    .unwrap();
+    let grid = sim::Grid::new(28, 28, 0.00625).unwrap();
+    let mut digests = BTreeSet::new();
+    for line in lines.iter().filter(|line| line["type"] == "step") {
+        let file = run.join(line["files"]["positions"].as_str().unwrap());
+        let kept = Start::load(&file, Some(frame)).unwrap().positions;
+        let cloth = Simulator::from_positions(grid, &kept, &Params::default()).unwrap();
+        assert_eq!(line["digest"], cloth.digest(), "step {}", line["step"]);
+        digests.insert(cloth.digest());
+    }
+    assert_eq!(digests.len(), 2, "two folds, two states");
 }
 
 #[test]

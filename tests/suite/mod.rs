@@ -13,6 +13,7 @@ mod peers;
 mod prompts;
 mod readme;
 mod recorded_starts;
+mod sim_outlines;
 mod sim_replay;
 mod sim_verbs;
 mod stand_in;

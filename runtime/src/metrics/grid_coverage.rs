@@ -3,7 +3,7 @@
 //! In: particle positions, world frame, metres. Out: an area, or its part of the flat cloth's. Known flaws are
 //! kept, since published results have them (protocol, section 5).
 
-use crate::start::Grid;
+use crate::start::{Grid, Outline};
 
 /// Cells along a side of the grid that coverage is counted on (SoftGym).
 const CELLS: usize = 100;
@@ -76,12 +76,57 @@ pub fn coverage(positions: &[[f32; 3]], grid: &Grid) -> Option<f64> {
     (flat_m2 > 0.0).then(|| covered_m2 / flat_m2)
 }
 
+/// Returns the coverage of a cloth of which particles may be missing, by SoftGym's measure.
+///
+/// The flat area is what the measure gives for the cloth laid out flat, as SoftGym has it for whole ones; as there,
+/// it is laid out one spacing longer on each side than it is. Without an outline this is [`coverage`].
+///
+/// - `positions`: `[dimy * dimx]`, grid order; those of missing particles are not read.
+///
+/// `None` where [`covered_area_m2`] is, where positions do not fill the grid, and where the outline misses all.
+pub fn outlined_coverage(
+    positions: &[[f32; 3]],
+    grid: &Grid,
+    outline: Option<&Outline>,
+) -> Option<f64> {
+    let Some(outline) = outline else {
+        return coverage(positions, grid);
+    };
+    if positions.len() as u64 != u64::from(grid.dimx) * u64::from(grid.dimy) {
+        return None;
+    }
+    let there = |index: &usize| outline.has(grid, *index);
+    let indices: Vec<usize> = (0..positions.len()).filter(there).collect();
+    let found: Vec<[f32; 3]> = indices.iter().map(|&index| positions[index]).collect();
+    let covered_m2 = covered_area_m2(&found, grid.spacing_m)?;
+    let flat_m2 = covered_area_m2(&laid_out(&indices, grid), grid.spacing_m)?;
+    (flat_m2 > 0.0).then(|| covered_m2 / flat_m2)
+}
+
+/// Lays particles out flat as SoftGym does to measure the flat area: their box stretched by one spacing a side.
+///
+/// The box is that of the particles there are, so that missing rows and columns around them change nothing.
+fn laid_out(indices: &[usize], grid: &Grid) -> Vec<[f32; 3]> {
+    let dimx = grid.dimx as usize;
+    let along = |place: &dyn Fn(usize) -> usize| -> Vec<f64> {
+        let places = || indices.iter().map(|&index| place(index));
+        let first = places().min().unwrap_or_default();
+        let steps = (places().max().unwrap_or_default() - first).max(1) as f64;
+        let pitch_m = (steps + 1.0) / steps * grid.spacing_m;
+        let at = |place: usize| ((place - first) as f64 - 0.5 * steps) * pitch_m;
+        places().map(at).collect()
+    };
+    let [xs, ys] = [along(&|index| index % dimx), along(&|index| index / dimx)];
+    let points = xs.into_iter().zip(ys);
+    points.map(|(x, y)| [x as f32, -y as f32, 0.0]).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// A flat cloth stretched by one spacing along each side, as SoftGym lays it to measure the flat area.
-    fn laid_out(grid: &Grid) -> Vec<[f32; 3]> {
+    fn laid_out_whole(grid: &Grid) -> Vec<[f32; 3]> {
         let at = |index: u32, dim: u32| {
             let side_m = f64::from(dim) * grid.spacing_m;
             (f64::from(index) / f64::from(dim - 1) - 0.5) * side_m
@@ -106,7 +151,7 @@ mod tests {
     fn a_cloth_laid_out_over_its_flat_area_covers_all_of_it() {
         for (dimx, dimy) in [(2, 2), (3, 7), (40, 44), (42, 42), (59, 47), (101, 100)] {
             let grid = grid(dimx, dimy);
-            let covered = coverage(&laid_out(&grid), &grid).expect("a cloth");
+            let covered = coverage(&laid_out_whole(&grid), &grid).expect("a cloth");
             assert!((covered - 1.0).abs() < 1e-5, "{dimx} x {dimy}: {covered}");
         }
     }
@@ -114,7 +159,7 @@ mod tests {
     #[test]
     fn a_flat_cloth_scores_what_the_protocol_says_along_the_axes_and_across() {
         let grid = grid(42, 42);
-        let flat = laid_out(&grid)
+        let flat = laid_out_whole(&grid)
             .iter()
             .map(|[x, y, z]| [x * 41.0 / 42.0, y * 41.0 / 42.0, *z])
             .collect::<Vec<_>>();
@@ -141,6 +186,77 @@ mod tests {
         assert_eq!(coverage(&[[0.1, 0.2, 0.0]; 16], &grid), Some(0.0));
         let line: Vec<_> = (0..16).map(|i| [i as f32 * 0.01, 0.0, 0.0]).collect();
         assert_eq!(coverage(&line, &grid), Some(0.0));
+    }
+
+    /// A flat cloth along the axes, unstretched, its missing particles far away.
+    fn flat_with(grid: &Grid, outline: &Outline) -> Vec<[f32; 3]> {
+        let dimx = grid.dimx as usize;
+        (0..dimx * grid.dimy as usize)
+            .map(|index| match outline.has(grid, index) {
+                true => [(index % dimx) as f32, -((index / dimx) as f32), 0.8],
+                false => [900.0, 900.0, 900.0],
+            })
+            .map(|point| point.map(|at| at * 0.00625))
+            .collect()
+    }
+
+    #[test]
+    fn a_full_outline_measures_as_none_does() {
+        for (dimx, dimy) in [(2, 2), (3, 7), (40, 44), (59, 47)] {
+            let grid = grid(dimx, dimy);
+            let row = "#".repeat(dimx as usize) + "\n";
+            let outline = Outline::new(&row.repeat(dimy as usize));
+            for share in [1.0, 0.5] {
+                let heap: Vec<_> = flat_with(&grid, &outline)
+                    .into_iter()
+                    .map(|[x, y, z]| [x * share, y, z])
+                    .collect();
+                let [whole, outlined] = [None, Some(&outline)]
+                    .map(|it| outlined_coverage(&heap, &grid, it).expect("a cloth"));
+                assert_eq!(Some(whole), coverage(&heap, &grid));
+                assert!((whole - outlined).abs() < 1e-5, "{whole}, {outlined}");
+            }
+        }
+    }
+
+    #[test]
+    fn missing_particles_and_margins_count_for_nothing() {
+        // A block of 20 by 20 in a corner of 50 by 40; what is around it is missing.
+        let block = "#".repeat(20) + &".".repeat(30) + "\n";
+        let outline = Outline::new(&(block.repeat(20) + &(".".repeat(50) + "\n").repeat(20)));
+        let wide = grid(50, 40);
+        let covered = outlined_coverage(&flat_with(&wide, &outline), &wide, Some(&outline));
+        let alone = coverage(
+            &flat_with(
+                &grid(20, 20),
+                &Outline::new(&("#".repeat(20) + "\n").repeat(20)),
+            ),
+            &grid(20, 20),
+        );
+        let [covered, alone] = [covered, alone].map(Option::unwrap_or_default);
+        assert!((covered - alone).abs() < 1e-5, "{covered}, alone {alone}");
+    }
+
+    #[test]
+    fn a_flat_t_shirt_covers_nearly_all_of_itself() {
+        let outline = Outline::new(include_str!("../../../sim/outlines/t_shirt.txt"));
+        let grid = grid(50, 50);
+        let flat = flat_with(&grid, &outline);
+        let covered = outlined_coverage(&flat, &grid, Some(&outline)).unwrap_or_default();
+        assert!((0.95..1.0).contains(&covered), "{covered}");
+        // Over the area of the whole square it would be far less.
+        let there: Vec<_> = flat.into_iter().filter(|point| point[0] < 1.0).collect();
+        assert!(coverage(&there, &grid).is_some_and(|it| it < 0.8));
+    }
+
+    #[test]
+    fn what_has_no_particle_has_no_coverage() {
+        let (grid, points) = (grid(2, 2), [[0.0; 3]; 4]);
+        let none = Outline::new("..\n..\n");
+        assert_eq!(outlined_coverage(&points, &grid, Some(&none)), None);
+        let full = Outline::new("##\n##\n");
+        assert_eq!(outlined_coverage(&points[1..], &grid, Some(&full)), None);
+        assert_eq!(outlined_coverage(&points, &grid, Some(&full)), Some(0.0));
     }
 
     #[test]

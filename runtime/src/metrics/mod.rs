@@ -7,7 +7,7 @@
 mod grid_coverage;
 mod true_coverage;
 
-pub use grid_coverage::{coverage, covered_area_m2, flat_area_m2};
+pub use grid_coverage::{coverage, covered_area_m2, flat_area_m2, outlined_coverage};
 pub use true_coverage::{true_coverage, true_covered_area_m2};
 
 /// Returns the mean distance between equal particles of two states, metres.

@@ -10,7 +10,7 @@ use crate::outcome::Outcome;
 use crate::sheet::Sheet;
 use crate::vision;
 use crate::world::World;
-use crate::{npy, picture};
+use crate::{digest, npy, picture};
 use image::RgbImage;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -199,6 +199,7 @@ impl Keeper {
                 &npy::encode(&positions),
             )?;
             line.files.insert("positions".to_owned(), json!(name));
+            line.digest = Some(digest::of_positions(&positions));
             self.final_positions = Some(name);
         }
         Ok(())

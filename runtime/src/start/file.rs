@@ -3,7 +3,7 @@
 //! In: a path, and where the user states them the grid and the axis that points up. Out: a
 //! [`Start`] in the world frame. Files are bounded before they are read.
 
-use super::Start;
+use super::{Outline, Start};
 use crate::{bounded, npy};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -42,6 +42,24 @@ pub struct StartFrame {
     pub grid: Grid,
     /// The axis that points up.
     pub up: Up,
+}
+
+/// What a file beside the positions says of them.
+#[derive(Deserialize)]
+struct Description {
+    #[serde(flatten)]
+    frame: StartFrame,
+    #[serde(default)]
+    outline: Option<Outline>,
+}
+
+impl From<StartFrame> for Description {
+    fn from(frame: StartFrame) -> Description {
+        Description {
+            frame,
+            outline: None,
+        }
+    }
 }
 
 /// Why a start file cannot be used.
@@ -109,9 +127,9 @@ pub enum StartError {
 
 pub(super) fn load(path: &Path, stated: Option<StartFrame>) -> Result<Start, StartError> {
     let (shape, numbers) = read_npy(path)?;
-    let frame = match stated {
-        Some(frame) => frame,
-        None => find_frame(path)?,
+    let Description { frame, outline } = match stated {
+        Some(frame) => frame.into(),
+        None => find_description(path)?,
     };
     let grid = frame.grid;
     let wanted = u64::from(grid.dimx) * u64::from(grid.dimy);
@@ -145,6 +163,7 @@ pub(super) fn load(path: &Path, stated: Option<StartFrame>) -> Result<Start, Sta
         name: path.display().to_string(),
         seed: None,
         grid,
+        outline,
         positions,
     })
 }
@@ -196,23 +215,27 @@ fn read_npy(path: &Path) -> Result<(Vec<u64>, Vec<f64>), StartError> {
     Ok((shape, numbers.map_err(|error| wrong(error.to_string()))?))
 }
 
-fn find_frame(path: &Path) -> Result<StartFrame, StartError> {
+fn find_description(path: &Path) -> Result<Description, StartError> {
     let beside = path.with_extension("json");
     if beside.is_file() {
         let wrong = |why: String| StartError::Description {
             path: beside.clone(),
             why,
         };
-        let frame: StartFrame = serde_json::from_value(read_json(&beside)?)
+        let described: Description = serde_json::from_value(read_json(&beside)?)
             .map_err(|error| wrong(error.to_string()))?;
-        return check_grid(frame, &beside);
+        check_grid(described.frame, &beside)?;
+        if let Some(outline) = &described.outline {
+            outline.check(&described.frame.grid).map_err(wrong)?;
+        }
+        return Ok(described);
     }
     let mut folder = path.parent().map(Path::to_owned);
     for _ in 0..MANIFEST_LEVELS {
         let Some(here) = folder else { break };
         let manifest = here.join("manifest.json");
         if manifest.is_file() {
-            return frame_in_manifest(&manifest, path);
+            return frame_in_manifest(&manifest, path).map(Description::from);
         }
         folder = here.parent().map(Path::to_owned);
     }

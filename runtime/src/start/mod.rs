@@ -5,8 +5,10 @@
 //! possible is the world's to judge.
 
 mod file;
+mod outline;
 
 pub use file::{Grid, StartError, StartFrame, Up};
+pub use outline::Outline;
 
 use compiler::program::Cloth;
 use sha2::{Digest, Sha256};
@@ -23,7 +25,9 @@ pub struct Start {
     pub seed: Option<u64>,
     /// The particle grid.
     pub grid: Grid,
-    /// `[dimy * dimx]` positions, index `iy * dimx + ix`, world frame, metres.
+    /// Which particles of the grid there are; all of them where there is no outline.
+    pub outline: Option<Outline>,
+    /// `[dimy * dimx]` positions, index `iy * dimx + ix`, world frame, metres. Those of missing particles mean nothing.
     pub positions: Vec<[f32; 3]>,
 }
 
@@ -42,14 +46,15 @@ impl Start {
         Start::turned(format!("seed {seed}"), Some(seed), cloth, angle_rad)
     }
 
-    /// Names a cloth that a world has crumpled by a seed; see [`crate::world::World::crumple`].
+    /// Names this cloth as a world has crumpled it by a seed; see [`crate::world::World::crumple`].
     ///
     /// - `positions`: `[dimy * dimx]`, index `iy * dimx + ix`, world frame, metres.
-    pub fn crumpled(grid: Grid, seed: u64, positions: Vec<[f32; 3]>) -> Start {
+    pub fn crumpled(&self, seed: u64, positions: Vec<[f32; 3]>) -> Start {
         Start {
             name: format!("crumpled, seed {seed}"),
             seed: Some(seed),
-            grid,
+            grid: self.grid,
+            outline: self.outline.clone(),
             positions,
         }
     }
@@ -77,6 +82,7 @@ impl Start {
             name,
             seed,
             grid,
+            outline: None,
             positions,
         }
     }
@@ -84,12 +90,13 @@ impl Start {
     /// Reads a start from a `.npy` file of shape `[dimx * dimy, 3]`, metres.
     ///
     /// Frame and grid come from `stated`, else from `NAME.json` beside the file, else from the
-    /// `manifest.json` of a recorded data set above it; they are never guessed.
+    /// `manifest.json` of a recorded data set above it; they are never guessed. `NAME.json` may hold an outline;
+    /// it is not read where the frame is stated.
     pub fn load(path: &std::path::Path, stated: Option<StartFrame>) -> Result<Start, StartError> {
         file::load(path, stated)
     }
 
-    /// Returns the start's identity: SHA-256 over grid and positions, hex.
+    /// Returns the start's identity: SHA-256 over grid, positions, and outline where there is one, hex.
     pub fn digest(&self) -> String {
         let mut hash = Sha256::new();
         hash.update(self.grid.dimx.to_le_bytes());
@@ -97,6 +104,9 @@ impl Start {
         hash.update(self.grid.spacing_m.to_le_bytes());
         for coordinate in self.positions.iter().flatten() {
             hash.update(coordinate.to_le_bytes());
+        }
+        if let Some(outline) = &self.outline {
+            hash.update(outline.text());
         }
         crate::digest::hex(&hash.finalize())
     }

@@ -10,7 +10,11 @@ use crate::vision::DepthImage;
 use compiler::program;
 use image::RgbImage;
 pub use sim::Look;
-use sim::{Grid, Params, SimError, Simulator, TopDownCamera};
+use sim::{Grid, Mask, Params, SimError, Simulator, TopDownCamera};
+
+/// Why a cloth with missing particles is not laid for actions: its corners, which tasks name, may not exist.
+const OUTLINED: &str =
+    "it has an outline, and a rollout needs a whole cloth; `fabc sim render` and `export` take it";
 
 /// A simulated cloth under a simulated camera.
 pub struct SimulatedWorld {
@@ -64,7 +68,15 @@ impl SimulatedWorld {
             start.grid.spacing_m as f32,
         )
         .map_err(|error| wrong(error.to_string()))?;
-        Simulator::from_positions(grid, &start.positions, &self.parameters)
+        let mask = match &start.outline {
+            Some(outline) => Mask::parse(&outline.text(), grid.spacing_m)
+                .map_err(|error| wrong(error.to_string()))?,
+            None => Mask::full(grid),
+        };
+        if mask.grid() != grid {
+            return Err(wrong("its outline is of another grid".to_owned()));
+        }
+        Simulator::from_positions(mask, &start.positions, &self.parameters)
             .map_err(|error| wrong(error.to_string()))
     }
 
@@ -87,6 +99,12 @@ impl World for SimulatedWorld {
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
+        if start.outline.is_some() {
+            return Err(WorldError::Start {
+                start: start.name.clone(),
+                why: OUTLINED.to_owned(),
+            });
+        }
         self.cloth = Some(self.lay(start)?);
         Ok(())
     }
@@ -134,11 +152,11 @@ impl World for SimulatedWorld {
             .crumple_until(
                 seed,
                 crumple::MOST_LIFTS,
-                &|positions| crumple::is_start(positions, &start.grid),
+                &|positions| crumple::is_start(positions, start),
                 &|| interrupt.is_raised(),
             )
             .map_err(stopped)?;
-        Ok(Start::crumpled(start.grid, seed, cloth.positions()))
+        Ok(start.crumpled(seed, cloth.positions()))
     }
 
     fn particles(&self) -> Option<Vec<[f32; 3]>> {
