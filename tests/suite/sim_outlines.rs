@@ -164,7 +164,7 @@ fn a_crumpled_t_shirt_lies_in_a_heap_on_the_middle_of_the_table() {
     let covered = start["coverage"].as_f64().unwrap();
     assert!((0.32..=0.63).contains(&covered), "{start}");
     let truly = start["true_coverage"].as_f64().unwrap();
-    assert!((0.8..1.0).contains(&(truly / covered)), "{start}");
+    assert!((0.8..1.1).contains(&(truly / covered)), "{start}");
     let read = positions_in(here, start);
     let mut mean = [0.0; 2];
     for (index, point) in read.positions.iter().enumerate() {
