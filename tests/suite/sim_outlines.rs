@@ -1,9 +1,10 @@
 //! Cloths with missing particles through the `sim` verbs: crumpled, described, drawn and exported again.
 
+use super::bad_starts::write_npy;
 use super::sim_verbs::told;
 use super::support::project;
 use runtime::metrics;
-use runtime::start::Start;
+use runtime::start::{Outline, Start};
 use serde_json::{Value, json};
 use sim::{Grid, Mask, mesh};
 use std::fs;
@@ -102,7 +103,7 @@ fn a_start_with_an_outline_is_drawn_and_exported_without_naming_it_again() {
     let file = "starts/crumpled_letter_16x14_0.npy";
     // Without the outline file: the description holds it.
     fs::remove_file(here.join("letter.txt")).unwrap();
-    let drawn = told(here, &["render", file, "-o", "heap.png"]);
+    told(here, &["render", file, "-o", "heap.png"]);
     let value = told(here, &["export", file, "-o", "heap.obj"]);
     assert_eq!(value["particles"], 16 * 8 + 8 * 6);
     // What is exported and read again is the same cloth.
@@ -115,11 +116,24 @@ fn a_start_with_an_outline_is_drawn_and_exported_without_naming_it_again() {
     let call = ["render", file, "--outline", "same.txt", "-o", "same.png"];
     told(here, &call);
     assert_eq!(bytes("same.png"), bytes("heap.png"));
-    // Where nothing says what is missing, cloth is drawn to the origin, where missing particles are.
+    // Where missing particles lie changes nothing, unless nothing says that they are missing.
+    let start = Start::load(&here.join(file), None).unwrap();
+    let mask = Mask::parse(&letter(), SPACING_M).unwrap();
+    let moved: Vec<u8> = (0..16 * 14)
+        .map(|index| match mask.has(index) {
+            true => start.positions[index],
+            false => [0.2, 0.2, 0.1],
+        })
+        .flat_map(|point| point.map(f32::to_le_bytes).concat())
+        .collect();
+    write_npy(&here.join("moved.npy"), "<f4", "(224, 3)", &moved);
+    let description = here.join(file).with_extension("json");
+    fs::copy(description, here.join("moved.json")).unwrap();
+    told(here, &["render", "moved.npy", "-o", "moved.png"]);
+    assert_eq!(bytes("moved.png"), bytes("heap.png"));
     let call = ["--dims", "16x14", "--up", "z", "-o", "whole.png"];
-    let whole = told(here, &[&["render", file], &call[..]].concat());
-    let [drawn, whole] = [drawn, whole].map(|it| it["cloth_px"].as_u64().unwrap());
-    assert!(drawn > 100 && drawn < whole, "{drawn} of {whole} pixels");
+    told(here, &[&["render", "moved.npy"], &call[..]].concat());
+    assert_ne!(bytes("whole.png"), bytes("heap.png"));
 }
 
 #[test]
@@ -131,8 +145,10 @@ fn an_outline_named_for_positions_is_kept_in_their_description() {
     let call = ["--dims", "16x14", "--up", "z", "--outline", "letter.txt"];
     let export = ["export", file, "-o", "named.npy"];
     told(here, &[&export, &call[..]].concat());
-    let [named, described] = ["named.npy", file].map(|it| Start::load(&here.join(it), None));
-    assert_eq!(named.unwrap().digest(), described.unwrap().digest());
+    let [named, described] =
+        ["named.npy", file].map(|it| Start::load(&here.join(it), None).unwrap());
+    assert_eq!(named.outline, Some(Outline::new(&letter())));
+    assert_eq!(named.digest(), described.digest());
 }
 
 #[test]
