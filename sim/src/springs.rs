@@ -1,9 +1,10 @@
 //! Springs that keep the cloth's lengths: stretch, shear and bend.
 //!
 //! In: positions and inverse masses. Out: positions moved towards the rest lengths, in place. The springs
-//! follow from the grid, so no list of them exists: each family is a loop over pairs of rows, eight springs at
-//! a time, none of which share a particle. Springs along rows run on a transposed copy, where they are springs
-//! along columns. Springs of padding, and of missing particles, are there like all others, without stiffness.
+//! follow from the grid, so no list of them exists: each family is a loop over slots and those a row, or so, away,
+//! eight springs at a time, none of which share a particle. Springs along rows run on a transposed copy, where they
+//! are springs along columns. Springs of missing particles, and from the end of a row to the beginning of the next,
+//! are there like all others, without stiffness.
 
 use crate::layout::{LANES, Layout};
 use crate::params::Params;
@@ -22,19 +23,26 @@ pub(crate) enum Direction {
     Backward,
 }
 
-/// Springs between rows `r` and `r + rows_apart`, from column `lower_column + k` to `upper_column + k`.
+/// Springs from slots `lower + k` to slots `upper + k`, in the order of `k`.
+///
+/// They are pulled in runs that are short enough for the two ends of a run to have no slot in common.
 #[derive(Clone, Debug)]
 struct Family {
-    row_pairs: usize,
-    rows_apart: usize,
-    lower_column: usize,
-    upper_column: usize,
-    stride: usize,
+    lower: usize,
+    upper: usize,
+    /// Springs of a run, whole lanes.
+    run: usize,
+    /// Whole runs; what is left over follows them.
+    runs: usize,
     rest_m: f32,
-    /// Stiffness of each spring of a row pair, whole lanes; one row for all pairs, or one for each.
+    /// Stiffness of spring `k` is `stiffness[k % period]`, for whole runs from any `k` below the period on.
     stiffness: Vec<f32>,
-    /// Distance between the rows of `stiffness`: 0 if one row holds for all.
-    stiffness_step: usize,
+    period: usize,
+    /// Stiffness of the springs after the last whole run, filled up to whole lanes.
+    tail: Vec<f32>,
+    /// By run, and for the tail: whether an end is a fixed particle.
+    fixed: Vec<bool>,
+    count: usize,
 }
 
 /// All springs of one cloth.
@@ -46,15 +54,8 @@ pub(crate) struct Springs {
     layout: Layout,
     across: Layout,
     transposed: Planes,
-    weights: Weights,
-    transposed_weights: Weights,
-}
-
-/// Inverse masses in one layout, and which rows hold a fixed particle.
-#[derive(Clone, Debug)]
-struct Weights {
     inverse_mass: Vec<f32>,
-    fixed_rows: Vec<bool>,
+    transposed_inverse_mass: Vec<f32>,
 }
 
 impl Springs {
@@ -82,8 +83,8 @@ impl Springs {
             along_diagonals: [diagonal([0, 1]), diagonal([1, 0])],
             along_rows: [straight(&across, 1, stretch), straight(&across, 2, bend)],
             transposed: Planes::zeros(across.len()),
-            weights: Weights::of(layout, &layout.free()),
-            transposed_weights: Weights::of(&across, &across.free()),
+            inverse_mass: layout.free(),
+            transposed_inverse_mass: across.free(),
             layout: layout.clone(),
             across,
         }
@@ -92,17 +93,27 @@ impl Springs {
     /// Returns the number of springs that a sweep pulls.
     pub fn count(&self) -> usize {
         let families = [&self.along_columns, &self.along_diagonals, &self.along_rows];
-        families.into_iter().flatten().map(Family::count).sum()
+        families
+            .into_iter()
+            .flatten()
+            .map(|family| family.count)
+            .sum()
     }
 
     /// Notes which particles can move, before any sweep that follows.
     ///
     /// - `inverse_mass`: by slot of the layout, 1 for a free and 0 for a held particle.
     pub fn set_inverse_mass(&mut self, inverse_mass: &[f32]) {
-        let mut transposed = vec![0.0; self.across.len()];
-        self.layout.transpose(inverse_mass, &mut transposed);
-        self.weights = Weights::of(&self.layout, inverse_mass);
-        self.transposed_weights = Weights::of(&self.across, &transposed);
+        self.inverse_mass.copy_from_slice(inverse_mass);
+        self.layout
+            .transpose(inverse_mass, &mut self.transposed_inverse_mass);
+        let families = self.along_columns.iter_mut();
+        for family in families.chain(&mut self.along_diagonals) {
+            family.note_fixed(&self.layout, inverse_mass);
+        }
+        for family in &mut self.along_rows {
+            family.note_fixed(&self.across, &self.transposed_inverse_mass);
+        }
     }
 
     /// Pulls every spring towards its rest length once, row after row (Gauss-Seidel).
@@ -113,14 +124,14 @@ impl Springs {
         match direction {
             Direction::Forward => {
                 for family in self.along_columns.iter().chain(&self.along_diagonals) {
-                    family.pull(positions, &self.weights, direction);
+                    family.pull(positions, &self.inverse_mass, direction);
                 }
                 self.sweep_rows(positions, direction);
             }
             Direction::Backward => {
                 self.sweep_rows(positions, direction);
                 for family in self.along_columns.iter().chain(&self.along_diagonals).rev() {
-                    family.pull(positions, &self.weights, direction);
+                    family.pull(positions, &self.inverse_mass, direction);
                 }
             }
         }
@@ -137,7 +148,7 @@ impl Springs {
             Direction::Backward => [bend, stretch],
         };
         for family in order {
-            family.pull(&mut self.transposed, &self.transposed_weights, direction);
+            family.pull(&mut self.transposed, &self.transposed_inverse_mass, direction);
         }
         across.transpose(&self.transposed.x, &mut positions.x);
         across.transpose(&self.transposed.y, &mut positions.y);
@@ -145,109 +156,106 @@ impl Springs {
     }
 }
 
-impl Weights {
-    fn of(layout: &Layout, inverse_mass: &[f32]) -> Weights {
-        let is_fixed = |row: usize| {
-            let slots = layout.row(row);
-            let mut present = slots.clone().zip(&inverse_mass[slots]);
-            present.any(|(slot, &mass)| mass == 0.0 && layout.is_present(slot))
-        };
-        Weights {
-            inverse_mass: inverse_mass.to_vec(),
-            fixed_rows: (0..layout.rows()).map(is_fixed).collect(),
-        }
-    }
-}
-
 impl Family {
     fn new(
         layout: &Layout,
         rows_apart: usize,
-        [lower_column, upper_column]: [usize; 2],
+        [lower, upper_column]: [usize; 2],
         rest_m: f32,
         stiffness: f32,
     ) -> Family {
-        let springs = layout.columns() - lower_column.max(upper_column);
-        let lanes = springs.next_multiple_of(LANES);
-        let row_pairs = layout.rows().saturating_sub(rows_apart);
-        let rows = if layout.is_full() {
-            row_pairs.min(1)
-        } else {
-            row_pairs
+        let stride = layout.stride();
+        let upper = rows_apart * stride + upper_column;
+        let springs = layout.rows().saturating_sub(rows_apart) * stride;
+        // Springs from the end of one row to the beginning of another have no stiffness.
+        let is_there = |k: usize| {
+            let columns = [(lower + k) % stride, (upper + k) % stride];
+            columns[0] + upper_column == columns[1] + lower
+                && layout.is_present(lower + k)
+                && layout.is_present(upper + k)
         };
-        let mut all = vec![0.0; rows * lanes];
-        for row in 0..rows {
-            for k in 0..springs {
-                let lower = layout.row(row).start + lower_column + k;
-                let upper = layout.row(row + rows_apart).start + upper_column + k;
-                if layout.is_present(lower) && layout.is_present(upper) {
-                    all[row * lanes + k] = stiffness;
-                }
-            }
-        }
+        let all: Vec<f32> = (0..springs)
+            .map(|k| if is_there(k) { stiffness } else { 0.0 })
+            .collect();
+        let run = (upper - lower) / LANES * LANES;
+        let runs = springs / run;
+        let mut tail = all[runs * run..].to_vec();
+        tail.resize(tail.len().next_multiple_of(LANES), 0.0);
+        let count = all.iter().filter(|&&stiffness| stiffness > 0.0).count();
+        // All rows of a cloth without holes are alike.
+        let period = if layout.is_full() { stride } else { springs };
+        let stiffness = all.iter().copied().cycle();
         Family {
-            row_pairs,
-            rows_apart,
-            lower_column,
-            upper_column,
-            stride: layout.stride(),
+            lower,
+            upper,
+            run,
+            runs,
             rest_m,
-            stiffness: all,
-            stiffness_step: if layout.is_full() { 0 } else { lanes },
+            stiffness: match springs {
+                0 => Vec::new(),
+                _ => stiffness.take(period + run).collect(),
+            },
+            period,
+            tail,
+            fixed: vec![false; runs + 1],
+            count,
         }
     }
 
-    fn count(&self) -> usize {
-        let listed = self
-            .stiffness
-            .iter()
-            .filter(|&&stiffness| stiffness > 0.0)
-            .count();
-        match self.stiffness_step {
-            0 => listed * self.row_pairs,
-            _ => listed,
+    fn note_fixed(&mut self, layout: &Layout, inverse_mass: &[f32]) {
+        for (index, fixed) in self.fixed.iter_mut().enumerate() {
+            let springs = index * self.run..((index + 1) * self.run);
+            let is_fixed = |slot: usize| {
+                slot < layout.len() && inverse_mass[slot] == 0.0 && layout.is_present(slot)
+            };
+            *fixed = springs
+                .into_iter()
+                .any(|k| is_fixed(self.lower + k) || is_fixed(self.upper + k));
         }
     }
 
-    fn pull(&self, positions: &mut Planes, weights: &Weights, direction: Direction) {
+    fn pull(&self, positions: &mut Planes, inverse_mass: &[f32], direction: Direction) {
         let Planes { x, y, z } = positions;
-        pull_rows(x, y, z, weights, self, direction);
+        pull_runs(x, y, z, inverse_mass, self, direction);
     }
 }
 
-/// Pulls one family, row pair after row pair.
+/// Pulls one family, run after run.
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
-fn pull_rows(
+fn pull_runs(
     x: &mut [f32],
     y: &mut [f32],
     z: &mut [f32],
-    weights: &Weights,
+    inverse_mass: &[f32],
     family: &Family,
     direction: Direction,
 ) {
-    let lanes = match family.stiffness_step {
-        0 => family.stiffness.len(),
-        step => step,
-    };
-    for pair in 0..family.row_pairs {
-        let row = match direction {
-            Direction::Forward => pair,
-            Direction::Backward => family.row_pairs - 1 - pair,
+    for index in 0..=family.runs {
+        let index = match direction {
+            Direction::Forward => index,
+            Direction::Backward => family.runs - index,
         };
-        let lower = row * family.stride + family.lower_column;
-        let upper = (row + family.rows_apart) * family.stride + family.upper_column;
-        let (ax, bx) = two_rows(x, lower, upper, lanes);
-        let (ay, by) = two_rows(y, lower, upper, lanes);
-        let (az, bz) = two_rows(z, lower, upper, lanes);
-        let from = row * family.stiffness_step;
-        let stiffness = family.stiffness[from..from + lanes].chunks_exact(LANES);
+        let from = index * family.run;
+        let stiffness = if index < family.runs {
+            let start = from % family.period;
+            &family.stiffness[start..start + family.run]
+        } else {
+            &family.tail[..]
+        };
+        let n = stiffness.len();
+        let (lower, upper) = (family.lower + from, family.upper + from);
+        let (ax, bx) = two_runs(x, lower, upper, n);
+        let (ay, by) = two_runs(y, lower, upper, n);
+        let (az, bz) = two_runs(z, lower, upper, n);
         let a_blocks = blocks(ax).zip(blocks(ay)).zip(blocks(az));
         let b_blocks = blocks(bx).zip(blocks(by)).zip(blocks(bz));
-        let ends = a_blocks.zip(b_blocks).zip(stiffness);
-        if weights.fixed_rows[row] | weights.fixed_rows[row + family.rows_apart] {
-            let wa = weights.inverse_mass[lower..lower + lanes].chunks_exact(LANES);
-            let wb = weights.inverse_mass[upper..upper + lanes].chunks_exact(LANES);
-            for (((((ax, ay), az), ((bx, by), bz)), stiffness), (wa, wb)) in ends.zip(wa.zip(wb)) {
+        let ends = a_blocks.zip(b_blocks).zip(stiffness.as_chunks().0);
+        if family.fixed[index] {
+            let wa = inverse_mass[lower..lower + n].as_chunks::<LANES>().0;
+            let wb = inverse_mass[upper..upper + n].as_chunks::<LANES>().0;
+            for (((((ax, ay), az), ((bx, by), bz)), stiffness), (wa, wb)) in
+                ends.zip(wa.iter().zip(wb))
+            {
                 let share = |k: usize| {
                     let weight = wa[k] + wb[k];
                     let share = 1.0 / if weight > 0.5 { weight } else { 1.0 };
@@ -271,14 +279,14 @@ fn pull_rows(
 
 /// Returns `n` values from `lower` on and `n` from `upper` on; `lower + n <= upper`.
 #[inline(always)]
-fn two_rows(plane: &mut [f32], lower: usize, upper: usize, n: usize) -> (&mut [f32], &mut [f32]) {
+fn two_runs(plane: &mut [f32], lower: usize, upper: usize, n: usize) -> (&mut [f32], &mut [f32]) {
     let (before, after) = plane.split_at_mut(upper);
     (&mut before[lower..lower + n], &mut after[..n])
 }
 
 #[inline(always)]
-fn blocks(row: &mut [f32]) -> std::slice::ChunksExactMut<'_, f32> {
-    row.chunks_exact_mut(LANES)
+fn blocks(run: &mut [f32]) -> std::slice::IterMut<'_, [f32; LANES]> {
+    run.as_chunks_mut().0.iter_mut()
 }
 
 /// Pulls the springs between equal lanes of `a` and `b`.
@@ -286,9 +294,9 @@ fn blocks(row: &mut [f32]) -> std::slice::ChunksExactMut<'_, f32> {
 /// - `share`: what of a correction each of the two ends makes, by lane.
 #[inline(always)]
 fn pull_lanes(
-    [ax, ay, az]: [&mut [f32]; 3],
-    [bx, by, bz]: [&mut [f32]; 3],
-    stiffness: &[f32],
+    [ax, ay, az]: [&mut [f32; LANES]; 3],
+    [bx, by, bz]: [&mut [f32; LANES]; 3],
+    stiffness: &[f32; LANES],
     share: impl Fn(usize) -> (f32, f32),
     rest_m: f32,
 ) {
@@ -306,10 +314,5 @@ fn pull_lanes(
         y[1][k] = by[k] - pull_b * dy;
         z[1][k] = bz[k] - pull_b * dz;
     }
-    ax.copy_from_slice(&x[0]);
-    ay.copy_from_slice(&y[0]);
-    az.copy_from_slice(&z[0]);
-    bx.copy_from_slice(&x[1]);
-    by.copy_from_slice(&y[1]);
-    bz.copy_from_slice(&z[1]);
+    ([*ax, *bx], [*ay, *by], [*az, *bz]) = (x, y, z);
 }
