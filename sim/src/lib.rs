@@ -31,6 +31,7 @@
 //! with exact roots and quotients, they give the same bits at any width.
 
 mod camera;
+mod cells;
 mod contacts;
 mod crumple;
 mod digest;

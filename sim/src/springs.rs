@@ -148,7 +148,11 @@ impl Springs {
             Direction::Backward => [bend, stretch],
         };
         for family in order {
-            family.pull(&mut self.transposed, &self.transposed_inverse_mass, direction);
+            family.pull(
+                &mut self.transposed,
+                &self.transposed_inverse_mass,
+                direction,
+            );
         }
         across.transpose(&self.transposed.x, &mut positions.x);
         across.transpose(&self.transposed.y, &mut positions.y);
