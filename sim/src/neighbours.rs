@@ -207,6 +207,9 @@ fn search(
     found: &mut Found,
 ) {
     let (first, columns) = (cells.first(), cells.columns());
+    let n = values[0].len();
+    let [x, y, z, column, row] = values;
+    let values = [&x[..n], &y[..n], &z[..n], &column[..n], &row[..n]];
     let all = first.len() - 1;
     for cell in range {
         let own = first[cell] as usize..first[cell + 1] as usize;

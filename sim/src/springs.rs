@@ -35,10 +35,10 @@ struct Family {
     /// Whole runs; what is left over follows them.
     runs: usize,
     rest_m: f32,
-    /// Stiffness of spring `k` is `stiffness[k % period]`, for whole runs from any `k` below the period on.
-    stiffness: Vec<f32>,
+    /// Half the stiffness of spring `k` is `halves[k % period]`, for whole runs from any `k` below the period on.
+    halves: Vec<f32>,
     period: usize,
-    /// Stiffness of the springs after the last whole run, filled up to whole lanes.
+    /// Half the stiffness of the springs after the last whole run, filled up to whole lanes.
     tail: Vec<f32>,
     /// By run, and for the tail: whether an end is a fixed particle.
     fixed: Vec<bool>,
@@ -179,25 +179,25 @@ impl Family {
                 && layout.is_present(upper + k)
         };
         let all: Vec<f32> = (0..springs)
-            .map(|k| if is_there(k) { stiffness } else { 0.0 })
+            .map(|k| if is_there(k) { 0.5 * stiffness } else { 0.0 })
             .collect();
         let run = (upper - lower) / LANES * LANES;
         let runs = springs / run;
         let mut tail = all[runs * run..].to_vec();
         tail.resize(tail.len().next_multiple_of(LANES), 0.0);
-        let count = all.iter().filter(|&&stiffness| stiffness > 0.0).count();
+        let count = all.iter().filter(|&&half| half > 0.0).count();
         // All rows of a cloth without holes are alike.
         let period = if layout.is_full() { stride } else { springs };
-        let stiffness = all.iter().copied().cycle();
+        let halves = all.iter().copied().cycle();
         Family {
             lower,
             upper,
             run,
             runs,
             rest_m,
-            stiffness: match springs {
+            halves: match springs {
                 0 => Vec::new(),
-                _ => stiffness.take(period + run).collect(),
+                _ => halves.take(period + run).collect(),
             },
             period,
             tail,
@@ -240,42 +240,37 @@ fn pull_runs(
             Direction::Backward => family.runs - index,
         };
         let from = index * family.run;
-        let stiffness = if index < family.runs {
+        let halves = if index < family.runs {
             let start = from % family.period;
-            &family.stiffness[start..start + family.run]
+            &family.halves[start..start + family.run]
         } else {
             &family.tail[..]
         };
-        let n = stiffness.len();
+        let n = halves.len();
         let (lower, upper) = (family.lower + from, family.upper + from);
         let (ax, bx) = two_runs(x, lower, upper, n);
         let (ay, by) = two_runs(y, lower, upper, n);
         let (az, bz) = two_runs(z, lower, upper, n);
         let a_blocks = blocks(ax).zip(blocks(ay)).zip(blocks(az));
         let b_blocks = blocks(bx).zip(blocks(by)).zip(blocks(bz));
-        let ends = a_blocks.zip(b_blocks).zip(stiffness.as_chunks().0);
+        let ends = a_blocks.zip(b_blocks).zip(halves.as_chunks().0);
         if family.fixed[index] {
             let wa = inverse_mass[lower..lower + n].as_chunks::<LANES>().0;
             let wb = inverse_mass[upper..upper + n].as_chunks::<LANES>().0;
-            for (((((ax, ay), az), ((bx, by), bz)), stiffness), (wa, wb)) in
+            for (((((ax, ay), az), ((bx, by), bz)), halves), (wa, wb)) in
                 ends.zip(wa.iter().zip(wb))
             {
-                let share = |k: usize| {
+                let shares = |k: usize| {
                     let weight = wa[k] + wb[k];
-                    let share = 1.0 / if weight > 0.5 { weight } else { 1.0 };
+                    let share = 2.0 / if weight > 0.5 { weight } else { 1.0 };
                     (wa[k] * share, wb[k] * share)
                 };
-                pull_lanes([ax, ay, az], [bx, by, bz], stiffness, share, family.rest_m);
+                pull_lanes([ax, ay, az], [bx, by, bz], halves, shares, family.rest_m);
             }
         } else {
-            for ((((ax, ay), az), ((bx, by), bz)), stiffness) in ends {
-                pull_lanes(
-                    [ax, ay, az],
-                    [bx, by, bz],
-                    stiffness,
-                    |_| (0.5, 0.5),
-                    family.rest_m,
-                );
+            for ((((ax, ay), az), ((bx, by), bz)), halves) in ends {
+                let shares = |_| (1.0, 1.0);
+                pull_lanes([ax, ay, az], [bx, by, bz], halves, shares, family.rest_m);
             }
         }
     }
@@ -295,21 +290,22 @@ fn blocks(run: &mut [f32]) -> std::slice::IterMut<'_, [f32; LANES]> {
 
 /// Pulls the springs between equal lanes of `a` and `b`.
 ///
-/// - `share`: what of a correction each of the two ends makes, by lane.
+/// - `halves`: half the stiffness.
+/// - `shares`: what the two ends make of a correction, by lane; 1 is half of it.
 #[inline(always)]
 fn pull_lanes(
     [ax, ay, az]: [&mut [f32; LANES]; 3],
     [bx, by, bz]: [&mut [f32; LANES]; 3],
-    stiffness: &[f32; LANES],
-    share: impl Fn(usize) -> (f32, f32),
+    halves: &[f32; LANES],
+    shares: impl Fn(usize) -> (f32, f32),
     rest_m: f32,
 ) {
     let (mut x, mut y, mut z) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2], [[0.0; LANES]; 2]);
     for k in 0..LANES {
         let (dx, dy, dz) = (bx[k] - ax[k], by[k] - ay[k], bz[k] - az[k]);
         let length = (dx * dx + dy * dy + dz * dz + TINY_M2).sqrt();
-        let pull = stiffness[k] * (1.0 - rest_m / length);
-        let (share_a, share_b) = share(k);
+        let pull = halves[k] * (1.0 - rest_m / length);
+        let (share_a, share_b) = shares(k);
         let (pull_a, pull_b) = (share_a * pull, share_b * pull);
         x[0][k] = ax[k] + pull_a * dx;
         y[0][k] = ay[k] + pull_a * dy;
