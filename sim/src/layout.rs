@@ -5,6 +5,8 @@
 //! Slots of that room and of missing particles never move and touch nothing.
 
 use crate::grid::Grid;
+#[cfg(not(feature = "narrow"))]
+use multiversion::multiversion;
 use std::sync::Arc;
 use wide::f32x4;
 
@@ -148,6 +150,7 @@ fn len(columns: usize, rows: usize) -> usize {
 
 /// Writes a matrix of at least one tile into another with rows and columns exchanged, tile by tile; the last ones
 /// overlap those before.
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn transpose_tiles(
     from: &[f32],
     to: &mut [f32],
@@ -156,42 +159,56 @@ fn transpose_tiles(
 ) {
     for row in (0..rows).step_by(TILE) {
         let row = row.min(rows - TILE);
-        let line = |k: usize| {
-            let start = (row + k) * stride;
-            &from[start..start + columns]
-        };
-        let lines = [line(0), line(1), line(2), line(3)];
-        let [l0, l1, l2, l3] = lines.map(|line| line.as_chunks::<TILE>().0);
-        let band = &mut to[row..];
-        let bands = band.chunks_mut(TILE * to_stride);
-        for ((((a, b), c), d), band) in l0.iter().zip(l1).zip(l2).zip(l3).zip(bands) {
-            write_tile([a, b, c, d], band, to_stride);
+        let (l0, rest) = from[row * stride..].split_at(stride);
+        let (l1, rest) = rest.split_at(stride);
+        let (l2, l3) = rest.split_at(stride);
+        let (l0, l1) = (&l0[..columns], &l1[..columns]);
+        let (l2, l3) = (&l2[..columns], &l3[..columns]);
+        let upper = tiles(l0).zip(tiles(l1));
+        let lower = tiles(l2).zip(tiles(l3));
+        let bands = to.chunks_exact_mut(TILE * to_stride);
+        for (((a, b), (c, d)), band) in upper.zip(lower).zip(bands) {
+            write_tile([a, b, c, d], band, row, to_stride);
         }
         if !columns.is_multiple_of(TILE) {
-            let column = columns - TILE;
-            let [a, b, c, d] = lines.map(|line| line.last_chunk::<TILE>());
-            if let (Some(a), Some(b), Some(c), Some(d)) = (a, b, c, d) {
-                write_tile([a, b, c, d], &mut band[column * to_stride..], to_stride);
+            let last = (l0.last_chunk(), l1.last_chunk());
+            let last = (last, (l2.last_chunk(), l3.last_chunk()));
+            if let ((Some(a), Some(b)), (Some(c), Some(d))) = last {
+                let band = &mut to[(columns - TILE) * to_stride..columns * to_stride];
+                write_tile([a, b, c, d], band, row, to_stride);
             }
         }
     }
 }
 
-/// Writes four pieces of rows as pieces of columns.
 #[inline(always)]
-fn write_tile(lines: [&[f32; TILE]; TILE], to: &mut [f32], to_stride: usize) {
-    let [a, b, c, d] = lines;
-    let [a, b, c, d] = f32x4::transpose([
+fn tiles(row: &[f32]) -> std::slice::Iter<'_, [f32; TILE]> {
+    row.as_chunks().0.iter()
+}
+
+/// Writes four pieces of rows as pieces of the four rows of a band, from one column on.
+#[inline(always)]
+fn write_tile(
+    [a, b, c, d]: [&[f32; TILE]; TILE],
+    band: &mut [f32],
+    column: usize,
+    stride: usize,
+) {
+    let (first, rest) = band.split_at_mut(stride);
+    let (second, rest) = rest.split_at_mut(stride);
+    let (third, fourth) = rest.split_at_mut(stride);
+    let to = column..column + TILE;
+    let (first, second) = (&mut first[to.clone()], &mut second[to.clone()]);
+    let (third, fourth) = (&mut third[to.clone()], &mut fourth[to]);
+    let lines = [
         f32x4::new(*a),
         f32x4::new(*b),
         f32x4::new(*c),
         f32x4::new(*d),
-    ]);
-    let (first, rest) = to.split_at_mut(to_stride);
-    let (second, rest) = rest.split_at_mut(to_stride);
-    let (third, fourth) = rest.split_at_mut(to_stride);
-    first[..TILE].copy_from_slice(a.as_array());
-    second[..TILE].copy_from_slice(b.as_array());
-    third[..TILE].copy_from_slice(c.as_array());
-    fourth[..TILE].copy_from_slice(d.as_array());
+    ];
+    let [a, b, c, d] = f32x4::transpose(lines);
+    first.copy_from_slice(a.as_array());
+    second.copy_from_slice(b.as_array());
+    third.copy_from_slice(c.as_array());
+    fourth.copy_from_slice(d.as_array());
 }
