@@ -188,12 +188,7 @@ fn tiles(row: &[f32]) -> std::slice::Iter<'_, [f32; TILE]> {
 
 /// Writes four pieces of rows as pieces of the four rows of a band, from one column on.
 #[inline(always)]
-fn write_tile(
-    [a, b, c, d]: [&[f32; TILE]; TILE],
-    band: &mut [f32],
-    column: usize,
-    stride: usize,
-) {
+fn write_tile([a, b, c, d]: [&[f32; TILE]; TILE], band: &mut [f32], column: usize, stride: usize) {
     let (first, rest) = band.split_at_mut(stride);
     let (second, rest) = rest.split_at_mut(stride);
     let (third, fourth) = rest.split_at_mut(stride);

@@ -47,6 +47,7 @@ mod picker;
 mod planes;
 mod raster;
 mod scenario;
+mod sides;
 mod simulator;
 mod snapshot;
 mod solver;

@@ -2,13 +2,14 @@
 //!
 //! In: positions and inverse masses. Out: positions moved towards the rest lengths, in place. The springs
 //! follow from the grid, so no list of them exists: each family is a loop over slots and those a row, or so, away,
-//! eight springs at a time, none of which share a particle. Springs along rows run on a transposed copy, where they
-//! are springs along columns. Springs of missing particles, and from the end of a row to the beginning of the next,
+//! eight springs at a time, none of which share a particle. Springs along rows run by columns (see `sides`), where
+//! they are like springs along columns. Springs of missing particles, and from the end of a row to the beginning of the next,
 //! are there like all others, without stiffness.
 
 use crate::layout::{LANES, Layout};
 use crate::params::Params;
 use crate::planes::Planes;
+use crate::sides::{Side, Sides};
 #[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
 
@@ -19,7 +20,9 @@ const TINY_M2: f32 = 1e-20;
 /// Order in which a sweep visits families and rows; alternating it keeps errors from drifting one way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Direction {
+    /// From positions that are current by rows to such that are current by columns.
     Forward,
+    /// From positions that are current by columns to such that are current by rows.
     Backward,
 }
 
@@ -51,15 +54,10 @@ pub(crate) struct Springs {
     along_columns: [Family; 2],
     along_diagonals: [Family; 2],
     along_rows: [Family; 2],
-    layout: Layout,
-    across: Layout,
-    transposed: Planes,
-    inverse_mass: Vec<f32>,
-    transposed_inverse_mass: Vec<f32>,
 }
 
 impl Springs {
-    /// Lists the families of a cloth.
+    /// Lists the families of a cloth that is laid out by rows.
     pub fn new(layout: &Layout, params: &Params) -> Springs {
         let across = layout.transposed();
         let [stretch, shear, bend] =
@@ -82,11 +80,6 @@ impl Springs {
             along_columns: [straight(layout, 1, stretch), straight(layout, 2, bend)],
             along_diagonals: [diagonal([0, 1]), diagonal([1, 0])],
             along_rows: [straight(&across, 1, stretch), straight(&across, 2, bend)],
-            transposed: Planes::zeros(across.len()),
-            inverse_mass: layout.free(),
-            transposed_inverse_mass: across.free(),
-            layout: layout.clone(),
-            across,
         }
     }
 
@@ -100,63 +93,43 @@ impl Springs {
             .sum()
     }
 
-    /// Notes which particles can move, before any sweep that follows.
-    ///
-    /// - `inverse_mass`: by slot of the layout, 1 for a free and 0 for a held particle.
-    pub fn set_inverse_mass(&mut self, inverse_mass: &[f32]) {
-        self.inverse_mass.copy_from_slice(inverse_mass);
-        self.layout
-            .transpose(inverse_mass, &mut self.transposed_inverse_mass);
+    /// Notes which particles are fixed, before any sweep that follows.
+    pub fn note_fixed(&mut self, sides: &Sides) {
         let families = self.along_columns.iter_mut();
         for family in families.chain(&mut self.along_diagonals) {
-            family.note_fixed(&self.layout, inverse_mass);
+            family.note_fixed(&sides.rows);
         }
         for family in &mut self.along_rows {
-            family.note_fixed(&self.across, &self.transposed_inverse_mass);
+            family.note_fixed(&sides.columns);
         }
     }
 
     /// Pulls every spring towards its rest length once, row after row (Gauss-Seidel).
     ///
     /// A position-based distance constraint without compliance (Müller et al. 2007): each end moves by
-    /// its share of `stiffness * (length - rest)`.
-    pub fn sweep(&mut self, positions: &mut Planes, direction: Direction) {
+    /// its share of `stiffness * (length - rest)`. The [`Direction`] tells on which side positions have to be
+    /// current before, and are after.
+    pub fn sweep(&self, sides: &mut Sides, direction: Direction) {
         match direction {
             Direction::Forward => {
                 for family in self.along_columns.iter().chain(&self.along_diagonals) {
-                    family.pull(positions, &self.inverse_mass, direction);
+                    family.pull(&mut sides.rows, direction);
                 }
-                self.sweep_rows(positions, direction);
+                sides.turn_to_columns();
+                for family in &self.along_rows {
+                    family.pull(&mut sides.columns, direction);
+                }
             }
             Direction::Backward => {
-                self.sweep_rows(positions, direction);
+                for family in self.along_rows.iter().rev() {
+                    family.pull(&mut sides.columns, direction);
+                }
+                sides.turn_to_rows();
                 for family in self.along_columns.iter().chain(&self.along_diagonals).rev() {
-                    family.pull(positions, &self.inverse_mass, direction);
+                    family.pull(&mut sides.rows, direction);
                 }
             }
         }
-    }
-
-    fn sweep_rows(&mut self, positions: &mut Planes, direction: Direction) {
-        let (layout, across) = (&self.layout, &self.across);
-        layout.transpose(&positions.x, &mut self.transposed.x);
-        layout.transpose(&positions.y, &mut self.transposed.y);
-        layout.transpose(&positions.z, &mut self.transposed.z);
-        let [stretch, bend] = &self.along_rows;
-        let order = match direction {
-            Direction::Forward => [stretch, bend],
-            Direction::Backward => [bend, stretch],
-        };
-        for family in order {
-            family.pull(
-                &mut self.transposed,
-                &self.transposed_inverse_mass,
-                direction,
-            );
-        }
-        across.transpose(&self.transposed.x, &mut positions.x);
-        across.transpose(&self.transposed.y, &mut positions.y);
-        across.transpose(&self.transposed.z, &mut positions.z);
     }
 }
 
@@ -206,21 +179,31 @@ impl Family {
         }
     }
 
-    fn note_fixed(&mut self, layout: &Layout, inverse_mass: &[f32]) {
-        for (index, fixed) in self.fixed.iter_mut().enumerate() {
-            let springs = index * self.run..((index + 1) * self.run);
-            let is_fixed = |slot: usize| {
-                slot < layout.len() && inverse_mass[slot] == 0.0 && layout.is_present(slot)
-            };
-            *fixed = springs
-                .into_iter()
-                .any(|k| is_fixed(self.lower + k) || is_fixed(self.upper + k));
+    /// Returns half the stiffness of the springs of a run; of the tail, if it is the run after all.
+    #[inline(always)]
+    fn halves(&self, run: usize) -> &[f32] {
+        if run == self.runs {
+            return &self.tail;
         }
+        let start = run * self.run % self.period;
+        &self.halves[start..start + self.run]
     }
 
-    fn pull(&self, positions: &mut Planes, inverse_mass: &[f32], direction: Direction) {
-        let Planes { x, y, z } = positions;
-        pull_runs(x, y, z, inverse_mass, self, direction);
+    fn note_fixed(&mut self, side: &Side) {
+        let is_fixed = |run: usize| {
+            let springs = run * self.run..;
+            let mut springs = springs.zip(self.halves(run));
+            springs.any(|(k, &half)| {
+                let ends = [self.lower + k, self.upper + k];
+                half > 0.0 && ends.map(|slot| side.inverse_mass[slot]).contains(&0.0)
+            })
+        };
+        self.fixed = (0..=self.runs).map(is_fixed).collect();
+    }
+
+    fn pull(&self, side: &mut Side, direction: Direction) {
+        let Planes { x, y, z } = &mut side.positions;
+        pull_runs(x, y, z, &side.inverse_mass, self, direction);
     }
 }
 
@@ -240,12 +223,7 @@ fn pull_runs(
             Direction::Backward => family.runs - index,
         };
         let from = index * family.run;
-        let halves = if index < family.runs {
-            let start = from % family.period;
-            &family.halves[start..start + family.run]
-        } else {
-            &family.tail[..]
-        };
+        let halves = family.halves(index);
         let n = halves.len();
         let (lower, upper) = (family.lower + from, family.upper + from);
         let (ax, bx) = two_runs(x, lower, upper, n);
