@@ -14,8 +14,8 @@ use wide::f32x4;
 pub(crate) const LANES: usize = 8;
 // Side of the squares that a matrix is transposed by: four values fill a register of every x86-64.
 const TILE: usize = 4;
-// Least slots of a row: springs of a diagonal join slots one less than a row apart, and two times so many particles
-// as there are lanes are moved side by side.
+// Least slots of a row. Springs of a diagonal join slots that are one less than a row apart, and the ends of those
+// that are pulled side by side must be different particles.
 const MIN_STRIDE: usize = LANES + 1;
 
 /// The slots of one cloth; cheap to clone.
@@ -206,4 +206,35 @@ fn write_tile([a, b, c, d]: [&[f32; TILE]; TILE], band: &mut [f32], column: usiz
     second.copy_from_slice(b.as_array());
     third.copy_from_slice(c.as_array());
     fourth.copy_from_slice(d.as_array());
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_transposed_plane_has_every_particle_and_nothing_else() {
+        for (dimx, dimy) in [(2, 2), (2, 40), (3, 5), (4, 4), (7, 9), (25, 25), (50, 38)] {
+            let grid = Grid::new(dimx, dimy, 0.00625).unwrap();
+            let layout = Layout::new(grid, |_| true);
+            let across = layout.transposed();
+            let plane = |layout: &Layout| {
+                let mut plane = vec![0.0; layout.len()];
+                for (number, &slot) in layout.slots().iter().enumerate() {
+                    plane[slot as usize] = 1.0 + number as f32;
+                }
+                plane
+            };
+            let (by_rows, mut there, mut back) = (
+                plane(&layout),
+                vec![0.0; across.len()],
+                vec![0.0; layout.len()],
+            );
+            layout.transpose(&by_rows, &mut there);
+            assert_eq!(there, plane(&across), "{dimx} x {dimy}");
+            across.transpose(&there, &mut back);
+            assert_eq!(back, by_rows, "{dimx} x {dimy}");
+        }
+    }
 }

@@ -311,8 +311,9 @@ mod tests {
         let grid = Grid::new(60, 60, 0.00625).unwrap();
         let layout = Layout::new(grid, |_| true);
         let mut neighbours = Neighbours::new(&layout, 0.01125);
-        let crushed = Planes::zeros(layout.len());
-        for _ in 0..3 {
+        let mut crushed = Planes::zeros(layout.len());
+        for step in 0..3 {
+            crushed.x[0] = 1e-4 * step as f32;
             assert_eq!(neighbours.find(&crushed).len(), neighbours.max_pairs);
             // One particle more may have been compared with all others, and room grows by doubling.
             let room = neighbours.now.pairs.capacity();
@@ -321,5 +322,71 @@ mod tests {
                 "{room}"
             );
         }
+    }
+
+    /// What a search finds, and in which order, has to follow from the positions alone.
+    #[test]
+    fn what_was_found_before_has_no_say() {
+        let grid = Grid::new(21, 13, 0.00625).unwrap();
+        let layout = Layout::new(grid, |particle| particle % 31 != 7);
+        let fresh = Neighbours::new(&layout, 0.01125);
+        let mut state = 1u32;
+        let mut chance = move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32
+        };
+        let mut positions = Planes::zeros(layout.len());
+        for &slot in layout.slots() {
+            // A cloth folded to a third, so that many touch.
+            let along = layout.particle(slot as usize) % 21;
+            let fold = [along % 14, 13 - along % 14][along / 7 % 2] as f32;
+            let row = layout.particle(slot as usize) / 21;
+            let at = [fold * 0.00625, row as f32 * 0.00625, along as f32 * 0.001];
+            positions.set(slot as usize, at);
+        }
+        let mut neighbours = fresh.clone();
+        let mut most = 0;
+        for step in 0..120 {
+            // Far away and back again, among them farther than there are cells.
+            let reach_m = [0.0, 0.002, 0.02, 0.3, 4.0][step % 5];
+            for &slot in layout.slots() {
+                let slot = slot as usize;
+                if chance() < 0.1 {
+                    positions.x[slot] += reach_m * (chance() - 0.5);
+                    positions.y[slot] -= reach_m * (chance() - 0.5);
+                } else if step % 5 == 0 {
+                    positions.x[slot] %= 0.15;
+                    positions.y[slot] %= 0.15;
+                }
+            }
+            let found = neighbours.find(&positions);
+            assert!(found == fresh.clone().find(&positions), "step {step}");
+            let mut found = found.to_vec();
+            for pair in &mut found {
+                pair.sort();
+            }
+            found.sort();
+            assert!(found == in_touch(&layout, &positions), "step {step}");
+            most = most.max(found.len());
+        }
+        assert!(most > 100, "{most} pairs are too few to test anything");
+    }
+
+    /// Returns the pairs in touch, by comparing every two particles.
+    fn in_touch(layout: &Layout, positions: &Planes) -> Vec<[u32; 2]> {
+        let mut pairs = Vec::new();
+        for (i, &a) in layout.slots().iter().enumerate() {
+            for &b in &layout.slots()[i + 1..] {
+                let [p, q] = [a, b].map(|slot| positions.get(slot as usize));
+                let apart = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+                let near = apart.iter().map(|d| d * d).sum::<f32>() < 0.01125 * 0.01125;
+                let [p, q] = [a, b].map(|slot| layout.particle(slot as usize));
+                let along = (p % 21).abs_diff(q % 21);
+                if near && along.pow(2) + (p / 21).abs_diff(q / 21).pow(2) >= 4 {
+                    pairs.push([a, b]);
+                }
+            }
+        }
+        pairs
     }
 }
