@@ -25,8 +25,8 @@
 //! the rest into triangles. Nothing here knows of tasks, prompts or models.
 //!
 //! Read on in this order: [`Simulator`], then `picker` (the route), `crumple`, `solver`
-//! (the order of all passes), `layout` (where particles are kept), `springs`,
-//! `neighbours`, `contacts`, and every number in [`Params`]. Loops over particles are
+//! (the order of all passes), `layout` and `sides` (where particles are kept), `springs`,
+//! `cells`, `neighbours`, `contacts`, and every number in [`Params`]. Loops over particles are
 //! compiled for AVX2 too and chosen at run time; without fused arithmetic and
 //! with exact roots and quotients, they give the same bits at any width.
 
