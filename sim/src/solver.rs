@@ -152,6 +152,27 @@ impl Solver {
         best
     }
 
+    /// Returns the uppermost of the particles at a point of the table; where none is as near as particles are
+    /// in the flat cloth, the nearest as seen from above.
+    pub fn uppermost(&self, [x_m, y_m]: [f32; 2]) -> Option<usize> {
+        let reach_2 = 0.5 * self.layout.grid().spacing_m * self.layout.grid().spacing_m;
+        let order = |slot: usize| {
+            let [x, y, z] = self.positions.get(slot);
+            let aside_2 = (x - x_m) * (x - x_m) + (y - y_m) * (y - y_m);
+            if aside_2 <= reach_2 { -z } else { aside_2 }
+        };
+        let slots = self.layout.slots().iter().map(|&slot| slot as usize);
+        let first = slots.min_by(|&a, &b| order(a).total_cmp(&order(b)));
+        first.map(|slot| self.layout.particle(slot))
+    }
+
+    /// Returns a particle if it is within `capture_m` of `centre`.
+    pub fn within(&self, particle: usize, centre: [f32; 3], capture_m: f32) -> Option<usize> {
+        let [x, y, z] = self.positions.get(self.layout.slot(particle));
+        let (dx, dy, dz) = (x - centre[0], y - centre[1], z - centre[2]);
+        (dx * dx + dy * dy + dz * dz <= capture_m * capture_m).then_some(particle)
+    }
+
     /// Fixes particles, which then move by a step's `shift` alone, and frees all others.
     pub fn hold(&mut self, particles: &[usize]) {
         self.held.clear();
@@ -168,7 +189,7 @@ impl Solver {
     /// Advances by one step while the sphere's centre goes straight from `from` to `to`, and the held
     /// particle with it.
     ///
-    /// A step in which nothing touches the cloth and no particle outruns the rest speed is undone. A
+    /// A step in which nothing touches or holds the cloth and no particle outruns the rest speed is undone. A
     /// settled cloth so becomes exactly still, instead of trembling on by rounding errors.
     ///
     /// Fails on the first particle whose position is not a finite number.
@@ -195,8 +216,9 @@ impl Solver {
             self.substep(substep, sphere_in_play.then_some(sphere))?;
         }
         let rest_m = self.params.rest_speed_m_s * self.params.step_secs;
+        // A cloth that hangs may be slow because it swings and turns; one that lies may not.
         if sphere_in_play
-            || shift != [0.0; 3]
+            || !self.held.is_empty()
             || self.positions.differs_beyond(&self.before, rest_m)
         {
             return Ok(Outcome::Moved);
