@@ -60,7 +60,7 @@ pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
 pub use mask::{Mask, MaskError};
 pub use params::{ALGORITHM_VERSION, Params, ParamsError};
 pub use scenario::diagonal_fold;
-pub use simulator::{PickAndPlace, RestShortcut, Simulator};
+pub use simulator::{Aim, PickAndPlace, RestShortcut, Simulator};
 pub use snapshot::Snapshot;
 
 /// Digest of this crate's sources, 16 hex digits: equal results need equal code.

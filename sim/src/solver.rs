@@ -135,20 +135,15 @@ impl Solver {
         self.springs.count()
     }
 
-    /// Returns the particle nearest to `centre`, if it is within `capture_m`; of equals, the first.
-    pub fn nearest(&self, centre: [f32; 3], capture_m: f32) -> Option<usize> {
-        let mut best = None;
-        let mut best_2 = f32::INFINITY;
-        for &slot in self.layout.slots() {
-            let [x, y, z] = self.sides.rows.positions.get(slot as usize);
-            let (dx, dy, dz) = (x - centre[0], y - centre[1], z - centre[2]);
-            let distance_2 = dx * dx + dy * dy + dz * dz;
-            if distance_2 <= capture_m * capture_m && distance_2 < best_2 {
-                best = Some(self.layout.particle(slot as usize));
-                best_2 = distance_2;
-            }
-        }
-        best
+    /// Returns every particle that is there, and its position, ascending.
+    pub fn present(&self) -> impl Iterator<Item = (usize, [f32; 3])> {
+        self.layout.slots().iter().map(|&slot| {
+            let slot = slot as usize;
+            (
+                self.layout.particle(slot),
+                self.sides.rows.positions.get(slot),
+            )
+        })
     }
 
     /// Fixes particles, which then move by a step's `shift` alone, and frees all others.
@@ -166,7 +161,7 @@ impl Solver {
     /// Advances by one step while the sphere's centre goes straight from `from` to `to`, and the held
     /// particle with it.
     ///
-    /// A step in which nothing touches the cloth and no particle outruns the rest speed is undone. A
+    /// A step in which nothing touches or holds the cloth and no particle outruns the rest speed is undone. A
     /// settled cloth so becomes exactly still, instead of trembling on by rounding errors.
     ///
     /// Fails on the first particle whose position is not a finite number.
@@ -195,8 +190,9 @@ impl Solver {
             self.substep(substep, sphere_in_play.then_some(sphere))?;
         }
         let rest_m = self.params.rest_speed_m_s * self.params.step_secs;
+        // A cloth that hangs may be slow because it swings and turns; one that lies may not.
         if sphere_in_play
-            || shift != [0.0; 3]
+            || !self.held.is_empty()
             || self
                 .sides
                 .rows

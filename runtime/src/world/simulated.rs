@@ -10,7 +10,7 @@ use crate::vision::DepthImage;
 use compiler::program;
 use image::RgbImage;
 pub use sim::Look;
-use sim::{Grid, Params, SimError, Simulator, TopDownCamera};
+use sim::{Aim, Grid, Params, SimError, Simulator, TopDownCamera};
 
 /// A simulated cloth under a simulated camera.
 pub struct SimulatedWorld {
@@ -64,8 +64,10 @@ impl SimulatedWorld {
             start.grid.spacing_m as f32,
         )
         .map_err(|error| wrong(error.to_string()))?;
-        Simulator::from_positions(grid, &start.positions, &self.parameters)
-            .map_err(|error| wrong(error.to_string()))
+        let mut cloth = Simulator::from_positions(grid, &start.positions, &self.parameters)
+            .map_err(|error| wrong(error.to_string()))?;
+        cloth.set_aim(Aim::Uppermost);
+        Ok(cloth)
     }
 
     fn cloth(&self) -> Result<&Simulator, WorldError> {
