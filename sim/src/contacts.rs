@@ -7,6 +7,8 @@
 
 use crate::params::Params;
 use crate::planes::Planes;
+use crate::sides::{Side, Sides};
+use crate::springs::Direction;
 #[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
 
@@ -32,27 +34,38 @@ pub(crate) struct Sphere {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pairs {
     len: usize,
-    first: Vec<u32>,
-    second: Vec<u32>,
+    /// First and second slots, by rows and by columns.
+    by_rows: Ends,
+    by_columns: Ends,
     /// From the second to the first particle when the substep began, metres.
     began: Planes,
     /// Share of a correction that each particle moves by: half, or all beside a held one.
     share: Vec<f32>,
 }
 
+#[derive(Clone, Debug, Default)]
+struct Ends {
+    first: Vec<u32>,
+    second: Vec<u32>,
+}
+
 impl Pairs {
     /// Lists the pairs of one substep instead of those of the last.
-    pub fn list(&mut self, pairs: &[[u32; 2]], began: &Planes, inverse_mass: &[f32]) {
+    ///
+    /// - `pairs`: slots by rows.
+    pub fn list(&mut self, pairs: &[[u32; 2]], sides: &Sides) {
         self.len = pairs.len();
         let whole = pairs.len().next_multiple_of(LANES);
-        self.first.clear();
-        self.first.extend(pairs.iter().map(|pair| pair[0]));
-        self.first.resize(whole, 0);
-        self.second.clear();
-        self.second.extend(pairs.iter().map(|pair| pair[1]));
-        self.second.resize(whole, 0);
+        self.by_rows.list(pairs, whole, |slot| slot);
+        self.by_columns
+            .list(pairs, whole, |slot| sides.turned(slot));
         self.began.resize(whole);
         self.share.resize(whole, 0.0);
+        let Side {
+            began,
+            inverse_mass,
+            ..
+        } = &sides.rows;
         for (k, &[i, j]) in pairs.iter().enumerate() {
             let (i, j) = (i as usize, j as usize);
             let (a, b) = (began.get(i), began.get(j));
@@ -60,6 +73,17 @@ impl Pairs {
             // This is 1 / (sum of both inverse masses) for sums of 2 and 1, without a division.
             self.share[k] = 1.5 - 0.5 * (inverse_mass[i] + inverse_mass[j]);
         }
+    }
+}
+
+impl Ends {
+    fn list(&mut self, pairs: &[[u32; 2]], whole: usize, slot: impl Fn(u32) -> u32) {
+        self.first.clear();
+        self.first.extend(pairs.iter().map(|pair| slot(pair[0])));
+        self.first.resize(whole, 0);
+        self.second.clear();
+        self.second.extend(pairs.iter().map(|pair| slot(pair[1])));
+        self.second.resize(whole, 0);
     }
 }
 
@@ -71,27 +95,39 @@ pub(crate) struct Contacts {
 }
 
 impl Contacts {
-    /// Makes room for the corrections of `n_particles`.
-    pub fn new(n_particles: usize) -> Contacts {
+    /// Makes room for the corrections of a cloth, whichever side is current.
+    pub fn new(sides: &Sides) -> Contacts {
+        let n = sides
+            .rows
+            .positions
+            .len()
+            .max(sides.columns.positions.len());
         Contacts {
-            shift: Planes::zeros(n_particles),
-            count: vec![0.0; n_particles],
+            shift: Planes::zeros(n),
+            count: vec![0.0; n],
         }
     }
 
     /// Pushes every touching particle out once, and drags it by friction.
     ///
-    /// - `began`: positions at the start of the substep; friction opposes the displacement since then.
-    /// - `inverse_mass`: 1 for a free particle, 0 for a held one.
+    /// - `current`: the direction of the sweep before, which tells on which side the positions are current.
     pub fn resolve(
         &mut self,
-        positions: &mut Planes,
-        began: &Planes,
-        inverse_mass: &[f32],
+        sides: &mut Sides,
+        current: Direction,
         pairs: &Pairs,
         sphere: Option<Sphere>,
         params: &Params,
     ) {
+        let (side, ends) = match current {
+            Direction::Forward => (&mut sides.columns, &pairs.by_columns),
+            Direction::Backward => (&mut sides.rows, &pairs.by_rows),
+        };
+        let Side {
+            positions,
+            began,
+            inverse_mass,
+        } = side;
         let keep_m = [
             params.self_contact_m,
             params.self_contact_softness,
@@ -99,6 +135,7 @@ impl Contacts {
         ];
         touch_pairs(
             pairs,
+            ends,
             [&positions.x, &positions.y, &positions.z],
             [&mut self.shift.x, &mut self.shift.y, &mut self.shift.z],
             &mut self.count,
@@ -197,20 +234,21 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
 fn touch_pairs(
     pairs: &Pairs,
+    ends: &Ends,
     positions: [&[f32]; 3],
     shifts: [&mut [f32]; 3],
     count: &mut [f32],
     [contact_m, softness, friction]: [f32; 3],
 ) {
-    let n = count.len();
     let [x, y, z] = positions;
-    let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
+    let n = x.len();
+    let (y, z, count) = (&y[..n], &z[..n], &mut count[..n]);
     let [shift_x, shift_y, shift_z] = shifts;
     let (shift_x, shift_y, shift_z) = (&mut shift_x[..n], &mut shift_y[..n], &mut shift_z[..n]);
-    let blocks = pairs
+    let blocks = ends
         .first
         .chunks_exact(LANES)
-        .zip(pairs.second.chunks_exact(LANES));
+        .zip(ends.second.chunks_exact(LANES));
     for (block, (first, second)) in blocks.enumerate() {
         let from = block * LANES;
         let range = from..from + LANES;

@@ -20,6 +20,8 @@ const MAX_LIFT_M: f32 = 1.0;
 const RISE_M: f32 = 0.1;
 /// Most steps that the lifted cloth is given to hang still (SoftGym: 300).
 const MAX_HANG_STEPS: u32 = 300;
+/// A lifted cloth hangs still below this speed along every axis, m/s (SoftGym: 0.2).
+const HANG_SPEED_M_S: f32 = 0.01;
 /// Most steps that the dropped cloth is given to come to rest (SoftGym: 300).
 const MAX_REST_STEPS: u32 = 300;
 /// Most further steps in which what still creeps is slowed down.
@@ -122,7 +124,12 @@ impl Simulator {
         }
         for _ in 0..MAX_HANG_STEPS {
             step(self, 0.0)?;
-            if self.is_at_rest() {
+            let velocities = self.velocities();
+            if velocities
+                .iter()
+                .flatten()
+                .all(|v| v.abs() < HANG_SPEED_M_S)
+            {
                 break;
             }
         }

@@ -1,11 +1,12 @@
-//! Where the solver keeps each particle: rows padded to whole lanes.
+//! Where the solver keeps each particle: row after row, without gaps.
 //!
-//! In: a grid, and which of its particles are there. Out: slots. A row begins at a multiple of the lanes, and
-//! the number of rows is one too, so that no loop has a remainder and the transposed copy has none either.
-//! Slots of padding and of missing particles never move and touch nothing.
+//! In: a grid, and which of its particles are there. Out: slots. One slot for each particle of the grid, unless
+//! rows are shorter than [`MIN_STRIDE`]; room for some lanes more at the end, so that no loop has a remainder.
+//! Slots of that room and of missing particles never move and touch nothing.
 
 use crate::grid::Grid;
-use std::ops::Range;
+#[cfg(not(feature = "narrow"))]
+use multiversion::multiversion;
 use std::sync::Arc;
 use wide::f32x4;
 
@@ -13,6 +14,9 @@ use wide::f32x4;
 pub(crate) const LANES: usize = 8;
 // Side of the squares that a matrix is transposed by: four values fill a register of every x86-64.
 const TILE: usize = 4;
+// Least slots of a row. Springs of a diagonal join slots that are one less than a row apart, and the ends of those
+// that are pulled side by side must be different particles.
+const MIN_STRIDE: usize = LANES + 1;
 
 /// The slots of one cloth; cheap to clone.
 #[derive(Clone, Debug)]
@@ -30,8 +34,7 @@ impl Layout {
     /// Lays out a grid; `has` tells of each particle whether it is there.
     pub fn new(grid: Grid, has: impl Fn(usize) -> bool) -> Layout {
         let stride = stride(grid.dimx);
-        let len = grid.dimy.next_multiple_of(LANES) * stride;
-        let mut present = vec![false; len + LANES];
+        let mut present = vec![false; len(grid.dimx, grid.dimy)];
         let mut slots = Vec::with_capacity(grid.particle_count());
         for particle in (0..grid.particle_count()).filter(|&particle| has(particle)) {
             let slot = particle / grid.dimx * stride + particle % grid.dimx;
@@ -50,8 +53,7 @@ impl Layout {
     /// Returns the layout of the transposed copy, where rows and columns have changed places.
     pub fn transposed(&self) -> Layout {
         let stride = stride(self.rows);
-        let len = self.columns.next_multiple_of(LANES) * stride;
-        let mut present = vec![false; len + LANES];
+        let mut present = vec![false; len(self.rows, self.columns)];
         let own = self.stride();
         let across = |&slot: &u32| {
             let slot = slot as usize;
@@ -75,11 +77,6 @@ impl Layout {
         self.grid
     }
 
-    /// Returns the number of particles in a row.
-    pub fn columns(&self) -> usize {
-        self.columns
-    }
-
     /// Returns the number of rows with particles.
     pub fn rows(&self) -> usize {
         self.rows
@@ -90,15 +87,9 @@ impl Layout {
         stride(self.columns)
     }
 
-    /// Returns the length of a plane: all slots, and room for the lanes of one look beyond.
+    /// Returns the length of a plane: all slots, and room for the lanes of a spring beyond; whole lanes.
     pub fn len(&self) -> usize {
         self.present.len()
-    }
-
-    /// Returns the slots of a row, without padding.
-    pub fn row(&self, row: usize) -> Range<usize> {
-        let start = row * self.stride();
-        start..start + self.columns
     }
 
     /// Returns the slot of every present particle, ascending.
@@ -136,45 +127,114 @@ impl Layout {
 
     /// Writes a plane of this layout into one of the transposed layout.
     pub fn transpose(&self, from: &[f32], to: &mut [f32]) {
-        let tiles = [self.rows.div_ceil(TILE), self.columns.div_ceil(TILE)];
-        transpose(from, to, self.stride(), stride(self.rows), tiles);
+        let strides = [self.stride(), stride(self.rows)];
+        if self.rows.min(self.columns) >= TILE {
+            transpose_tiles(from, to, strides, [self.rows, self.columns]);
+        } else {
+            for row in 0..self.rows {
+                for column in 0..self.columns {
+                    to[column * strides[1] + row] = from[row * strides[0] + column];
+                }
+            }
+        }
     }
 }
 
-/// Returns the slots of a row: whole lanes for the springs of a diagonal, and as many more, so that what they
-/// write beyond a row's end is padding of the same row.
 fn stride(columns: usize) -> usize {
-    (columns - 1).next_multiple_of(LANES) + LANES
+    columns.max(MIN_STRIDE)
 }
 
-/// Writes a matrix into another with rows and columns exchanged, tile by tile.
-fn transpose(
+fn len(columns: usize, rows: usize) -> usize {
+    (rows * stride(columns) + LANES).next_multiple_of(LANES)
+}
+
+/// Writes a matrix of at least one tile into another with rows and columns exchanged, tile by tile; the last ones
+/// overlap those before.
+#[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
+fn transpose_tiles(
     from: &[f32],
     to: &mut [f32],
-    stride: usize,
-    to_stride: usize,
-    [down, across]: [usize; 2],
+    [stride, to_stride]: [usize; 2],
+    [rows, columns]: [usize; 2],
 ) {
-    for (row, band) in from.chunks_exact(TILE * stride).take(down).enumerate() {
-        let (l0, rest) = band.split_at(stride);
+    for row in (0..rows).step_by(TILE) {
+        let row = row.min(rows - TILE);
+        let (l0, rest) = from[row * stride..].split_at(stride);
         let (l1, rest) = rest.split_at(stride);
         let (l2, l3) = rest.split_at(stride);
-        let upper = l0.chunks_exact(TILE).zip(l1.chunks_exact(TILE));
-        let lower = l2.chunks_exact(TILE).zip(l3.chunks_exact(TILE));
-        let mut at = TILE * row;
-        for ((a, b), (c, d)) in upper.zip(lower).take(across) {
-            let lines = f32x4::transpose([line(a), line(b), line(c), line(d)]);
-            let target = &mut to[at..at + 3 * to_stride + TILE];
-            target[..TILE].copy_from_slice(lines[0].as_array());
-            target[to_stride..to_stride + TILE].copy_from_slice(lines[1].as_array());
-            target[2 * to_stride..2 * to_stride + TILE].copy_from_slice(lines[2].as_array());
-            target[3 * to_stride..].copy_from_slice(lines[3].as_array());
-            at += TILE * to_stride;
+        let (l0, l1) = (&l0[..columns], &l1[..columns]);
+        let (l2, l3) = (&l2[..columns], &l3[..columns]);
+        let upper = tiles(l0).zip(tiles(l1));
+        let lower = tiles(l2).zip(tiles(l3));
+        let bands = to.chunks_exact_mut(TILE * to_stride);
+        for (((a, b), (c, d)), band) in upper.zip(lower).zip(bands) {
+            write_tile([a, b, c, d], band, row, to_stride);
+        }
+        if !columns.is_multiple_of(TILE) {
+            let last = (l0.last_chunk(), l1.last_chunk());
+            let last = (last, (l2.last_chunk(), l3.last_chunk()));
+            if let ((Some(a), Some(b)), (Some(c), Some(d))) = last {
+                let band = &mut to[(columns - TILE) * to_stride..columns * to_stride];
+                write_tile([a, b, c, d], band, row, to_stride);
+            }
         }
     }
 }
 
 #[inline(always)]
-fn line(values: &[f32]) -> f32x4 {
-    f32x4::new([values[0], values[1], values[2], values[3]])
+fn tiles(row: &[f32]) -> std::slice::Iter<'_, [f32; TILE]> {
+    row.as_chunks().0.iter()
+}
+
+/// Writes four pieces of rows as pieces of the four rows of a band, from one column on.
+#[inline(always)]
+fn write_tile([a, b, c, d]: [&[f32; TILE]; TILE], band: &mut [f32], column: usize, stride: usize) {
+    let (first, rest) = band.split_at_mut(stride);
+    let (second, rest) = rest.split_at_mut(stride);
+    let (third, fourth) = rest.split_at_mut(stride);
+    let to = column..column + TILE;
+    let (first, second) = (&mut first[to.clone()], &mut second[to.clone()]);
+    let (third, fourth) = (&mut third[to.clone()], &mut fourth[to]);
+    let lines = [
+        f32x4::new(*a),
+        f32x4::new(*b),
+        f32x4::new(*c),
+        f32x4::new(*d),
+    ];
+    let [a, b, c, d] = f32x4::transpose(lines);
+    first.copy_from_slice(a.as_array());
+    second.copy_from_slice(b.as_array());
+    third.copy_from_slice(c.as_array());
+    fourth.copy_from_slice(d.as_array());
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_transposed_plane_has_every_particle_and_nothing_else() {
+        for (dimx, dimy) in [(2, 2), (2, 40), (3, 5), (4, 4), (7, 9), (25, 25), (50, 38)] {
+            let grid = Grid::new(dimx, dimy, 0.00625).unwrap();
+            let layout = Layout::new(grid, |_| true);
+            let across = layout.transposed();
+            let plane = |layout: &Layout| {
+                let mut plane = vec![0.0; layout.len()];
+                for (number, &slot) in layout.slots().iter().enumerate() {
+                    plane[slot as usize] = 1.0 + number as f32;
+                }
+                plane
+            };
+            let (by_rows, mut there, mut back) = (
+                plane(&layout),
+                vec![0.0; across.len()],
+                vec![0.0; layout.len()],
+            );
+            layout.transpose(&by_rows, &mut there);
+            assert_eq!(there, plane(&across), "{dimx} x {dimy}");
+            across.transpose(&there, &mut back);
+            assert_eq!(back, by_rows, "{dimx} x {dimy}");
+        }
+    }
 }

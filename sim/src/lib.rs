@@ -25,12 +25,13 @@
 //! the rest into triangles. Nothing here knows of tasks, prompts or models.
 //!
 //! Read on in this order: [`Simulator`], then `picker` (the route), `crumple`, `solver`
-//! (the order of all passes), `layout` (where particles are kept), `springs`,
-//! `neighbours`, `contacts`, and every number in [`Params`]. Loops over particles are
+//! (the order of all passes), `layout` and `sides` (where particles are kept), `springs`,
+//! `cells`, `neighbours`, `contacts`, and every number in [`Params`]. Loops over particles are
 //! compiled for AVX2 too and chosen at run time; without fused arithmetic and
 //! with exact roots and quotients, they give the same bits at any width.
 
 mod camera;
+mod cells;
 mod contacts;
 mod crumple;
 mod digest;
@@ -46,6 +47,7 @@ mod picker;
 mod planes;
 mod raster;
 mod scenario;
+mod sides;
 mod simulator;
 mod snapshot;
 mod solver;
@@ -58,7 +60,7 @@ pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
 pub use mask::{Mask, MaskError};
 pub use params::{ALGORITHM_VERSION, Params, ParamsError};
 pub use scenario::diagonal_fold;
-pub use simulator::{PickAndPlace, RestShortcut, Simulator};
+pub use simulator::{Aim, PickAndPlace, RestShortcut, Simulator};
 pub use snapshot::Snapshot;
 
 /// Digest of this crate's sources, 16 hex digits: equal results need equal code.

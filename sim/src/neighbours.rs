@@ -4,32 +4,36 @@
 //! order that follows from the positions alone. What is kept from the last search only saves time: squares of
 //! the table in and around which nothing has moved have the same pairs as before.
 
-use crate::layout::Layout;
+use crate::cells::{Cells, Change};
+use crate::layout::{LANES, Layout};
 use crate::planes::Planes;
 #[cfg(not(feature = "narrow"))]
 use multiversion::multiversion;
+use std::ops::Range;
 use wide::f32x4;
 
-// The search grid has at most this many cells a side; particles farther out share the outermost cells.
-const MAX_CELLS: i32 = 256;
 // More pairs than this per particle are dropped, which only a crushed cloth can reach; it bounds memory.
 const MAX_PAIRS_PER_PARTICLE: usize = 32;
-// Particles that one look compares with; a look costs the same whether all of them count or one.
-const LOOK: usize = 4;
+// Half of the particles that one look compares with, whether all of them count or one.
+const HALF: usize = LANES / 2;
 
 /// A search structure for one cloth.
 #[derive(Clone, Debug)]
 pub(crate) struct Neighbours {
     limits: Limits,
-    cell_m: f32,
     max_pairs: usize,
-    layout: Layout,
     /// Column and row of every slot in the cloth's grid.
     column: Vec<f32>,
     row: Vec<f32>,
-    now: Search,
-    last: Search,
-    stale: Vec<bool>,
+    cells: Cells,
+    /// By cell: whether its pairs are to be searched, since it or a cell that it looks into is stale.
+    searched: Vec<bool>,
+    /// By cell: whether a search looks into it.
+    seen: Vec<bool>,
+    /// x, y, z, column and row by place, of cells that are seen; [`LANES`] values more that are never counted.
+    values: [Vec<f32>; 5],
+    now: Found,
+    last: Found,
 }
 
 /// What makes a pair count.
@@ -41,32 +45,12 @@ struct Limits {
     rest: f32,
 }
 
-/// One search: where every particle was, the cells, and what was found in each.
+/// What one search found.
 #[derive(Clone, Debug, Default)]
-struct Search {
-    /// Positions by particle, with [`LOOK`] values more that are never counted.
-    x: Vec<f32>,
-    y: Vec<f32>,
-    z: Vec<f32>,
-    cells: Cells,
+struct Found {
     pairs: Vec<[u32; 2]>,
-    /// Pairs of cell `c` are `pairs[first_pair[c]..first_pair[c + 1]]`.
-    first_pair: Vec<u32>,
-}
-
-/// Particles sorted by the square of the table that they hover over, with all that the search reads.
-#[derive(Clone, Debug, Default)]
-struct Cells {
-    /// Number of the first column and row, counted from the world's origin.
-    origin: [i32; 2],
-    columns: usize,
-    rows: usize,
-    cell_of_particle: Vec<u32>,
-    /// Particles of cell `c` are in the places `first[c]..first[c + 1]`.
+    /// Pairs of cell `c` are `pairs[first[c]..first[c + 1]]`.
     first: Vec<u32>,
-    /// Slot of the particle in each place; from here on one value per place, and [`LOOK`] more.
-    slot: Vec<u32>,
-    values: [Vec<f32>; 5],
 }
 
 impl Neighbours {
@@ -79,17 +63,18 @@ impl Neighbours {
                 contact_2: contact_m * contact_m,
                 rest: (contact_m / grid.spacing_m).powi(2),
             },
-            cell_m: contact_m,
             max_pairs: MAX_PAIRS_PER_PARTICLE * grid.particle_count(),
-            layout: layout.clone(),
             column: slots
                 .clone()
                 .map(|slot| (slot % layout.stride()) as f32)
                 .collect(),
             row: slots.map(|slot| (slot / layout.stride()) as f32).collect(),
-            now: Search::default(),
-            last: Search::default(),
-            stale: Vec::new(),
+            cells: Cells::new(layout, contact_m),
+            searched: Vec::new(),
+            seen: Vec::new(),
+            values: std::array::from_fn(|_| vec![0.0; layout.slots().len() + LANES]),
+            now: Found::default(),
+            last: Found::default(),
         }
     }
 
@@ -97,219 +82,221 @@ impl Neighbours {
     ///
     /// - `positions`: by slot, metres.
     pub fn find(&mut self, positions: &Planes) -> &[[u32; 2]] {
-        std::mem::swap(&mut self.now, &mut self.last);
-        let (now, slots) = (&mut self.now, self.layout.slots());
-        gather(&positions.x, slots, &mut now.x);
-        gather(&positions.y, slots, &mut now.y);
-        gather(&positions.z, slots, &mut now.z);
-        now.cells
-            .number(&now.x[..slots.len()], &now.y[..slots.len()], self.cell_m);
-        now.cells.sort(slots);
-        let sources = [
-            &positions.x,
-            &positions.y,
-            &positions.z,
-            &self.column,
-            &self.row,
-        ];
-        for (source, values) in sources.into_iter().zip(&mut now.cells.values) {
-            gather(source, &now.cells.slot, values);
+        let change = self.cells.sort(positions);
+        if change == Change::Nothing {
+            return &self.now.pairs;
         }
-        self.mark_stale();
-        self.list_pairs();
+        // Where pairs were dropped, those kept would depend on what went before.
+        let dropped = self.now.pairs.len() >= self.max_pairs;
+        self.choose_cells(change == Change::All || dropped);
+        self.gather(positions);
+        std::mem::swap(&mut self.now, &mut self.last);
+        self.now.pairs.clear();
+        self.now.first.clear();
+        self.now.first.push(0);
+        let mut from = 0;
+        while from < self.searched.len() {
+            let run = next_run(&self.searched, from);
+            self.keep(from..run.start);
+            search(
+                &self.cells,
+                self.values.each_ref().map(Vec::as_slice),
+                run.clone(),
+                self.limits,
+                self.max_pairs,
+                &mut self.now,
+            );
+            from = run.end;
+        }
+        self.now.pairs.truncate(self.max_pairs);
         &self.now.pairs
     }
 
-    /// Marks the cells that a particle has moved in, into or out of.
-    fn mark_stale(&mut self) {
-        let (now, last) = (&self.now, &self.last);
-        let cells = now.cells.columns * now.cells.rows;
-        self.stale.clear();
-        // Where pairs were dropped, those kept would depend on what went before.
-        let dropped = last.pairs.len() >= self.max_pairs;
-        if dropped
-            || last.x.len() != now.x.len()
-            || now.cells.origin != last.cells.origin
-            || now.cells.columns != last.cells.columns
-            || now.cells.rows != last.cells.rows
-        {
-            self.stale.resize(cells, true);
+    /// Chooses the cells whose pairs are to be searched, and the cells that this looks into.
+    ///
+    /// A cell looks at itself, the next one, and three of the row below. Cells at the ends of rows count as if
+    /// they were beside those of the next row, which costs little and does no harm.
+    fn choose_cells(&mut self, all: bool) {
+        let stale = self.cells.stale();
+        let below = self.cells.columns();
+        let ahead = [1, below.saturating_sub(1), below, below + 1];
+        self.searched.clear();
+        if all {
+            self.searched.resize(stale.len(), true);
+        } else {
+            self.searched.extend_from_slice(stale);
+            for offset in ahead.map(|offset| offset.min(stale.len())) {
+                for (searched, stale) in self.searched.iter_mut().zip(&stale[offset..]) {
+                    *searched |= stale;
+                }
+            }
+        }
+        self.seen.clone_from(&self.searched);
+        for offset in ahead.map(|offset| offset.min(stale.len())) {
+            for (seen, searched) in self.seen[offset..].iter_mut().zip(&self.searched) {
+                *seen |= searched;
+            }
+        }
+    }
+
+    /// Writes the values of the particles that are looked at side by side.
+    fn gather(&mut self, positions: &Planes) {
+        let n = positions.len();
+        let (x, y, z) = (&positions.x[..n], &positions.y[..n], &positions.z[..n]);
+        let (column, row) = (&self.column[..n], &self.row[..n]);
+        let [to_x, to_y, to_z, to_column, to_row] = &mut self.values;
+        let mut from = 0;
+        while from < self.seen.len() {
+            let run = next_run(&self.seen, from);
+            from = run.end;
+            let first = self.cells.first();
+            let places = first[run.start] as usize..first[run.end] as usize;
+            let slots = &self.cells.slots()[places.clone()];
+            let points = to_x[places.clone()]
+                .iter_mut()
+                .zip(&mut to_y[places.clone()])
+                .zip(&mut to_z[places.clone()]);
+            let nodes = to_column[places.clone()]
+                .iter_mut()
+                .zip(&mut to_row[places]);
+            for ((&slot, ((to_x, to_y), to_z)), (to_column, to_row)) in
+                slots.iter().zip(points).zip(nodes)
+            {
+                let slot = slot as usize;
+                (*to_x, *to_y, *to_z) = (x[slot], y[slot], z[slot]);
+                (*to_column, *to_row) = (column[slot], row[slot]);
+            }
+        }
+    }
+
+    /// Takes over the pairs that the last search found in a range of cells.
+    fn keep(&mut self, cells: Range<usize>) {
+        if cells.is_empty() {
             return;
         }
-        self.stale.resize(cells, false);
-        for particle in 0..now.cells.cell_of_particle.len() {
-            let moved = now.x[particle].to_bits() != last.x[particle].to_bits()
-                || now.y[particle].to_bits() != last.y[particle].to_bits()
-                || now.z[particle].to_bits() != last.z[particle].to_bits();
-            if moved {
-                self.stale[now.cells.cell_of_particle[particle] as usize] = true;
-                self.stale[last.cells.cell_of_particle[particle] as usize] = true;
-            }
-        }
-    }
-
-    /// Lists the pairs cell by cell: those within a cell, with the next one, and with three of the row below.
-    fn list_pairs(&mut self) {
         let (now, last) = (&mut self.now, &self.last);
-        let cells = &now.cells;
-        now.pairs.clear();
-        now.first_pair.clear();
-        now.first_pair.push(0);
-        for row in 0..cells.rows {
-            for column in 0..cells.columns {
-                let cell = row * cells.columns + column;
-                let right = cell + usize::from(column + 1 < cells.columns);
-                let mut stale = self.stale[cell] | self.stale[right];
-                let mut below = 0..0;
-                if row + 1 < cells.rows {
-                    let left = cell - usize::from(column > 0);
-                    let [left, right] = [left + cells.columns, right + cells.columns];
-                    stale |= self.stale[left..=right].contains(&true);
-                    below = cells.first[left] as usize..cells.first[right + 1] as usize;
-                }
-                if stale {
-                    let own = cells.first[cell] as usize..cells.first[cell + 1] as usize;
-                    let ahead = cells.first[right + 1] as usize;
-                    for place in own {
-                        // A start may crush a cloth so that almost all pairs touch.
-                        if now.pairs.len() >= self.max_pairs {
-                            break;
-                        }
-                        cells.look_for(place, place + 1..ahead, self.limits, &mut now.pairs);
-                        cells.look_for(place, below.clone(), self.limits, &mut now.pairs);
-                    }
-                } else {
-                    let kept = last.first_pair[cell] as usize..last.first_pair[cell + 1] as usize;
-                    now.pairs.extend_from_slice(&last.pairs[kept]);
-                }
-                now.pairs.truncate(self.max_pairs);
-                now.first_pair.push(now.pairs.len() as u32);
-            }
-        }
+        let from = last.first[cells.start];
+        let to = last.first[cells.end];
+        let moved = (now.pairs.len() as u32).wrapping_sub(from);
+        now.pairs
+            .extend_from_slice(&last.pairs[from as usize..to as usize]);
+        let ends = &last.first[cells.start + 1..=cells.end];
+        now.first
+            .extend(ends.iter().map(|end| end.wrapping_add(moved)));
     }
 }
 
-impl Cells {
-    /// Notes the cell of every particle.
-    fn number(&mut self, x: &[f32], y: &[f32], cell_m: f32) {
-        let per_cell = 1.0 / cell_m;
-        let ([min_x, max_x], [min_y, max_y]) = (extent(x), extent(y));
-        let low = [min_x, min_y].map(|low| (low * per_cell).floor());
-        let last = [max_x, max_y].map(|high| (high * per_cell).floor());
-        let last = [0, 1].map(|axis| ((last[axis] - low[axis]) as i32).clamp(0, MAX_CELLS - 1));
-        self.origin = low.map(|low| low as i32);
-        [self.columns, self.rows] = last.map(|last| last as usize + 1);
-        self.cell_of_particle.resize(x.len(), 0);
-        number_cells(x, y, low, per_cell, last, &mut self.cell_of_particle);
-    }
-
-    /// Sorts the particles by cell (counting sort, so the order within a cell is by index).
-    fn sort(&mut self, slots: &[u32]) {
-        self.first.clear();
-        self.first.resize(self.columns * self.rows + 1, 0);
-        for &cell in &self.cell_of_particle {
-            self.first[cell as usize + 1] += 1;
-        }
-        for cell in 1..self.first.len() {
-            self.first[cell] += self.first[cell - 1];
-        }
-        self.slot.resize(slots.len(), 0);
-        // `first` serves as the cursor of each cell and is shifted back afterwards.
-        for (&slot, &cell) in slots.iter().zip(&self.cell_of_particle) {
-            let place = &mut self.first[cell as usize];
-            self.slot[*place as usize] = slot;
-            *place += 1;
-        }
-        let cells = self.first.len();
-        self.first.copy_within(0..cells - 1, 1);
-        self.first[0] = 0;
-    }
-
-    /// Adds the pairs in touch that the particle in one place forms with those in others.
-    #[inline(always)]
-    fn look_for(
-        &self,
-        place: usize,
-        others: std::ops::Range<usize>,
-        limits: Limits,
-        pairs: &mut Vec<[u32; 2]>,
-    ) {
-        let [x, y, z, column, row] = &self.values;
-        let point = [x, y, z, column, row].map(|values| f32x4::splat(values[place]));
-        let mut from = others.start;
-        while from < others.end {
-            let mut touched = look([x, y, z, column, row], point, from, limits);
-            while touched != 0 {
-                let other = from + touched.trailing_zeros() as usize;
-                if other < others.end {
-                    pairs.push([self.slot[place], self.slot[other]]);
-                }
-                touched &= touched - 1;
-            }
-            from += LOOK;
-        }
-    }
+/// Returns the next range of cells that are marked, from `from` on; an empty one at the end if there is none.
+fn next_run(marks: &[bool], from: usize) -> Range<usize> {
+    let rest = &marks[from..];
+    let start = rest.iter().position(|&mark| mark).unwrap_or(rest.len());
+    let rest = &rest[start..];
+    let len = rest.iter().position(|&mark| !mark).unwrap_or(rest.len());
+    from + start..from + start + len
 }
 
-/// Returns one bit for each of the places from `from` on: whether it touches the point.
-///
-/// - `values`: x, y, z, column and row by place.
-#[inline(always)]
-fn look(values: [&Vec<f32>; 5], point: [f32x4; 5], from: usize, limits: Limits) -> u32 {
-    let apart = |axis: usize| {
-        let mut lanes = [0.0; LOOK];
-        lanes.copy_from_slice(&values[axis][from..from + LOOK]);
-        point[axis] - f32x4::new(lanes)
-    };
-    let [dx, dy, dz, across, along] = [apart(0), apart(1), apart(2), apart(3), apart(4)];
-    let close = (dx * dx + dy * dy + dz * dz).simd_lt(f32x4::splat(limits.contact_2));
-    let may_collide = (across * across + along * along).simd_ge(f32x4::splat(limits.rest));
-    (close & may_collide).to_bitmask()
-}
-
-/// Writes the values of the listed slots, and `LOOK` zeros.
-fn gather(values: &[f32], slots: &[u32], target: &mut Vec<f32>) {
-    target.clear();
-    target.extend(slots.iter().map(|&slot| values[slot as usize]));
-    target.resize(slots.len() + LOOK, 0.0);
-}
-
-/// Writes the number of the cell that each particle is in.
+/// Lists the pairs of a range of cells, cell by cell: those within a cell, with the next one, and with three of
+/// the row below.
 #[cfg_attr(not(feature = "narrow"), multiversion(targets("x86_64+avx2")))]
-fn number_cells(
-    x: &[f32],
-    y: &[f32],
-    low: [f32; 2],
-    per_cell: f32,
-    last: [i32; 2],
-    number: &mut [u32],
+fn search(
+    cells: &Cells,
+    values: [&[f32]; 5],
+    range: Range<usize>,
+    limits: Limits,
+    max_pairs: usize,
+    found: &mut Found,
 ) {
-    let n = number.len();
-    let (x, y) = (&x[..n], &y[..n]);
-    let columns = last[0] + 1;
-    for i in 0..n {
-        let column = ((x[i] * per_cell).floor() - low[0]) as i32;
-        let row = ((y[i] * per_cell).floor() - low[1]) as i32;
-        number[i] = (row.min(last[1]) * columns + column.min(last[0])) as u32;
+    let (first, columns) = (cells.first(), cells.columns());
+    let n = values[0].len();
+    let [x, y, z, column, row] = values;
+    let values = [&x[..n], &y[..n], &z[..n], &column[..n], &row[..n]];
+    let all = first.len() - 1;
+    for cell in range {
+        let own = first[cell] as usize..first[cell + 1] as usize;
+        if !own.is_empty() {
+            let column = cell % columns;
+            let right = cell + usize::from(column + 1 < columns);
+            let ahead = first[right + 1] as usize;
+            let mut below = 0..0;
+            if cell + columns < all {
+                let left = cell - usize::from(column > 0);
+                below = first[left + columns] as usize..first[right + columns + 1] as usize;
+            }
+            for place in own {
+                // A start may crush a cloth so that almost all pairs touch.
+                if found.pairs.len() >= max_pairs {
+                    break;
+                }
+                for others in [place + 1..ahead, below.clone()] {
+                    let mut from = others.start;
+                    while from < others.end {
+                        if touches_any(values, place, from, limits) {
+                            list_touching(
+                                values,
+                                place,
+                                from..others.end,
+                                limits,
+                                cells.slots(),
+                                found,
+                            );
+                        }
+                        from += LANES;
+                    }
+                }
+            }
+        }
+        found.first.push(found.pairs.len() as u32);
     }
 }
 
-/// Returns the least and the greatest value.
-fn extent(values: &[f32]) -> [f32; 2] {
-    let blocks = values.chunks_exact(LOOK);
-    let rest = blocks.remainder();
-    let (mut low, mut high) = (f32x4::splat(f32::INFINITY), f32x4::splat(f32::NEG_INFINITY));
-    for block in blocks {
-        let block = f32x4::new([block[0], block[1], block[2], block[3]]);
-        low = low.fast_min(block);
-        high = high.fast_max(block);
+/// Tells whether the particle in one place touches one of those of a look, from the place `from` on.
+#[inline(always)]
+fn touches_any(values: [&[f32]; 5], place: usize, from: usize, limits: Limits) -> bool {
+    let [x, y, z, column, row] = values;
+    let (x0, y0, z0) = (x[place], y[place], z[place]);
+    let (column0, row0) = (column[place], row[place]);
+    let range = from..from + LANES;
+    let (x, y, z) = (&x[range.clone()], &y[range.clone()], &z[range.clone()]);
+    let (column, row) = (&column[range.clone()], &row[range]);
+    let mut touches = false;
+    for k in 0..LANES {
+        let (dx, dy, dz) = (x0 - x[k], y0 - y[k], z0 - z[k]);
+        let (across, along) = (column0 - column[k], row0 - row[k]);
+        let close = dx * dx + dy * dy + dz * dz < limits.contact_2;
+        let may_collide = across * across + along * along >= limits.rest;
+        touches |= close & may_collide;
     }
-    let low = low.to_array().into_iter().chain(rest.iter().copied());
-    let high = high.to_array().into_iter().chain(rest.iter().copied());
-    [
-        low.fold(f32::INFINITY, f32::min),
-        high.fold(f32::NEG_INFINITY, f32::max),
-    ]
+    touches
+}
+
+/// Adds the pairs in touch that the particle in one place forms with those of a look, as long as these are in range.
+#[inline(never)]
+fn list_touching(
+    values: [&[f32]; 5],
+    place: usize,
+    others: Range<usize>,
+    limits: Limits,
+    slots: &[u32],
+    found: &mut Found,
+) {
+    for from in [others.start, others.start + HALF] {
+        let apart = |axis: usize| {
+            let from = &values[axis][from..from + HALF];
+            let other = f32x4::new([from[0], from[1], from[2], from[3]]);
+            f32x4::splat(values[axis][place]) - other
+        };
+        let (dx, dy, dz, across, along) = (apart(0), apart(1), apart(2), apart(3), apart(4));
+        let close = (dx * dx + dy * dy + dz * dz).simd_lt(f32x4::splat(limits.contact_2));
+        let may_collide = (across * across + along * along).simd_ge(f32x4::splat(limits.rest));
+        let mut touched = (close & may_collide).to_bitmask();
+        while touched != 0 {
+            let other = from + touched.trailing_zeros() as usize;
+            if other < others.end {
+                found.pairs.push([slots[place], slots[other]]);
+            }
+            touched &= touched - 1;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -324,8 +311,9 @@ mod tests {
         let grid = Grid::new(60, 60, 0.00625).unwrap();
         let layout = Layout::new(grid, |_| true);
         let mut neighbours = Neighbours::new(&layout, 0.01125);
-        let crushed = Planes::zeros(layout.len());
-        for _ in 0..3 {
+        let mut crushed = Planes::zeros(layout.len());
+        for step in 0..3 {
+            crushed.x[0] = 1e-4 * step as f32;
             assert_eq!(neighbours.find(&crushed).len(), neighbours.max_pairs);
             // One particle more may have been compared with all others, and room grows by doubling.
             let room = neighbours.now.pairs.capacity();
@@ -334,5 +322,71 @@ mod tests {
                 "{room}"
             );
         }
+    }
+
+    /// What a search finds, and in which order, has to follow from the positions alone.
+    #[test]
+    fn what_was_found_before_has_no_say() {
+        let grid = Grid::new(21, 13, 0.00625).unwrap();
+        let layout = Layout::new(grid, |particle| particle % 31 != 7);
+        let fresh = Neighbours::new(&layout, 0.01125);
+        let mut state = 1u32;
+        let mut chance = move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32
+        };
+        let mut positions = Planes::zeros(layout.len());
+        for &slot in layout.slots() {
+            // A cloth folded to a third, so that many touch.
+            let along = layout.particle(slot as usize) % 21;
+            let fold = [along % 14, 13 - along % 14][along / 7 % 2] as f32;
+            let row = layout.particle(slot as usize) / 21;
+            let at = [fold * 0.00625, row as f32 * 0.00625, along as f32 * 0.001];
+            positions.set(slot as usize, at);
+        }
+        let mut neighbours = fresh.clone();
+        let mut most = 0;
+        for step in 0..120 {
+            // Far away and back again, among them farther than there are cells.
+            let reach_m = [0.0, 0.002, 0.02, 0.3, 4.0][step % 5];
+            for &slot in layout.slots() {
+                let slot = slot as usize;
+                if chance() < 0.1 {
+                    positions.x[slot] += reach_m * (chance() - 0.5);
+                    positions.y[slot] -= reach_m * (chance() - 0.5);
+                } else if step % 5 == 0 {
+                    positions.x[slot] %= 0.15;
+                    positions.y[slot] %= 0.15;
+                }
+            }
+            let found = neighbours.find(&positions);
+            assert!(found == fresh.clone().find(&positions), "step {step}");
+            let mut found = found.to_vec();
+            for pair in &mut found {
+                pair.sort();
+            }
+            found.sort();
+            assert!(found == in_touch(&layout, &positions), "step {step}");
+            most = most.max(found.len());
+        }
+        assert!(most > 100, "{most} pairs are too few to test anything");
+    }
+
+    /// Returns the pairs in touch, by comparing every two particles.
+    fn in_touch(layout: &Layout, positions: &Planes) -> Vec<[u32; 2]> {
+        let mut pairs = Vec::new();
+        for (i, &a) in layout.slots().iter().enumerate() {
+            for &b in &layout.slots()[i + 1..] {
+                let [p, q] = [a, b].map(|slot| positions.get(slot as usize));
+                let apart = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+                let near = apart.iter().map(|d| d * d).sum::<f32>() < 0.01125 * 0.01125;
+                let [p, q] = [a, b].map(|slot| layout.particle(slot as usize));
+                let along = (p % 21).abs_diff(q % 21);
+                if near && along.pow(2) + (p / 21).abs_diff(q / 21).pow(2) >= 4 {
+                    pairs.push([a, b]);
+                }
+            }
+        }
+        pairs
     }
 }

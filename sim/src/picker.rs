@@ -23,6 +23,50 @@ pub(crate) struct Leg {
     pub gripper: Gripper,
 }
 
+/// Returns the particle nearest to the sphere's centre, if it is within `capture_m`; of equals, the first.
+pub(crate) fn nearest(
+    particles: impl Iterator<Item = (usize, [f32; 3])>,
+    centre: [f32; 3],
+    capture_m: f32,
+) -> Option<usize> {
+    let mut best = None;
+    let mut best_2 = f32::INFINITY;
+    for (particle, point) in particles {
+        let distance_2 = distance_2(point, centre);
+        if distance_2 <= capture_m * capture_m && distance_2 < best_2 {
+            best = Some(particle);
+            best_2 = distance_2;
+        }
+    }
+    best
+}
+
+/// Returns the uppermost of the particles at a point of the table; where none is as near as the particles of a
+/// flat cloth are to any point of it, the nearest as seen from above.
+pub(crate) fn uppermost(
+    particles: impl Iterator<Item = (usize, [f32; 3])>,
+    spacing_m: f32,
+    [x_m, y_m]: [f32; 2],
+) -> Option<usize> {
+    let reach_2 = 0.5 * spacing_m * spacing_m;
+    let order = |&(_, [x, y, z]): &(usize, [f32; 3])| {
+        let aside_2 = (x - x_m) * (x - x_m) + (y - y_m) * (y - y_m);
+        // Those at the point come before all others, the highest first.
+        (
+            aside_2 > reach_2,
+            if aside_2 > reach_2 { aside_2 } else { -z },
+        )
+    };
+    let before = |a: &(bool, f32), b: &(bool, f32)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
+    let first = particles.min_by(|a, b| before(&order(a), &order(b)));
+    first.map(|(particle, _)| particle)
+}
+
+fn distance_2(a: [f32; 3], b: [f32; 3]) -> f32 {
+    let (dx, dy, dz) = (a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+    dx * dx + dy * dy + dz * dz
+}
+
 /// Lists the legs of one pick-and-place: over, down, up, across, down, up, home.
 pub(crate) fn legs(pick: [f32; 2], place: [f32; 2], params: &Params) -> [Leg; 7] {
     use Gripper::{Closed, Open};

@@ -37,6 +37,7 @@ pub struct Simulator {
     /// Whether the last step was `Still` and nothing was touched since.
     at_rest: bool,
     shortcut: RestShortcut,
+    aim: Aim,
     /// What is wrong with the parameters; no step is computed with such.
     fault: Option<ParamsError>,
 }
@@ -49,6 +50,17 @@ pub enum RestShortcut {
     Skip,
     /// Compute every step; slower, for comparison.
     Compute,
+}
+
+/// Which particle within its reach the picker takes hold of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Aim {
+    /// The one nearest to the sphere's centre when it closes, as PyFleX's picker does. A fold pressed together
+    /// beside the pick point may be nearer than what lies at the point.
+    #[default]
+    Nearest,
+    /// The one that lies uppermost at the pick point before the sphere comes down: what a camera above shows there.
+    Uppermost,
 }
 
 impl Simulator {
@@ -92,6 +104,7 @@ impl Simulator {
             steps: 0,
             at_rest: false,
             shortcut: RestShortcut::Skip,
+            aim: Aim::Nearest,
             fault: params.check().err(),
         }
     }
@@ -99,6 +112,11 @@ impl Simulator {
     /// Chooses whether steps of a cloth at rest are computed.
     pub fn set_rest_shortcut(&mut self, shortcut: RestShortcut) {
         self.shortcut = shortcut;
+    }
+
+    /// Chooses what the picker takes hold of.
+    pub fn set_aim(&mut self, aim: Aim) {
+        self.aim = aim;
     }
 
     /// Returns the grid that the cloth was made with.
@@ -157,7 +175,7 @@ impl Simulator {
         Ok(max_steps)
     }
 
-    /// Carries the particle nearest to `pick` to `place`, and takes the picker home.
+    /// Carries the particle that `pick` points at (see [`Aim`]) to `place`, and takes the picker home.
     ///
     /// The sphere goes over the pick point, down, closes, goes up, across, down, opens, goes up and
     /// home, 5 mm a step (Foldsformer's folding environment). A closed picker that holds nothing keeps
@@ -180,6 +198,10 @@ impl Simulator {
         if !self.solver.held().is_empty() {
             self.let_go();
         }
+        let aimed_at = match self.aim {
+            Aim::Nearest => None,
+            Aim::Uppermost => picker::uppermost(self.solver.present(), self.grid().spacing_m, pick),
+        };
         let mut grasped = None;
         let mut steps = 0;
         for Leg { target, gripper } in picker::legs(pick, place, &self.params) {
@@ -195,7 +217,7 @@ impl Simulator {
                 }
                 match gripper {
                     Gripper::Open => self.release(),
-                    Gripper::Closed => self.grasp(),
+                    Gripper::Closed => self.grasp(aimed_at),
                 }
                 grasped = grasped.or(self.held);
                 self.step_to(next)?;
@@ -284,12 +306,16 @@ impl Simulator {
         self.shortcut = shortcut;
     }
 
-    fn grasp(&mut self) {
+    fn grasp(&mut self, aimed_at: Option<usize>) {
         if self.held.is_some() {
             return;
         }
         let capture_m = self.params.picker_capture_m;
-        self.held = self.solver.nearest(self.sphere, capture_m);
+        let allowed = self
+            .solver
+            .present()
+            .filter(|&(particle, _)| aimed_at.is_none_or(|aim| particle == aim));
+        self.held = picker::nearest(allowed, self.sphere, capture_m);
         if let Some(particle) = self.held {
             self.solver.hold(&[particle]);
             self.at_rest = false;

@@ -12,6 +12,7 @@ use crate::motion::{all_finite, derive_velocities, fly};
 use crate::neighbours::Neighbours;
 use crate::params::Params;
 use crate::planes::Planes;
+use crate::sides::Sides;
 use crate::springs::{Direction, Springs};
 
 // A sphere that stays farther than this from the cloth's bounding box for a whole step is left out of the
@@ -42,9 +43,9 @@ pub(crate) struct Broken {
 #[derive(Clone, Debug)]
 pub(crate) struct Solver {
     layout: Layout,
-    positions: Planes,
+    /// Positions are current by rows between two substeps.
+    sides: Sides,
     velocities: Planes,
-    inverse_mass: Vec<f32>,
     /// Slots of the held particles.
     held: Vec<usize>,
     params: Params,
@@ -54,8 +55,6 @@ pub(crate) struct Solver {
     pairs: Pairs,
     /// By slot: 1 for a particle of a pair in touch, else 0.
     layered: Vec<f32>,
-    /// Positions when the substep began.
-    began: Planes,
     /// State when the step began.
     before: Planes,
     velocities_before: Planes,
@@ -71,27 +70,27 @@ impl Solver {
         for &slot in layout.slots() {
             positions.set(slot as usize, points[layout.particle(slot as usize)]);
         }
+        let before = positions.clone();
+        let sides = Sides::new(&layout, positions);
         Solver {
             velocities: Planes::zeros(n),
-            inverse_mass: layout.free(),
             held: Vec::new(),
             params: params.clone(),
             springs: Springs::new(&layout, params),
-            contacts: Contacts::new(n),
+            contacts: Contacts::new(&sides),
             neighbours: Neighbours::new(&layout, params.self_contact_m),
             pairs: Pairs::default(),
             layered: vec![0.0; n],
-            began: positions.clone(),
-            before: positions.clone(),
+            before,
             velocities_before: Planes::zeros(n),
-            positions,
+            sides,
             layout,
         }
     }
 
     /// Returns the position of every particle of the grid; a missing one is at the origin.
     pub fn points(&self) -> Vec<[f32; 3]> {
-        self.by_particle(&self.positions)
+        self.by_particle(&self.sides.rows.positions)
     }
 
     /// Returns the velocity of every particle of the grid; that of a missing one is zero.
@@ -111,7 +110,7 @@ impl Solver {
     pub fn set_positions(&mut self, points: &[[f32; 3]]) {
         for &slot in self.layout.slots() {
             let point = points[self.layout.particle(slot as usize)];
-            self.positions.set(slot as usize, point);
+            self.sides.rows.positions.set(slot as usize, point);
         }
     }
 
@@ -136,20 +135,15 @@ impl Solver {
         self.springs.count()
     }
 
-    /// Returns the particle nearest to `centre`, if it is within `capture_m`; of equals, the first.
-    pub fn nearest(&self, centre: [f32; 3], capture_m: f32) -> Option<usize> {
-        let mut best = None;
-        let mut best_2 = f32::INFINITY;
-        for &slot in self.layout.slots() {
-            let [x, y, z] = self.positions.get(slot as usize);
-            let (dx, dy, dz) = (x - centre[0], y - centre[1], z - centre[2]);
-            let distance_2 = dx * dx + dy * dy + dz * dz;
-            if distance_2 <= capture_m * capture_m && distance_2 < best_2 {
-                best = Some(self.layout.particle(slot as usize));
-                best_2 = distance_2;
-            }
-        }
-        best
+    /// Returns every particle that is there, and its position, ascending.
+    pub fn present(&self) -> impl Iterator<Item = (usize, [f32; 3])> {
+        self.layout.slots().iter().map(|&slot| {
+            let slot = slot as usize;
+            (
+                self.layout.particle(slot),
+                self.sides.rows.positions.get(slot),
+            )
+        })
     }
 
     /// Fixes particles, which then move by a step's `shift` alone, and frees all others.
@@ -157,18 +151,17 @@ impl Solver {
         self.held.clear();
         self.held
             .extend(particles.iter().map(|&particle| self.layout.slot(particle)));
-        self.inverse_mass = self.layout.free();
+        self.sides.hold(&self.held);
         for &slot in &self.held {
-            self.inverse_mass[slot] = 0.0;
             self.velocities.set(slot, [0.0; 3]);
         }
-        self.springs.set_inverse_mass(&self.inverse_mass);
+        self.springs.note_fixed(&self.sides);
     }
 
     /// Advances by one step while the sphere's centre goes straight from `from` to `to`, and the held
     /// particle with it.
     ///
-    /// A step in which nothing touches the cloth and no particle outruns the rest speed is undone. A
+    /// A step in which nothing touches or holds the cloth and no particle outruns the rest speed is undone. A
     /// settled cloth so becomes exactly still, instead of trembling on by rounding errors.
     ///
     /// Fails on the first particle whose position is not a finite number.
@@ -179,7 +172,7 @@ impl Solver {
         shift: [f32; 3],
     ) -> Result<Outcome, Broken> {
         let sphere_in_play = self.sphere_may_touch(from, to);
-        self.before.clone_from(&self.positions);
+        self.before.clone_from(&self.sides.rows.positions);
         self.velocities_before.clone_from(&self.velocities);
         for substep in 0..self.params.substeps {
             let sphere = self.sphere_at(from, to, substep);
@@ -189,19 +182,26 @@ impl Solver {
             let done = (substep + 1) as f32 / self.params.substeps as f32;
             for &held in &self.held {
                 let at = self.before.get(held);
-                self.positions
+                self.sides
+                    .rows
+                    .positions
                     .set(held, [0, 1, 2].map(|axis| at[axis] + done * shift[axis]));
             }
             self.substep(substep, sphere_in_play.then_some(sphere))?;
         }
         let rest_m = self.params.rest_speed_m_s * self.params.step_secs;
+        // A cloth that hangs may be slow because it swings and turns; one that lies may not.
         if sphere_in_play
-            || shift != [0.0; 3]
-            || self.positions.differs_beyond(&self.before, rest_m)
+            || !self.held.is_empty()
+            || self
+                .sides
+                .rows
+                .positions
+                .differs_beyond(&self.before, rest_m)
         {
             return Ok(Outcome::Moved);
         }
-        self.positions.clone_from(&self.before);
+        self.sides.rows.positions.clone_from(&self.before);
         self.velocities.clone_from(&self.velocities_before);
         Ok(Outcome::Still)
     }
@@ -209,7 +209,11 @@ impl Solver {
     /// Tells whether the sphere, on this way, comes near enough to the cloth to be part of a step.
     pub fn sphere_may_touch(&self, from: [f32; 3], to: [f32; 3]) -> bool {
         let reach = self.params.picker_radius_m + self.params.picker_skin_m + SPHERE_MARGIN_M;
-        let planes = [&self.positions.x, &self.positions.y, &self.positions.z];
+        let planes = [
+            &self.sides.rows.positions.x,
+            &self.sides.rows.positions.y,
+            &self.sides.rows.positions.z,
+        ];
         (0..3).all(|axis| {
             let low = from[axis].min(to[axis]) - reach;
             let high = from[axis].max(to[axis]) + reach;
@@ -225,12 +229,12 @@ impl Solver {
 
     /// Fails on the first particle whose position is not a finite number.
     fn check_finite(&self, place: &'static str) -> Result<(), Broken> {
-        let Planes { x, y, z } = &self.positions;
+        let Planes { x, y, z } = &self.sides.rows.positions;
         if all_finite(x) && all_finite(y) && all_finite(z) {
             return Ok(());
         }
         let is_broken = |slot: &&u32| {
-            let point = self.positions.get(**slot as usize);
+            let point = self.sides.rows.positions.get(**slot as usize);
             point.iter().any(|value| !value.is_finite())
         };
         match self.layout.slots().iter().find(is_broken) {
@@ -254,29 +258,34 @@ impl Solver {
 
     fn substep(&mut self, substep: u32, sphere: Option<Sphere>) -> Result<(), Broken> {
         let dt = self.params.step_secs / self.params.substeps as f32;
-        self.began.clone_from(&self.positions);
+        self.sides.begin();
         self.predict(dt);
         self.check_finite("after free flight")?;
-        let touching = self.neighbours.find(&self.positions);
-        self.pairs.list(touching, &self.began, &self.inverse_mass);
+        let touching = self.neighbours.find(&self.sides.rows.positions);
+        self.pairs.list(touching, &self.sides);
         self.layered.fill(0.0);
         for &slot in touching.iter().flatten() {
             self.layered[slot as usize] = 1.0;
         }
+        let direction = |sweep| match (sweep + substep) % 2 {
+            0 => Direction::Forward,
+            _ => Direction::Backward,
+        };
+        if direction(0) == Direction::Backward {
+            self.sides.turn_to_columns();
+        }
         for sweep in 0..self.params.sweeps {
-            let direction = match (sweep + substep) % 2 {
-                0 => Direction::Forward,
-                _ => Direction::Backward,
-            };
-            self.springs.sweep(&mut self.positions, direction);
+            self.springs.sweep(&mut self.sides, direction(sweep));
             self.contacts.resolve(
-                &mut self.positions,
-                &self.began,
-                &self.inverse_mass,
+                &mut self.sides,
+                direction(sweep),
                 &self.pairs,
                 sphere,
                 &self.params,
             );
+        }
+        if direction(self.params.sweeps - 1) == Direction::Forward {
+            self.sides.turn_to_rows();
         }
         self.check_finite("after springs and contacts")?;
         self.finish(dt);
@@ -287,9 +296,9 @@ impl Solver {
     fn predict(&mut self, dt: f32) {
         let keep = 1.0 - self.params.damping_per_s * dt;
         let [x, y, z] = self.params.gravity_m_s2.map(|gravity| gravity * dt);
-        let weight = &self.inverse_mass;
+        let weight = &self.sides.rows.inverse_mass;
         fly(
-            &mut self.positions.x,
+            &mut self.sides.rows.positions.x,
             &self.velocities.x,
             weight,
             dt,
@@ -297,7 +306,7 @@ impl Solver {
             x,
         );
         fly(
-            &mut self.positions.y,
+            &mut self.sides.rows.positions.y,
             &self.velocities.y,
             weight,
             dt,
@@ -305,7 +314,7 @@ impl Solver {
             y,
         );
         fly(
-            &mut self.positions.z,
+            &mut self.sides.rows.positions.z,
             &self.velocities.z,
             weight,
             dt,
@@ -319,10 +328,14 @@ impl Solver {
     fn finish(&mut self, dt: f32) {
         let max_change = self.params.max_acceleration_m_s2 * dt;
         let sleep_2 = self.params.sleep_speed_m_s * self.params.sleep_speed_m_s;
-        let Planes { x, y, z } = &mut self.positions;
+        let Planes { x, y, z } = &mut self.sides.rows.positions;
         let v = &mut self.velocities;
         let velocities = [&mut v.x[..], &mut v.y[..], &mut v.z[..]];
-        let began = [&self.began.x[..], &self.began.y[..], &self.began.z[..]];
+        let began = [
+            &self.sides.rows.began.x[..],
+            &self.sides.rows.began.y[..],
+            &self.sides.rows.began.z[..],
+        ];
         let support = (
             &self.layered[..],
             self.params.table_contact_m + TABLE_REACH_M,

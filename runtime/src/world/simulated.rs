@@ -10,7 +10,7 @@ use crate::vision::DepthImage;
 use compiler::program;
 use image::RgbImage;
 pub use sim::Look;
-use sim::{Grid, Mask, Params, SimError, Simulator, TopDownCamera};
+use sim::{Aim, Grid, Mask, Params, SimError, Simulator, TopDownCamera};
 
 /// Why a cloth with missing particles is not laid for actions: its corners, which tasks name, may not exist.
 const OUTLINED: &str =
@@ -76,8 +76,10 @@ impl SimulatedWorld {
         if mask.grid() != grid {
             return Err(wrong("its outline is of another grid".to_owned()));
         }
-        Simulator::from_positions(mask, &start.positions, &self.parameters)
-            .map_err(|error| wrong(error.to_string()))
+        let mut cloth = Simulator::from_positions(mask, &start.positions, &self.parameters)
+            .map_err(|error| wrong(error.to_string()))?;
+        cloth.set_aim(Aim::Uppermost);
+        Ok(cloth)
     }
 
     fn cloth(&self) -> Result<&Simulator, WorldError> {

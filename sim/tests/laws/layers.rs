@@ -98,3 +98,46 @@ fn a_pick_over_a_stack_takes_its_top_layer_and_leaves_the_lower_one() {
     assert!(moved(top) > 0.01, "{} m", moved(top));
     assert!(moved(below) < 0.001, "{} m", moved(below));
 }
+
+/// What a picker takes that aims, or does not, at a point of the folded cloth.
+fn grasped(aim: Aim, pick: [f32; 2]) -> Option<usize> {
+    let mut cloth = folded();
+    cloth.set_aim(aim);
+    let done = cloth.pick_and_place(pick, [0.0, 0.0], &|| false);
+    done.unwrap().grasped
+}
+
+#[test]
+fn a_picker_that_aims_takes_what_lies_at_the_point_and_not_the_flap_beside_it() {
+    let points = folded().positions();
+    // A particle of the lower layer, one spacing outside of the flap's edge.
+    let aside = |i: usize, j: usize| {
+        let [a, b] = [xy(points[i]), xy(points[j])];
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    };
+    let to_flap = |i: usize| {
+        let flap = (0..points.len()).filter(|&j| is_flap(j, 0.0));
+        flap.map(|j| aside(i, j)).fold(f32::INFINITY, f32::min)
+    };
+    let low = (0..points.len())
+        .find(|&i| !is_flap(i, -6.0) && (0.004..0.009).contains(&to_flap(i)))
+        .unwrap();
+    let nearest = grasped(Aim::Nearest, xy(points[low])).unwrap();
+    assert!(is_flap(nearest, 0.0), "{nearest}");
+    assert_eq!(grasped(Aim::Uppermost, xy(points[low])), Some(low));
+}
+
+#[test]
+fn a_picker_that_aims_takes_the_top_layer_and_misses_what_is_out_of_reach() {
+    let points = folded().positions();
+    let top = 5 * DIM + 5;
+    assert_eq!(grasped(Aim::Uppermost, xy(points[top])), Some(top));
+    // 3 mm off the cloth its corner is grasped; 60 mm off nothing is.
+    let corner = points.len() - 1;
+    let [x, y] = xy(points[corner]);
+    assert_eq!(
+        grasped(Aim::Uppermost, [x + 0.002, y - 0.002]),
+        Some(corner)
+    );
+    assert_eq!(grasped(Aim::Uppermost, [x + 0.06, y]), None);
+}

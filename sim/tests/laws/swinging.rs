@@ -53,21 +53,14 @@ fn an_undamped_swing_gains_no_energy_and_loses_less_with_more_substeps() {
     assert!(lost[3] < 0.2, "{lost:?}");
 }
 
-/// Known limit: a cloth of which nothing moves faster than the rest speed is still, even in the air.
-///
-/// A strip let go at 20 degrees so stops at a turning point instead of swinging on.
+/// What stands for static friction on the table must not stop a cloth that hangs, however slowly it swings.
 #[test]
-fn the_rest_rule_stops_a_gentle_swing_in_the_air() {
-    let angle = |params: &Params| {
-        let mut cloth = raised(20.0, params);
+fn a_gentle_swing_in_the_air_comes_to_hang_straight_down() {
+    for degrees in [20.0, 2.0] {
+        let mut cloth = raised(degrees, &Params::default());
         run(&mut cloth, 400);
         let (first, last) = (cloth.positions()[0], cloth.positions()[4 * (ROWS - 1)]);
-        (last[1] / (first[2] - last[2])).atan().to_degrees()
-    };
-    let (with_rules, without) = (angle(&Params::default()), angle(&sleepless()));
-    assert!(without.abs() < 3.0, "{without}");
-    assert!(
-        (3.0..15.0).contains(&with_rules.abs()),
-        "{with_rules}; then the rules are other than told here"
-    );
+        let angle = (last[1] / (first[2] - last[2])).atan().to_degrees();
+        assert!(angle.abs() < 0.15 * degrees, "{degrees}: {angle}");
+    }
 }
