@@ -70,12 +70,12 @@ fn skipping_resting_steps_changes_no_bit_of_a_replay() {
 }
 
 #[test]
-#[ignore = "replays all 60 demonstrations, about three minutes"]
+#[ignore = "replays all 60 demonstrations, about one minute"]
 fn long_all_demonstrations_end_near_the_recorded_ends() {
     for (task, mean_mm, max_mm) in [
-        ("AllCornersInward", 2.0, 4.0),
-        ("CornersEdgesInward", 3.6, 6.0),
-        ("DoubleStraight", 27.0, 50.0),
+        ("AllCornersInward", 1.7, 4.0),
+        ("CornersEdgesInward", 2.7, 6.0),
+        ("DoubleStraight", 20.0, 40.0),
     ] {
         let Some(errors) = errors_mm(
             "long_all_demonstrations_end_near_the_recorded_ends",
