@@ -1,10 +1,13 @@
 //! Colours of single pixels: masks by hue, saturation and value, and the grey that detectors see.
 //!
-//! In: an RGB picture. Out: a [`Mask`], or grey levels. No picture library rounds here: what a range includes
-//! follows from a pixel's three bytes alone.
+//! In: an RGB picture. Out: a [`Mask`], grey levels, or a picture in other colours. No picture library rounds where
+//! ranges and greys are concerned: what a range includes follows from a pixel's three bytes alone.
 
-use super::Mask;
+use super::draw::canvas;
+use super::{Mask, VisionError};
 use image::RgbImage;
+use opencv::core::{Mat, MatTraitConstManual};
+use opencv::imgproc;
 
 /// Collects the pixels whose colour lies within three ranges, both ends included.
 ///
@@ -56,6 +59,39 @@ fn hsv([red, green, blue]: [u8; 3]) -> [f64; 3] {
     };
     let hue = f64::from(60 * turned.rem_euclid(6 * spread)) / f64::from(spread);
     [hue, f64::from(spread) / f64::from(most), value]
+}
+
+/// Returns a copy of a picture in which a mask's pixels are white.
+///
+/// The smoothing paper's detector does not look at the edge between a cloth's two colours; it is shown the pink
+/// underside in white (protocol, section 4, item 2).
+pub fn painted_white(rgb: &RgbImage, mask: &Mask) -> RgbImage {
+    let mut painted = rgb.clone();
+    for pixel in mask.pixels() {
+        // A mask of a smaller or larger picture paints what both have.
+        if let Some(level) = painted.get_pixel_mut_checked(pixel.u as u32, pixel.v as u32) {
+            level.0 = [255; 3];
+        }
+    }
+    painted
+}
+
+/// Takes blue, green and red for hue, saturation and value, and returns the colours that these stand for.
+///
+/// That is the mistake of the paper's code: it converts BGR by `COLOR_HSV2RGB` and takes the result for BGR again
+/// (protocol, section 4, item 2), so what comes out as red goes on as blue. Fails if OpenCV does.
+pub(super) fn misread(rgb: &RgbImage) -> Result<RgbImage, VisionError> {
+    let mut picture = rgb.clone();
+    picture.pixels_mut().for_each(|pixel| pixel.0.reverse());
+    let mut converted = Mat::default();
+    imgproc::cvt_color_def(
+        &canvas(&mut picture)?,
+        &mut converted,
+        imgproc::COLOR_HSV2RGB,
+    )?;
+    picture.copy_from_slice(converted.data_bytes()?);
+    picture.pixels_mut().for_each(|pixel| pixel.0.reverse());
+    Ok(picture)
 }
 
 /// Returns the grey level of a colour as OpenCV's `cvtColor` computes it for 8-bit pictures.

@@ -3,9 +3,9 @@
 //! In: an observation, the cloth's mask, what the detector sees of it. Out: a square 8-bit picture, black where
 //! there is no cloth.
 
-use super::color::gray_level;
+use super::color::{gray_level, misread};
 use super::mask::has_reading;
-use super::{DepthImage, Mask};
+use super::{DepthImage, Mask, VisionError};
 use compiler::program::{PixelPoint, Sight};
 use image::imageops::{self, FilterType};
 use image::{GrayImage, Luma, RgbImage};
@@ -17,16 +17,30 @@ const LEVELS_PER_METRE: f64 = 100.0;
 ///
 /// All three inputs have the same size. Values are averaged over cloth pixels alone, so that neither the table
 /// nor missing readings bend the cloth's rim; a pixel is cloth where at least half of what it stands for is.
+/// Fails if OpenCV does.
 pub(super) fn detector_picture(
     depth: &DepthImage,
     rgb: &RgbImage,
     mask: &Mask,
     of: Sight,
     side_px: u32,
-) -> GrayImage {
+) -> Result<GrayImage, VisionError> {
     let size = depth.dimensions();
     let is_inside = |column, row| mask.contains(PixelPoint::new(column as i32, row as i32));
-    match of {
+    let levels = |rgb: &RgbImage| {
+        scaled(
+            size,
+            side_px,
+            // Sharpening exceeds a full share at the rim by an eighth; at half a share nothing is cut off.
+            0.5,
+            |column, row| {
+                let level = gray_level(rgb.get_pixel(column, row).0);
+                is_inside(column, row).then_some(f32::from(level) / 255.0)
+            },
+            |fraction| (fraction * 255.0).round().clamp(0.0, 255.0) as u8,
+        )
+    };
+    Ok(match of {
         Sight::Depth => {
             // `resize` keeps floats within 0 and 1, so depths travel as fractions of the farthest one.
             let farthest_m = depth
@@ -51,18 +65,9 @@ pub(super) fn detector_picture(
             |column, row| is_inside(column, row).then_some(1.0),
             |_| 255,
         ),
-        Sight::Picture => scaled(
-            size,
-            side_px,
-            // Sharpening exceeds a full share at the rim by an eighth; at half a share nothing is cut off.
-            0.5,
-            |column, row| {
-                let level = gray_level(rgb.get_pixel(column, row).0);
-                is_inside(column, row).then_some(f32::from(level) / 255.0)
-            },
-            |fraction| (fraction * 255.0).round().clamp(0.0, 255.0) as u8,
-        ),
-    }
+        Sight::Picture => levels(rgb),
+        Sight::MisreadPicture => levels(&misread(rgb)?),
+    })
 }
 
 /// Scales the values of cloth pixels, 0 to 1, and turns their averages into levels; 0 off the cloth.
