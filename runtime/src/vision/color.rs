@@ -1,13 +1,10 @@
 //! Colours of single pixels: masks by hue, saturation and value, and the grey that detectors see.
 //!
-//! In: an RGB picture. Out: a [`Mask`], grey levels, or a picture in other colours. No picture library rounds where
-//! ranges and greys are concerned: what a range includes follows from a pixel's three bytes alone.
+//! In: an RGB picture. Out: a [`Mask`], grey levels, or other colours. No picture library rounds here: what comes out
+//! follows from a pixel's three bytes alone.
 
-use super::draw::canvas;
-use super::{Mask, VisionError};
+use super::Mask;
 use image::RgbImage;
-use opencv::core::{Mat, MatTraitConstManual};
-use opencv::imgproc;
 
 /// Collects the pixels whose colour lies within three ranges, both ends included.
 ///
@@ -76,22 +73,33 @@ pub fn painted_white(rgb: &RgbImage, mask: &Mask) -> RgbImage {
     painted
 }
 
-/// Takes blue, green and red for hue, saturation and value, and returns the colours that these stand for.
+/// Takes blue, green and red for hue, saturation and value, and returns the colour that these stand for.
 ///
 /// That is the mistake of the paper's code: it converts BGR by `COLOR_HSV2RGB` and takes the result for BGR again
-/// (protocol, section 4, item 2), so what comes out as red goes on as blue. Fails if OpenCV does.
-pub(super) fn misread(rgb: &RgbImage) -> Result<RgbImage, VisionError> {
-    let mut picture = rgb.clone();
-    picture.pixels_mut().for_each(|pixel| pixel.0.reverse());
-    let mut converted = Mat::default();
-    imgproc::cvt_color_def(
-        &canvas(&mut picture)?,
-        &mut converted,
-        imgproc::COLOR_HSV2RGB,
-    )?;
-    picture.copy_from_slice(converted.data_bytes()?);
-    picture.pixels_mut().for_each(|pixel| pixel.0.reverse());
-    Ok(picture)
+/// (protocol, section 4, item 2), so what comes out as red goes on as blue. Hue counts halves of a degree.
+///
+/// OpenCV's function is not called: it cuts fractions off in blocks of pixels as wide as the processor's registers,
+/// and rounds in the rest of a row. This cuts them off, in the order of operations of the blocks, in single
+/// precision.
+pub(super) fn misread([red, green, blue]: [u8; 3]) -> [u8; 3] {
+    let sixths = f32::from(blue) * (6.0 / 180.0);
+    let (saturation, value) = (
+        f32::from(green) * (1.0 / 255.0),
+        f32::from(red) * (1.0 / 255.0),
+    );
+    let along = sixths.fract();
+    let least = value * (1.0 - saturation);
+    let falling = value * (-saturation).mul_add(along, 1.0);
+    let rising = value * (-saturation).mul_add(1.0 - along, 1.0);
+    let [r, g, b] = match sixths as u32 % 6 {
+        0 => [value, rising, least],
+        1 => [falling, value, least],
+        2 => [least, value, rising],
+        3 => [least, falling, value],
+        4 => [rising, least, value],
+        _ => [value, least, falling],
+    };
+    [b, g, r].map(|level| (level * 255.0) as u8)
 }
 
 /// Returns the grey level of a colour as OpenCV's `cvtColor` computes it for 8-bit pictures.

@@ -81,7 +81,7 @@ pub fn corners(
     if mask.is_empty() {
         return Ok(Vec::new());
     }
-    let picture = detector_picture(depth, rgb, mask, search.of, search.image_px)?;
+    let picture = detector_picture(depth, rgb, mask, search.of, search.image_px);
     let found = corners_of_gray(&picture, search)?;
     if (width, height) == (search.image_px, search.image_px) {
         let corner = |[x, y]: [f32; 2]| Corner {

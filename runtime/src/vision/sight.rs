@@ -5,7 +5,7 @@
 
 use super::color::{gray_level, misread};
 use super::mask::has_reading;
-use super::{DepthImage, Mask, VisionError};
+use super::{DepthImage, Mask};
 use compiler::program::{PixelPoint, Sight};
 use image::imageops::{self, FilterType};
 use image::{GrayImage, Luma, RgbImage};
@@ -17,30 +17,29 @@ const LEVELS_PER_METRE: f64 = 100.0;
 ///
 /// All three inputs have the same size. Values are averaged over cloth pixels alone, so that neither the table
 /// nor missing readings bend the cloth's rim; a pixel is cloth where at least half of what it stands for is.
-/// Fails if OpenCV does.
 pub(super) fn detector_picture(
     depth: &DepthImage,
     rgb: &RgbImage,
     mask: &Mask,
     of: Sight,
     side_px: u32,
-) -> Result<GrayImage, VisionError> {
+) -> GrayImage {
     let size = depth.dimensions();
     let is_inside = |column, row| mask.contains(PixelPoint::new(column as i32, row as i32));
-    let levels = |rgb: &RgbImage| {
+    let grey = |shown: fn([u8; 3]) -> [u8; 3]| {
         scaled(
             size,
             side_px,
             // Sharpening exceeds a full share at the rim by an eighth; at half a share nothing is cut off.
             0.5,
             |column, row| {
-                let level = gray_level(rgb.get_pixel(column, row).0);
+                let level = gray_level(shown(rgb.get_pixel(column, row).0));
                 is_inside(column, row).then_some(f32::from(level) / 255.0)
             },
             |fraction| (fraction * 255.0).round().clamp(0.0, 255.0) as u8,
         )
     };
-    Ok(match of {
+    match of {
         Sight::Depth => {
             // `resize` keeps floats within 0 and 1, so depths travel as fractions of the farthest one.
             let farthest_m = depth
@@ -65,9 +64,9 @@ pub(super) fn detector_picture(
             |column, row| is_inside(column, row).then_some(1.0),
             |_| 255,
         ),
-        Sight::Picture => levels(rgb),
-        Sight::MisreadPicture => levels(&misread(rgb)?),
-    })
+        Sight::Picture => grey(|color| color),
+        Sight::MisreadPicture => grey(misread),
+    }
 }
 
 /// Scales the values of cloth pixels, 0 to 1, and turns their averages into levels; 0 off the cloth.

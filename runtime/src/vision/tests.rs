@@ -137,8 +137,7 @@ fn the_detectors_picture_is_the_cloths_depth_in_centimetres_where_half_a_pixel_i
         &depth_mask(&depth, 0.6),
         Sight::Depth,
         16,
-    )
-    .unwrap();
+    );
     let first_column = (0..16).find(|&column| picture.get_pixel(column, 12).0[0] > 0);
     let first_row = (0..16).find(|&row| picture.get_pixel(12, row).0[0] > 0);
     assert_eq!((first_column, first_row), (Some(8), Some(7)));
