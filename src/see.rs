@@ -55,8 +55,8 @@ pub fn pixel(text: &str) -> Result<PixelPoint, String> {
 /// Names the option that is missing; all else is the picture's fault.
 fn failure(error: SeeError) -> Failure {
     match error {
-        SeeError::NeedsDepth { .. } => Failure::usage(format!("{error}; `--depth PNG`")),
-        SeeError::NeedsPick { .. } => Failure::usage(format!("{error}; `--last-pick U,V`")),
+        SeeError::NeedsDepth { .. } => Failure::usage(format!("{error}; `--depth PNG` brings it")),
+        SeeError::NeedsPick { .. } => Failure::usage(format!("{error}; `--last-pick U,V` says it")),
         SeeError::Size(_) | SeeError::Scene(_) => Failure::environment(error),
     }
 }

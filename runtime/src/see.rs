@@ -48,11 +48,13 @@ pub struct Seen {
 #[derive(Debug, thiserror::Error)]
 pub enum SeeError {
     /// A keypoint is found by depth.
-    #[error("`{keypoint}` is found by depth, and the picture has none: {right}")]
+    #[error(
+        "`{keypoint}` is found by depth, and the picture comes without it ({right} needs none)"
+    )]
     NeedsDepth {
         /// The keypoint.
         keypoint: String,
-        /// What would be right.
+        /// What would do without.
         right: &'static str,
     },
     /// A layer shows where the last action picked.
@@ -99,8 +101,8 @@ fn check_depth(program: &Program) -> Result<(), SeeError> {
     let right = match &keypoint.extractor {
         Extractor::Corners {
             of: Sight::Depth, ..
-        } => "bring a depth picture, or let the detector look at `of: mask` or `of: picture`",
-        _ => "bring a depth picture, or use `mask(hue: …, saturation: …, value: …)`",
+        } => "a detector that looks at `of: mask` or `of: picture`",
+        _ => "`mask(hue: …, saturation: …, value: …)`",
     };
     Err(SeeError::NeedsDepth {
         keypoint: keypoint.name.clone(),
