@@ -4,6 +4,8 @@
 //! step, its next position. The simulator carries the particle along. Route,
 //! heights and speed follow Foldsformer's folding environment.
 
+use crate::mask::Mask;
+use crate::mesh;
 use crate::params::Params;
 
 // The picker counts as arrived within this distance of a way point, metres (Foldsformer).
@@ -41,25 +43,39 @@ pub(crate) fn nearest(
     best
 }
 
-/// Returns the uppermost of the particles at a point of the table; where none is as near as the particles of a
-/// flat cloth are to any point of it, the nearest as seen from above.
-pub(crate) fn uppermost(
-    particles: impl Iterator<Item = (usize, [f32; 3])>,
-    spacing_m: f32,
-    [x_m, y_m]: [f32; 2],
-) -> Option<usize> {
-    let reach_2 = 0.5 * spacing_m * spacing_m;
-    let order = |&(_, [x, y, z]): &(usize, [f32; 3])| {
-        let aside_2 = (x - x_m) * (x - x_m) + (y - y_m) * (y - y_m);
-        // Those at the point come before all others, the highest first.
-        (
-            aside_2 > reach_2,
-            if aside_2 > reach_2 { aside_2 } else { -z },
-        )
+/// Returns the particle that a camera above shows at a point of the table: the corner nearest to the point of the
+/// uppermost triangle there; beside the cloth, the particle nearest to the point as seen from above.
+///
+/// - `points`: `[n_particles]`, grid order, world frame, metres.
+pub(crate) fn uppermost(mask: &Mask, points: &[[f32; 3]], at: [f32; 2]) -> Option<usize> {
+    let aside_2 = |particle: usize| {
+        let [x, y, _] = points[particle];
+        distance_2([x, y, 0.0], [at[0], at[1], 0.0])
     };
-    let before = |a: &(bool, f32), b: &(bool, f32)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
-    let first = particles.min_by(|a, b| before(&order(a), &order(b)));
-    first.map(|(particle, _)| particle)
+    let nearest = |particles: &mut dyn Iterator<Item = usize>| {
+        particles.min_by(|&a, &b| aside_2(a).total_cmp(&aside_2(b)))
+    };
+    let there = mesh::cells(mask).flatten().filter_map(|corners| {
+        let height = height_at(corners.map(|corner| points[corner]), at)?;
+        Some((height, corners))
+    });
+    match there.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((_, corners)) => nearest(&mut corners.into_iter()),
+        None => nearest(&mut (0..points.len()).filter(|&particle| mask.has(particle))),
+    }
+}
+
+/// Returns the height of a triangle over a point of the table, or `None` beside it and for one seen edge on.
+fn height_at([a, b, c]: [[f32; 3]; 3], at: [f32; 2]) -> Option<f32> {
+    let twice = |p: [f32; 2], q: [f32; 2], r: [f32; 2]| {
+        (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+    };
+    let [pa, pb, pc] = [a, b, c].map(|point| [point[0], point[1]]);
+    let whole = twice(pa, pb, pc);
+    let shares = [twice(at, pb, pc), twice(pa, at, pc), twice(pa, pb, at)].map(|part| part / whole);
+    // A triangle without area has shares that are no numbers.
+    let inside = shares.iter().all(|&share| share >= 0.0);
+    inside.then(|| shares[0] * a[2] + shares[1] * b[2] + shares[2] * c[2])
 }
 
 fn distance_2(a: [f32; 3], b: [f32; 3]) -> f32 {

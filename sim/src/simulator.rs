@@ -200,7 +200,7 @@ impl Simulator {
         }
         let aimed_at = match self.aim {
             Aim::Nearest => None,
-            Aim::Uppermost => picker::uppermost(self.solver.present(), self.grid().spacing_m, pick),
+            Aim::Uppermost => picker::uppermost(&self.mask, &self.positions(), pick),
         };
         let mut grasped = None;
         let mut steps = 0;

@@ -177,7 +177,7 @@ impl Solver {
         for substep in 0..self.params.substeps {
             let sphere = self.sphere_at(from, to, substep);
             // PyFleX moves a held particle the whole way before the first substep; going along with the
-            // sphere keeps replays of Double Straight together (20 recordings: 21.0 mm, at worst 27,
+            // sphere kept replays of Double Straight together when both were tried (20 recordings: 21.0 mm, at worst 27,
             // instead of 25.5 mm, at worst 57).
             let done = (substep + 1) as f32 / self.params.substeps as f32;
             for &held in &self.held {
