@@ -4,6 +4,8 @@
 pub mod sim;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+#[cfg(feature = "runtime")]
+use compiler::program::PixelPoint;
 use std::path::PathBuf;
 
 const EXIT_CODES: &str = "Exit codes: 0 done (and the goal reached), 1 the .fab file is wrong, 2 the environment failed, \
@@ -31,6 +33,9 @@ pub enum Verb {
     Render(RenderArguments),
     /// Writes tasks as prompt templates, an answer schema and verifiers for other systems.
     Build(BuildArguments),
+    /// Finds a task's keypoints in a picture of yours, and draws its layers on it, without a model.
+    #[cfg(feature = "runtime")]
+    See(SeeArguments),
     /// Draws the subgoal pictures of a task from its demonstration and pins them beside the file.
     #[cfg(feature = "runtime")]
     Subgoals(SubgoalsArguments),
@@ -51,6 +56,8 @@ impl Verb {
             Verb::Explain(_) => false,
             Verb::Render(arguments) => arguments.json,
             Verb::Build(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::See(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Subgoals(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
@@ -188,6 +195,32 @@ pub struct FrameArguments {
     /// Axis of the .npy file that points up, where nothing beside it says.
     #[arg(long, value_name = "AXIS", requires = "dims", value_parser = ["y", "z"])]
     pub up: Option<String>,
+}
+
+/// Arguments of `see`.
+#[cfg(feature = "runtime")]
+#[derive(Args)]
+pub struct SeeArguments {
+    #[command(flatten)]
+    pub task: TaskArguments,
+    /// The picture, of the size that the task's camera takes.
+    #[arg(long, value_name = "PNG")]
+    pub image: PathBuf,
+    /// Its depth, in grey: 255 levels a metre in 8 bits, or millimetres in 16; 0 is no reading.
+    #[arg(long, value_name = "PNG")]
+    pub depth: Option<PathBuf>,
+    /// Where the action before this one placed the cloth, for layers that show it.
+    #[arg(long, value_name = "U,V", value_parser = crate::see::pixel, allow_hyphen_values = true)]
+    pub last_place: Option<PixelPoint>,
+    /// Where it picked it.
+    #[arg(long, value_name = "U,V", value_parser = crate::see::pixel, allow_hyphen_values = true, requires = "last_place")]
+    pub last_pick: Option<PixelPoint>,
+    /// Write a picture of each keypoint and layer into this folder, and `annotated.png`, what a model would see.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `subgoals`.

@@ -20,6 +20,8 @@ mod render;
 #[cfg(feature = "runtime")]
 mod run;
 #[cfg(feature = "runtime")]
+mod see;
+#[cfg(feature = "runtime")]
 mod sim;
 #[cfg(feature = "runtime")]
 mod subgoals;
@@ -66,6 +68,8 @@ fn run(verb: Verb) -> Exit {
         Verb::Explain(arguments) => explain::run(&arguments),
         Verb::Render(arguments) => render::run(&arguments),
         Verb::Build(arguments) => build::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::See(arguments) => see::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Subgoals(arguments) => subgoals::run(&arguments),
         #[cfg(feature = "runtime")]

@@ -30,6 +30,7 @@ pub mod observation;
 pub mod outcome;
 pub mod picture;
 pub mod pictures;
+pub mod see;
 pub mod start;
 pub mod subgoals;
 

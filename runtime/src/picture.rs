@@ -1,7 +1,10 @@
 //! Pictures as PNG files, bounded before they are decoded.
 
 use crate::bounded;
-use image::{ImageFormat, ImageReader, Limits, RgbImage};
+use crate::vision::DepthImage;
+use image::{
+    DynamicImage, ImageBuffer, ImageFormat, ImageReader, Limits, Luma, Pixel, Primitive, RgbImage,
+};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -29,6 +32,17 @@ pub enum PictureError {
         /// What the decoder said.
         why: String,
     },
+    /// A depth picture is not grey.
+    #[error(
+        "`{path}` is a picture in {found} and no depth picture; one is grey, with 255 levels a metre in 8 bits or \
+         with millimetres in 16"
+    )]
+    NotDepth {
+        /// The file.
+        path: PathBuf,
+        /// Its kind of colour.
+        found: String,
+    },
     /// The picture is too large.
     #[error("`{path}` is {found}; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels are read")]
     TooLarge {
@@ -41,16 +55,50 @@ pub enum PictureError {
 
 /// Reads a PNG file.
 pub fn load(path: &Path) -> Result<RgbImage, PictureError> {
-    let unreadable = |why: String| PictureError::Unreadable {
+    decode(&read(path)?, path)
+}
+
+/// Reads a depth picture: 8-bit grey counts 255 levels a metre, 16-bit grey millimetres; 0 is no reading.
+///
+/// Returns metres. The first is what the recorded data and `fabc sim render --depth` have, the second what depth
+/// cameras write. Fails for a picture in colour too.
+pub fn load_depth(path: &Path) -> Result<DepthImage, PictureError> {
+    let bytes = read(path)?;
+    match decoded(&bytes, path)? {
+        DynamicImage::ImageLuma8(levels) => Ok(metres(&levels, 255.0)),
+        DynamicImage::ImageLuma16(levels) => Ok(metres(&levels, 1000.0)),
+        other => Err(PictureError::NotDepth {
+            path: path.to_owned(),
+            found: format!("{:?}", other.color()),
+        }),
+    }
+}
+
+/// Turns grey levels into metres.
+fn metres<T>(levels: &ImageBuffer<Luma<T>, Vec<T>>, levels_per_m: f32) -> DepthImage
+where
+    T: Primitive + Into<f32>,
+    Luma<T>: Pixel<Subpixel = T>,
+{
+    DepthImage::from_fn(levels.width(), levels.height(), |column, row| {
+        let level: f32 = levels.get_pixel(column, row).0[0].into();
+        Luma([level / levels_per_m])
+    })
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, PictureError> {
+    bounded::read(path, MAX_BYTES).map_err(|why| PictureError::Unreadable {
         path: path.to_owned(),
         why,
-    };
-    let bytes = bounded::read(path, MAX_BYTES).map_err(unreadable)?;
-    decode(&bytes, path)
+    })
 }
 
 /// Decodes the bytes of a PNG file; `path` names them in errors.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<RgbImage, PictureError> {
+    Ok(decoded(bytes, path)?.into_rgb8())
+}
+
+fn decoded(bytes: &[u8], path: &Path) -> Result<DynamicImage, PictureError> {
     let wrong = |why: String| PictureError::NotAPicture {
         path: path.to_owned(),
         why,
@@ -68,10 +116,7 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<RgbImage, PictureError> {
     limits.max_image_width = Some(MAX_SIDE_PX);
     limits.max_image_height = Some(MAX_SIDE_PX);
     reader.limits(limits);
-    Ok(reader
-        .decode()
-        .map_err(|error| wrong(error.to_string()))?
-        .into_rgb8())
+    reader.decode().map_err(|error| wrong(error.to_string()))
 }
 
 /// Encodes a picture as PNG.

@@ -4,6 +4,7 @@ mod support;
 
 mod agent_loop;
 mod bad_input;
+mod bad_see_input;
 mod bad_sim_input;
 mod bad_starts;
 mod build;
@@ -13,6 +14,7 @@ mod peers;
 mod prompts;
 mod readme;
 mod recorded_starts;
+mod see;
 mod sim_outlines;
 mod sim_replay;
 mod sim_verbs;

@@ -154,6 +154,7 @@ pub(super) fn corners(
         named("spacing"),
         optional("image"),
         optional("of"),
+        optional("white"),
         optional("block"),
     ];
     parameters.extend(is_harris.then(|| optional("k")));
@@ -179,10 +180,12 @@ pub(super) fn corners(
     let spacing_px = read(bound.get("spacing")?, &SPACING, context);
     let block_px = block(&bound, context);
     let of = sight(bound.get("of"), context);
+    let white = white(&bound, of, earlier, context);
     let moment = moment(bound.get("at"), context);
     let extractor = Extractor::Corners {
         mask: mask?,
         of: of?,
+        white: white?,
         image_px: image_px?,
         max: max?,
         quality: quality?,
@@ -221,14 +224,36 @@ fn sight(of: Option<&Expr>, context: &mut Context<'_>) -> Option<Sight> {
         ExprKind::Name(name) if name == "depth" => Some(Sight::Depth),
         ExprKind::Name(name) if name == "mask" => Some(Sight::Mask),
         ExprKind::Name(name) if name == "picture" => Some(Sight::Picture),
+        ExprKind::Name(name) if name == "misread_picture" => Some(Sight::MisreadPicture),
         _ => {
             let found = context.written(expr.span);
-            let names = among(["depth", "mask", "picture"]);
+            let names = among(["depth", "mask", "picture", "misread_picture"]);
             let message = format!("expected {names}, found `{found}`");
             context.push(Diagnostic::new(Code::WrongForm, expr.span, message));
             None
         }
     }
+}
+
+/// Reads `white: MASK`: None where it is wrong, nothing inside where it is not stated.
+fn white(
+    bound: &Bound<'_>,
+    of: Option<Sight>,
+    earlier: Earlier<'_, '_>,
+    context: &mut Context<'_>,
+) -> Option<Option<String>> {
+    let Some(expr) = bound.get("white") else {
+        return Some(None);
+    };
+    if let Some(Sight::Depth | Sight::Mask) = of {
+        let message = "`white` paints a picture that the detector does not look at";
+        context.push(
+            Diagnostic::new(Code::WrongArguments, expr.span, message)
+                .help("write `of: picture`, or leave `white` out"),
+        );
+        return None;
+    }
+    earlier.named(expr, KeypointShape::Mask, context).map(Some)
 }
 
 /// Builds an extractor of one earlier keypoint and nothing else.

@@ -289,18 +289,3 @@ fn framed<'w>(
     };
     Some((mark, name.text.as_str(), Several::No))
 }
-
-/// Returns whether a layer needs the action before.
-pub(crate) fn uses_last(layer: &Layer) -> bool {
-    match &layer.mark {
-        Mark::Dot { at, .. }
-        | Mark::Ring { at, .. }
-        | Mark::Cross { at, .. }
-        | Mark::Number { at } => at.iter().any(|spot| match spot {
-            Spot::Points { .. } => false,
-            Spot::One { point } => Uses::of_point(point).last,
-        }),
-        Mark::Arrow { from, to, .. } => Uses::of_point(from).last || Uses::of_point(to).last,
-        Mark::Box { .. } | Mark::Outline { .. } => false,
-    }
-}

@@ -47,10 +47,7 @@ pub(super) fn check(
         context.actions = actions::check(part, &mut context);
     }
     context.layers = layers::check(merged, &mut context);
-    let last_layers = context
-        .layers
-        .iter()
-        .filter(|layer| layers::uses_last(layer));
+    let last_layers = context.layers.iter().filter(|layer| layer.uses_last());
     context.last_layers = last_layers.map(|layer| layer.name.clone()).collect();
     let subgoals = merged
         .subgoals

@@ -1,6 +1,6 @@
 //! What is drawn on the camera's picture before a model sees it.
 
-use super::Point;
+use super::{End, Point};
 use serde::{Deserialize, Serialize};
 
 /// One layer of drawing; later layers cover earlier ones.
@@ -16,6 +16,28 @@ pub struct Layer {
     pub mark: Mark,
     /// What a prompt calls it, such as `blue dots`.
     pub words: String,
+}
+
+impl Layer {
+    /// Returns whether it shows where the action before was carried out.
+    pub fn uses_last(&self) -> bool {
+        self.uses_end(End::Pick) || self.uses_end(End::Place)
+    }
+
+    /// Returns whether it shows that end of the action before.
+    pub fn uses_end(&self, end: End) -> bool {
+        match &self.mark {
+            Mark::Dot { at, .. }
+            | Mark::Ring { at, .. }
+            | Mark::Cross { at, .. }
+            | Mark::Number { at } => at.iter().any(|spot| match spot {
+                Spot::Points { .. } => false,
+                Spot::One { point } => point.uses_end(end),
+            }),
+            Mark::Arrow { from, to, .. } => from.uses_end(end) || to.uses_end(end),
+            Mark::Box { .. } | Mark::Outline { .. } => false,
+        }
+    }
 }
 
 /// What is drawn.

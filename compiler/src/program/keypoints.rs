@@ -48,6 +48,9 @@ pub enum Extractor {
         mask: String,
         /// What the detector looks at.
         of: Sight,
+        /// A mask whose pixels are painted white in the picture before the detector sees it; none: it is as it is.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        white: Option<String>,
         /// Side of the square image that the detector sees, pixels of that image; results are scaled back.
         image_px: u32,
         /// The most corners kept, strongest first.
@@ -112,6 +115,9 @@ pub enum Sight {
     Mask,
     /// The camera's picture in grey.
     Picture,
+    /// The same, its blue, green and red taken for hue, saturation and value: a mistake of the paper's code
+    /// (protocol, section 4), only for comparisons with its recordings.
+    MisreadPicture,
 }
 
 /// What a corner detector takes for a strong response.
@@ -143,6 +149,15 @@ pub enum KeypointShape {
 }
 
 impl Extractor {
+    /// Returns whether it needs the camera's depth and not its picture alone.
+    pub fn needs_depth(&self) -> bool {
+        match self {
+            Extractor::DepthMask { .. } => true,
+            Extractor::Corners { of, .. } => *of == Sight::Depth,
+            _ => false,
+        }
+    }
+
     /// Returns what this extractor gives.
     pub fn shape(&self) -> KeypointShape {
         match self {

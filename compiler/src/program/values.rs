@@ -202,12 +202,12 @@ pub enum Condition {
 }
 
 impl Point {
-    /// Returns whether it depends on the action before.
-    pub fn uses_last(&self) -> bool {
+    /// Returns whether it depends on that end of the action before.
+    pub fn uses_end(&self, wanted: End) -> bool {
         match self {
-            Point::Last { .. } => true,
-            Point::Mirror { of, about } => of.uses_last() || about.uses_last(),
-            Point::Carried { from, .. } => from.uses_last(),
+            Point::Last { end } => *end == wanted,
+            Point::Mirror { of, about } => of.uses_end(wanted) || about.uses_end(wanted),
+            Point::Carried { from, .. } => from.uses_end(wanted),
             Point::Action { .. } | Point::Keypoint { .. } => false,
         }
     }

@@ -18,6 +18,17 @@ impl Scene {
         rgb: &RgbImage,
         last: Option<&Done>,
     ) -> Result<RgbImage, SceneError> {
+        self.with_layers(program, &program.layers, rgb, last)
+    }
+
+    /// Draws some of the task's layers, as [`Scene::annotated`] does.
+    pub(super) fn with_layers(
+        &self,
+        program: &Program,
+        layers: &[Layer],
+        rgb: &RgbImage,
+        last: Option<&Done>,
+    ) -> Result<RgbImage, SceneError> {
         let texts = BTreeMap::new();
         let facts = Facts {
             scene: self,
@@ -26,16 +37,16 @@ impl Scene {
             last,
             proposal: None,
         };
-        let mut layers = Vec::with_capacity(program.layers.len());
-        for layer in &program.layers {
-            if last.is_some() || !needs_last(layer) {
-                layers.push(DrawnLayer {
+        let mut drawn = Vec::with_capacity(layers.len());
+        for layer in layers {
+            if last.is_some() || !layer.uses_last() {
+                drawn.push(DrawnLayer {
                     rgb: layer.rgb,
                     shape: self.shape(program, &layer.mark, facts)?,
                 });
             }
         }
-        Ok(vision::draw_layers(rgb, &layers)?)
+        Ok(vision::draw_layers(rgb, &drawn)?)
     }
 
     fn shape(
@@ -99,21 +110,5 @@ impl Scene {
                 width_px: *width_px,
             },
         })
-    }
-}
-
-/// Returns whether a layer shows where the action before was carried out.
-fn needs_last(layer: &Layer) -> bool {
-    let is_of_last = |spot: &Spot| match spot {
-        Spot::Points { .. } => false,
-        Spot::One { point } => point.uses_last(),
-    };
-    match &layer.mark {
-        Mark::Dot { at, .. }
-        | Mark::Ring { at, .. }
-        | Mark::Cross { at, .. }
-        | Mark::Number { at } => at.iter().any(is_of_last),
-        Mark::Arrow { from, to, .. } => from.uses_last() || to.uses_last(),
-        Mark::Box { .. } | Mark::Outline { .. } => false,
     }
 }

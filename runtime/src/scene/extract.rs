@@ -1,9 +1,11 @@
 //! Runs one extractor on an observation.
 
+use super::measured::measured;
 use super::{Found, Scene, SceneError};
 use crate::observation::Observation;
 use crate::vision::{self, CornerSearch, Mask};
 use compiler::program::Extractor;
+use std::borrow::Cow;
 
 impl Scene {
     /// Finds one keypoint; what it builds on has been found before.
@@ -15,22 +17,25 @@ impl Scene {
     ) -> Result<Found, SceneError> {
         let out_of_view = |mask: &str| SceneError::OutOfView {
             mask: mask.to_owned(),
+            measured: format!("; `{name}` is taken from it"),
         };
+        let seen = |mask: Mask| self.seen(name, mask, extractor, observation);
         Ok(match extractor {
             Extractor::DepthMask { below_m } => {
-                self.seen(name, vision::depth_mask(&observation.depth_m, *below_m))?
+                seen(vision::depth_mask(&observation.depth_m, *below_m))?
             }
             Extractor::ColorMask {
                 hue_deg,
                 saturation,
                 value,
             } => {
-                let mask = vision::color_mask(&observation.rgb, *hue_deg, *saturation, *value);
-                self.seen(name, mask)?
+                let rgb = &observation.rgb;
+                seen(vision::color_mask(rgb, *hue_deg, *saturation, *value))?
             }
             Extractor::Corners {
                 mask,
                 of,
+                white,
                 image_px,
                 max,
                 quality,
@@ -48,7 +53,13 @@ impl Scene {
                     response: *response,
                 };
                 let mask = self.mask(mask)?;
-                let found = vision::corners(&observation.depth_m, &observation.rgb, mask, &search)?;
+                let rgb = match white {
+                    Some(white) => {
+                        Cow::Owned(vision::painted_white(&observation.rgb, self.mask(white)?))
+                    }
+                    None => Cow::Borrowed(&observation.rgb),
+                };
+                let found = vision::corners(&observation.depth_m, &rgb, mask, &search)?;
                 Found::Corners(found)
             }
             Extractor::Centroid { mask } => vision::centroid(self.mask(mask)?)
@@ -78,10 +89,17 @@ impl Scene {
     /// Accepts a mask that shows something; none but the first, the cloth, must.
     ///
     /// A colour may be out of sight, as the underside of a cloth that lies flat.
-    fn seen(&self, name: &str, mask: Mask) -> Result<Found, SceneError> {
+    fn seen(
+        &self,
+        name: &str,
+        mask: Mask,
+        extractor: &Extractor,
+        observation: &Observation,
+    ) -> Result<Found, SceneError> {
         if mask.is_empty() && self.cloth().is_none() {
             return Err(SceneError::OutOfView {
                 mask: name.to_owned(),
+                measured: measured(extractor, observation),
             });
         }
         Ok(Found::Mask(mask))

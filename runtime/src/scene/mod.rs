@@ -5,6 +5,10 @@
 
 mod annotate;
 mod extract;
+mod measured;
+mod stages;
+
+pub use stages::StagePicture;
 
 use crate::observation::Observation;
 use crate::vision::{self, Corner, Mask, VisionError};
@@ -35,16 +39,22 @@ enum Found {
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The first mask, the cloth, or one that something is taken from is empty.
-    #[error("no pixel of the picture belongs to `{mask}`: the cloth is out of view")]
+    #[error("no pixel of the picture belongs to `{mask}`: the cloth is out of view{measured}")]
     OutOfView {
         /// The mask's name.
         mask: String,
+        /// What the picture shows instead, as the message's end; perhaps empty.
+        measured: String,
     },
     /// A detector found nothing, so that there is nothing to offer.
-    #[error("`{keypoint}` finds no point in the picture, so there is nothing to choose from")]
+    #[error(
+        "`{keypoint}` finds no point in the picture, so there is nothing to choose from{measured}"
+    )]
     NoCandidates {
         /// The keypoint's name.
         keypoint: String,
+        /// What the detectors looked at, as the message's end; perhaps empty.
+        measured: String,
     },
     /// A layer needs what there is not; only a program edited by hand does that.
     #[error("an annotation cannot be drawn: {0}")]
@@ -82,8 +92,10 @@ impl Scene {
             if let Choices::Points { keypoints } = &field.choices
                 && space::choices(field, &scene).is_empty()
             {
-                let keypoint = keypoints.join("`, `");
-                return Err(SceneError::NoCandidates { keypoint });
+                return Err(SceneError::NoCandidates {
+                    keypoint: keypoints.join("`, `"),
+                    measured: scene.looked_at(program, keypoints),
+                });
             }
         }
         Ok(scene)
@@ -99,27 +111,21 @@ impl Scene {
     fn mask(&self, name: &str) -> Result<&Mask, SceneError> {
         match self.get(name) {
             Some(Found::Mask(mask)) => Ok(mask),
-            _ => Err(SceneError::OutOfView {
-                mask: name.to_owned(),
-            }),
+            _ => Err(out_of_view(name)),
         }
     }
 
     fn outline(&self, name: &str) -> Result<&[PixelPoint], SceneError> {
         match self.get(name) {
             Some(Found::Outline(points)) => Ok(points),
-            _ => Err(SceneError::OutOfView {
-                mask: name.to_owned(),
-            }),
+            _ => Err(out_of_view(name)),
         }
     }
 
     fn corners_of(&self, name: &str) -> Result<[PixelPoint; 2], SceneError> {
         match self.get(name) {
             Some(Found::Box(corners)) => Ok(*corners),
-            _ => Err(SceneError::OutOfView {
-                mask: name.to_owned(),
-            }),
+            _ => Err(out_of_view(name)),
         }
     }
 
@@ -160,6 +166,14 @@ impl Scene {
             object.insert(name.clone(), value);
         }
         Value::Object(object)
+    }
+}
+
+/// Says that a mask shows nothing, where no more is known of the picture.
+fn out_of_view(mask: &str) -> SceneError {
+    SceneError::OutOfView {
+        mask: mask.to_owned(),
+        measured: String::new(),
     }
 }
 

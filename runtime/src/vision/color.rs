@@ -1,6 +1,6 @@
 //! Colours of single pixels: masks by hue, saturation and value, and the grey that detectors see.
 //!
-//! In: an RGB picture. Out: a [`Mask`], or grey levels. No picture library rounds here: what a range includes
+//! In: an RGB picture. Out: a [`Mask`], grey levels, or other colours. No picture library rounds here: what comes out
 //! follows from a pixel's three bytes alone.
 
 use super::Mask;
@@ -56,6 +56,50 @@ fn hsv([red, green, blue]: [u8; 3]) -> [f64; 3] {
     };
     let hue = f64::from(60 * turned.rem_euclid(6 * spread)) / f64::from(spread);
     [hue, f64::from(spread) / f64::from(most), value]
+}
+
+/// Returns a copy of a picture in which a mask's pixels are white.
+///
+/// The smoothing paper's detector does not look at the edge between a cloth's two colours; it is shown the pink
+/// underside in white (protocol, section 4, item 2).
+pub fn painted_white(rgb: &RgbImage, mask: &Mask) -> RgbImage {
+    let mut painted = rgb.clone();
+    for pixel in mask.pixels() {
+        // A mask of a smaller or larger picture paints what both have.
+        if let Some(level) = painted.get_pixel_mut_checked(pixel.u as u32, pixel.v as u32) {
+            level.0 = [255; 3];
+        }
+    }
+    painted
+}
+
+/// Takes blue, green and red for hue, saturation and value, and returns the colour that these stand for.
+///
+/// That is the mistake of the paper's code: it converts BGR by `COLOR_HSV2RGB` and takes the result for BGR again
+/// (protocol, section 4, item 2), so what comes out as red goes on as blue. Hue counts halves of a degree.
+///
+/// OpenCV's function is not called: it cuts fractions off in blocks of pixels as wide as the processor's registers,
+/// and rounds in the rest of a row. This cuts them off, in the order of operations of the blocks, in single
+/// precision.
+pub(super) fn misread([red, green, blue]: [u8; 3]) -> [u8; 3] {
+    let sixths = f32::from(blue) * (6.0 / 180.0);
+    let (saturation, value) = (
+        f32::from(green) * (1.0 / 255.0),
+        f32::from(red) * (1.0 / 255.0),
+    );
+    let along = sixths.fract();
+    let least = value * (1.0 - saturation);
+    let falling = value * (-saturation).mul_add(along, 1.0);
+    let rising = value * (-saturation).mul_add(1.0 - along, 1.0);
+    let [r, g, b] = match sixths as u32 % 6 {
+        0 => [value, rising, least],
+        1 => [falling, value, least],
+        2 => [least, value, rising],
+        3 => [least, falling, value],
+        4 => [rising, least, value],
+        _ => [value, least, falling],
+    };
+    [b, g, r].map(|level| (level * 255.0) as u8)
 }
 
 /// Returns the grey level of a colour as OpenCV's `cvtColor` computes it for 8-bit pictures.

@@ -4,6 +4,7 @@
 //! strongest corner first. The detector looks at an 8-bit picture of the cloth against black (protocol, sections
 //! 4 and 6); [`corners`] has that picture made, [`corners_of_gray`] is the bare detector.
 
+use super::mask::mask_picture;
 use super::sight::detector_picture;
 use super::{DepthImage, MAX_SIDE_PX, Mask, VisionError, check_size};
 use compiler::program::{PixelPoint, Response, Sight};
@@ -122,10 +123,7 @@ fn locate(
 ) -> Result<Vec<[f32; 2]>, VisionError> {
     // A detected corner is off by up to two pixels of its picture (see SNAP_PX); the window covers that.
     let window_px = 2 * coarseness_px as i32;
-    let picture = image::GrayImage::from_fn(mask.width(), mask.height(), |column, row| {
-        let inside = mask.contains(PixelPoint::new(column as i32, row as i32));
-        image::Luma([if inside { 255 } else { 0 }])
-    });
+    let picture = mask_picture(mask);
     let (rows, columns) = (picture.height() as i32, picture.width() as i32);
     if rows <= 2 * window_px + 5 || columns <= 2 * window_px + 5 || corners.is_empty() {
         return Ok(corners);

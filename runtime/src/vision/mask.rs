@@ -5,6 +5,7 @@
 
 use super::DepthImage;
 use compiler::program::PixelPoint;
+use image::{GrayImage, Luma};
 
 /// A set of pixels of one picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -115,6 +116,14 @@ pub fn depth_mask(depth: &DepthImage, below_m: f64) -> Mask {
     Mask::from_fn(depth.width(), depth.height(), |column, row| {
         let reading = depth.get_pixel(column, row).0[0];
         has_reading(reading) && f64::from(reading) < below_m
+    })
+}
+
+/// Draws a mask in white (255) on black.
+pub fn mask_picture(mask: &Mask) -> GrayImage {
+    GrayImage::from_fn(mask.width(), mask.height(), |column, row| {
+        let inside = mask.contains(PixelPoint::new(column as i32, row as i32));
+        Luma([if inside { 255 } else { 0 }])
     })
 }
 

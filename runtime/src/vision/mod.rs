@@ -17,11 +17,11 @@ mod sight;
 mod tests;
 
 pub use boxes::{bounding_box, box_center, box_distance_px};
-pub use color::color_mask;
+pub use color::{color_mask, painted_white};
 pub use corners::{Corner, CornerSearch, corners, corners_of_gray};
 pub use draw::{draw_action, draw_arrow, draw_label, draw_points};
 pub use layers::{DrawnLayer, DrawnShape, draw_layers};
-pub use mask::{Mask, centroid, depth_mask};
+pub use mask::{Mask, centroid, depth_mask, mask_picture};
 pub use outline::{MAX_ALONG, along, contour, edge_middles};
 
 /// Distances to the nearest surface, metres along the optical axis, `[width, height]`.

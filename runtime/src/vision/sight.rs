@@ -3,7 +3,7 @@
 //! In: an observation, the cloth's mask, what the detector sees of it. Out: a square 8-bit picture, black where
 //! there is no cloth.
 
-use super::color::gray_level;
+use super::color::{gray_level, misread};
 use super::mask::has_reading;
 use super::{DepthImage, Mask};
 use compiler::program::{PixelPoint, Sight};
@@ -26,6 +26,19 @@ pub(super) fn detector_picture(
 ) -> GrayImage {
     let size = depth.dimensions();
     let is_inside = |column, row| mask.contains(PixelPoint::new(column as i32, row as i32));
+    let grey = |shown: fn([u8; 3]) -> [u8; 3]| {
+        scaled(
+            size,
+            side_px,
+            // Sharpening exceeds a full share at the rim by an eighth; at half a share nothing is cut off.
+            0.5,
+            |column, row| {
+                let level = gray_level(shown(rgb.get_pixel(column, row).0));
+                is_inside(column, row).then_some(f32::from(level) / 255.0)
+            },
+            |fraction| (fraction * 255.0).round().clamp(0.0, 255.0) as u8,
+        )
+    };
     match of {
         Sight::Depth => {
             // `resize` keeps floats within 0 and 1, so depths travel as fractions of the farthest one.
@@ -51,17 +64,8 @@ pub(super) fn detector_picture(
             |column, row| is_inside(column, row).then_some(1.0),
             |_| 255,
         ),
-        Sight::Picture => scaled(
-            size,
-            side_px,
-            // Sharpening exceeds a full share at the rim by an eighth; at half a share nothing is cut off.
-            0.5,
-            |column, row| {
-                let level = gray_level(rgb.get_pixel(column, row).0);
-                is_inside(column, row).then_some(f32::from(level) / 255.0)
-            },
-            |fraction| (fraction * 255.0).round().clamp(0.0, 255.0) as u8,
-        ),
+        Sight::Picture => grey(|color| color),
+        Sight::MisreadPicture => grey(misread),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Tests of masks by colour and of grey levels.
 
-use super::super::color::gray_level;
+use super::super::color::{gray_level, misread};
 use super::super::*;
 use crate::recorded::recorded_data;
 use compiler::program::PixelPoint;
@@ -59,18 +59,43 @@ fn a_hue_range_may_pass_360() {
     assert!(!is_in(red, [f64::NAN, 360.0], ANY, ANY));
 }
 
+#[test]
+fn a_masks_pixels_are_painted_white_and_no_others() {
+    let rgb = RgbImage::from_fn(4, 3, |column, row| Rgb([column as u8, row as u8, 7]));
+    // The mask is wider and lower than the picture.
+    let mask = Mask::from_fn(9, 2, |column, row| column > 1 && row > 0);
+    for (column, row, pixel) in painted_white(&rgb, &mask).enumerate_pixels() {
+        let expected = if column > 1 && row == 1 {
+            [255; 3]
+        } else {
+            rgb.get_pixel(column, row).0
+        };
+        assert_eq!(pixel.0, expected, "({column}, {row})");
+    }
+}
+
+#[test]
+fn misread_white_is_a_green_and_grey_stays_almost_grey() {
+    // Hue 255 halves of a degree is 150 degrees: green with half as much blue, which comes out as red.
+    assert_eq!(misread([255; 3]), [127, 255, 0]);
+    // Hue 80 degrees, saturation 40 of 255: value 40 and a little less.
+    assert_eq!(misread([40; 3]), [33, 40, 37]);
+}
+
 /// Rows of 12 bytes: blue, green, red; hue (halves of degrees), saturation, value (255ths); three masks and
 /// intermediate colours; last the grey of the colour.
 #[test]
-fn greys_are_opencvs_and_hues_differ_by_its_rounding_alone() {
-    let test = "greys_are_opencvs_and_hues_differ_by_its_rounding_alone";
+fn greys_and_misread_colors_are_opencvs_and_hues_differ_by_its_rounding_alone() {
+    let test = "greys_and_misread_colors_are_opencvs_and_hues_differ_by_its_rounding_alone";
     let Some(root) = recorded_data(test) else {
         return;
     };
     let bytes = std::fs::read(root.join("vision/opencv_color_golden.npy")).unwrap();
     let rows: Vec<u8> = npyz::NpyFile::new(&bytes[..]).unwrap().into_vec().unwrap();
     let mut n_pink = 0;
-    for row in rows.chunks_exact(12) {
+    // Blocks of 32 colours; OpenCV rounded what the last five are taken for.
+    let n_cut_off = rows.len() / 12 / 32 * 32;
+    for (number, row) in rows.chunks_exact(12).enumerate() {
         let rgb = [row[2], row[1], row[0]];
         assert_eq!(gray_level(rgb), row[11], "{rgb:?}");
         let [hue, saturation, value] = [row[3], row[4], row[5]].map(f64::from);
@@ -91,6 +116,11 @@ fn greys_are_opencvs_and_hues_differ_by_its_rounding_alone() {
         assert!(!is_pink || pink(-1.0), "{rgb:?}: {row:?}");
         assert!(is_pink || !pink(1.0), "{rgb:?}: {row:?}");
         n_pink += usize::from(is_pink);
+        let misread = misread(if is_pink { [255; 3] } else { rgb });
+        if number < n_cut_off {
+            assert_eq!(misread, [row[9], row[8], row[7]], "{rgb:?}");
+            assert_eq!(gray_level(misread), row[10], "{rgb:?}");
+        }
     }
     assert!(
         rows.len() >= 12 * 4000 && n_pink >= 100,

@@ -36,6 +36,8 @@ fn each_sight_shows_the_cloth_alone_and_as_declared() {
         (Sight::Depth, 60),
         (Sight::Mask, 255),
         (Sight::Picture, 149),
+        // Hue 60, saturation 120 of 255, value 250: 250, 250 and 132, weighted as blue, green and red.
+        (Sight::MisreadPicture, 215),
     ] {
         for side_px in [64, 32] {
             let picture = detector_picture(&depth, &rgb, &mask, of, side_px);
