@@ -18,3 +18,8 @@ fn the_prompts_of_double_straight_are_pinned() {
 fn the_prompts_of_double_triangle_are_pinned() {
     insta::assert_snapshot!(rendered("double_triangle"));
 }
+
+#[test]
+fn the_prompts_of_all_corners_inward_are_pinned() {
+    insta::assert_snapshot!(rendered("all_corners_inward"));
+}

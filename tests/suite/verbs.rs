@@ -247,6 +247,15 @@ fn run_reaches_the_goal_of_double_triangle() {
 }
 
 #[test]
+fn run_reaches_the_goal_of_all_corners_inward() {
+    let report = run_shipped("all_corners_inward");
+    assert_eq!(
+        (report["outcome"].as_str(), report["steps"].as_u64()),
+        (Some("goal_reached"), Some(4))
+    );
+}
+
+#[test]
 fn version_and_help_end_with_0_and_a_wrong_flag_with_64() {
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(finish(fabc(folder.path()).arg("--version")).code, 0);
