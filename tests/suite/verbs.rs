@@ -247,12 +247,15 @@ fn run_reaches_the_goal_of_double_triangle() {
 }
 
 #[test]
-fn run_reaches_the_goal_of_all_corners_inward() {
-    let report = run_shipped("all_corners_inward");
-    assert_eq!(
-        (report["outcome"].as_str(), report["steps"].as_u64()),
-        (Some("goal_reached"), Some(4))
-    );
+fn run_reaches_the_goals_of_folds_to_the_center() {
+    for (task, steps) in [("all_corners_inward", 4), ("house", 2)] {
+        let report = run_shipped(task);
+        assert_eq!(
+            (report["outcome"].as_str(), report["steps"].as_u64()),
+            (Some("goal_reached"), Some(steps)),
+            "{task}"
+        );
+    }
 }
 
 #[test]
