@@ -83,7 +83,14 @@ fn crumpled(
 ) -> Result<Start, Failure> {
     let mut announce = || output::talk(&format!("crumpling the cloth, seed {seed}"));
     let cloth = &program.cloth;
-    match crumple::start(cloth, seed, world, &cache(), interrupt, &mut announce) {
+    match crumple::start(
+        &Start::flat(cloth),
+        seed,
+        world,
+        &cache(),
+        interrupt,
+        &mut announce,
+    ) {
         Ok(crumpled) => {
             if let Some(why) = crumpled.not_kept {
                 output::talk(&format!("note: {why}"));

@@ -8,7 +8,6 @@ use crate::interrupt::Interrupt;
 use crate::metrics;
 use crate::start::Start;
 use crate::world::{World, WorldError};
-use compiler::program::Cloth;
 
 /// Most lifts for one start. One suffices for most; five take some ten seconds.
 pub(crate) const MOST_LIFTS: u32 = 5;
@@ -37,25 +36,11 @@ pub struct Crumpled {
     pub not_kept: Option<String>,
 }
 
-/// Returns the crumpled start that a seed chooses.
+/// Returns the crumpled start that a seed makes of a flat one.
 ///
 /// `announce` is called before a start is crumpled anew. Fails where the world cannot lay or crumple the
 /// cloth, or where `interrupt` is raised.
 pub fn start(
-    cloth: &Cloth,
-    seed: u64,
-    world: &dyn World,
-    cache: &Cache,
-    interrupt: &Interrupt,
-    announce: &mut dyn FnMut(),
-) -> Result<Crumpled, WorldError> {
-    start_from(&Start::flat(cloth), seed, world, cache, interrupt, announce)
-}
-
-/// Returns the crumpled start that a seed makes of a flat one, which may have an outline.
-///
-/// As [`start`] in all else.
-pub fn start_from(
     flat: &Start,
     seed: u64,
     world: &dyn World,
@@ -101,7 +86,7 @@ mod tests {
     use super::*;
     use crate::start::Outline;
     use crate::world::SimulatedWorld;
-    use compiler::program::{Camera, ClothStart, ImageUp};
+    use compiler::program::{Camera, Cloth, ClothStart, ImageUp};
 
     const CLOTH: Cloth = Cloth {
         dimx: 12,
@@ -125,7 +110,14 @@ mod tests {
         let mut anew = false;
         let mut announce = || anew = true;
         let interrupt = Interrupt::default();
-        let crumpled = start(&CLOTH, seed, &world(), cache, &interrupt, &mut announce);
+        let crumpled = start(
+            &Start::flat(&CLOTH),
+            seed,
+            &world(),
+            cache,
+            &interrupt,
+            &mut announce,
+        );
         (crumpled.unwrap().start, anew)
     }
 
@@ -194,7 +186,14 @@ mod tests {
         let interrupt = Interrupt::default();
         interrupt.raise();
         let cache = Cache::at(folder.path().to_owned());
-        let crumpled = start(&CLOTH, 1, &world(), &cache, &interrupt, &mut || {});
+        let crumpled = start(
+            &Start::flat(&CLOTH),
+            1,
+            &world(),
+            &cache,
+            &interrupt,
+            &mut || {},
+        );
         assert!(matches!(crumpled, Err(WorldError::Interrupted)));
         let kept = std::fs::read_dir(folder.path()).unwrap();
         assert_eq!(kept.count(), 0);

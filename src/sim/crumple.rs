@@ -184,8 +184,7 @@ fn one(
     };
     let world = SimulatedWorld::new(&camera).map_err(Failure::environment)?;
     let cache = setting::cache();
-    let start = match crumple::start_from(&cloth.flat, seed, &world, &cache, interrupt, &mut || {})
-    {
+    let start = match crumple::start(&cloth.flat, seed, &world, &cache, interrupt, &mut || {}) {
         Ok(crumpled) => crumpled.start,
         Err(WorldError::Interrupted) => return Ok(None),
         Err(error) => return Err(Failure::environment(format!("seed {seed}: {error}"))),
