@@ -4,6 +4,7 @@
 //! a [`Decision`]. The number of questions is bounded by the program's `attempts` per stage. Nothing
 //! here moves anything.
 
+use crate::examples::Told;
 use crate::model::{Message, Model, ModelRole, Part, Png, Reply, Request, Speaker};
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
@@ -222,10 +223,14 @@ impl<'a> Talk<'a> {
     ) -> Result<Self, RenderError> {
         let values = Values::Known(situation.facts(texts));
         let png = |picture: &PromptPicture| situation.pictures.png(picture);
+        let told = situation
+            .pictures
+            .examples
+            .told(&stage.name, situation.step);
         Ok(Talk {
             situation,
             stage,
-            messages: conversation(situation.program, stage, values, png)?,
+            messages: conversation(situation.program, stage, values, told, png)?,
             asked: 0,
             refused: Vec::new(),
         })
@@ -335,11 +340,13 @@ impl<'a> Talk<'a> {
 
 /// Renders the opening messages of a stage; `fabc render` shows what this returns.
 ///
-/// `png` gives the encoded picture for each picture of the prompt, in order.
+/// - `told`: demonstrations, which stand just before the question.
+/// - `png` gives the encoded picture for each picture of the prompt, in order.
 pub fn conversation(
     program: &Program,
     stage: &Stage,
     values: Values<'_>,
+    told: &[Told],
     png: impl Fn(&PromptPicture) -> Option<Png>,
 ) -> Result<Vec<Message>, RenderError> {
     let mut messages = Vec::new();
@@ -358,6 +365,14 @@ pub fn conversation(
         }
         messages.push(Message { speaker, parts });
     }
+    let question = messages.len().saturating_sub(1);
+    let told = told.iter().flat_map(|Told { question, answer }| {
+        [
+            Message::text(Speaker::User, question),
+            Message::text(Speaker::Assistant, answer),
+        ]
+    });
+    messages.splice(question..question, told);
     Ok(messages)
 }
 

@@ -10,8 +10,8 @@ mod score;
 use crate::action::Action;
 use crate::agent::{self, AgentError, Attempt, Decision, Models, Situation};
 use crate::cache::Cache;
+use crate::examples::Examples;
 use crate::expert::MakeWorld;
-use crate::files::ExamplePictures;
 use crate::interrupt::Interrupt;
 use crate::journal::{JournalError, Line, RunFolder, StepLine};
 use crate::model::ModelRole;
@@ -40,8 +40,8 @@ pub struct Job<'a> {
     pub start: &'a Start,
     /// The subgoal pictures.
     pub subgoals: &'a SubgoalSet,
-    /// The pictures of the stages' examples.
-    pub examples: &'a ExamplePictures,
+    /// What the stages are told as examples.
+    pub examples: &'a Examples,
     /// Who answers.
     pub models: Models<'a>,
     /// Makes the world of the rollout, and more of them for expert results.
