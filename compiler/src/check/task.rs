@@ -60,7 +60,7 @@ pub(super) fn check(
         .goal
         .and_then(|statement| goal::check(statement, merged, &experts, &mut context));
     let mut prompts = stages::check(merged, &mut context);
-    let verify = verification::check(merged, &mut prompts.templates, &mut context);
+    let verify = verification::check(merged, &mut prompts, &mut context);
     let tests = if merged.variant.is_none() {
         trials::check(merged, &prompts.stages, &mut context)
     } else {

@@ -22,7 +22,7 @@ mod values;
 pub use actions::{ActionField, Choices, Direction, LengthChoice, Value};
 pub use annotate::{Layer, Mark, Spot};
 pub use camera::{Camera, ImageUp, PixelPoint};
-pub use checks::{Check, Verify};
+pub use checks::{Check, Exhausted, Verify};
 pub use cloth::{Cloth, ClothStart};
 pub use folds::{ClothPoint, Fold, Sequence};
 pub use goal::{Goal, Metric};
@@ -39,7 +39,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// Version of the shape of [`Program`]; it changes whenever an older reader would misread the data.
-pub const PROGRAM_FORMAT: u32 = 3;
+pub const PROGRAM_FORMAT: u32 = 4;
 
 /// Everything a rollout needs to know about one task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
