@@ -12,6 +12,8 @@ mod sources;
 #[path = "../runtime/src/store.rs"]
 mod store;
 
+#[cfg(feature = "runtime")]
+mod bench;
 mod build;
 mod check;
 mod explain;
@@ -74,6 +76,8 @@ fn run(verb: Verb) -> Exit {
         Verb::Subgoals(arguments) => subgoals::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Run(arguments) => run::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Bench(arguments) => bench::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Sim(arguments) => sim::run(&arguments),
     };
