@@ -32,13 +32,21 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         first.as_ref(),
         &interrupt,
     )?;
+    // Lengths in `edge` and the flat area are those of the cloth that lies there; subgoals show the task's own.
+    let grid = [start.grid.dimx, start.grid.dimy];
+    let shown = program;
+    let program = if grid == [shown.cloth.dimx, shown.cloth.dimy] {
+        shown.clone()
+    } else {
+        sources::compile_task_for(&arguments.task, grid)?
+    };
     let folder = match &arguments.out {
         Some(path) => RunFolder::create(path),
         None => RunFolder::create_next(Path::new("runs"), &program.title().replace('/', "-")),
     };
     let folder = folder.map_err(Failure::environment)?;
     let make_world = || setting::world(&program);
-    let subgoals = match prepare(&program, &start, &beside, &make_world, &interrupt) {
+    let subgoals = match prepare(&shown, &start, &beside, &make_world, &interrupt) {
         Ok(Some(subgoals)) => subgoals,
         Ok(None) => {
             folder.discard();
@@ -73,6 +81,9 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         make_world: &make_world,
         cache: &setting::cache(),
         interrupt: &interrupt,
+        horizon: None,
+        early_stop: true,
+        repetition: 0,
     };
     let report = rollout::run(&job, folder, &mut show).map_err(Failure::environment)?;
     if arguments.json {
@@ -190,12 +201,19 @@ fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
     if let Some(coverage) = report.coverage
         && goal.is_some_and(|goal| goal.metric.is_judged_each_step())
     {
-        let gained = report
-            .normalized_improvement
-            .map_or(String::new(), |gained| {
-                format!(", normalized improvement {gained:.3}")
-            });
-        lines.push(format!("coverage {coverage:.3}{gained}"));
+        let both = |source: f64, truly: Option<f64>| {
+            let truly = truly.map_or(String::new(), |truly| format!(", {truly:.3} (true)"));
+            format!("{source:.3} (source){truly}")
+        };
+        let gained = report.normalized_improvement;
+        let gained = gained.map_or(String::new(), |gained| {
+            let truly = report.normalized_improvement_true;
+            format!("; normalized improvement {}", both(gained, truly))
+        });
+        lines.push(format!(
+            "coverage {}{gained}",
+            both(coverage, report.coverage_true)
+        ));
     }
     let stand_in = if report.model_is_stand_in {
         ", a stand-in and no vision-language model"

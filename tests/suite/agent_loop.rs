@@ -57,6 +57,9 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
         look: Look::default(),
         cache: Cache::none(),
         interrupt: interrupt.clone(),
+        horizon: None,
+        early_stop: true,
+        repetition: 0,
     };
     let mut findings = Vec::new();
     let mut watch = |event: Event<'_>| {

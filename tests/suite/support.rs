@@ -114,6 +114,9 @@ pub struct Trial<'p> {
     pub look: Look,
     pub cache: Cache,
     pub interrupt: Interrupt,
+    pub horizon: Option<u32>,
+    pub early_stop: bool,
+    pub repetition: u32,
 }
 
 impl<'p> Trial<'p> {
@@ -133,6 +136,9 @@ impl<'p> Trial<'p> {
             look,
             cache: Cache::none(),
             interrupt,
+            horizon: None,
+            early_stop: true,
+            repetition: 0,
         }
     }
 
@@ -165,6 +171,9 @@ impl<'p> Trial<'p> {
             make_world: &make_world,
             cache: &self.cache,
             interrupt: &self.interrupt,
+            horizon: self.horizon,
+            early_stop: self.early_stop,
+            repetition: self.repetition,
         };
         rollout::run(&job, RunFolder::create(run).unwrap(), watch).unwrap()
     }

@@ -310,6 +310,7 @@ fn the_stand_in_refuses_other_actions_than_pick_and_place() {
             top_p: None,
             max_tokens: None,
             repetition: 0,
+            schema: None,
         })
     };
     let mut program = planning();

@@ -16,10 +16,12 @@ use sha2::{Digest, Sha256};
 pub(super) fn check(
     merged: &Merged<'_>,
     stamps: &[SourceStamp],
+    grid: Option<[u32; 2]>,
     loaded: &Loaded,
     report: &mut Report,
 ) -> Option<(Program, Vec<Test>)> {
     let mut context = Context::empty(loaded, report);
+    context.grid = grid;
     context.names = Names::of(merged, loaded);
     context.constants = merged
         .constants
