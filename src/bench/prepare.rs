@@ -134,7 +134,7 @@ fn programs_for(prepared: &Prepared, grid: [u32; 2]) -> Result<Vec<Program>, Fai
     if [cloth.dimx, cloth.dimy] == grid {
         return Ok(prepared.declared.clone());
     }
-    sources::compile_tasks_for(&prepared.file, grid)
+    sources::compile_tasks_for(&prepared.file, None, grid)
 }
 
 /// Pairs tasks with methods; None where the user stopped the drawing of subgoals.
