@@ -25,6 +25,8 @@ pub mod world;
 pub mod camera;
 pub mod chance;
 pub mod crumple;
+pub mod demos;
+pub mod examples;
 pub mod expert;
 pub mod files;
 pub mod interrupt;

@@ -12,11 +12,15 @@ fn pull() -> String {
     answer(RIGHT, "0 deg", "10 mm")
 }
 
+/// A second one: after the first the center lies to the right of the fixed point.
+fn pull_back() -> String {
+    answer("(112, 112)", "180 deg", "10 mm")
+}
+
 #[test]
 fn a_job_may_have_fewer_or_more_steps_than_its_program() {
     let program = steered(None);
-    let home = answer("(112, 112)", "0 deg", "10 mm");
-    let replies = [pull(), answer(LEFT, "180 deg", "10 mm"), pull(), home];
+    let replies = [pull(), pull_back()];
     let replies: Vec<&str> = replies.iter().map(String::as_str).collect();
     for horizon in [0, 1, 2] {
         let played = play_with(&program, &replies, |trial| trial.horizon = Some(horizon));
@@ -30,7 +34,7 @@ fn a_job_may_have_fewer_or_more_steps_than_its_program() {
 #[test]
 fn a_goal_that_is_reached_early_ends_the_rollout_only_where_it_shall() {
     let program = steered(Some("covered"));
-    let replies = [pull(), answer(LEFT, "180 deg", "10 mm")];
+    let replies = [pull(), pull_back()];
     let replies: Vec<&str> = replies.iter().map(String::as_str).collect();
     let early = play_with(&program, &replies, |trial| trial.horizon = Some(2)).report;
     assert_eq!((early.outcome, early.steps), (Outcome::GoalReached, 1));
@@ -58,7 +62,7 @@ fn a_goal_that_is_reached_early_ends_the_rollout_only_where_it_shall() {
 
 #[test]
 fn both_measures_stand_side_by_side_after_each_step() {
-    let replies = [pull(), answer(LEFT, "180 deg", "10 mm")];
+    let replies = [pull(), pull_back()];
     let replies: Vec<&str> = replies.iter().map(String::as_str).collect();
     let played = play_with(&steered(None), &replies, |trial| trial.horizon = Some(2));
     let report: Value = serde_json::to_value(&played.report).unwrap();

@@ -4,7 +4,7 @@ use compiler::program::Program;
 use compiler::{LoadError, Loader};
 use runtime::agent::Models;
 use runtime::cache::Cache;
-use runtime::files::ExamplePictures;
+use runtime::examples::Examples;
 use runtime::interrupt::Interrupt;
 use runtime::journal::RunFolder;
 use runtime::model::{Geometric, Model, ModelError, Nature, Reply, Request};
@@ -112,7 +112,7 @@ pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
 pub struct Trial<'p> {
     pub program: &'p Program,
     pub start: Start,
-    pub examples: ExamplePictures,
+    pub examples: Examples,
     pub subgoals: SubgoalSet,
     pub look: Look,
     pub cache: Cache,
@@ -135,7 +135,7 @@ impl<'p> Trial<'p> {
             program,
             start,
             subgoals,
-            examples: ExamplePictures::load(program, folder).unwrap(),
+            examples: Examples::load(program, folder).unwrap(),
             look,
             cache: Cache::none(),
             interrupt,

@@ -10,6 +10,7 @@ mod camera;
 mod cloth;
 mod conditions;
 mod constants;
+mod demos;
 mod examples;
 mod extractors;
 mod files;
