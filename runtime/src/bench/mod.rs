@@ -19,7 +19,7 @@ pub mod suite;
 pub mod table;
 
 use crate::cache::Cache;
-use crate::files::ExamplePictures;
+use crate::examples::Examples;
 use crate::interrupt::Interrupt;
 use crate::model::{Model, Nature};
 use crate::rollout::RunError;
@@ -75,7 +75,7 @@ pub struct Entry<'a> {
     /// The subgoal pictures, those of the declared cloth.
     pub subgoals: SubgoalSet,
     /// The pictures of its examples.
-    pub examples: ExamplePictures,
+    pub examples: Examples,
     /// Rollouts per start, at least 1.
     pub repeats: u32,
 }
