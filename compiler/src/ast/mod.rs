@@ -75,10 +75,12 @@ pub(crate) struct Body {
     pub constants: Vec<Keypoint>,
     pub cloth: Vec<Statement>,
     pub camera: Vec<Statement>,
+    pub picker: Vec<Statement>,
     pub goal: Vec<Statement>,
     pub horizon: Vec<Statement>,
     pub subgoals: Vec<Subgoals>,
     pub experts: Vec<Reference>,
+    pub demos: Vec<Demos>,
     pub keypoints: Vec<Keypoints>,
     pub annotate: Vec<Keypoints>,
     pub actions: Vec<Actions>,
@@ -90,6 +92,14 @@ pub(crate) struct Body {
     pub bytes: usize,
     /// Whether something in it does not fit, so that what it lacks says nothing.
     pub has_faults: bool,
+}
+
+/// `demos STAGE from "FILE"`.
+#[derive(Clone, Debug)]
+pub(crate) struct Demos {
+    pub span: Span,
+    pub stage: Ident,
+    pub file: Text,
 }
 
 /// `variant NAME { … }`.
@@ -280,12 +290,16 @@ pub(crate) struct Verify {
     pub attempts: Vec<Attempts>,
 }
 
-/// `attempts N, then without NAME, …`.
+/// `attempts N with picture, then without NAME, …, else skip`.
 #[derive(Clone, Debug)]
 pub(crate) struct Attempts {
     pub span: Span,
     pub count: Expr,
+    /// Where `with picture` stands, if it does.
+    pub with_picture: Option<Span>,
     pub relaxed: Vec<Ident>,
+    /// Where `else skip` stands, if it does.
+    pub else_skip: Option<Span>,
 }
 
 /// `check NAME { … } else "…"`.

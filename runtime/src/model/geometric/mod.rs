@@ -41,6 +41,10 @@ impl Model for Geometric {
         Nature::StandIn
     }
 
+    fn varies(&self) -> bool {
+        false
+    }
+
     fn ask(&self, request: &Request) -> Result<Reply, ModelError> {
         if let Some(more) = prompt::asks_for_more(&all_words(&request.messages)) {
             return Err(ModelError::Unsupported {
