@@ -21,7 +21,10 @@ const DEFAULT_SEED: u64 = 0;
 
 /// Makes a simulated world for a program.
 pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
-    Ok(Box::new(SimulatedWorld::new(&program.camera)?))
+    Ok(Box::new(SimulatedWorld::new(
+        &program.camera,
+        program.picker,
+    )?))
 }
 
 /// Finds the model of that name.

@@ -95,6 +95,7 @@ kinds! {
     Constant constant "`const NAME = …`.",
     Cloth cloth "`cloth …`.",
     Camera camera "`camera …`.",
+    Picker picker "`picker …`.",
     Goal goal "`goal …`.",
     Horizon horizon "`horizon …`.",
     ExpertsUsed experts_used "`experts NAME` of a task.",

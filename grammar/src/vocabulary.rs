@@ -88,6 +88,7 @@ pub(crate) const SECTIONS: &[&str] = &[
     "const",
     "cloth",
     "camera",
+    "picker",
     "goal",
     "horizon",
     "subgoals",

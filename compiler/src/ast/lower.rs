@@ -159,6 +159,7 @@ impl Reader {
                 .collect(),
             cloth: self.statements(node, Kind::Cloth),
             camera: self.statements(node, Kind::Camera),
+            picker: self.statements(node, Kind::Picker),
             goal: self.statements(node, Kind::Goal),
             horizon: self.statements(node, Kind::Horizon),
             subgoals: node

@@ -75,6 +75,7 @@ pub(crate) struct Body {
     pub constants: Vec<Keypoint>,
     pub cloth: Vec<Statement>,
     pub camera: Vec<Statement>,
+    pub picker: Vec<Statement>,
     pub goal: Vec<Statement>,
     pub horizon: Vec<Statement>,
     pub subgoals: Vec<Subgoals>,

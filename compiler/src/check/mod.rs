@@ -20,6 +20,7 @@ mod layers;
 mod measures;
 mod model;
 mod names;
+mod picker;
 mod pictures;
 mod points;
 mod quantity;

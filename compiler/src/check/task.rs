@@ -2,13 +2,13 @@
 
 use super::names::Names;
 use super::{
-    Context, actions, camera, cloth, constants, folds, goal, keypoints, layers, stages, subgoals,
-    trials, verification,
+    Context, actions, camera, cloth, constants, folds, goal, keypoints, layers, picker, stages,
+    subgoals, trials, verification,
 };
 use crate::diag::{Code, Diagnostic, Report, among};
 use crate::load::Loaded;
 use crate::merge::Merged;
-use crate::program::{PROGRAM_FORMAT, Program, SourceStamp, Test, hex};
+use crate::program::{PROGRAM_FORMAT, Picker, Program, SourceStamp, Test, hex};
 use crate::proof;
 use sha2::{Digest, Sha256};
 
@@ -42,6 +42,9 @@ pub(super) fn check(
     if let (Some(laid), Some(seen)) = (merged.cloth, merged.camera) {
         camera::compare(laid, seen, &mut context);
     }
+    let picker = merged.picker.map_or(Some(Picker::default()), |statement| {
+        picker::check(statement, &mut context)
+    });
     let keypoints = keypoints::check(merged, &mut context);
     if let Some(part) = merged.actions {
         context.actions = actions::check(part, &mut context);
@@ -82,6 +85,7 @@ pub(super) fn check(
         sources: stamps.to_vec(),
         cloth: cloth?,
         camera: camera?,
+        picker: picker?,
         subgoals,
         experts,
         keypoints,

@@ -32,6 +32,7 @@ pub(crate) struct Merged<'a> {
     pub constants: Indexed<'a, Keypoint>,
     pub cloth: Option<&'a Statement>,
     pub camera: Option<&'a Statement>,
+    pub picker: Option<&'a Statement>,
     pub goal: Option<&'a Statement>,
     pub horizon: Option<&'a Statement>,
     pub subgoals: Option<&'a Subgoals>,
@@ -75,6 +76,7 @@ pub(crate) fn merge<'a>(
         constants: Indexed::default(),
         cloth: None,
         camera: None,
+        picker: None,
         goal: None,
         horizon: None,
         subgoals: None,
@@ -165,6 +167,7 @@ impl<'a> Merged<'a> {
         let statement = |statement: &Statement| statement.span;
         self.cloth = once(&body.cloth, "`cloth`", statement, report).or(self.cloth);
         self.camera = once(&body.camera, "`camera`", statement, report).or(self.camera);
+        self.picker = once(&body.picker, "`picker`", statement, report).or(self.picker);
         self.goal = once(&body.goal, "`goal`", statement, report).or(self.goal);
         self.horizon = once(&body.horizon, "`horizon`", statement, report).or(self.horizon);
         self.subgoals =

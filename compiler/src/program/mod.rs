@@ -13,6 +13,7 @@ mod cloth;
 mod folds;
 mod goal;
 mod keypoints;
+mod picker;
 mod prompts;
 mod subgoals;
 mod trials;
@@ -27,6 +28,7 @@ pub use cloth::{Cloth, ClothStart};
 pub use folds::{ClothPoint, Fold, Sequence};
 pub use goal::{Goal, Metric};
 pub use keypoints::{Extractor, Keypoint, KeypointShape, Moment, Response, Sight};
+pub use picker::Picker;
 pub use prompts::{
     Arrow, Example, Layers, ModelRole, Picture, Read, Stage, Template, Variable, Which,
 };
@@ -39,7 +41,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// Version of the shape of [`Program`]; it changes whenever an older reader would misread the data.
-pub const PROGRAM_FORMAT: u32 = 3;
+pub const PROGRAM_FORMAT: u32 = 4;
 
 /// Everything a rollout needs to know about one task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,6 +60,8 @@ pub struct Program {
     pub cloth: Cloth,
     /// The camera whose pixels every point is given in.
     pub camera: Camera,
+    /// How the cloth is taken, carried and let go.
+    pub picker: Picker,
     /// The pictures that show what to do, step by step, where the task has any.
     pub subgoals: Option<Subgoals>,
     /// Fold sequences that count as right; the score is the distance to the nearest of their results.
