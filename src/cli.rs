@@ -39,6 +39,9 @@ pub enum Verb {
     /// Draws the subgoal pictures of a task from its demonstration and pins them beside the file.
     #[cfg(feature = "runtime")]
     Subgoals(SubgoalsArguments),
+    /// Folds as the scripted expert does, and writes what a model would have answered as in-context examples.
+    #[cfg(feature = "runtime")]
+    Demos(DemosArguments),
     /// Runs one rollout of a task.
     #[cfg(feature = "runtime")]
     Run(RunArguments),
@@ -60,6 +63,8 @@ impl Verb {
             Verb::See(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Subgoals(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Demos(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Run(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
@@ -232,6 +237,26 @@ pub struct SubgoalsArguments {
     /// Also draw all pictures with their arrows on one sheet.
     #[arg(long, value_name = "PNG")]
     pub sheet: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `demos`.
+#[cfg(feature = "runtime")]
+#[derive(Args)]
+pub struct DemosArguments {
+    #[command(flatten)]
+    pub task: TaskArguments,
+    /// How many demonstrations, each from a start of its own; every one gives an example for each step.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub count: u32,
+    /// Draws the starts.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// The file; default: the one that the task names.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,

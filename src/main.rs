@@ -14,6 +14,8 @@ mod store;
 
 mod build;
 mod check;
+#[cfg(feature = "runtime")]
+mod demos;
 mod explain;
 mod fix;
 mod render;
@@ -72,6 +74,8 @@ fn run(verb: Verb) -> Exit {
         Verb::See(arguments) => see::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Subgoals(arguments) => subgoals::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Demos(arguments) => demos::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Run(arguments) => run::run(&arguments),
         #[cfg(feature = "runtime")]

@@ -6,8 +6,8 @@ use crate::{output, setting, sources};
 use compiler::program::{Goal, Metric, Program};
 use compiler::verify::Verdict;
 use runtime::agent::{Attempt, Finding, Models};
+use runtime::examples::Examples;
 use runtime::expert::MakeWorld;
-use runtime::files::ExamplePictures;
 use runtime::interrupt::Interrupt;
 use runtime::journal::RunFolder;
 use runtime::outcome::Outcome;
@@ -22,7 +22,7 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task)?;
     let model = setting::model(&arguments.model)?;
     let beside = sources::folder_of(&arguments.task.file);
-    let examples = ExamplePictures::load(&program, &beside).map_err(Failure::environment)?;
+    let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = setting::interrupt()?;
     let first = setting::world(&program).map_err(Failure::environment)?;
     let start = setting::start(
@@ -32,13 +32,27 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         first.as_ref(),
         &interrupt,
     )?;
+    if let Some(number) = examples.demonstrates(&start) {
+        return Err(Failure::environment(format!(
+            "the start `{}` is that of demonstration {number}, which the model is told: a result from it would be no test; choose another start",
+            start.name
+        )));
+    }
+    // Lengths in `edge` and the flat area are those of the cloth that lies there; subgoals show the task's own.
+    let grid = [start.grid.dimx, start.grid.dimy];
+    let shown = program;
+    let program = if grid == [shown.cloth.dimx, shown.cloth.dimy] {
+        shown.clone()
+    } else {
+        sources::compile_task_for(&arguments.task, grid)?
+    };
     let folder = match &arguments.out {
         Some(path) => RunFolder::create(path),
         None => RunFolder::create_next(Path::new("runs"), &program.title().replace('/', "-")),
     };
     let folder = folder.map_err(Failure::environment)?;
     let make_world = || setting::world(&program);
-    let subgoals = match prepare(&program, &start, &beside, &make_world, &interrupt) {
+    let subgoals = match prepare(&shown, &start, &beside, &make_world, &interrupt) {
         Ok(Some(subgoals)) => subgoals,
         Ok(None) => {
             folder.discard();
@@ -73,6 +87,9 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         make_world: &make_world,
         cache: &setting::cache(),
         interrupt: &interrupt,
+        horizon: None,
+        early_stop: true,
+        repetition: 0,
     };
     let report = rollout::run(&job, folder, &mut show).map_err(Failure::environment)?;
     if arguments.json {
@@ -190,12 +207,19 @@ fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
     if let Some(coverage) = report.coverage
         && goal.is_some_and(|goal| goal.metric.is_judged_each_step())
     {
-        let gained = report
-            .normalized_improvement
-            .map_or(String::new(), |gained| {
-                format!(", normalized improvement {gained:.3}")
-            });
-        lines.push(format!("coverage {coverage:.3}{gained}"));
+        let both = |source: f64, truly: Option<f64>| {
+            let truly = truly.map_or(String::new(), |truly| format!(", {truly:.3} (true)"));
+            format!("{source:.3} (source){truly}")
+        };
+        let gained = report.normalized_improvement;
+        let gained = gained.map_or(String::new(), |gained| {
+            let truly = report.normalized_improvement_true;
+            format!("; normalized improvement {}", both(gained, truly))
+        });
+        lines.push(format!(
+            "coverage {}{gained}",
+            both(coverage, report.coverage_true)
+        ));
     }
     let stand_in = if report.model_is_stand_in {
         ", a stand-in and no vision-language model"

@@ -120,6 +120,11 @@ pub fn compile_tasks(file: &str, wanted: Option<&str>) -> Result<Vec<Program>, F
     if !compiled.diagnostics.is_empty() {
         output::talk(&findings(&compiled, output::talk_color()));
     }
+    runnable(compiled, file, wanted)
+}
+
+/// Takes the runnable tasks of a compilation; at least one.
+fn runnable(compiled: Compiled, file: &str, wanted: Option<&str>) -> Result<Vec<Program>, Failure> {
     if compiled.has_errors() {
         let diagnostics = diag::to_json(&compiled.diagnostics, &compiled.sources);
         return Err(Failure::author(
@@ -152,7 +157,23 @@ pub fn compile_tasks(file: &str, wanted: Option<&str>) -> Result<Vec<Program>, F
 ///
 /// A task has to be named where the file declares several; without a variant it is the task itself.
 pub fn compile_task(wanted: &TaskArguments) -> Result<Program, Failure> {
-    let programs = compile_tasks(&wanted.file, wanted.task.as_deref())?;
+    chosen(compile_tasks(&wanted.file, wanted.task.as_deref())?, wanted)
+}
+
+/// Compiles the task again for a cloth of another grid; only errors are shown, the rest is known already.
+///
+/// - `grid`: particles along X and along Y.
+pub fn compile_task_for(wanted: &TaskArguments, grid: [u32; 2]) -> Result<Program, Failure> {
+    let file = wanted.file.as_str();
+    let compiled = compiler::compile_for(file, &Disk::beside(file), Some(grid))
+        .map_err(|error| Failure::environment(error.message))?;
+    if compiled.has_errors() {
+        output::talk(&findings(&compiled, output::talk_color()));
+    }
+    chosen(runnable(compiled, file, wanted.task.as_deref())?, wanted)
+}
+
+fn chosen(programs: Vec<Program>, wanted: &TaskArguments) -> Result<Program, Failure> {
     if tasks(&programs).count() > 1 {
         return Err(Failure::usage(format!(
             "`{}` declares several tasks; choose one with `--task`: {}",

@@ -117,9 +117,24 @@ impl Compiled {
 ///
 /// Fails only where the entry itself cannot be loaded; all else is a diagnostic.
 pub fn compile(entry: &str, loader: &dyn Loader) -> Result<Compiled, LoadError> {
+    compile_for(entry, loader, None)
+}
+
+/// Compiles the file `entry` for a cloth of another grid than its tasks declare.
+///
+/// - `grid`: particles along X and along Y, 2 to 200 each, in place of every task's own; none: as [`compile`] does.
+///
+/// A start file may hold a larger or smaller cloth than the task is written for. All that follows from the cloth,
+/// lengths in `edge` and the flat area among it, is then that of `grid`. Subgoal pictures belong to the declared
+/// cloth, so they are looked up with the program that [`compile`] gives.
+pub fn compile_for(
+    entry: &str,
+    loader: &dyn Loader,
+    grid: Option<[u32; 2]>,
+) -> Result<Compiled, LoadError> {
     let mut report = Report::default();
     let loaded = load::load(entry, loader, &mut report)?;
-    let checked = check::check(&loaded, &mut report);
+    let checked = check::check(&loaded, grid, &mut report);
     Ok(Compiled {
         programs: checked.programs,
         tests: checked.tests,

@@ -99,6 +99,7 @@ kinds! {
     Goal goal "`goal …`.",
     Horizon horizon "`horizon …`.",
     ExpertsUsed experts_used "`experts NAME` of a task.",
+    Demos demos "`demos STAGE from \"…\"`.",
     Subgoals subgoals "`subgoals { … }`.",
     SubgoalsHead subgoals_head "Its first word.",
     Demonstrate demonstrate "`demonstrate { … }`.",

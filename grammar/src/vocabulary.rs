@@ -93,6 +93,7 @@ pub(crate) const SECTIONS: &[&str] = &[
     "horizon",
     "subgoals",
     "experts",
+    "demos",
     "keypoints",
     "annotate",
     "actions",

@@ -4,18 +4,23 @@
 //! a [`Decision`]. The number of questions is bounded by the program's `attempts` per stage. Nothing
 //! here moves anything.
 
+mod judge;
+mod talk;
+
+use crate::examples::Told;
 use crate::model::{Message, Model, ModelRole, Part, Png, Reply, Request, Speaker};
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
 use crate::scene::Scene;
 use compiler::facts::{Done, Facts};
-use compiler::program::{Program, Read, Stage, Value};
+use compiler::program::{Program, Stage, Value};
 use compiler::render::{self, PromptPicture, PromptSpeaker, RenderError, Values};
-use compiler::reply::{self, Malformed, Proposal, Reading};
-use compiler::verify::{self, Strictness, Verdict};
+use compiler::reply::Proposal;
+use compiler::verify::Verdict;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use talk::{Answer, Next, Talk};
 
 /// Which model answers which role.
 #[derive(Clone, Copy)]
@@ -138,6 +143,8 @@ pub struct Situation<'a> {
     pub last: Option<&'a Done>,
     /// What can be shown.
     pub pictures: &'a Pictures,
+    /// Tells apart runs that want independent answers; goes into every request.
+    pub repetition: u32,
 }
 
 impl<'a> Situation<'a> {
@@ -186,160 +193,15 @@ pub fn decide<E: std::error::Error>(
     Ok(decision)
 }
 
-/// What a stage comes to in the end.
-enum Answer {
-    Text {
-        name: String,
-        value: String,
-    },
-    Action {
-        proposal: Proposal,
-        accepted: Accepted,
-    },
-    None(Outcome),
-}
-
-enum Next {
-    AskAgain,
-    Done(Answer),
-}
-
-/// The conversation of one stage in one step.
-struct Talk<'a> {
-    situation: Situation<'a>,
-    stage: &'a Stage,
-    messages: Vec<Message>,
-    asked: u32,
-    /// Actions that were read and refused, oldest first, each with its question's number.
-    refused: Vec<(u32, Proposal)>,
-}
-
-impl<'a> Talk<'a> {
-    fn begin(
-        situation: Situation<'a>,
-        stage: &'a Stage,
-        texts: &BTreeMap<String, String>,
-    ) -> Result<Self, RenderError> {
-        let values = Values::Known(situation.facts(texts));
-        let png = |picture: &PromptPicture| situation.pictures.png(picture);
-        Ok(Talk {
-            situation,
-            stage,
-            messages: conversation(situation.program, stage, values, png)?,
-            asked: 0,
-            refused: Vec::new(),
-        })
-    }
-
-    fn ask<E>(
-        &mut self,
-        model: &dyn Model,
-        texts: &BTreeMap<String, String>,
-    ) -> Result<Attempt, AgentError<E>> {
-        self.asked += 1;
-        let request = Request {
-            role: self.stage.model,
-            messages: self.messages.clone(),
-            temperature: self.stage.temperature,
-            top_p: self.stage.top_p,
-            max_tokens: self.stage.max_tokens,
-            repetition: 0,
-        };
-        let begun = Instant::now();
-        let answered = model.ask(&request);
-        let took = begun.elapsed();
-        let (reply, finding) = match answered {
-            Ok(reply) => {
-                let facts = self.situation.facts(texts);
-                let finding = judge(self.situation.program, self.stage, facts, &reply.text)?;
-                (Some(reply), finding)
-            }
-            Err(error) => (
-                None,
-                Finding::Failed {
-                    why: error.to_string(),
-                },
-            ),
-        };
-        Ok(Attempt {
-            stage: self.stage.name.clone(),
-            number: self.asked,
-            request,
-            reply,
-            finding,
-            took,
-        })
-    }
-
-    fn conclude(
-        &mut self,
-        attempt: Attempt,
-        texts: &BTreeMap<String, String>,
-    ) -> Result<Next, RenderError> {
-        let (correction, outcome) = match attempt.finding {
-            Finding::Text { name, value, .. } => {
-                return Ok(Next::Done(Answer::Text { name, value }));
-            }
-            Finding::Action {
-                fields,
-                verdict: Verdict::Accept,
-                ..
-            } => {
-                let proposal = Proposal { fields };
-                return Ok(Next::Done(self.accept(proposal, attempt.number, &[])));
-            }
-            Finding::Failed { .. } => return Ok(Next::Done(Answer::None(Outcome::ModelFailed))),
-            Finding::Action {
-                fields,
-                verdict: Verdict::Reject { message, .. },
-                ..
-            } => {
-                self.refused.push((attempt.number, Proposal { fields }));
-                (message, Outcome::AttemptsExhausted)
-            }
-            Finding::Malformed { message, .. } => (message, Outcome::MalformedReply),
-        };
-        if self.asked >= self.situation.program.verify.attempts {
-            let relaxed = self.relaxed(texts)?;
-            return Ok(Next::Done(relaxed.unwrap_or(Answer::None(outcome))));
-        }
-        let said = attempt.reply.map(|reply| reply.text).unwrap_or_default();
-        self.messages.push(Message::text(Speaker::Assistant, said));
-        self.messages.push(Message::text(Speaker::User, correction));
-        Ok(Next::AskAgain)
-    }
-
-    /// Judges the answers in hand once more, newest first, without the checks that the task then leaves out.
-    fn relaxed(&self, texts: &BTreeMap<String, String>) -> Result<Option<Answer>, RenderError> {
-        let program = self.situation.program;
-        let without = &program.verify.relaxed;
-        for (number, proposal) in self.refused.iter().rev().filter(|_| !without.is_empty()) {
-            let facts = self.situation.facts(texts);
-            let verdict = verify::verdict(program, facts, proposal, Strictness::Relaxed)?;
-            if verdict == Verdict::Accept {
-                return Ok(Some(self.accept(proposal.clone(), *number, without)));
-            }
-        }
-        Ok(None)
-    }
-
-    fn accept(&self, proposal: Proposal, attempt: u32, without: &[String]) -> Answer {
-        let accepted = Accepted {
-            stage: self.stage.name.clone(),
-            attempt,
-            without: without.to_owned(),
-        };
-        Answer::Action { proposal, accepted }
-    }
-}
-
 /// Renders the opening messages of a stage; `fabc render` shows what this returns.
 ///
-/// `png` gives the encoded picture for each picture of the prompt, in order.
+/// - `told`: demonstrations, which stand just before the question.
+/// - `png` gives the encoded picture for each picture of the prompt, in order.
 pub fn conversation(
     program: &Program,
     stage: &Stage,
     values: Values<'_>,
+    told: &[Told],
     png: impl Fn(&PromptPicture) -> Option<Png>,
 ) -> Result<Vec<Message>, RenderError> {
     let mut messages = Vec::new();
@@ -358,40 +220,13 @@ pub fn conversation(
         }
         messages.push(Message { speaker, parts });
     }
+    let question = messages.len().saturating_sub(1);
+    let told = told.iter().flat_map(|Told { question, answer }| {
+        [
+            Message::text(Speaker::User, question),
+            Message::text(Speaker::Assistant, answer),
+        ]
+    });
+    messages.splice(question..question, told);
     Ok(messages)
-}
-
-/// Reads an answer and, where it proposes an action, lets the verifier judge it.
-fn judge(
-    program: &Program,
-    stage: &Stage,
-    facts: Facts<'_>,
-    text: &str,
-) -> Result<Finding, RenderError> {
-    let malformed = |Malformed { field, message }| Finding::Malformed { field, message };
-    match &stage.read {
-        Read::Text {
-            name,
-            before,
-            after,
-        } => Ok(match reply::read_text(before, after, text) {
-            Ok(Reading { value, repairs }) => Finding::Text {
-                name: name.clone(),
-                value,
-                repairs,
-            },
-            Err(error) => malformed(error),
-        }),
-        Read::Action => match reply::read_action(program, text) {
-            Ok(Reading { value, repairs }) => {
-                let verdict = verify::verdict(program, facts, &value, Strictness::Full)?;
-                Ok(Finding::Action {
-                    fields: value.fields,
-                    repairs,
-                    verdict,
-                })
-            }
-            Err(error) => Ok(malformed(error)),
-        },
-    }
 }

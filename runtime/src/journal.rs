@@ -7,6 +7,8 @@
 use crate::action::Action;
 use crate::agent::{Accepted, Attempt};
 use crate::model::{Part, Request, Speaker};
+use crate::outcome::Outcome;
+use crate::rollout::Measures;
 use crate::store;
 use crate::world::Executed;
 use serde::Serialize;
@@ -79,8 +81,13 @@ pub struct StepLine {
     pub executed: Option<Executed>,
     /// SHA-256 of all positions' bits after it, as `fabc sim replay` prints it, where the world knows.
     pub digest: Option<String>,
-    /// Covered area over that of the flat cloth after it, where the world knows.
-    pub coverage: Option<f64>,
+    /// How much the cloth covers after it, where the world knows.
+    #[serde(flatten)]
+    pub measures: Measures,
+    /// What the rollout would have ended with, where the step was skipped instead.
+    pub skipped: Option<Outcome>,
+    /// Time of render, vision, prompt, parse and verify, seconds; null where no action was asked for.
+    pub planning_s: Option<f64>,
     /// Why the step ended the rollout, in words.
     pub stopped: Option<String>,
     /// Pictures and positions by what they show.

@@ -21,7 +21,10 @@ pub mod vision;
 pub mod world;
 
 pub mod camera;
+pub mod chance;
 pub mod crumple;
+pub mod demos;
+pub mod examples;
 pub mod expert;
 pub mod files;
 pub mod interrupt;

@@ -4,33 +4,39 @@
 //! from the folder. Per step: observe, find keypoints, ask and judge, execute, write the step down.
 //! A model's bad proposal ends a rollout with an [`Outcome`]; only a failing environment is an error.
 
+mod covered;
 mod record;
+mod report;
 mod score;
+mod tally;
+mod timer;
+mod turn;
 
 use crate::action::Action;
-use crate::agent::{self, AgentError, Attempt, Decision, Models, Situation};
+use crate::agent::{AgentError, Attempt, Models};
 use crate::cache::Cache;
+use crate::examples::Examples;
 use crate::expert::MakeWorld;
-use crate::files::ExamplePictures;
 use crate::interrupt::Interrupt;
-use crate::journal::{JournalError, Line, RunFolder, StepLine};
+use crate::journal::{JournalError, Line, RunFolder};
 use crate::model::ModelRole;
 use crate::outcome::Outcome;
-use crate::pictures::Pictures;
-use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
 use crate::start::Start;
 use crate::subgoals::SubgoalSet;
 use crate::vision::VisionError;
-use crate::world::{Grasp, World, WorldError};
-use compiler::facts::Done;
-use compiler::program::{Arrow, Program, Which};
+use crate::world::{Grasp, WorldError};
+use compiler::program::Program;
 use compiler::render::RenderError;
-use record::{Keeper, Report, Timer};
-use score::{Covered, Scored, meets, score};
+use covered::Covered;
+use record::Keeper;
+use report::Report;
+use score::{Scored, meets, score};
 use std::time::Instant;
+use turn::{Memory, Turn};
 
-pub use record::{Report as RolloutReport, Score};
+pub use covered::Measures;
+pub use report::{Progress, Report as RolloutReport, Score};
 
 /// What is to be run.
 pub struct Job<'a> {
@@ -40,8 +46,8 @@ pub struct Job<'a> {
     pub start: &'a Start,
     /// The subgoal pictures.
     pub subgoals: &'a SubgoalSet,
-    /// The pictures of the stages' examples.
-    pub examples: &'a ExamplePictures,
+    /// What the stages are told as examples.
+    pub examples: &'a Examples,
     /// Who answers.
     pub models: Models<'a>,
     /// Makes the world of the rollout, and more of them for expert results.
@@ -50,6 +56,19 @@ pub struct Job<'a> {
     pub cache: &'a Cache,
     /// A request to stop early.
     pub interrupt: &'a Interrupt,
+    /// The most actions, in place of the program's own number.
+    pub horizon: Option<u32>,
+    /// Whether a goal that is judged after each step ends the rollout; where not, it is judged on the last state.
+    pub early_stop: bool,
+    /// Tells apart runs of one job that want independent answers; goes into every request.
+    pub repetition: u32,
+}
+
+impl Job<'_> {
+    /// Returns the most actions of the rollout.
+    pub fn horizon(&self) -> u32 {
+        self.horizon.unwrap_or(self.program.horizon)
+    }
 }
 
 /// What happens while a rollout runs.
@@ -129,28 +148,22 @@ pub fn run(
     let mut memory = Memory::default();
     let mut covered = Covered::at_start(job, world.as_ref());
     let mut end = Outcome::HorizonReached;
-    for step in 1..=job.program.horizon {
-        let mut turn = Turn {
-            job,
-            step,
-            line: StepLine {
-                step,
-                ..StepLine::default()
-            },
-            timer: Timer::default(),
-        };
-        let stopped = turn.take(
+    for step in 1..=job.horizon() {
+        let mut turn = Turn::new(job, step);
+        let mut stopped = turn.take(
             world.as_mut(),
             &mut memory,
             &mut keeper,
             &mut sheet,
             progress,
         )?;
-        let stopped = match stopped {
-            None if covered.update(job, world.as_ref()) => Some(Outcome::GoalReached),
-            stopped => stopped,
-        };
-        turn.line.coverage = turn.line.executed.as_ref().and(covered.now);
+        if stopped.is_none() {
+            covered.update(job, world.as_ref());
+            turn.line.measures = covered.now;
+            if job.early_stop && covered.meets_goal(job) {
+                stopped = Some(Outcome::GoalReached);
+            }
+        }
         turn.timer.write(&mut turn.line.seconds);
         keeper.folder.append(&Line::Step(&turn.line))?;
         keeper.count(&turn.line, &turn.timer);
@@ -158,6 +171,9 @@ pub fn run(
             end = outcome;
             break;
         }
+    }
+    if end == Outcome::HorizonReached {
+        end = keeper.outcome_at_horizon(covered.meets_goal(job));
     }
     let score = match end {
         Outcome::HorizonReached | Outcome::GoalReached => {
@@ -180,150 +196,6 @@ pub fn run(
         &sheet,
         begun.elapsed(),
     )
-}
-
-/// What one step leaves to the next.
-#[derive(Default)]
-struct Memory {
-    first_scene: Option<Scene>,
-    last: Option<Done>,
-}
-
-/// One step under way.
-struct Turn<'j> {
-    job: &'j Job<'j>,
-    step: u32,
-    line: StepLine,
-    timer: Timer,
-}
-
-impl Turn<'_> {
-    /// Takes the step; returns an outcome where the rollout ends with it.
-    fn take(
-        &mut self,
-        world: &mut dyn World,
-        memory: &mut Memory,
-        keeper: &mut Keeper,
-        sheet: &mut Sheet,
-        progress: &mut dyn FnMut(Event<'_>),
-    ) -> Result<Option<Outcome>, RunError> {
-        let (job, step) = (self.job, self.step);
-        let begun = Instant::now();
-        if job.interrupt.is_raised() {
-            return Ok(self.stop(Outcome::Interrupted, "interrupted"));
-        }
-        let observation = match self.timer.time("observe", || world.observe()) {
-            Ok(observation) => observation,
-            Err(error) => return Ok(self.stop_for(&error)),
-        };
-        keeper.keep_picture(&mut self.line, "before", &observation.rgb)?;
-        let scene = match self.timer.time("keypoints", || {
-            Scene::of(job.program, &observation, memory.first_scene.as_ref())
-        }) {
-            Ok(scene) => scene,
-            Err(error) => {
-                let outcome = match &error {
-                    SceneError::OutOfView { .. } => Outcome::ClothOutOfView,
-                    SceneError::NoCandidates { .. } => Outcome::NoCandidates,
-                    SceneError::Missing(_) | SceneError::Vision(_) => Outcome::WorldFailed,
-                };
-                return Ok(self.stop(outcome, &error.to_string()));
-            }
-        };
-        self.line.scene = scene.to_json();
-        memory.first_scene.get_or_insert_with(|| scene.clone());
-        let last = memory.last.as_ref();
-        let pictures = Pictures {
-            subgoals: job.subgoals.step(step as usize - 1)?,
-            annotated: match scene.annotated(job.program, &observation.rgb, last) {
-                Ok(annotated) => annotated,
-                Err(error) => return Ok(self.stop(Outcome::WorldFailed, &error.to_string())),
-            },
-            scene: observation.rgb.clone(),
-            examples: job.examples.clone(),
-        };
-        let mut record = |attempt: &Attempt| {
-            self.line
-                .attempts
-                .push(keeper.folder.keep_attempt(step, attempt)?);
-            self.timer.add(&attempt.stage, attempt.took);
-            progress(Event::Asked { step, attempt });
-            Ok(())
-        };
-        let situation = Situation {
-            program: job.program,
-            scene: &scene,
-            step,
-            last,
-            pictures: &pictures,
-        };
-        let proposal = match agent::decide(situation, job.models, &mut record)? {
-            Decision::Act { proposal, accepted } => {
-                self.line.accepted = Some(accepted);
-                proposal
-            }
-            Decision::Stop(outcome) => {
-                return Ok(self.stop(outcome, "no answer could be executed; the attempts say why"));
-            }
-        };
-        let Some(action) = Action::lower(job.program, &proposal, &scene, &observation) else {
-            return Ok(self.stop(
-                Outcome::NoCandidates,
-                "the answer has no pick or no place, or no cloth is in view",
-            ));
-        };
-        let drawn = keeper.keep_action(&mut self.line, &observation.rgb, &action)?;
-        let executed = match self
-            .timer
-            .time("act", || world.act(&action.motion, job.interrupt))
-        {
-            Ok(executed) => executed,
-            Err(error) => {
-                self.line.action = Some(action);
-                return Ok(self.stop_for(&error));
-            }
-        };
-        let after = match world.observe() {
-            Ok(after) => after,
-            Err(error) => return Ok(self.stop_for(&error)),
-        };
-        keeper.keep_picture(&mut self.line, "after", &after.rgb)?;
-        keeper.keep_positions(&mut self.line, world)?;
-        let shown = match &pictures.subgoals {
-            Some(subgoals) => subgoals.picture(Which::Now, Arrow::Drawn),
-            None => &pictures.annotated,
-        };
-        sheet.row(shown, drawn, after.rgb);
-        let grasp = executed.grasp;
-        progress(Event::Stepped {
-            step,
-            horizon: job.program.horizon,
-            action: &action,
-            grasp,
-            seconds: begun.elapsed().as_secs_f64(),
-        });
-        memory.last = Some(Done {
-            proposal,
-            pick: action.pick_on_cloth_px,
-            place: action.place_px,
-        });
-        self.line.action = Some(action);
-        self.line.executed = Some(executed);
-        Ok(None)
-    }
-
-    fn stop(&mut self, outcome: Outcome, why: &str) -> Option<Outcome> {
-        self.line.stopped = Some(why.to_owned());
-        Some(outcome)
-    }
-
-    fn stop_for(&mut self, error: &WorldError) -> Option<Outcome> {
-        let outcome = match error {
-            WorldError::Interrupted => Outcome::Interrupted,
-            _ => Outcome::WorldFailed,
-        };
-        self.stop(outcome, &error.to_string())
-    }
 }
 
 /// Returns the name of the model that answers a role, for headers and reports.

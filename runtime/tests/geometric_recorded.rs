@@ -30,6 +30,7 @@ fn ask(role: ModelRole, parts: Vec<Part>) -> String {
         temperature: None,
         max_tokens: None,
         repetition: 0,
+        schema: None,
     };
     Geometric.ask(&request).unwrap().text
 }

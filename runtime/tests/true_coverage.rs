@@ -5,7 +5,9 @@
 mod recorded;
 
 use proptest::prelude::*;
-use runtime::metrics::{coverage, true_coverage, true_covered_area_m2};
+use runtime::metrics::{
+    coverage, true_coverage, true_covered_area_m2, whole_area_m2, whole_triangles,
+};
 use runtime::start::{Grid as StartGrid, Start, StartFrame, Up};
 use sim::{Grid, Mask, Params, mesh};
 
@@ -225,5 +227,28 @@ fn recorded_heaps_cover_a_little_less_in_truth_than_as_measured_by_softgym() {
     assert!(ratios.len() >= 20, "{} states", ratios.len());
     for ratio in ratios {
         assert!((0.8..1.0).contains(&ratio), "{ratio}");
+    }
+}
+
+#[test]
+fn the_triangles_of_a_whole_cloth_are_those_that_the_camera_draws() {
+    for (dimx, dimy) in [(2, 2), (3, 2), (5, 8), (42, 40)] {
+        let mask = whole(dimx, dimy);
+        let grid = StartGrid {
+            dimx: dimx as u32,
+            dimy: dimy as u32,
+            spacing_m: f64::from(SPACING_M),
+        };
+        let sorted = |mut triangles: Vec<[usize; 3]>| {
+            triangles.iter_mut().for_each(|corners| corners.sort());
+            triangles.sort();
+            triangles
+        };
+        assert_eq!(
+            sorted(whole_triangles(&grid)),
+            sorted(mesh::triangles(&mask)),
+            "{dimx} by {dimy}"
+        );
+        assert!((whole_area_m2(&grid) - mesh::flat_area_m2(&mask)).abs() < 1e-12);
     }
 }

@@ -58,17 +58,15 @@ fn a_corner_pulled_outward_stretches_a_cloth_that_was_folded_over() {
     let mut cloth = cloth(30, 30);
     let flat = cloth.positions();
     carry(&mut cloth, 0, [0.06, -0.06]);
-    let away_m = |points: &[[f32; 3]]| {
-        let pairs = points.iter().zip(&flat);
-        let sum: f32 = pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
-        sum / points.len() as f32
+    let diagonal_m = |points: &[[f32; 3]]| {
+        let (from, to) = (points[0], points[points.len() - 1]);
+        (to[0] - from[0]).hypot(to[1] - from[1])
     };
-    let folded_m = away_m(&cloth.positions());
-    let [x, y, _] = cloth.positions()[0];
-    carry(&mut cloth, 0, [flat[0][0] - x, flat[0][1] - y]);
-    let pulled_m = away_m(&cloth.positions());
-    assert!(folded_m > 0.004, "{folded_m}");
-    assert!(pulled_m < 0.5 * folded_m, "{pulled_m} of {folded_m}");
+    let folded = diagonal_m(&cloth.positions()) / diagonal_m(&flat);
+    carry(&mut cloth, 0, [-0.08, 0.08]);
+    let pulled = diagonal_m(&cloth.positions()) / diagonal_m(&flat);
+    assert!(folded < 0.85, "{folded}");
+    assert!((0.97..1.05).contains(&pulled), "{pulled}, from {folded}");
 }
 
 #[test]

@@ -50,13 +50,16 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
         origin: Origin::Author,
     };
     let trial = Trial {
-        examples: runtime::files::ExamplePictures::default(),
+        examples: runtime::examples::Examples::default(),
         program,
         start: Start::flat(&program.cloth),
         subgoals,
         look: Look::default(),
         cache: Cache::none(),
         interrupt: interrupt.clone(),
+        horizon: None,
+        early_stop: true,
+        repetition: 0,
     };
     let mut findings = Vec::new();
     let mut watch = |event: Event<'_>| {

@@ -8,6 +8,7 @@ mod bad_see_input;
 mod bad_sim_input;
 mod bad_starts;
 mod build;
+mod job_options;
 mod journal;
 mod model_conformance;
 mod peers;

@@ -15,7 +15,7 @@ use serde_json::Value;
 const FILE: &str = "tests/fixtures/tasks/steered.fab";
 
 /// Returns the task, or a variant of it.
-fn steered(variant: Option<&str>) -> Program {
+pub(super) fn steered(variant: Option<&str>) -> Program {
     let compiled = compiler::compile(FILE, &ProjectFiles).unwrap();
     assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
     let mut programs = compiled.programs.into_iter();
@@ -28,19 +28,29 @@ fn text() -> String {
     std::fs::read_to_string(support::project(FILE)).unwrap()
 }
 
-struct Played {
-    report: RolloutReport,
-    asked: Vec<Request>,
-    motions: Vec<Motion>,
+pub(super) struct Played {
+    pub report: RolloutReport,
+    pub asked: Vec<Request>,
+    pub motions: Vec<Motion>,
     /// The journal's step lines.
-    steps: Vec<Value>,
+    pub steps: Vec<Value>,
 }
 
-fn play(program: &Program, replies: &[&str]) -> Played {
+pub(super) fn play(program: &Program, replies: &[&str]) -> Played {
+    play_with(program, replies, |_| {})
+}
+
+/// Plays a rollout of which a test changes something.
+pub(super) fn play_with(
+    program: &Program,
+    replies: &[&str],
+    change: impl FnOnce(&mut Trial<'_>),
+) -> Played {
     let folder = tempfile::tempdir().unwrap();
     let model = Scripted::new(replies);
     let mut trial = Trial::new(program, folder.path(), Look::default());
     trial.cache = Cache::none();
+    change(&mut trial);
     let mut motions = Vec::new();
     let mut watch = |event: Event<'_>| {
         if let Event::Stepped { action, .. } = event {
@@ -67,13 +77,13 @@ fn play(program: &Program, replies: &[&str]) -> Played {
     }
 }
 
-fn answer(pick: &str, direction: &str, distance: &str) -> String {
+pub(super) fn answer(pick: &str, direction: &str, distance: &str) -> String {
     format!("Pick Point = {pick}\nDirection = {direction}\nDistance = {distance}\nGrip = soft")
 }
 
 /// The detected corners of the flat cloth, as its prompt lists them.
-const RIGHT: &str = "(157, 157)";
-const LEFT: &str = "(66, 66)";
+pub(super) const RIGHT: &str = "(157, 157)";
+pub(super) const LEFT: &str = "(66, 66)";
 
 #[test]
 fn a_direction_is_one_of_the_picture_whichever_way_is_up() {

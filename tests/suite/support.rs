@@ -4,7 +4,7 @@ use compiler::program::Program;
 use compiler::{LoadError, Loader};
 use runtime::agent::Models;
 use runtime::cache::Cache;
-use runtime::files::ExamplePictures;
+use runtime::examples::Examples;
 use runtime::interrupt::Interrupt;
 use runtime::journal::RunFolder;
 use runtime::model::{Geometric, Model, ModelError, Nature, Reply, Request};
@@ -112,11 +112,14 @@ pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
 pub struct Trial<'p> {
     pub program: &'p Program,
     pub start: Start,
-    pub examples: ExamplePictures,
+    pub examples: Examples,
     pub subgoals: SubgoalSet,
     pub look: Look,
     pub cache: Cache,
     pub interrupt: Interrupt,
+    pub horizon: Option<u32>,
+    pub early_stop: bool,
+    pub repetition: u32,
 }
 
 impl<'p> Trial<'p> {
@@ -132,10 +135,13 @@ impl<'p> Trial<'p> {
             program,
             start,
             subgoals,
-            examples: ExamplePictures::load(program, folder).unwrap(),
+            examples: Examples::load(program, folder).unwrap(),
             look,
             cache: Cache::none(),
             interrupt,
+            horizon: None,
+            early_stop: true,
+            repetition: 0,
         }
     }
 
@@ -168,6 +174,9 @@ impl<'p> Trial<'p> {
             make_world: &make_world,
             cache: &self.cache,
             interrupt: &self.interrupt,
+            horizon: self.horizon,
+            early_stop: self.early_stop,
+            repetition: self.repetition,
         };
         rollout::run(&job, RunFolder::create(run).unwrap(), watch).unwrap()
     }

@@ -2,7 +2,7 @@
 
 use super::expr::{self, ident};
 use super::{
-    Actions, Body, Component, Declares, Experts, Field, File, Folds, Ident, Image, Keypoint,
+    Actions, Body, Component, Declares, Demos, Experts, Field, File, Folds, Ident, Image, Keypoint,
     Keypoints, Move, Reference, Statement, Subgoals, Task, Variant, text,
 };
 use crate::source::{FileId, Span};
@@ -169,6 +169,9 @@ impl Reader {
             experts: whole(node, Kind::ExpertsUsed)
                 .filter_map(|part| self.reference(part))
                 .collect(),
+            demos: whole(node, Kind::Demos)
+                .filter_map(|part| self.demos(part))
+                .collect(),
             keypoints: node
                 .all(Kind::Keypoints)
                 .map(|part| self.keypoints(part))
@@ -216,6 +219,14 @@ impl Reader {
         Some(Reference {
             span: self.span(node),
             name: self.name(node)?,
+        })
+    }
+
+    fn demos(&self, node: Node<'_>) -> Option<Demos> {
+        Some(Demos {
+            span: self.span(node),
+            stage: self.name(node)?,
+            file: text::first(self.file, node)?,
         })
     }
 

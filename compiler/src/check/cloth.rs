@@ -47,10 +47,36 @@ pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<
     let start = bound
         .get("start")
         .map_or(Some(ClothStart::Flat), |start| self::start(start, context));
-    let cloth = sized(name, statement, &bound, context);
+    let cloth = match context.grid {
+        Some(grid) => replaced(grid, statement, context),
+        None => sized(name, statement, &bound, context),
+    };
     Some(Cloth {
         start: start?,
         ..cloth?
+    })
+}
+
+/// Takes the grid that a caller gives in place of the declared one.
+fn replaced(
+    [dimx, dimy]: [u32; 2],
+    statement: &Statement,
+    context: &mut Context<'_>,
+) -> Option<Cloth> {
+    if [dimx, dimy].iter().any(|dim| !(2..=MAX_SIDE).contains(dim)) {
+        let message = format!("the start has {dimx} by {dimy} particles in this cloth's place");
+        context.push(
+            Diagnostic::new(Code::OutOfRange, statement.value.span, message).help(format!(
+                "right would be from 2 to {MAX_SIDE} particles on each side"
+            )),
+        );
+        return None;
+    }
+    Some(Cloth {
+        dimx,
+        dimy,
+        spacing_m: SPACING_M,
+        start: ClothStart::Flat,
     })
 }
 

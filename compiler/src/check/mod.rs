@@ -10,6 +10,7 @@ mod camera;
 mod cloth;
 mod conditions;
 mod constants;
+mod demos;
 mod examples;
 mod extractors;
 mod files;
@@ -55,6 +56,8 @@ pub(crate) struct Context<'a> {
     pub constants: BTreeMap<&'a str, &'a ast::Keypoint>,
     /// Each known once its section is checked; later sections depend on it.
     pub cloth: Option<Cloth>,
+    /// The grid that takes the place of every declared one, where there is one.
+    pub grid: Option<[u32; 2]>,
     pub camera: Option<Camera>,
     pub actions: Vec<ActionField>,
     pub layers: Vec<Layer>,
@@ -76,6 +79,7 @@ impl<'a> Context<'a> {
             names: Names::none(loaded),
             constants: BTreeMap::new(),
             cloth: None,
+            grid: None,
             camera: None,
             actions: Vec::new(),
             layers: Vec::new(),
@@ -139,7 +143,9 @@ pub(crate) struct Checked {
 pub const MAX_INHERITED_BYTES: usize = 64 << 20;
 
 /// Checks every task of every file; returns the programs of the entry's.
-pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Checked {
+///
+/// - `grid`: particles along X and Y of the cloth that takes the place of each task's own, where one does.
+pub(crate) fn check(loaded: &Loaded, grid: Option<[u32; 2]>, report: &mut Report) -> Checked {
     merge::unique(
         loaded
             .files
@@ -194,7 +200,7 @@ pub(crate) fn check(loaded: &Loaded, report: &mut Report) -> Checked {
                 if number == 0 && is_entry {
                     variants.extend(merged.applicable_variants().map(Some));
                 }
-                let built = task::check(&merged, &stamps, loaded, &mut own);
+                let built = task::check(&merged, &stamps, grid, loaded, &mut own);
                 let is_right = own.errors() == 0 && !sees_faults;
                 report.absorb(own);
                 if is_right

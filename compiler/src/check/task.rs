@@ -2,8 +2,8 @@
 
 use super::names::Names;
 use super::{
-    Context, actions, camera, cloth, constants, folds, goal, keypoints, layers, picker, stages,
-    subgoals, trials, verification,
+    Context, actions, camera, cloth, constants, demos, folds, goal, keypoints, layers, picker,
+    stages, subgoals, trials, verification,
 };
 use crate::diag::{Code, Diagnostic, Report, among};
 use crate::load::Loaded;
@@ -16,10 +16,12 @@ use sha2::{Digest, Sha256};
 pub(super) fn check(
     merged: &Merged<'_>,
     stamps: &[SourceStamp],
+    grid: Option<[u32; 2]>,
     loaded: &Loaded,
     report: &mut Report,
 ) -> Option<(Program, Vec<Test>)> {
     let mut context = Context::empty(loaded, report);
+    context.grid = grid;
     context.names = Names::of(merged, loaded);
     context.constants = merged
         .constants
@@ -61,6 +63,9 @@ pub(super) fn check(
         .goal
         .and_then(|statement| goal::check(statement, merged, &experts, &mut context));
     let mut prompts = stages::check(merged, &mut context);
+    let demos = merged
+        .demos
+        .and_then(|part| demos::check(part, merged, &prompts.stages, &mut context));
     let verify = verification::check(merged, &mut prompts.templates, &mut context);
     let tests = if merged.variant.is_none() {
         trials::check(merged, &prompts.stages, &mut context)
@@ -93,6 +98,7 @@ pub(super) fn check(
         actions,
         templates: prompts.templates,
         stages: prompts.stages,
+        demos,
         verify,
         horizon: horizon?,
         goal,

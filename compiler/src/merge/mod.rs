@@ -13,8 +13,8 @@ pub(crate) use lists::{Indexed, once, unique};
 pub(crate) use variants::{Change, VariantOf};
 
 use crate::ast::{
-    Actions, Body, Component, ExprKind, Ident, Keypoint, Keypoints, Reference, Stage, Statement,
-    Subgoals, Task, Verify,
+    Actions, Body, Component, Demos, ExprKind, Ident, Keypoint, Keypoints, Reference, Stage,
+    Statement, Subgoals, Task, Verify,
 };
 use crate::diag::{Code, Diagnostic, Report, among, nearest};
 use crate::load::Loaded;
@@ -37,6 +37,7 @@ pub(crate) struct Merged<'a> {
     pub horizon: Option<&'a Statement>,
     pub subgoals: Option<&'a Subgoals>,
     pub experts: Option<&'a Reference>,
+    pub demos: Option<&'a Demos>,
     pub keypoints: Indexed<'a, Keypoint>,
     pub annotate: Option<&'a Keypoints>,
     pub actions: Option<&'a Actions>,
@@ -81,6 +82,7 @@ pub(crate) fn merge<'a>(
         horizon: None,
         subgoals: None,
         experts: None,
+        demos: None,
         keypoints: Indexed::default(),
         annotate: None,
         actions: None,
@@ -173,6 +175,7 @@ impl<'a> Merged<'a> {
         self.subgoals =
             once(&body.subgoals, "`subgoals`", |part| part.span, report).or(self.subgoals);
         self.experts = once(&body.experts, "`experts`", |part| part.span, report).or(self.experts);
+        self.demos = once(&body.demos, "`demos`", |part| part.span, report).or(self.demos);
         self.annotate =
             once(&body.annotate, "`annotate`", |part| part.span, report).or(self.annotate);
         self.actions = once(&body.actions, "`actions`", |part| part.span, report).or(self.actions);

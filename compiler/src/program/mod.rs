@@ -10,6 +10,7 @@ mod annotate;
 mod camera;
 mod checks;
 mod cloth;
+mod demos;
 mod folds;
 mod goal;
 mod keypoints;
@@ -25,6 +26,7 @@ pub use annotate::{Layer, Mark, Spot};
 pub use camera::{Camera, ImageUp, PixelPoint};
 pub use checks::{Check, Verify};
 pub use cloth::{Cloth, ClothStart};
+pub use demos::Demos;
 pub use folds::{ClothPoint, Fold, Sequence};
 pub use goal::{Goal, Metric};
 pub use keypoints::{Extractor, Keypoint, KeypointShape, Moment, Response, Sight};
@@ -76,6 +78,8 @@ pub struct Program {
     pub templates: Vec<Template>,
     /// The questions that make up one step, in order; the last one reads the action.
     pub stages: Vec<Stage>,
+    /// The in-context examples of one of them, where the task names any.
+    pub demos: Option<Demos>,
     /// The checks that a proposed action must pass.
     pub verify: Verify,
     /// The most actions in one rollout.

@@ -6,9 +6,11 @@
 
 mod grid_coverage;
 mod true_coverage;
+mod whole_cloth;
 
 pub use grid_coverage::{coverage, covered_area_m2, flat_area_m2, outlined_coverage};
 pub use true_coverage::{true_coverage, true_covered_area_m2};
+pub use whole_cloth::{whole_area_m2, whole_triangles};
 
 /// Returns the mean distance between equal particles of two states, metres.
 ///

@@ -55,6 +55,9 @@ pub struct Request {
     pub max_tokens: Option<u32>,
     /// Tells apart equal questions that want independent answers.
     pub repetition: u32,
+    /// The JSON Schema of the answer, with the values that the scene offers, where the stage reads the action.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub schema: Option<serde_json::Value>,
 }
 
 impl Request {

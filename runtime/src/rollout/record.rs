@@ -1,6 +1,9 @@
 //! What a rollout writes down, and the report it ends with.
 
-use super::score::Covered;
+use super::covered::{Covered, Measures};
+use super::report::{Progress, Report, Score};
+use super::tally::Tally;
+use super::timer::Timer;
 use super::{Job, RunError, model_name};
 use crate::action::Action;
 use crate::expert::ExpertEnd;
@@ -12,92 +15,9 @@ use crate::vision;
 use crate::world::World;
 use crate::{digest, npy, picture};
 use image::RgbImage;
-use serde::Serialize;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, json};
 use sha2::{Digest, Sha256};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
-
-/// The end of a rollout, as `fabc run --json` prints it; null where not applicable.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
-    /// The task's name.
-    pub task: String,
-    /// The variant that was run.
-    pub variant: Option<String>,
-    /// How it ended.
-    pub outcome: Outcome,
-    /// Whether the declared goal was met; null without a goal.
-    pub goal_reached: Option<bool>,
-    /// Mean distance to the nearest expert result, millimetres.
-    pub mean_particle_distance_mm: Option<f64>,
-    /// Covered share of the flat cloth's area.
-    pub coverage: Option<f64>,
-    /// Share of the missing coverage that was gained.
-    pub normalized_improvement: Option<f64>,
-    /// Executed steps.
-    pub steps: u32,
-    /// The model that answered; both names where the roles differ.
-    pub model: String,
-    /// Whether that model is an embedded stand-in and no vision-language model.
-    pub model_is_stand_in: bool,
-    /// The seed of the start, where one was given.
-    pub seed: Option<u64>,
-    /// Hash of the program.
-    pub program: String,
-    /// Hash of the world's parameters.
-    pub params: String,
-    /// The run folder.
-    pub run_dir: String,
-    /// Identity of the run.
-    pub run_id: String,
-    /// How many expert results were simulated for the score; the others were cached.
-    pub experts_simulated: usize,
-    /// Wall time by what it was spent on, seconds.
-    pub seconds: Map<String, Value>,
-    /// Wall time of the whole run, seconds.
-    pub wall_s: f64,
-}
-
-/// A final state's distances to the expert results.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Score {
-    /// Index of the nearest sequence in the program.
-    pub sequence: usize,
-    /// Distance to it, metres.
-    pub distance_m: f64,
-    /// All of them: sequence, distance in metres, file in the run folder.
-    pub distances: Vec<(usize, f64, String)>,
-    /// How many expert results had to be simulated.
-    pub simulated: usize,
-}
-
-/// Adds up wall time by what it was spent on, in the order of first use.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Timer {
-    spent: Vec<(String, Duration)>,
-}
-
-impl Timer {
-    pub(super) fn add(&mut self, what: &str, took: Duration) {
-        match self.spent.iter_mut().find(|(known, _)| known == what) {
-            Some((_, spent)) => *spent += took,
-            None => self.spent.push((what.to_owned(), took)),
-        }
-    }
-
-    pub(super) fn time<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> T {
-        let begun = std::time::Instant::now();
-        let result = work();
-        self.add(what, begun.elapsed());
-        result
-    }
-
-    pub(super) fn write(&self, into: &mut Map<String, Value>) {
-        for (what, spent) in &self.spent {
-            into.insert(what.clone(), json!(spent.as_secs_f64()));
-        }
-    }
-}
 
 /// Writes a rollout into its folder.
 pub(super) struct Keeper {
@@ -105,7 +25,10 @@ pub(super) struct Keeper {
     pub(super) timer: Timer,
     run_id: String,
     params: String,
+    pub(super) tally: Tally,
     steps: u32,
+    last_skip: Option<Outcome>,
+    progress: Vec<Progress>,
     final_positions: Option<String>,
 }
 
@@ -146,7 +69,9 @@ impl Keeper {
                 "up": "z",
             },
             "subgoals": job.subgoals.origin,
-            "horizon": job.program.horizon,
+            "horizon": job.horizon(),
+            "early_stop": job.early_stop,
+            "repetition": job.repetition,
             "attempts": job.program.verify.attempts,
             "goal": job.program.goal,
         });
@@ -156,7 +81,10 @@ impl Keeper {
             timer: Timer::default(),
             run_id,
             params: world.parameters(),
+            tally: Tally::default(),
             steps: 0,
+            last_skip: None,
+            progress: Vec::new(),
             final_positions: None,
         })
     }
@@ -214,8 +142,30 @@ impl Keeper {
 
     pub(super) fn count(&mut self, line: &StepLine, timer: &Timer) {
         self.steps += u32::from(line.executed.is_some());
-        for (what, spent) in &timer.spent {
-            self.timer.add(what, *spent);
+        if let Some(skipped) = line.skipped {
+            self.tally.skip(skipped);
+            self.last_skip = Some(skipped);
+        }
+        if let Some(planning_s) = line.planning_s {
+            self.tally.planned(planning_s);
+        }
+        if line.executed.is_some() || line.skipped.is_some() {
+            self.progress.push(Progress {
+                step: line.step,
+                measures: line.measures,
+            });
+        }
+        self.timer.absorb(timer);
+    }
+
+    /// Returns how a rollout ends whose every step was taken.
+    ///
+    /// One in which nothing was ever executed ends as its last step would have.
+    pub(super) fn outcome_at_horizon(&self, is_goal_met: bool) -> Outcome {
+        match self.last_skip {
+            Some(skipped) if self.steps == 0 => skipped,
+            _ if is_goal_met => Outcome::GoalReached,
+            _ => Outcome::HorizonReached,
         }
     }
 
@@ -238,6 +188,12 @@ impl Keeper {
         let stand_in = [ModelRole::Vision, ModelRole::Text]
             .iter()
             .any(|role| job.models.of(*role).nature() == Nature::StandIn);
+        let Measures {
+            coverage,
+            coverage_true,
+            normalized_improvement,
+            normalized_improvement_true,
+        } = covered.now;
         let report = Report {
             task: job.program.task.clone(),
             variant: job.program.variant.clone(),
@@ -248,9 +204,20 @@ impl Keeper {
                 .as_ref()
                 .map(|_| outcome == Outcome::GoalReached),
             mean_particle_distance_mm: score.map(|score| score.distance_m * 1000.0),
-            coverage: covered.now,
-            normalized_improvement: covered.improvement(),
+            coverage,
+            coverage_true,
+            normalized_improvement,
+            normalized_improvement_true,
+            coverage_at_start: covered.at_start.coverage,
+            coverage_true_at_start: covered.at_start.coverage_true,
+            progress: self.progress.clone(),
             steps: self.steps,
+            skipped_steps: self.tally.skipped_steps(),
+            skipped: self.tally.skipped.clone(),
+            queries: self.tally.queries,
+            refusals: self.tally.refusals.clone(),
+            malformed_replies: self.tally.malformed,
+            planning_s: self.tally.planning_s(),
             model: if vision == text {
                 vision.to_owned()
             } else {

@@ -1,6 +1,7 @@
 //! The score of a rollout: how far its cloth is from the expert results, and how much it covers.
 
-use super::record::{Keeper, Score};
+use super::record::Keeper;
+use super::report::Score;
 use super::{Event, Job, RunError};
 use crate::expert::{self, ExpertEnds};
 use crate::metrics;
@@ -84,46 +85,4 @@ pub(super) fn score(
 /// Returns whether a final distance reaches the goal; one that is judged after each step has been judged.
 pub(super) fn meets(goal: Option<&Goal>, distance_m: f64) -> bool {
     goal.is_some_and(|goal| goal.metric == Metric::ParticleDistance && goal.is_met(distance_m))
-}
-
-/// How much of the table a cloth covers (protocol, section 5).
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Covered {
-    at_start: Option<f64>,
-    /// Over the area of the flat cloth.
-    pub now: Option<f64>,
-}
-
-impl Covered {
-    /// Measures the cloth as it lies at first.
-    pub(super) fn at_start(job: &Job<'_>, world: &dyn World) -> Covered {
-        let at_start = measured(job, world);
-        Covered {
-            at_start,
-            now: at_start,
-        }
-    }
-
-    /// Measures the cloth again; returns whether a goal that is judged after each step is reached.
-    pub(super) fn update(&mut self, job: &Job<'_>, world: &dyn World) -> bool {
-        self.now = measured(job, world);
-        let Some(goal) = &job.program.goal else {
-            return false;
-        };
-        let value = match goal.metric {
-            Metric::Coverage => self.now,
-            Metric::NormalizedImprovement => self.improvement(),
-            Metric::ParticleDistance => None,
-        };
-        value.is_some_and(|value| goal.is_met(value))
-    }
-
-    /// Returns how much of the coverage that was missing at first has been gained.
-    pub(super) fn improvement(&self) -> Option<f64> {
-        metrics::normalized_improvement(self.now?, self.at_start?)
-    }
-}
-
-fn measured(job: &Job<'_>, world: &dyn World) -> Option<f64> {
-    metrics::coverage(&world.particles()?, &job.start.grid)
 }

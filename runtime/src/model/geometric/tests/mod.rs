@@ -158,6 +158,7 @@ fn ask(role: ModelRole, messages: Vec<Message>) -> String {
         top_p: None,
         max_tokens: None,
         repetition: 0,
+        schema: None,
     };
     Geometric.ask(&request).unwrap().text
 }

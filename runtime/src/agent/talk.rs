@@ -1,0 +1,178 @@
+//! The conversation of one stage in one step: asks, and asks again with the reason of the refusal.
+
+use super::judge::judge;
+use super::{Accepted, AgentError, Attempt, Finding, Situation, conversation};
+use crate::model::{Message, Model, Request, Speaker};
+use crate::outcome::Outcome;
+use compiler::program::{Read, Stage};
+use compiler::render::{PromptPicture, RenderError, Values};
+use compiler::reply::{self, Proposal};
+use compiler::space;
+use compiler::verify::{self, Strictness, Verdict};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// What a stage comes to in the end.
+pub(super) enum Answer {
+    Text {
+        name: String,
+        value: String,
+    },
+    Action {
+        proposal: Proposal,
+        accepted: Accepted,
+    },
+    None(Outcome),
+}
+
+pub(super) enum Next {
+    AskAgain,
+    Done(Answer),
+}
+
+/// The conversation of one stage in one step.
+pub(super) struct Talk<'a> {
+    situation: Situation<'a>,
+    stage: &'a Stage,
+    messages: Vec<Message>,
+    /// What the scene's answers look like, where the stage reads the action.
+    schema: Option<Value>,
+    asked: u32,
+    /// Actions that were read and refused, oldest first, each with its question's number.
+    refused: Vec<(u32, Proposal)>,
+}
+
+impl<'a> Talk<'a> {
+    pub(super) fn begin(
+        situation: Situation<'a>,
+        stage: &'a Stage,
+        texts: &BTreeMap<String, String>,
+    ) -> Result<Self, RenderError> {
+        let values = Values::Known(situation.facts(texts));
+        let png = |picture: &PromptPicture| situation.pictures.png(picture);
+        let told = situation
+            .pictures
+            .examples
+            .told(&stage.name, situation.step);
+        Ok(Talk {
+            situation,
+            stage,
+            messages: conversation(situation.program, stage, values, told, png)?,
+            schema: matches!(stage.read, Read::Action).then(|| schema(situation)),
+            asked: 0,
+            refused: Vec::new(),
+        })
+    }
+
+    pub(super) fn ask<E>(
+        &mut self,
+        model: &dyn Model,
+        texts: &BTreeMap<String, String>,
+    ) -> Result<Attempt, AgentError<E>> {
+        self.asked += 1;
+        let request = Request {
+            role: self.stage.model,
+            messages: self.messages.clone(),
+            temperature: self.stage.temperature,
+            top_p: self.stage.top_p,
+            max_tokens: self.stage.max_tokens,
+            repetition: self.situation.repetition,
+            schema: self.schema.clone(),
+        };
+        let begun = Instant::now();
+        let answered = model.ask(&request);
+        let took = begun.elapsed();
+        let (reply, finding) = match answered {
+            Ok(reply) => {
+                let facts = self.situation.facts(texts);
+                let finding = judge(self.situation.program, self.stage, facts, &reply.text)?;
+                (Some(reply), finding)
+            }
+            Err(error) => (
+                None,
+                Finding::Failed {
+                    why: error.to_string(),
+                },
+            ),
+        };
+        Ok(Attempt {
+            stage: self.stage.name.clone(),
+            number: self.asked,
+            request,
+            reply,
+            finding,
+            took,
+        })
+    }
+
+    pub(super) fn conclude(
+        &mut self,
+        attempt: Attempt,
+        texts: &BTreeMap<String, String>,
+    ) -> Result<Next, RenderError> {
+        let (correction, outcome) = match attempt.finding {
+            Finding::Text { name, value, .. } => {
+                return Ok(Next::Done(Answer::Text { name, value }));
+            }
+            Finding::Action {
+                fields,
+                verdict: Verdict::Accept,
+                ..
+            } => {
+                let proposal = Proposal { fields };
+                return Ok(Next::Done(self.accept(proposal, attempt.number, &[])));
+            }
+            Finding::Failed { .. } => return Ok(Next::Done(Answer::None(Outcome::ModelFailed))),
+            Finding::Action {
+                fields,
+                verdict: Verdict::Reject { message, .. },
+                ..
+            } => {
+                self.refused.push((attempt.number, Proposal { fields }));
+                (message, Outcome::AttemptsExhausted)
+            }
+            Finding::Malformed { message, .. } => (message, Outcome::MalformedReply),
+        };
+        if self.asked >= self.situation.program.verify.attempts {
+            let relaxed = self.relaxed(texts)?;
+            return Ok(Next::Done(relaxed.unwrap_or(Answer::None(outcome))));
+        }
+        let said = attempt.reply.map(|reply| reply.text).unwrap_or_default();
+        self.messages.push(Message::text(Speaker::Assistant, said));
+        self.messages.push(Message::text(Speaker::User, correction));
+        Ok(Next::AskAgain)
+    }
+
+    /// Judges the answers in hand once more, newest first, without the checks that the task then leaves out.
+    fn relaxed(&self, texts: &BTreeMap<String, String>) -> Result<Option<Answer>, RenderError> {
+        let program = self.situation.program;
+        let without = &program.verify.relaxed;
+        for (number, proposal) in self.refused.iter().rev().filter(|_| !without.is_empty()) {
+            let facts = self.situation.facts(texts);
+            let verdict = verify::verdict(program, facts, proposal, Strictness::Relaxed)?;
+            if verdict == Verdict::Accept {
+                return Ok(Some(self.accept(proposal.clone(), *number, without)));
+            }
+        }
+        Ok(None)
+    }
+
+    fn accept(&self, proposal: Proposal, attempt: u32, without: &[String]) -> Answer {
+        let accepted = Accepted {
+            stage: self.stage.name.clone(),
+            attempt,
+            without: without.to_owned(),
+        };
+        Answer::Action { proposal, accepted }
+    }
+}
+
+/// Returns the JSON Schema of the answers that name what the scene offers.
+fn schema(situation: Situation<'_>) -> Value {
+    let fields = situation.program.actions.iter();
+    let offered: Vec<_> = fields
+        .map(|field| (field.name.clone(), space::choices(field, situation.scene)))
+        .collect();
+    reply::schema(situation.program, &offered)
+}

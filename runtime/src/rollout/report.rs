@@ -1,0 +1,94 @@
+//! What a rollout comes to, as `fabc run --json` and the journal's last line say it.
+
+use super::covered::Measures;
+use crate::outcome::Outcome;
+use serde::Serialize;
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+
+/// The end of a rollout, as `fabc run --json` prints it; null where not applicable.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// The task's name.
+    pub task: String,
+    /// The variant that was run.
+    pub variant: Option<String>,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Whether the declared goal was met; null without a goal.
+    pub goal_reached: Option<bool>,
+    /// Mean distance to the nearest expert result, millimetres.
+    pub mean_particle_distance_mm: Option<f64>,
+    /// Covered share of the flat cloth's area in the end, by SoftGym's measure (the source measure).
+    pub coverage: Option<f64>,
+    /// The same, measured truly.
+    pub coverage_true: Option<f64>,
+    /// Share of the coverage missing at first that was gained, by the source measure.
+    pub normalized_improvement: Option<f64>,
+    /// The same, measured truly.
+    pub normalized_improvement_true: Option<f64>,
+    /// Coverage of the start, by the source measure.
+    pub coverage_at_start: Option<f64>,
+    /// Coverage of the start, measured truly.
+    pub coverage_true_at_start: Option<f64>,
+    /// The measures after each step, skipped ones included.
+    pub progress: Vec<Progress>,
+    /// Executed steps.
+    pub steps: u32,
+    /// Steps in which nothing was executed and the rollout went on.
+    pub skipped_steps: u32,
+    /// Those steps by what they would have ended the rollout with, e.g. `attempts_exhausted`.
+    pub skipped: BTreeMap<String, u32>,
+    /// Requests sent.
+    pub queries: u32,
+    /// Refused actions by the check that refused them.
+    pub refusals: BTreeMap<String, u32>,
+    /// Answers that could not be read.
+    pub malformed_replies: u32,
+    /// Mean time per action of render, vision, prompt, parse and verify, seconds: all but the model, the
+    /// motion, and the writing of files. Null where no action was asked for.
+    pub planning_s: Option<f64>,
+    /// The model that answered; both names where the roles differ.
+    pub model: String,
+    /// Whether that model is an embedded stand-in and no vision-language model.
+    pub model_is_stand_in: bool,
+    /// The seed of the start, where one was given.
+    pub seed: Option<u64>,
+    /// Hash of the program.
+    pub program: String,
+    /// Hash of the world's parameters.
+    pub params: String,
+    /// The run folder.
+    pub run_dir: String,
+    /// Identity of the run.
+    pub run_id: String,
+    /// How many expert results were simulated for the score; the others were cached.
+    pub experts_simulated: usize,
+    /// Wall time by what it was spent on, seconds.
+    pub seconds: Map<String, Value>,
+    /// Wall time of the whole run, seconds.
+    pub wall_s: f64,
+}
+
+/// The measures after one step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Progress {
+    /// From 1.
+    pub step: u32,
+    /// How much the cloth then covers.
+    #[serde(flatten)]
+    pub measures: Measures,
+}
+
+/// A final state's distances to the expert results.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Score {
+    /// Index of the nearest sequence in the program.
+    pub sequence: usize,
+    /// Distance to it, metres.
+    pub distance_m: f64,
+    /// All of them: sequence, distance in metres, file in the run folder.
+    pub distances: Vec<(usize, f64, String)>,
+    /// How many expert results had to be simulated.
+    pub simulated: usize,
+}

@@ -1,0 +1,205 @@
+//! One step under way: observe, find keypoints, ask and judge, execute.
+//!
+//! In: the job and what the step before left. Out: the step's line, and an outcome where the rollout ends with it.
+
+use super::record::Keeper;
+use super::timer::Timer;
+use super::{Event, Job, RunError};
+use crate::action::Action;
+use crate::agent::{self, Attempt, Decision, Situation};
+use crate::journal::StepLine;
+use crate::outcome::Outcome;
+use crate::pictures::Pictures;
+use crate::scene::{Scene, SceneError};
+use crate::sheet::Sheet;
+use crate::world::{World, WorldError};
+use compiler::facts::Done;
+use compiler::program::{Arrow, Which};
+use std::time::{Duration, Instant};
+
+/// What one step leaves to the next.
+#[derive(Default)]
+pub(super) struct Memory {
+    first_scene: Option<Scene>,
+    last: Option<Done>,
+}
+
+/// One step under way.
+pub(super) struct Turn<'j> {
+    job: &'j Job<'j>,
+    step: u32,
+    pub line: StepLine,
+    pub timer: Timer,
+    /// Spent on the way to an action, without the model and the writing of files.
+    planning: Duration,
+}
+
+impl<'j> Turn<'j> {
+    /// Begins a step, from 1.
+    pub(super) fn new(job: &'j Job<'j>, step: u32) -> Turn<'j> {
+        Turn {
+            job,
+            step,
+            line: StepLine {
+                step,
+                ..StepLine::default()
+            },
+            timer: Timer::default(),
+            planning: Duration::ZERO,
+        }
+    }
+
+    /// Takes the step; returns an outcome where the rollout ends with it.
+    pub(super) fn take(
+        &mut self,
+        world: &mut dyn World,
+        memory: &mut Memory,
+        keeper: &mut Keeper,
+        sheet: &mut Sheet,
+        progress: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Option<Outcome>, RunError> {
+        let (job, step) = (self.job, self.step);
+        let begun = Instant::now();
+        if job.interrupt.is_raised() {
+            return Ok(self.stop(Outcome::Interrupted, "interrupted"));
+        }
+        let observation = match self.plan("observe", || world.observe()) {
+            Ok(observation) => observation,
+            Err(error) => return Ok(self.stop_for(&error)),
+        };
+        keeper.keep_picture(&mut self.line, "before", &observation.rgb)?;
+        let scene = match self.plan("keypoints", || {
+            Scene::of(job.program, &observation, memory.first_scene.as_ref())
+        }) {
+            Ok(scene) => scene,
+            Err(error) => {
+                let outcome = match &error {
+                    SceneError::OutOfView { .. } => Outcome::ClothOutOfView,
+                    SceneError::NoCandidates { .. } => Outcome::NoCandidates,
+                    SceneError::Missing(_) | SceneError::Vision(_) => Outcome::WorldFailed,
+                };
+                return Ok(self.stop(outcome, &error.to_string()));
+            }
+        };
+        self.line.scene = scene.to_json();
+        memory.first_scene.get_or_insert_with(|| scene.clone());
+        let last = memory.last.as_ref();
+        let drawn = self.plan("annotate", || {
+            let subgoals = job.subgoals.step(step as usize - 1)?;
+            let annotated = scene.annotated(job.program, &observation.rgb, last);
+            Ok::<_, RunError>((subgoals, annotated))
+        });
+        let (subgoals, annotated) = drawn?;
+        let pictures = Pictures {
+            subgoals,
+            annotated: match annotated {
+                Ok(annotated) => annotated,
+                Err(error) => return Ok(self.stop(Outcome::WorldFailed, &error.to_string())),
+            },
+            scene: observation.rgb.clone(),
+            examples: job.examples.clone(),
+        };
+        let asking = Instant::now();
+        let mut aside = Duration::ZERO;
+        let mut record = |attempt: &Attempt| {
+            let keeping = Instant::now();
+            keeper.tally.attempt(attempt);
+            self.line
+                .attempts
+                .push(keeper.folder.keep_attempt(step, attempt)?);
+            self.timer.add(&attempt.stage, attempt.took);
+            progress(Event::Asked { step, attempt });
+            aside += attempt.took + keeping.elapsed();
+            Ok(())
+        };
+        let situation = Situation {
+            program: job.program,
+            scene: &scene,
+            step,
+            last,
+            pictures: &pictures,
+            repetition: job.repetition,
+        };
+        let decision = agent::decide(situation, job.models, &mut record)?;
+        let deciding = asking.elapsed().saturating_sub(aside);
+        self.timer.add("prompt and verify", deciding);
+        self.planning += deciding;
+        self.line.planning_s = Some(self.planning.as_secs_f64());
+        let proposal = match decision {
+            Decision::Act { proposal, accepted } => {
+                self.line.accepted = Some(accepted);
+                proposal
+            }
+            Decision::Stop(outcome) => {
+                return Ok(self.stop(outcome, "no answer could be executed; the attempts say why"));
+            }
+        };
+        let Some(action) = Action::lower(job.program, &proposal, &scene, &observation) else {
+            return Ok(self.stop(
+                Outcome::NoCandidates,
+                "the answer has no pick or no place, or no cloth is in view",
+            ));
+        };
+        let drawn = keeper.keep_action(&mut self.line, &observation.rgb, &action)?;
+        let executed = match self
+            .timer
+            .time("act", || world.act(&action.motion, job.interrupt))
+        {
+            Ok(executed) => executed,
+            Err(error) => {
+                self.line.action = Some(action);
+                return Ok(self.stop_for(&error));
+            }
+        };
+        let after = match world.observe() {
+            Ok(after) => after,
+            Err(error) => return Ok(self.stop_for(&error)),
+        };
+        keeper.keep_picture(&mut self.line, "after", &after.rgb)?;
+        keeper.keep_positions(&mut self.line, world)?;
+        let shown = match &pictures.subgoals {
+            Some(subgoals) => subgoals.picture(Which::Now, Arrow::Drawn),
+            None => &pictures.annotated,
+        };
+        sheet.row(shown, drawn, after.rgb);
+        let grasp = executed.grasp;
+        progress(Event::Stepped {
+            step,
+            horizon: job.horizon(),
+            action: &action,
+            grasp,
+            seconds: begun.elapsed().as_secs_f64(),
+        });
+        memory.last = Some(Done {
+            proposal,
+            pick: action.pick_on_cloth_px,
+            place: action.place_px,
+        });
+        self.line.action = Some(action);
+        self.line.executed = Some(executed);
+        Ok(None)
+    }
+
+    /// Does a part of planning and adds its time.
+    fn plan<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> T {
+        let begun = Instant::now();
+        let result = work();
+        let took = begun.elapsed();
+        self.timer.add(what, took);
+        self.planning += took;
+        result
+    }
+
+    fn stop(&mut self, outcome: Outcome, why: &str) -> Option<Outcome> {
+        self.line.stopped = Some(why.to_owned());
+        Some(outcome)
+    }
+
+    fn stop_for(&mut self, error: &WorldError) -> Option<Outcome> {
+        let outcome = match error {
+            WorldError::Interrupted => Outcome::Interrupted,
+            _ => Outcome::WorldFailed,
+        };
+        self.stop(outcome, &error.to_string())
+    }
+}
