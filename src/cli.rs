@@ -1,6 +1,8 @@
 //! The command line.
 
 #[cfg(feature = "runtime")]
+pub mod bench;
+#[cfg(feature = "runtime")]
 pub mod sim;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -45,6 +47,9 @@ pub enum Verb {
     /// Runs one rollout of a task.
     #[cfg(feature = "runtime")]
     Run(RunArguments),
+    /// Runs a suite of many rollouts, and prints its table with others' figures beside ours.
+    #[cfg(feature = "runtime")]
+    Bench(bench::BenchArguments),
     /// Works on the cloth simulator itself: replays, speed, starts, pictures, meshes.
     #[cfg(feature = "runtime")]
     Sim(sim::SimArguments),
@@ -67,6 +72,8 @@ impl Verb {
             Verb::Demos(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Run(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Bench(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Sim(arguments) => arguments.verb.wants_json(),
         }

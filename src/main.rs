@@ -12,6 +12,8 @@ mod sources;
 #[path = "../runtime/src/store.rs"]
 mod store;
 
+#[cfg(feature = "runtime")]
+mod bench;
 mod build;
 mod check;
 #[cfg(feature = "runtime")]
@@ -78,6 +80,8 @@ fn run(verb: Verb) -> Exit {
         Verb::Demos(arguments) => demos::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Run(arguments) => run::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Bench(arguments) => bench::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Sim(arguments) => sim::run(&arguments),
     };

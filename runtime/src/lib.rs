@@ -12,6 +12,8 @@
 
 pub mod rollout;
 
+pub mod bench;
+
 pub mod action;
 pub mod agent;
 pub mod scene;
@@ -31,6 +33,7 @@ pub mod interrupt;
 pub mod metrics;
 pub mod observation;
 pub mod outcome;
+pub mod parallel;
 pub mod picture;
 pub mod pictures;
 pub mod see;
