@@ -6,7 +6,7 @@ use crate::{output, setting, sources};
 use compiler::program::Program;
 use runtime::bench::suite::{Method, Suite};
 use runtime::bench::{Entry, Task, starts};
-use runtime::files::ExamplePictures;
+use runtime::examples::Examples;
 use runtime::interrupt::Interrupt;
 use runtime::model::Model;
 use runtime::parallel::in_parallel;
@@ -161,7 +161,7 @@ pub fn entries<'a>(
             let Some(model) = models.get(model_of(method, &arguments.model)) else {
                 continue;
             };
-            let examples = ExamplePictures::load(shown, &prepared.folder);
+            let examples = Examples::load(shown, &prepared.folder);
             entries.push(Entry {
                 task: number,
                 method,

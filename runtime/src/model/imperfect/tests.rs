@@ -60,7 +60,7 @@ fn spoil(slip: Slip, said: &str) -> Option<String> {
 fn each_slip_is_what_it_is_called() {
     let near = spoil(
         Slip::NearLastPlace,
-        "The previous place point was (85, 95), avoid it.",
+        "The corners are (10, 10), (90, 10), (90, 90).\nThe red rings are where the last pull\nended, (85, 95), and its mirror (15, 5).",
     );
     assert_eq!(
         near.unwrap(),
