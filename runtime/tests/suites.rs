@@ -124,7 +124,7 @@ fn lay(point: &StartPoint) -> Start {
 fn folding() -> Starts {
     Starts::Flat {
         sides: (50..60).collect(),
-        turns_deg: vec![0.0, 30.0, 45.0, 60.0],
+        turns_deg: vec![0.0, -30.0, -45.0, -60.0],
     }
 }
 
