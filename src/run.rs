@@ -166,6 +166,9 @@ fn show(event: Event<'_>) {
                 action.pick_px, action.place_px
             ));
         }
+        Event::Skipped { step, horizon, why } => {
+            output::talk(&format!("step {step}/{horizon}: skipped ({})", why.name()));
+        }
         Event::SimulatingExperts { missing, total } => {
             output::talk(&format!(
                 "simulating {missing} of {total} expert results to score against; they are kept for the next run"
@@ -227,6 +230,7 @@ fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
         ""
     };
     lines.push(format!("model: {}{stand_in}", report.model));
+    lines.push(questions(report));
     let seconds = report
         .seconds
         .iter()
@@ -247,6 +251,25 @@ fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
         report.run_dir
     ));
     lines.join("\n")
+}
+
+/// Says what came of the questions, with what went wrong by name.
+fn questions(report: &RolloutReport) -> String {
+    let mut counts = vec![format!("questions: {}", report.queries)];
+    let refusals = report.refusals.iter();
+    counts.extend(refusals.map(|(check, count)| format!("refused by `{check}`: {count}")));
+    if report.malformed_replies > 0 {
+        counts.push(format!("not readable: {}", report.malformed_replies));
+    }
+    let skipped = report.skipped.iter();
+    counts.extend(skipped.map(|(why, count)| format!("steps skipped ({why}): {count}")));
+    if let Some(planning_s) = report.planning_s {
+        counts.push(format!(
+            "{:.0} ms of planning per action",
+            planning_s * 1000.0
+        ));
+    }
+    counts.join(", ")
 }
 
 fn exit_of(report: &RolloutReport) -> Exit {

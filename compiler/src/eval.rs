@@ -71,6 +71,12 @@ impl Eval<'_> {
                 let (du, dv) = (a[0] - b[0], a[1] - b[1]);
                 du * du + dv * dv
             }
+            Length::Chebyshev { a, b } => {
+                let (a, b) = (self.point(a)?, self.point(b)?);
+                let (du, dv) = (a[0] - b[0], a[1] - b[1]);
+                let (du, dv) = (du * du, dv * dv);
+                if du > dv { du } else { dv }
+            }
             Length::Field { field, scale } => {
                 let value = self.length_m(field)? * scale;
                 value * value
@@ -82,7 +88,7 @@ impl Eval<'_> {
     pub fn length(&self, length: &Length) -> Result<f64, Missing> {
         Ok(match length {
             Length::Constant { value } => *value,
-            Length::Distance { .. } => self.square(length)?.sqrt(),
+            Length::Distance { .. } | Length::Chebyshev { .. } => self.square(length)?.sqrt(),
             Length::Field { field, scale } => self.length_m(field)? * scale,
         })
     }
@@ -260,11 +266,15 @@ impl Eval<'_> {
     fn note_length(&self, length: &Length, notes: &mut Notes) -> Result<(), Missing> {
         match length {
             Length::Constant { .. } => {}
-            Length::Distance { a, b } => {
+            Length::Distance { a, b } | Length::Chebyshev { a, b } => {
+                let measure = match length {
+                    Length::Chebyshev { .. } => "chebyshev",
+                    _ => "distance",
+                };
                 let value = format!("{:.1} px", self.length(length)?);
                 note(
                     notes,
-                    format!("distance({}, {})", point_name(a), point_name(b)),
+                    format!("{measure}({}, {})", point_name(a), point_name(b)),
                     value,
                 );
             }

@@ -42,7 +42,7 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::at_word => "`at`",
         Rule::and_word => "`and`",
         Rule::component_word => "`component`",
-        Rule::else_word => "`else`",
+        Rule::else_word | Rule::else_skip => "`else`",
         Rule::guard | Rule::when_word => "`when`",
         Rule::in_word => "`in`",
         Rule::to_word => "`to`",
@@ -53,7 +53,9 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::of_word | Rule::margin => "`of`",
         Rule::one_word => "`one of`",
         Rule::or_word => "`or`",
-        Rule::with_word => "`with`",
+        Rule::with_word | Rule::with_picture => "`with`",
+        Rule::picture_word => "`picture`",
+        Rule::skip_word => "`skip`",
         Rule::within_word => "`within`",
         _ => return None,
     };
@@ -74,6 +76,8 @@ pub(crate) fn is_continuation(rule: Rule) -> bool {
             | Rule::guard
             | Rule::when_word
             | Rule::relax
+            | Rule::with_picture
+            | Rule::else_skip
             | Rule::unit
             | Rule::known_unit
             | Rule::open_paren

@@ -9,11 +9,12 @@ mod talk;
 
 use crate::examples::Told;
 use crate::model::{Message, Model, ModelRole, Part, Png, Reply, Request, Speaker};
+use crate::observation::Observation;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
 use crate::scene::Scene;
 use compiler::facts::{Done, Facts};
-use compiler::program::{Program, Stage, Value};
+use compiler::program::{Exhausted, Program, Stage, Value};
 use compiler::render::{self, PromptPicture, PromptSpeaker, RenderError, Values};
 use compiler::reply::Proposal;
 use compiler::verify::Verdict;
@@ -104,6 +105,8 @@ pub enum Decision {
         /// Which answer it is.
         accepted: Accepted,
     },
+    /// Do nothing in this step, and go on; the rollout would have ended so.
+    Skip(Outcome),
     /// End the rollout so.
     Stop(Outcome),
 }
@@ -137,6 +140,8 @@ pub struct Situation<'a> {
     pub program: &'a Program,
     /// What the camera shows.
     pub scene: &'a Scene,
+    /// The picture that it was found in.
+    pub observation: &'a Observation,
     /// Which step this is, from 1.
     pub step: u32,
     /// The action before.
@@ -187,10 +192,20 @@ pub fn decide<E: std::error::Error>(
             Answer::Action { proposal, accepted } => {
                 decision = Decision::Act { proposal, accepted };
             }
-            Answer::None(outcome) => return Ok(Decision::Stop(outcome)),
+            Answer::None(outcome) => return Ok(without_answer(program, outcome)),
         }
     }
     Ok(decision)
+}
+
+/// Returns what becomes of a step without an answer: only what a model can do wrong is ever skipped.
+fn without_answer(program: &Program, outcome: Outcome) -> Decision {
+    match (program.verify.exhausted, outcome) {
+        (Exhausted::Skips, Outcome::AttemptsExhausted | Outcome::MalformedReply) => {
+            Decision::Skip(outcome)
+        }
+        _ => Decision::Stop(outcome),
+    }
 }
 
 /// Renders the opening messages of a stage; `fabc render` shows what this returns.

@@ -94,6 +94,15 @@ pub enum Event<'a> {
         /// Wall time of the whole step, seconds.
         seconds: f64,
     },
+    /// Nothing was executed in a step, and the rollout goes on.
+    Skipped {
+        /// From 1.
+        step: u32,
+        /// How many there are at most.
+        horizon: u32,
+        /// What the rollout would have ended with.
+        why: Outcome,
+    },
     /// Expert results must be simulated before the score is known.
     SimulatingExperts {
         /// How many.

@@ -27,7 +27,8 @@ const CAPTIONS: [&str; 3] = [
 /// The rows of a contact sheet.
 #[derive(Debug, Default)]
 pub struct Sheet {
-    rows: Vec<[RgbImage; 3]>,
+    /// Each with its step, from 1.
+    rows: Vec<(u32, [RgbImage; 3])>,
 }
 
 impl Sheet {
@@ -36,13 +37,13 @@ impl Sheet {
         Sheet::default()
     }
 
-    /// Adds an executed step.
+    /// Adds an executed step, from 1.
     ///
     /// Where there is no subgoal, the first picture is what the model was shown.
-    pub fn row(&mut self, shown: &RgbImage, action: RgbImage, after: RgbImage) {
+    pub fn row(&mut self, step: u32, shown: &RgbImage, action: RgbImage, after: RgbImage) {
         // Shrunk at once: a long rollout with a large camera would fill the memory with pictures.
-        self.rows
-            .push([shown, &action, &after].map(|picture| fit(picture, MAX_CELL_PX)));
+        let row = [shown, &action, &after].map(|picture| fit(picture, MAX_CELL_PX));
+        self.rows.push((step, row));
     }
 
     /// Draws the sheet; `None` where no step was executed. Fails where the letters cannot be drawn.
@@ -82,11 +83,11 @@ impl Sheet {
             INK,
             10,
         )?;
-        for (number, row) in self.rows.iter().enumerate() {
+        for (number, (step, row)) in self.rows.iter().enumerate() {
             let top = HEADLINE_PX + number as u32 * (CAPTION_PX + cell + MARGIN_PX);
             for (column, picture) in row.iter().enumerate() {
                 let left = MARGIN_PX + column as u32 * (cell + MARGIN_PX);
-                let caption = format!("{}. {}", number + 1, CAPTIONS[column]);
+                let caption = format!("{step}. {}", CAPTIONS[column]);
                 vision::draw_label(
                     &mut sheet,
                     &caption,

@@ -24,7 +24,7 @@ pub(super) fn steered(variant: Option<&str>) -> Program {
         .unwrap()
 }
 
-fn text() -> String {
+pub(super) fn text() -> String {
     std::fs::read_to_string(support::project(FILE)).unwrap()
 }
 

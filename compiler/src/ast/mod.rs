@@ -290,12 +290,16 @@ pub(crate) struct Verify {
     pub attempts: Vec<Attempts>,
 }
 
-/// `attempts N, then without NAME, …`.
+/// `attempts N with picture, then without NAME, …, else skip`.
 #[derive(Clone, Debug)]
 pub(crate) struct Attempts {
     pub span: Span,
     pub count: Expr,
+    /// Where `with picture` stands, if it does.
+    pub with_picture: Option<Span>,
     pub relaxed: Vec<Ident>,
+    /// Where `else skip` stands, if it does.
+    pub else_skip: Option<Span>,
 }
 
 /// `check NAME { … } else "…"`.

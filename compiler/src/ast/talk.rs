@@ -106,6 +106,10 @@ impl Reader {
         Some(Attempts {
             span: self.span(node),
             count: expr::first(self.file, node)?,
+            with_picture: node
+                .child(Kind::WithPicture)
+                .map(|picture| self.span(picture)),
+            else_skip: node.child(Kind::ElseSkip).map(|skip| self.span(skip)),
             relaxed: node
                 .child(Kind::Relax)
                 .map_or(Vec::new(), |relax| self.names(relax)),

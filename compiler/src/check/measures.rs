@@ -1,4 +1,4 @@
-//! Measures of conditions and texts: `distance(…)`, `angle_between(…)`, `count(…)`, `coverage(…)`.
+//! Measures of conditions and texts: `distance(…)`, `chebyshev(…)`, `angle_between(…)`, `count(…)`, `coverage(…)`.
 
 use super::Context;
 use super::arguments::{bare, bind};
@@ -15,12 +15,16 @@ pub(super) fn call(name: &Ident, expr: &Expr, context: &mut Context<'_>) -> Opti
         return None;
     };
     match name.text.as_str() {
-        "distance" => {
+        "distance" | "chebyshev" => {
             let bound = bind(name, arguments, &[bare("a"), bare("b")], context)?;
             let a = point(bound.get("a")?, context);
             let b = point(bound.get("b")?, context);
+            let (a, b) = (a?, b?);
             Some(Operand::Length(FramedLength {
-                native: NativeLength::Distance(a?, b?),
+                native: match name.text.as_str() {
+                    "distance" => NativeLength::Distance(a, b),
+                    _ => NativeLength::Chebyshev(a, b),
+                },
                 frame: Frame::Picture,
                 unit: "px".to_owned(),
             }))
@@ -78,7 +82,14 @@ pub(super) fn call(name: &Ident, expr: &Expr, context: &mut Context<'_>) -> Opti
             None
         }
         _ => {
-            let known = ["distance", "angle_between", "count", "coverage", "mirror"];
+            let known = [
+                "distance",
+                "chebyshev",
+                "angle_between",
+                "count",
+                "coverage",
+                "mirror",
+            ];
             context.unknown("measure", name, known);
             None
         }

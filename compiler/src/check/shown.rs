@@ -274,7 +274,10 @@ fn length(length: &FramedLength, context: &Context<'_>) -> Option<Placed> {
         "px" => (1.0, 1),
         _ => (1.0, 3),
     };
-    let is_measured = matches!(length.native, NativeLength::Distance(..));
+    let is_measured = matches!(
+        length.native,
+        NativeLength::Distance(..) | NativeLength::Chebyshev(..)
+    );
     let factor = if is_measured && length.frame == Frame::Table {
         per_m / px_per_m
     } else {

@@ -66,7 +66,7 @@ pub(super) fn check(
     let demos = merged
         .demos
         .and_then(|part| demos::check(part, merged, &prompts.stages, &mut context));
-    let verify = verification::check(merged, &mut prompts.templates, &mut context);
+    let verify = verification::check(merged, &mut prompts, &mut context);
     let tests = if merged.variant.is_none() {
         trials::check(merged, &prompts.stages, &mut context)
     } else {

@@ -44,7 +44,9 @@ impl Uses {
     fn of_length(length: &Length) -> Uses {
         match length {
             Length::Constant { .. } => Uses::default(),
-            Length::Distance { a, b } => Uses::of_point(a).and(Uses::of_point(b)),
+            Length::Distance { a, b } | Length::Chebyshev { a, b } => {
+                Uses::of_point(a).and(Uses::of_point(b))
+            }
             Length::Field { .. } => ACTION,
         }
     }

@@ -70,6 +70,8 @@ pub(crate) enum NativeLength {
     Table(f64),
     /// Between two points of the picture.
     Distance(Point, Point),
+    /// Between two points of the picture, along the axis on which they are farther apart.
+    Chebyshev(Point, Point),
     /// A field that is a length on the table.
     Field(String),
 }
@@ -94,6 +96,10 @@ pub(crate) fn lowered(
         (NativeLength::Table(m), Frame::Table) => constant(*m),
         (NativeLength::Table(m), Frame::Picture) => constant(m * px_per_m?),
         (NativeLength::Distance(a, b), _) => Some(Length::Distance {
+            a: a.clone(),
+            b: b.clone(),
+        }),
+        (NativeLength::Chebyshev(a, b), _) => Some(Length::Chebyshev {
             a: a.clone(),
             b: b.clone(),
         }),

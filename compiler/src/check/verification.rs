@@ -2,13 +2,15 @@
 
 use super::Context;
 use super::quantity::{Measure, Wanted, read_whole};
+use super::stages::Prompts;
 use super::templates::{self, Place, Scope};
 use super::{conditions, uses};
 use crate::ast;
 use crate::diag::{Code, Diagnostic};
 use crate::diag::{among, nearest};
 use crate::merge::{Merged, once, unique};
-use crate::program::{Check, Condition, Template, Verify};
+use crate::program::{Check, Condition, Exhausted, ModelRole, Read, Stage, Template, Verify};
+use crate::source::Span;
 use crate::verify::OFFERED;
 
 /// Questions per stage and step where none are stated: the paper's.
@@ -23,16 +25,18 @@ const ATTEMPTS: Wanted = Wanted {
     range_words: "a count from `1` to `10`",
 };
 
-/// Builds the checks, and adds their messages to `templates`; what is wrong is left out.
+/// Builds the checks, and adds their messages to the prompts' templates; what is wrong is left out.
 pub(crate) fn check(
     merged: &Merged<'_>,
-    templates: &mut Vec<Template>,
+    prompts: &mut Prompts,
     context: &mut Context<'_>,
 ) -> Verify {
     let mut verify = Verify {
         checks: Vec::new(),
         attempts: DEFAULT_ATTEMPTS,
         relaxed: Vec::new(),
+        with_picture: false,
+        exhausted: Exhausted::Ends,
     };
     let Some(part) = merged.verify else {
         return verify;
@@ -53,7 +57,7 @@ pub(crate) fn check(
     for check in &part.checks {
         if let Some((check, template)) = self::one(check, context) {
             verify.checks.push(check);
-            templates.push(template);
+            prompts.templates.push(template);
         }
     }
     let attempts = once(
@@ -67,8 +71,32 @@ pub(crate) fn check(
             verify.attempts = attempts;
         }
         verify.relaxed = relaxed(statement, part, context);
+        if statement.else_skip.is_some() {
+            verify.exhausted = Exhausted::Skips;
+        }
+        if let Some(span) = statement.with_picture {
+            verify.with_picture = true;
+            needs_eyes(span, &prompts.stages, context);
+        }
     }
     verify
+}
+
+/// Reports a picture for a stage whose model sees none.
+fn needs_eyes(span: Span, stages: &[Stage], context: &mut Context<'_>) {
+    let acts = |stage: &&Stage| matches!(stage.read, Read::Action);
+    if let Some(stage) = stages.iter().find(acts)
+        && stage.model == ModelRole::Text
+    {
+        let message = format!(
+            "the stage `{}` asks a text model, and a correction would show it a picture",
+            stage.name
+        );
+        context.push(
+            Diagnostic::new(Code::PicturesForTextModel, span, message)
+                .help("write `model vision` in that stage, or leave out `with picture`"),
+        );
+    }
 }
 
 /// Returns the checks that are left out at last; reports names that no check has.

@@ -286,7 +286,7 @@ codes! {
 
     "F0604" PicturesForTextModel Error
     "a text model is shown pictures"
-    "`show` needs `model vision`."
+    "`show`, and `with picture` behind `attempts`, need `model vision`."
 
     "F0605" TextTooLong Error
     "a text is too long"

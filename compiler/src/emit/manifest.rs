@@ -6,7 +6,7 @@
 //!   "compiler": "0.1.0",
 //!   "program_hash": "0123456789abcdef",
 //!   "artifacts": [{ "path": "prompts/plan.user.txt.j2", "sha256": "…" }],
-//!   "program": { "format": 3, "task": "fold", "sources": [{ "name": "fold.fab", "sha256": "…" }], … }
+//!   "program": { "format": 4, "task": "fold", "sources": [{ "name": "fold.fab", "sha256": "…" }], … }
 //! }
 //! ```
 //!

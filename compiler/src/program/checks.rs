@@ -14,6 +14,20 @@ pub struct Verify {
     pub attempts: u32,
     /// Checks that are left out when the answers to all questions are judged once more, newest first.
     pub relaxed: Vec<String>,
+    /// Whether a question after a refusal shows the refused action on the picture; for a vision model's stage.
+    pub with_picture: bool,
+    /// What comes of a step whose last answer was refused or could not be read.
+    pub exhausted: Exhausted,
+}
+
+/// What comes of a step without an answer that may run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Exhausted {
+    /// The rollout ends with it.
+    Ends,
+    /// Nothing moves, the step counts as an action, and the rollout goes on.
+    Skips,
 }
 
 /// One check.

@@ -24,7 +24,7 @@ mod values;
 pub use actions::{ActionField, Choices, Direction, LengthChoice, Value};
 pub use annotate::{Layer, Mark, Spot};
 pub use camera::{Camera, ImageUp, PixelPoint};
-pub use checks::{Check, Verify};
+pub use checks::{Check, Exhausted, Verify};
 pub use cloth::{Cloth, ClothStart};
 pub use demos::Demos;
 pub use folds::{ClothPoint, Fold, Sequence};

@@ -71,6 +71,13 @@ pub enum Length {
         /// The other end.
         b: Point,
     },
+    /// The Chebyshev distance between two points, the larger of their distances along the two axes, pixels.
+    Chebyshev {
+        /// One end.
+        a: Point,
+        /// The other end.
+        b: Point,
+    },
     /// A field that is a length.
     Field {
         /// The field.
@@ -238,7 +245,7 @@ impl Condition {
             Condition::Not { of } => of.keypoints(names),
             Condition::Lengths { left, right, .. } => {
                 for length in [left, right] {
-                    if let Length::Distance { a, b } = length {
+                    if let Length::Distance { a, b } | Length::Chebyshev { a, b } = length {
                         a.keypoints(names);
                         b.keypoints(names);
                     }

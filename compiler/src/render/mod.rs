@@ -96,6 +96,11 @@ pub fn messages(
     Ok(messages)
 }
 
+/// What a correction says of the picture beside it, where the task corrects `with picture`.
+///
+/// The runtime draws the marks; the words stand here, with all else that reaches a model.
+pub const REFUSED_ACTION: &str = "The picture shows the refused action: a green ring around the pick point, a green arrow along the move, and a purple ring around the place point.";
+
 /// Renders what a model is told when a check fails.
 pub fn correction(
     program: &Program,

@@ -6,8 +6,8 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use compiler::program::{
-    ActionField, Camera, Choices, Cloth, ClothStart, Direction, ImageUp, LengthChoice, LengthUnit,
-    PROGRAM_FORMAT, Program, Verify,
+    ActionField, Camera, Choices, Cloth, ClothStart, Direction, Exhausted, ImageUp, LengthChoice,
+    LengthUnit, PROGRAM_FORMAT, Program, Verify,
 };
 
 /// The cloth's longer side.
@@ -113,6 +113,8 @@ pub fn program(actions: Vec<ActionField>) -> Program {
             checks: Vec::new(),
             attempts: 1,
             relaxed: Vec::new(),
+            with_picture: false,
+            exhausted: Exhausted::Ends,
         },
         horizon: 1,
         goal: None,

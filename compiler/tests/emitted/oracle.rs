@@ -201,6 +201,10 @@ impl Oracle<'_> {
                 let (a, b) = (self.point(a)?, self.point(b)?);
                 (a[0] - b[0]).hypot(a[1] - b[1])
             }
+            Length::Chebyshev { a, b } => {
+                let (a, b) = (self.point(a)?, self.point(b)?);
+                (a[0] - b[0]).abs().max((a[1] - b[1]).abs())
+            }
             Length::Field { field, scale } => self.metres(field) * scale,
         })
     }

@@ -32,6 +32,7 @@ pub fn all() -> Vec<Program> {
         shipped("double_triangle"),
         steered(),
         placed(),
+        boxed(),
     ]
 }
 
@@ -246,6 +247,23 @@ pub fn placed() -> Program {
         ),
     ];
     program.verify.relaxed = vec!["aside".to_owned()];
+    program
+}
+
+/// A task that measures along the axes: half boxes around the last place and its mirror.
+fn boxed() -> Program {
+    let place = || Point::Last { end: End::Place };
+    let reach = |b| Length::Chebyshev {
+        a: chosen("pick"),
+        b,
+    };
+    let mirrored = mirror(place(), keypoint("center"));
+    let apart = all_of(vec![
+        lengths(reach(place()), Greater, constant(50.0)),
+        lengths(reach(mirrored), AtLeast, constant(50.0)),
+    ]);
+    let mut program = base("boxed");
+    program.verify.checks = vec![check("apart", Some(Condition::Last), apart)];
     program
 }
 

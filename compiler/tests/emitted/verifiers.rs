@@ -169,6 +169,7 @@ fn the_programs_use_everything_that_a_check_can_say() {
         r#""point":"carried""#,
         r#""length":"constant""#,
         r#""length":"distance""#,
+        r#""length":"chebyshev""#,
         r#""length":"field""#,
         r#""heading":"field""#,
         r#""heading":"last""#,
@@ -232,6 +233,11 @@ fn truth_of_directions_lengths_and_words() {
 #[test]
 fn truth_of_points_numbers_and_the_last_action() {
     meets_its_truth_table("placed", include_str!("../fixtures/truth/placed.txt"));
+}
+
+#[test]
+fn truth_of_distances_along_the_axes() {
+    meets_its_truth_table("boxed", include_str!("../fixtures/truth/boxed.txt"));
 }
 
 #[test]

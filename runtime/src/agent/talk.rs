@@ -2,10 +2,12 @@
 
 use super::judge::judge;
 use super::{Accepted, AgentError, Attempt, Finding, Situation, conversation};
-use crate::model::{Message, Model, Request, Speaker};
+use crate::action::Action;
+use crate::model::{Message, Model, Part, Png, Request, Speaker};
 use crate::outcome::Outcome;
-use compiler::program::{Read, Stage};
-use compiler::render::{PromptPicture, RenderError, Values};
+use crate::{picture, vision};
+use compiler::program::{Layers, ModelRole, Picture, Read, Stage};
+use compiler::render::{PromptPicture, REFUSED_ACTION, RenderError, Values};
 use compiler::reply::{self, Proposal};
 use compiler::space;
 use compiler::verify::{self, Strictness, Verdict};
@@ -111,6 +113,7 @@ impl<'a> Talk<'a> {
         attempt: Attempt,
         texts: &BTreeMap<String, String>,
     ) -> Result<Next, RenderError> {
+        let mut picture = None;
         let (correction, outcome) = match attempt.finding {
             Finding::Text { name, value, .. } => {
                 return Ok(Next::Done(Answer::Text { name, value }));
@@ -129,7 +132,9 @@ impl<'a> Talk<'a> {
                 verdict: Verdict::Reject { message, .. },
                 ..
             } => {
-                self.refused.push((attempt.number, Proposal { fields }));
+                let proposal = Proposal { fields };
+                picture = self.refused_action(&proposal);
+                self.refused.push((attempt.number, proposal));
                 (message, Outcome::AttemptsExhausted)
             }
             Finding::Malformed { message, .. } => (message, Outcome::MalformedReply),
@@ -140,8 +145,44 @@ impl<'a> Talk<'a> {
         }
         let said = attempt.reply.map(|reply| reply.text).unwrap_or_default();
         self.messages.push(Message::text(Speaker::Assistant, said));
-        self.messages.push(Message::text(Speaker::User, correction));
+        self.messages.push(match picture {
+            None => Message::text(Speaker::User, correction),
+            Some(png) => Message {
+                speaker: Speaker::User,
+                parts: vec![
+                    Part::Text(format!("{correction}\n\n{REFUSED_ACTION}")),
+                    Part::Image(png),
+                ],
+            },
+        });
         Ok(Next::AskAgain)
+    }
+
+    /// Draws a refused action on the picture that the stage shows, where the task corrects so.
+    ///
+    /// None also where the answer leads nowhere, as one with a distance that was never offered.
+    fn refused_action(&self, proposal: &Proposal) -> Option<Png> {
+        let Situation {
+            program,
+            scene,
+            observation,
+            pictures,
+            ..
+        } = self.situation;
+        if !program.verify.with_picture || self.stage.model == ModelRole::Text {
+            return None;
+        }
+        let action = Action::lower(program, proposal, scene, observation)?;
+        let layers = Picture::Scene {
+            layers: Layers::Drawn,
+        };
+        let mut drawn = if self.stage.show.contains(&layers) {
+            pictures.annotated.clone()
+        } else {
+            pictures.scene.clone()
+        };
+        vision::draw_action(&mut drawn, action.pick_px, action.place_px).ok()?;
+        Some(Png::new(picture::encode(&drawn)))
     }
 
     /// Judges the answers in hand once more, newest first, without the checks that the task then leaves out.

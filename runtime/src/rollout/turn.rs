@@ -115,6 +115,7 @@ impl<'j> Turn<'j> {
         let situation = Situation {
             program: job.program,
             scene: &scene,
+            observation: &observation,
             step,
             last,
             pictures: &pictures,
@@ -129,6 +130,15 @@ impl<'j> Turn<'j> {
             Decision::Act { proposal, accepted } => {
                 self.line.accepted = Some(accepted);
                 proposal
+            }
+            Decision::Skip(outcome) => {
+                self.line.skipped = Some(outcome);
+                progress(Event::Skipped {
+                    step,
+                    horizon: job.horizon(),
+                    why: outcome,
+                });
+                return Ok(None);
             }
             Decision::Stop(outcome) => {
                 return Ok(self.stop(outcome, "no answer could be executed; the attempts say why"));
@@ -161,7 +171,7 @@ impl<'j> Turn<'j> {
             Some(subgoals) => subgoals.picture(Which::Now, Arrow::Drawn),
             None => &pictures.annotated,
         };
-        sheet.row(shown, drawn, after.rgb);
+        sheet.row(step, shown, drawn, after.rgb);
         let grasp = executed.grasp;
         progress(Event::Stepped {
             step,

@@ -175,6 +175,10 @@ impl<'a> Lowering<'a> {
                 let (a, b) = (self.point(a)?, self.point(b)?);
                 self.call("distance_squared", [a, b])
             }
+            Length::Chebyshev { a, b } => {
+                let (a, b) = (self.point(a)?, self.point(b)?);
+                self.call("chebyshev_squared", [a, b])
+            }
             Length::Field { field, scale } => {
                 let value = self.scaled(field, *scale)?;
                 self.call("square", [value])

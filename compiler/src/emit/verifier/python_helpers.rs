@@ -127,6 +127,16 @@ def _distance_squared(a, b):
 ",
     ),
     (
+        "chebyshev_squared",
+        "\
+def _chebyshev_squared(a, b):
+    \"\"\"The square of the larger of the distances between two points along the axes.\"\"\"
+    du, dv = a[0] - b[0], a[1] - b[1]
+    du, dv = du * du, dv * dv
+    return du if du > dv else dv
+",
+    ),
+    (
         "from_to",
         "\
 def _from_to(start, end):

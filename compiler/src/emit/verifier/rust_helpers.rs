@@ -134,6 +134,17 @@ fn distance_squared(a: [f64; 2], b: [f64; 2]) -> f64 {
 ",
     ),
     (
+        "chebyshev_squared",
+        "\
+/// The square of the larger of the distances between two points along the axes.
+fn chebyshev_squared(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (du, dv) = (a[0] - b[0], a[1] - b[1]);
+    let (du, dv) = (du * du, dv * dv);
+    if du > dv { du } else { dv }
+}
+",
+    ),
+    (
         "from_to",
         "\
 /// The direction from one point to another, not of length 1.

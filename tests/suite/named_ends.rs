@@ -1,0 +1,107 @@
+//! Input that no rollout can use: each kind ends in its own outcome, kept in the run folder and in the report.
+
+use super::support::{self, Scripted, Trial};
+use compiler::program::{Extractor, Program};
+use runtime::agent::Models;
+use runtime::model::{Geometric, Model};
+use runtime::outcome::Outcome;
+use runtime::world::Look;
+use serde_json::Value;
+
+/// Runs the small task after a change and asserts how it ends, in the report and on disk.
+fn ends(outcome: Outcome, model: &dyn Model, change: impl FnOnce(&mut Program, &mut Shift)) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut program = support::small_task();
+    let mut shift = Shift::default();
+    change(&mut program, &mut shift);
+    let mut trial = Trial::new(&program, folder.path(), Look::default());
+    for position in &mut trial.start.positions {
+        position[0] += shift.by_m;
+    }
+    if shift.without_arrows {
+        trial
+            .subgoals
+            .arrows
+            .iter_mut()
+            .for_each(|arrow| *arrow = None);
+    }
+    let run = folder.path().join("run");
+    let models = Models {
+        vision: model,
+        text: model,
+    };
+    let report = trial.run(models, &run, &mut |_| {});
+    assert_eq!(report.outcome, outcome, "{report:?}");
+    assert_eq!(report.steps, 0);
+    let journal = std::fs::read_to_string(run.join("rollout.jsonl")).unwrap();
+    let lines: Vec<Value> = journal
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    let end = lines.last().unwrap();
+    assert_eq!(end["report"]["outcome"], outcome.name());
+    let why = lines[lines.len() - 2]["stopped"].as_str().unwrap();
+    assert!(!why.is_empty());
+}
+
+/// What is changed about the start and the pictures.
+#[derive(Default)]
+struct Shift {
+    by_m: f32,
+    without_arrows: bool,
+}
+
+/// Lets the cloth's mask take what is nearer than a depth.
+fn mask_below(program: &mut Program, depth_m: f64) {
+    for keypoint in &mut program.keypoints {
+        if let Extractor::DepthMask { below_m } = &mut keypoint.extractor {
+            *below_m = depth_m;
+        }
+    }
+}
+
+#[test]
+fn a_cloth_beside_the_picture() {
+    ends(Outcome::ClothOutOfView, &Geometric, |_, shift| {
+        shift.by_m = 1.0;
+    });
+}
+
+#[test]
+fn a_mask_that_takes_the_whole_picture() {
+    ends(Outcome::NoCandidates, &Geometric, |program, _| {
+        mask_below(program, 5.0);
+    });
+}
+
+#[test]
+fn a_mask_that_takes_nothing() {
+    ends(Outcome::ClothOutOfView, &Geometric, |program, _| {
+        mask_below(program, 0.1);
+    });
+}
+
+#[test]
+fn subgoal_pictures_without_an_arrow() {
+    ends(Outcome::MalformedReply, &Geometric, |_, shift| {
+        shift.without_arrows = true;
+    });
+}
+
+#[test]
+fn a_model_that_never_keeps_to_the_format() {
+    let model = Scripted::new(&["I cannot help with that."; 3]);
+    ends(Outcome::MalformedReply, &model, |_, _| {});
+}
+
+#[test]
+fn a_model_that_always_answers_wrongly() {
+    let wrong = "Pick Point = (1, 1)\nPlace Point = (2, 2)";
+    let model = Scripted::new(&["Instructions: fold it.", wrong, wrong, wrong]);
+    ends(Outcome::AttemptsExhausted, &model, |_, _| {});
+}
+
+#[test]
+fn a_model_that_gives_no_answer() {
+    ends(Outcome::ModelFailed, &Scripted::new(&[]), |_, _| {});
+}
