@@ -3,10 +3,12 @@
 mod support;
 
 mod agent_loop;
+mod bad_bench_input;
 mod bad_input;
 mod bad_see_input;
 mod bad_sim_input;
 mod bad_starts;
+mod bench;
 mod build;
 mod demos;
 mod job_options;

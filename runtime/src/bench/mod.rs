@@ -74,7 +74,7 @@ pub struct Entry<'a> {
     pub programs: BTreeMap<[u32; 2], Program>,
     /// The subgoal pictures, those of the declared cloth.
     pub subgoals: SubgoalSet,
-    /// The pictures of its examples.
+    /// What its stages are told as examples.
     pub examples: Examples,
     /// Rollouts per start, at least 1.
     pub repeats: u32,
@@ -117,6 +117,16 @@ pub enum BenchError {
         /// What the system said.
         why: String,
     },
+    /// A start is one that the model is shown an example of.
+    #[error(
+        "{place} is that of demonstration {demonstration}, which the model is told: a result from it would be no test"
+    )]
+    Demonstrated {
+        /// Task and start.
+        place: String,
+        /// The number of the demonstration.
+        demonstration: usize,
+    },
     /// No program was compiled for the grid of a start.
     #[error("{place}: no program is compiled for a cloth of {} by {} particles", grid[0], grid[1])]
     NoProgram {
@@ -138,10 +148,11 @@ impl Entry<'_> {
         !(is_free && metrics.iter().any(|metric| metric.is_without_stop()))
     }
 
-    /// Returns how many examples the prompts of the task hold.
+    /// Returns how many examples the prompts of the task hold: demonstrations, else those that the author wrote.
     pub fn data_size(&self) -> usize {
         let program = self.programs.values().next();
         let stages = program.map_or(&[][..], |program| &program.stages);
-        stages.iter().map(|stage| stage.examples.len()).sum()
+        let written: usize = stages.iter().map(|stage| stage.examples.len()).sum();
+        self.examples.data_size() + written
     }
 }

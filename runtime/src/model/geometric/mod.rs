@@ -15,6 +15,7 @@ mod plan;
 mod prompt;
 
 mod see;
+mod smooth;
 mod words;
 
 #[cfg(test)]
@@ -47,7 +48,13 @@ impl Model for Geometric {
     }
 
     fn ask(&self, request: &Request) -> Result<Reply, ModelError> {
-        if let Some(more) = prompt::asks_for_more(&all_words(&request.messages)) {
+        let asked = all_words(&request.messages);
+        if smooth::is_asked(&asked) {
+            return Ok(Reply {
+                text: smooth::answer(&request.messages),
+            });
+        }
+        if let Some(more) = prompt::asks_for_more(&asked) {
             return Err(ModelError::Unsupported {
                 model: self.name().to_owned(),
                 why: format!(

@@ -1,0 +1,108 @@
+//! Reads what a smoothing prompt asks, whatever its exact wording.
+//!
+//! In: the words of a question. Out: a [`Brief`]. Sentences are known by their content, such as `px` beside
+//! `edge` for the scale; what no sentence says is not assumed, but for the center of the listed corners.
+
+use super::super::prompt;
+use compiler::program::PixelPoint;
+
+/// What a prompt for a pick, a direction and a distance says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Brief {
+    /// The corners to pick from; never empty.
+    pub corners: Vec<PixelPoint>,
+    /// The cloth's center.
+    pub center: PixelPoint,
+    /// The offered directions, degrees counter-clockwise from the picture's right; never empty.
+    pub directions: Vec<Choice>,
+    /// The offered distances, multiples of the cloth's side; never empty.
+    pub distances: Vec<Choice>,
+    /// The cloth's side in the picture, pixels, above zero.
+    pub edge_px: f64,
+    /// Points to keep away from, each with how far, pixels.
+    pub avoided: Vec<(PixelPoint, f64)>,
+    /// A point and how far from it a corner may be placed, pixels.
+    pub bound: Option<(PixelPoint, f64)>,
+}
+
+/// One of the values that a line of the answer offers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// As it is written.
+    pub words: String,
+    /// Its number.
+    pub value: f64,
+}
+
+/// The most values of one field that are read.
+const MAX_CHOICES: usize = 64;
+
+/// The most corners that are weighed; a detector keeps fifteen.
+const MAX_CORNERS: usize = 100;
+
+impl Brief {
+    /// Reads a prompt; says what is missing.
+    pub fn read(text: &str) -> Result<Brief, String> {
+        let mut corners = prompt::corners(text);
+        corners.truncate(MAX_CORNERS);
+        let first = *corners.first().ok_or("no corners are listed")?;
+        let directions = choices(text, "direction");
+        let distances = choices(text, "distance");
+        if directions.is_empty() || distances.is_empty() {
+            return Err("no directions or no distances are offered".to_owned());
+        }
+        let flat = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = |words: &[&str]| {
+            let holds = |sentence: &&str| {
+                let sentence = sentence.to_lowercase();
+                words.iter().all(|word| sentence.contains(word)) && pixels(&sentence).is_some()
+            };
+            let found = flat.split(". ").filter(holds).last()?;
+            Some((prompt::points(found), pixels(found)?))
+        };
+        let (_, edge_px) = said(&["edge"]).ok_or("no sentence says how many px an edge is")?;
+        let avoided = said(&["away from"]).map(|(points, px)| {
+            let each = points.into_iter().map(move |point| (point, px));
+            each.collect::<Vec<_>>()
+        });
+        let bound =
+            said(&["farther than", "middle"]).and_then(|(points, px)| Some((*points.first()?, px)));
+        Ok(Brief {
+            center: prompt::center(text).unwrap_or(first),
+            corners,
+            directions,
+            distances,
+            edge_px,
+            avoided: avoided.unwrap_or_default(),
+            bound,
+        })
+    }
+}
+
+/// Returns the values of a line such as `Direction = 0 deg | 45 deg`; empty where there is none.
+pub fn choices(text: &str, field: &str) -> Vec<Choice> {
+    let listed = text.lines().rev().find_map(|line| {
+        let (name, values) = line.split_once('=')?;
+        name.trim().eq_ignore_ascii_case(field).then_some(values)
+    });
+    let values = listed.into_iter().flat_map(|values| values.split('|'));
+    let choices = values.filter_map(|words| {
+        let words = words.trim();
+        let value: f64 = words.split_whitespace().next()?.parse().ok()?;
+        value.is_finite().then(|| Choice {
+            words: words.to_owned(),
+            value,
+        })
+    });
+    choices.take(MAX_CHOICES).collect()
+}
+
+/// The first number of a sentence that stands before `px`, where it is above zero.
+fn pixels(sentence: &str) -> Option<f64> {
+    let words: Vec<&str> = sentence.split_whitespace().collect();
+    let number = words
+        .windows(2)
+        .find(|pair| pair[1].starts_with("px"))
+        .and_then(|pair| pair[0].parse::<f64>().ok());
+    number.filter(|px| px.is_finite() && *px > 0.0)
+}

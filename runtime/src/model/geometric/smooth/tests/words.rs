@@ -1,0 +1,112 @@
+//! The answer follows the words.
+
+use super::*;
+
+#[test]
+fn only_listed_corners_are_picked() {
+    let mut asked = narrowed();
+    let (first, _, _) = pull_of(&asked.answer());
+    asked.corners.retain(|&corner| corner != first);
+    let (second, _, _) = pull_of(&asked.answer());
+    assert!(
+        second != first && asked.corners.contains(&second),
+        "{second:?}"
+    );
+}
+
+#[test]
+fn points_that_the_words_name_are_kept_away_from() {
+    let mut asked = narrowed();
+    let ([u, v], _, _) = pull_of(&asked.answer());
+    let mirror = [2 * 170 - u, 2 * 178 - v];
+    asked.more = format!(
+        "The red rings are points to avoid. Pick a corner that is more than 30 px away from both of them, ({u}, {v}) and ({}, {}).",
+        mirror[0], mirror[1]
+    );
+    let ([pu, pv], _, _) = pull_of(&asked.answer());
+    for [au, av] in [[u, v], mirror] {
+        let apart = f64::from(pu - au).hypot(f64::from(pv - av));
+        assert!(apart > 30.0, "({pu}, {pv}) is {apart} px from ({au}, {av})");
+    }
+}
+
+#[test]
+fn no_corner_is_placed_farther_out_than_the_words_allow() {
+    for (share, words) in [(0.75, "0.75"), (0.95, "0.95")] {
+        let mut asked = narrowed();
+        asked.more = format!(
+            "A corner must not be placed farther than {:.1} px from the middle of the picture, (180, 180).",
+            EDGE_PX * share
+        );
+        let ([u, v], direction, distance) = pull_of(&asked.answer());
+        let (sin, cos) = direction.to_radians().sin_cos();
+        let to = [
+            f64::from(u) + distance * EDGE_PX * cos,
+            f64::from(v) - distance * EDGE_PX * sin,
+        ];
+        let out = (to[0] - 180.0).hypot(to[1] - 180.0);
+        assert!(out <= EDGE_PX * share, "{words}: {out}");
+    }
+}
+
+#[test]
+fn only_offered_directions_and_distances_are_answered() {
+    let words = narrowed().words().replace(
+        "Distance = 0.1 edge | 0.25 edge | 0.5 edge | 0.75 edge | 1 edge",
+        "Distance = 0.15 edge | 0.3 edge",
+    );
+    let words = words.replace(
+        "Direction = 0 deg | 45 deg | 90 deg | 135 deg",
+        "Direction = 30 deg | 120 deg",
+    );
+    let turn = Message {
+        speaker: Speaker::User,
+        parts: vec![Part::Text(words), narrowed().turn().parts.remove(1)],
+    };
+    let (_, direction, distance) = pull_of(&asked(vec![turn]));
+    assert!(
+        [30.0, 120.0, 180.0, 225.0, 270.0, 315.0].contains(&direction),
+        "{direction}"
+    );
+    assert!([0.15, 0.3].contains(&distance), "{distance}");
+}
+
+#[test]
+fn what_a_side_measures_is_read_from_the_words() {
+    // A cloth that fills a side of 104 px is almost flat, and a heap of one of 240 px.
+    let mut asked = question(
+        &[([128, 128, 232, 232], ORANGE)],
+        &[[128, 128], [231, 128], [231, 231], [128, 231]],
+        [179, 179],
+    );
+    let flat = pull_of(&asked.answer()).2;
+    asked.edge_px = 240.0;
+    let heap = pull_of(&asked.answer()).2;
+    assert!(heap > flat, "{heap} and {flat}");
+}
+
+#[test]
+fn what_is_missing_in_the_words_is_told() {
+    let whole = narrowed().words();
+    for (cut, told) in [
+        ("The corners are", "no corners are listed"),
+        ("is 110 px", "how many px an edge is"),
+    ] {
+        let words = whole.replace(cut, "These are");
+        let parts = vec![Part::Text(words), narrowed().turn().parts.remove(1)];
+        let reply = asked(vec![Message {
+            speaker: Speaker::User,
+            parts,
+        }]);
+        assert!(reply.contains(told), "{cut}: {reply}");
+    }
+    let parts = vec![Part::Text(whole)];
+    let reply = asked(vec![Message {
+        speaker: Speaker::User,
+        parts,
+    }]);
+    assert!(
+        reply.contains("no corners are listed beside a picture"),
+        "{reply}"
+    );
+}

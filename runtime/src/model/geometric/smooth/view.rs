@@ -1,0 +1,146 @@
+//! What an annotated picture shows of a cloth: which pixels are table, and which face the others show.
+//!
+//! In: an encoded picture. Out: a [`View`]. The table's colours are read from the picture's border; of the rest,
+//! what has more green than blue is the orange face, what has less the pink one. Dots, rings and boxes drawn
+//! over it take the face of what is beside them.
+
+use super::super::frame::Point;
+use super::super::regions;
+use image::RgbImage;
+
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Face {
+    /// No cloth.
+    Table,
+    /// The orange face.
+    Top,
+    /// The pink face.
+    Under,
+}
+
+/// The pixels of a picture; points are `[column, row]` with pixel centres at halves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    width: usize,
+    height: usize,
+    faces: Vec<Face>,
+}
+
+const SIDE_PX: std::ops::RangeInclusive<u32> = 32..=4096;
+
+/// How much more red than green or blue a pixel of the cloth has at least, 8-bit levels; the table is grey.
+const LEAST_TINT: i32 = 40;
+
+/// Least level of red, and most of others, in what is drawn: black, blue, and pure red.
+const DRAWN_LOW: i32 = 40;
+const DRAWN_RED: i32 = 200;
+
+/// How often what is drawn shrinks by a pixel on all sides; the widest dot needs five times.
+const MAX_SHRINKS: usize = 12;
+
+impl View {
+    /// Reads an encoded picture; says why it cannot be read, or that it shows no cloth.
+    pub fn decode(bytes: &[u8]) -> Result<View, String> {
+        let mut limits = image::Limits::default();
+        limits.max_image_width = Some(*SIDE_PX.end());
+        limits.max_image_height = Some(*SIDE_PX.end());
+        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|_| "the picture cannot be read")?;
+        reader.limits(limits);
+        let picture = reader.decode().map_err(|_| "the picture cannot be read")?;
+        let picture = picture.into_rgb8();
+        if !SIDE_PX.contains(&picture.width()) || !SIDE_PX.contains(&picture.height()) {
+            return Err(
+                "a side of the picture is shorter than 32 or longer than 4096 px".to_owned(),
+            );
+        }
+        View::of(&picture).ok_or_else(|| "I see no cloth in the picture".to_owned())
+    }
+
+    fn of(picture: &RgbImage) -> Option<View> {
+        let table = regions::border_colours(&[picture]);
+        let seen = picture.pixels().map(|pixel| face_of(pixel.0, &table));
+        let [width, height] = [picture.width(), picture.height()].map(|side| side as usize);
+        let faces = without_drawings(seen.collect(), width);
+        let is_seen = faces.iter().any(|&face| face != Face::Table);
+        is_seen.then_some(View {
+            width,
+            height,
+            faces,
+        })
+    }
+
+    /// Returns what a point shows; outside of the picture there is table.
+    pub fn at(&self, [column, row]: Point) -> Face {
+        let is_inside =
+            (0.0..self.width as f64).contains(&column) && (0.0..self.height as f64).contains(&row);
+        if is_inside {
+            self.faces[row as usize * self.width + column as usize]
+        } else {
+            Face::Table
+        }
+    }
+
+    /// Returns the first and the last cloth pixel of each row that has any; their convex hull is the cloth's.
+    pub fn rim(&self) -> Vec<Point> {
+        let is_cloth = |face: &Face| *face != Face::Table;
+        let rows = self.faces.chunks(self.width).enumerate();
+        let ends = rows.filter_map(|(row, faces)| {
+            let first = faces.iter().position(is_cloth)?;
+            let last = faces.iter().rposition(is_cloth)?;
+            Some([first, last].map(|column| [column as f64 + 0.5, row as f64 + 0.5]))
+        });
+        ends.flatten().collect()
+    }
+
+    /// Counts the pixels that show cloth; at least one does.
+    pub fn n_cloth(&self) -> usize {
+        let cloth = self.faces.iter().filter(|&&face| face != Face::Table);
+        cloth.count()
+    }
+}
+
+/// What a colour shows; `None` for one that is drawn over the picture.
+fn face_of(rgb: [u8; 3], table: &[[f64; 3]]) -> Option<Face> {
+    let [red, green, blue] = rgb.map(i32::from);
+    let is_dark_or_blue = red < DRAWN_LOW && green < DRAWN_LOW;
+    let is_red = red > DRAWN_RED && green < DRAWN_LOW && blue < DRAWN_LOW;
+    if is_dark_or_blue || is_red {
+        None
+    } else if red - blue.min(green) > LEAST_TINT {
+        Some(if blue > green { Face::Under } else { Face::Top })
+    } else {
+        regions::is_table(rgb, table).then_some(Face::Table)
+    }
+}
+
+/// Gives each pixel that something is drawn on what most of its neighbours show, from the rim inward.
+fn without_drawings(mut seen: Vec<Option<Face>>, width: usize) -> Vec<Face> {
+    const FACES: [Face; 3] = [Face::Table, Face::Top, Face::Under];
+    for _ in 0..MAX_SHRINKS {
+        let before = seen.clone();
+        let drawn = (0..before.len()).filter(|&at| before[at].is_none());
+        for at in drawn {
+            let (column, row) = (at % width, at / width);
+            let rows = row.saturating_sub(1)..=(row + 1).min(before.len() / width - 1);
+            let columns = column.saturating_sub(1)..=(column + 1).min(width - 1);
+            let beside =
+                rows.flat_map(|row| columns.clone().map(move |column| row * width + column));
+            let known: Vec<Face> = beside.filter_map(|near| before[near]).collect();
+            let votes = |face: Face| known.iter().filter(|&&other| other == face).count();
+            seen[at] = FACES
+                .into_iter()
+                .rev()
+                .max_by_key(|&face| votes(face))
+                .filter(|&face| votes(face) > 0);
+        }
+        if seen.iter().all(Option::is_some) {
+            break;
+        }
+    }
+    seen.into_iter()
+        .map(|face| face.unwrap_or(Face::Table))
+        .collect()
+}
