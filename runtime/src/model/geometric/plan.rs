@@ -58,7 +58,7 @@ const OFF: f64 = 2.0;
 
 /// How far both may be off for being told in eighths and detected to a pixel, as a share of the short side; that must not
 /// outweigh half a turn.
-const OFF_BY_ROUNDING: f64 = 0.25;
+const OFF_BY_ROUNDING: f64 = 0.13;
 
 /// Rectangles that are larger than the snuggest by less than this factor are compared.
 const ABOUT_AS_SNUG: f64 = 1.25;
