@@ -1,6 +1,8 @@
 //! The command line.
 
 #[cfg(feature = "runtime")]
+pub mod bench;
+#[cfg(feature = "runtime")]
 pub mod sim;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -39,9 +41,15 @@ pub enum Verb {
     /// Draws the subgoal pictures of a task from its demonstration and pins them beside the file.
     #[cfg(feature = "runtime")]
     Subgoals(SubgoalsArguments),
+    /// Folds as the scripted expert does, and writes what a model would have answered as in-context examples.
+    #[cfg(feature = "runtime")]
+    Demos(DemosArguments),
     /// Runs one rollout of a task.
     #[cfg(feature = "runtime")]
     Run(RunArguments),
+    /// Runs a suite of many rollouts, and prints its table with others' figures beside ours.
+    #[cfg(feature = "runtime")]
+    Bench(bench::BenchArguments),
     /// Works on the cloth simulator itself: replays, speed, starts, pictures, meshes.
     #[cfg(feature = "runtime")]
     Sim(sim::SimArguments),
@@ -61,7 +69,11 @@ impl Verb {
             #[cfg(feature = "runtime")]
             Verb::Subgoals(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
+            Verb::Demos(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
             Verb::Run(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Bench(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Sim(arguments) => arguments.verb.wants_json(),
         }
@@ -232,6 +244,26 @@ pub struct SubgoalsArguments {
     /// Also draw all pictures with their arrows on one sheet.
     #[arg(long, value_name = "PNG")]
     pub sheet: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `demos`.
+#[cfg(feature = "runtime")]
+#[derive(Args)]
+pub struct DemosArguments {
+    #[command(flatten)]
+    pub task: TaskArguments,
+    /// How many demonstrations, each from a start of its own; every one gives an example for each step.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub count: u32,
+    /// Draws the starts.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// The file; default: the one that the task names.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,

@@ -12,8 +12,12 @@ mod sources;
 #[path = "../runtime/src/store.rs"]
 mod store;
 
+#[cfg(feature = "runtime")]
+mod bench;
 mod build;
 mod check;
+#[cfg(feature = "runtime")]
+mod demos;
 mod explain;
 mod fix;
 mod render;
@@ -73,7 +77,11 @@ fn run(verb: Verb) -> Exit {
         #[cfg(feature = "runtime")]
         Verb::Subgoals(arguments) => subgoals::run(&arguments),
         #[cfg(feature = "runtime")]
+        Verb::Demos(arguments) => demos::run(&arguments),
+        #[cfg(feature = "runtime")]
         Verb::Run(arguments) => run::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Bench(arguments) => bench::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Sim(arguments) => sim::run(&arguments),
     };

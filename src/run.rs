@@ -6,8 +6,8 @@ use crate::{output, setting, sources};
 use compiler::program::{Goal, Metric, Program};
 use compiler::verify::Verdict;
 use runtime::agent::{Attempt, Finding, Models};
+use runtime::examples::Examples;
 use runtime::expert::MakeWorld;
-use runtime::files::ExamplePictures;
 use runtime::interrupt::Interrupt;
 use runtime::journal::RunFolder;
 use runtime::outcome::Outcome;
@@ -22,7 +22,7 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task)?;
     let model = setting::model(&arguments.model)?;
     let beside = sources::folder_of(&arguments.task.file);
-    let examples = ExamplePictures::load(&program, &beside).map_err(Failure::environment)?;
+    let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = setting::interrupt()?;
     let first = setting::world(&program).map_err(Failure::environment)?;
     let start = setting::start(
@@ -32,6 +32,12 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         first.as_ref(),
         &interrupt,
     )?;
+    if let Some(number) = examples.demonstrates(&start) {
+        return Err(Failure::environment(format!(
+            "the start `{}` is that of demonstration {number}, which the model is told: a result from it would be no test; choose another start",
+            start.name
+        )));
+    }
     // Lengths in `edge` and the flat area are those of the cloth that lies there; subgoals show the task's own.
     let shown = program;
     let program = setting::fitted(&arguments.task, &shown, &start)?;

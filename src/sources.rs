@@ -164,13 +164,24 @@ pub fn compile_task(wanted: &TaskArguments) -> Result<Program, Failure> {
 ///
 /// - `grid`: particles along X and along Y.
 pub fn compile_task_for(wanted: &TaskArguments, grid: [u32; 2]) -> Result<Program, Failure> {
-    let file = wanted.file.as_str();
+    chosen(
+        compile_tasks_for(&wanted.file, wanted.task.as_deref(), grid)?,
+        wanted,
+    )
+}
+
+/// Compiles a file again for a cloth of another grid; returns what [`compile_tasks`] does.
+pub fn compile_tasks_for(
+    file: &str,
+    wanted: Option<&str>,
+    grid: [u32; 2],
+) -> Result<Vec<Program>, Failure> {
     let compiled = compiler::compile_for(file, &Disk::beside(file), Some(grid))
         .map_err(|error| Failure::environment(error.message))?;
     if compiled.has_errors() {
         output::talk(&findings(&compiled, output::talk_color()));
     }
-    chosen(runnable(compiled, file, wanted.task.as_deref())?, wanted)
+    runnable(compiled, file, wanted)
 }
 
 fn chosen(programs: Vec<Program>, wanted: &TaskArguments) -> Result<Program, Failure> {

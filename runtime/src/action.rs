@@ -12,6 +12,10 @@ use compiler::reply::Proposal;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+/// How far a keypoint may lie from the nearest cloth pixel and still be picked where it was located, pixels: as far
+/// as a corner that the detector found beside the cloth.
+const BESIDE_PX: f64 = 3.5;
+
 /// A pick and a place, ready to be executed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Action {
@@ -28,7 +32,8 @@ pub struct Action {
 impl Action {
     /// Lowers a proposal to world points.
     ///
-    /// A detected corner is taken where it was located, any other pixel at its centre. A pick on the background goes to the nearest cloth pixel (protocol, section 4 item 10).
+    /// A keypoint is taken where it was located, any other pixel at its centre. A pick that is farther than
+    /// [`BESIDE_PX`] from the cloth goes to the nearest cloth pixel (protocol, section 4 item 10).
     /// Returns `None` where a proposal lacks a field or the scene has no cloth, which the verifier
     /// has already refused, or where the camera does not look at the table.
     pub fn lower(
@@ -40,11 +45,13 @@ impl Action {
         let pick_px = proposal.point("pick")?;
         let pick_on_cloth_px = scene.cloth()?.nearest(pick_px)?;
         let at = |pixel: PixelPoint| scene.located(pixel).unwrap_or_else(|| center_of(pixel));
-        let pick_at = if scene.located(pick_px).is_some() {
-            at(pick_px)
-        } else {
-            center_of(pick_on_cloth_px)
-        };
+        let on_cloth_at = center_of(pick_on_cloth_px);
+        let is_beside =
+            |at: &[f64; 2]| (at[0] - on_cloth_at[0]).hypot(at[1] - on_cloth_at[1]) <= BESIDE_PX;
+        let pick_at = scene
+            .located(pick_px)
+            .filter(is_beside)
+            .unwrap_or(on_cloth_at);
         let pick = point_on_surface(pick_on_cloth_px, pick_at, observation)?;
         let (place_px, place) = match proposal.point("place") {
             Some(place_px) => {

@@ -7,6 +7,7 @@
 mod judge;
 mod talk;
 
+use crate::examples::Told;
 use crate::model::{Message, Model, ModelRole, Part, Png, Reply, Request, Speaker};
 use crate::observation::Observation;
 use crate::outcome::Outcome;
@@ -209,11 +210,13 @@ fn without_answer(program: &Program, outcome: Outcome) -> Decision {
 
 /// Renders the opening messages of a stage; `fabc render` shows what this returns.
 ///
-/// `png` gives the encoded picture for each picture of the prompt, in order.
+/// - `told`: demonstrations, which stand just before the question.
+/// - `png` gives the encoded picture for each picture of the prompt, in order.
 pub fn conversation(
     program: &Program,
     stage: &Stage,
     values: Values<'_>,
+    told: &[Told],
     png: impl Fn(&PromptPicture) -> Option<Png>,
 ) -> Result<Vec<Message>, RenderError> {
     let mut messages = Vec::new();
@@ -232,5 +235,13 @@ pub fn conversation(
         }
         messages.push(Message { speaker, parts });
     }
+    let question = messages.len().saturating_sub(1);
+    let told = told.iter().flat_map(|Told { question, answer }| {
+        [
+            Message::text(Speaker::User, question),
+            Message::text(Speaker::Assistant, answer),
+        ]
+    });
+    messages.splice(question..question, told);
     Ok(messages)
 }

@@ -27,6 +27,11 @@ impl Cache {
         Cache { folder: None }
     }
 
+    /// Returns whether it keeps anything.
+    pub fn is_kept(&self) -> bool {
+        self.folder.is_some()
+    }
+
     /// Returns a key that covers every part.
     pub fn key<'p>(parts: impl IntoIterator<Item = &'p str>) -> String {
         let mut hash = Sha256::new();

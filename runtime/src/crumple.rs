@@ -102,7 +102,7 @@ mod tests {
             image_px: 64,
             up: ImageUp::Y,
         };
-        SimulatedWorld::new(&camera).unwrap()
+        SimulatedWorld::new(&camera, compiler::program::Picker::default()).unwrap()
     }
 
     /// Returns the start, and whether it had to be crumpled.

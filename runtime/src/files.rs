@@ -3,10 +3,8 @@
 //! In: the folder of the task's file and a [`FileRef`]. Out: a path, or why there is none. Links that lead out
 //! of the folder are refused: a task from somebody else must not show a model what lies elsewhere.
 
-use crate::model::Png;
-use crate::picture::{self, PictureError};
-use compiler::program::{FileRef, Program};
-use std::collections::BTreeMap;
+use crate::picture::PictureError;
+use compiler::program::FileRef;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -53,30 +51,6 @@ pub fn resolve(folder: &Path, file: &FileRef) -> Result<PathBuf, FileError> {
         return Err(FileError::Outside { path, target });
     }
     Ok(path)
-}
-
-/// The pictures of a task's examples, by path.
-#[derive(Clone, Debug, Default)]
-pub struct ExamplePictures {
-    pictures: BTreeMap<String, Png>,
-}
-
-impl ExamplePictures {
-    /// Reads the picture of every example of a program.
-    pub fn load(program: &Program, folder: &Path) -> Result<ExamplePictures, FileError> {
-        let mut pictures = BTreeMap::new();
-        let examples = program.stages.iter().flat_map(|stage| &stage.examples);
-        for file in examples.flat_map(|example| &example.images) {
-            let picture = picture::load(&resolve(folder, file)?)?;
-            pictures.insert(file.path.clone(), Png::new(picture::encode(&picture)));
-        }
-        Ok(ExamplePictures { pictures })
-    }
-
-    /// Returns a picture; None for one that no example names.
-    pub fn get(&self, file: &FileRef) -> Option<&Png> {
-        self.pictures.get(&file.path)
-    }
 }
 
 #[cfg(test)]

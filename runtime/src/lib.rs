@@ -12,6 +12,8 @@
 
 pub mod rollout;
 
+pub mod bench;
+
 pub mod action;
 pub mod agent;
 pub mod scene;
@@ -21,13 +23,17 @@ pub mod vision;
 pub mod world;
 
 pub mod camera;
+pub mod chance;
 pub mod crumple;
+pub mod demos;
+pub mod examples;
 pub mod expert;
 pub mod files;
 pub mod interrupt;
 pub mod metrics;
 pub mod observation;
 pub mod outcome;
+pub mod parallel;
 pub mod picture;
 pub mod pictures;
 pub mod see;

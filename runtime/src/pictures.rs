@@ -1,6 +1,6 @@
 //! The pictures that one step can show a model.
 
-use crate::files::ExamplePictures;
+use crate::examples::Examples;
 use crate::model::Png;
 use crate::picture;
 use crate::subgoals::StepPictures;
@@ -17,8 +17,8 @@ pub struct Pictures {
     pub scene: RgbImage,
     /// The same with the task's layers drawn on it.
     pub annotated: RgbImage,
-    /// The author's own.
-    pub examples: ExamplePictures,
+    /// What the stages are told as examples.
+    pub examples: Examples,
 }
 
 impl Pictures {
@@ -27,7 +27,7 @@ impl Pictures {
     pub fn png(&self, picture: &PromptPicture) -> Option<Png> {
         let encoded = |picture: &RgbImage| Png::new(picture::encode(picture));
         match picture {
-            PromptPicture::File(file) => self.examples.get(file).cloned(),
+            PromptPicture::File(file) => self.examples.picture(file).cloned(),
             PromptPicture::Drawn(Picture::Subgoal { which, arrow }) => {
                 let subgoals = self.subgoals.as_ref()?;
                 Some(encoded(subgoals.picture(*which, *arrow)))

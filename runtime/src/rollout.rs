@@ -15,8 +15,8 @@ mod turn;
 use crate::action::Action;
 use crate::agent::{AgentError, Attempt, Models};
 use crate::cache::Cache;
+use crate::examples::Examples;
 use crate::expert::MakeWorld;
-use crate::files::ExamplePictures;
 use crate::interrupt::Interrupt;
 use crate::journal::{JournalError, Line, RunFolder};
 use crate::model::ModelRole;
@@ -46,8 +46,8 @@ pub struct Job<'a> {
     pub start: &'a Start,
     /// The subgoal pictures.
     pub subgoals: &'a SubgoalSet,
-    /// The pictures of the stages' examples.
-    pub examples: &'a ExamplePictures,
+    /// What the stages are told as examples.
+    pub examples: &'a Examples,
     /// Who answers.
     pub models: Models<'a>,
     /// Makes the world of the rollout, and more of them for expert results.

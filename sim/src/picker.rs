@@ -1,12 +1,12 @@
-//! The folding picker's route, and what it may grasp.
+//! The picker's route, and what it may grasp.
 //!
 //! In: where to pick and place. Out: the sphere's way points and, step by
-//! step, its next position. The simulator carries the particle along. Route,
-//! heights and speed follow Foldsformer's folding environment.
+//! step, its next position. The simulator carries the particle along. Routes,
+//! heights and speeds follow Foldsformer's folding and SoftGym's smoothing environment.
 
 use crate::mask::Mask;
 use crate::mesh;
-use crate::params::Params;
+use crate::params::{DROP_LEG_STEPS, Params, Route};
 
 // The picker counts as arrived within this distance of a way point, metres (Foldsformer).
 const ARRIVED_M: f32 = 1e-4;
@@ -83,30 +83,96 @@ fn distance_2(a: [f32; 3], b: [f32; 3]) -> f32 {
     dx * dx + dy * dy + dz * dz
 }
 
-/// Lists the legs of one pick-and-place: over, down, up, across, down, up, home.
-pub(crate) fn legs(pick: [f32; 2], place: [f32; 2], params: &Params) -> [Leg; 7] {
+/// Returns the height of the cloth over a point of the table as a camera above sees it; the table's beside it.
+///
+/// - `points`: `[n_particles]`, grid order, world frame, metres.
+pub(crate) fn surface_height(mask: &Mask, points: &[[f32; 3]], at: [f32; 2]) -> f32 {
+    mesh::cells(mask)
+        .flatten()
+        .filter_map(|corners| height_at(corners.map(|corner| points[corner]), at))
+        .fold(0.0, f32::max)
+}
+
+/// Lists the legs of one pick-and-place.
+///
+/// - `surface_m`: height of the cloth at the pick point, metres.
+pub(crate) fn legs(pick: [f32; 2], place: [f32; 2], surface_m: f32, params: &Params) -> Vec<Leg> {
     use Gripper::{Closed, Open};
-    let (low, high) = (params.picker_grasp_height_m, params.picker_lift_height_m);
+    let high = params.picker_lift_height_m;
     let leg = |[x, y]: [f32; 2], z, gripper| Leg {
         target: [x, y, z],
         gripper,
     };
-    [
-        leg(pick, high, Open),
-        leg(pick, low, Open),
-        leg(pick, high, Closed),
-        leg(place, high, Closed),
-        leg(place, low, Closed),
-        leg(place, high, Open),
-        Leg {
-            target: params.picker_home_m,
-            gripper: Open,
-        },
-    ]
+    let home = Leg {
+        target: params.picker_home_m,
+        gripper: Open,
+    };
+    match params.picker_route {
+        Route::PutDown => {
+            let low = params.picker_grasp_height_m;
+            vec![
+                leg(pick, high, Open),
+                leg(pick, low, Open),
+                leg(pick, high, Closed),
+                leg(place, high, Closed),
+                leg(place, low, Closed),
+                leg(place, high, Open),
+                home,
+            ]
+        }
+        Route::Drop => {
+            let radius_m = params.picker_radius_m;
+            let low = surface_m.max(radius_m);
+            vec![
+                leg(pick, low + 2.0 * radius_m, Open),
+                leg(pick, low, Open),
+                leg(pick, high, Closed),
+                leg(place, high, Closed),
+                // It stays there, open, while the cloth falls.
+                leg(place, high, Open),
+                home,
+            ]
+        }
+    }
+}
+
+/// The sphere's way along one leg, step by step.
+pub(crate) struct Way {
+    from: [f32; 3],
+    target: [f32; 3],
+    taken: u32,
+    route: Route,
+    travel_m: f32,
+}
+
+impl Way {
+    pub(crate) fn new(from: [f32; 3], leg: &Leg, params: &Params) -> Way {
+        Way {
+            from,
+            target: leg.target,
+            taken: 0,
+            route: params.picker_route,
+            travel_m: params.picker_travel_m,
+        }
+    }
+
+    /// Returns the sphere's next centre, or `None` once the leg is done.
+    pub(crate) fn next(&mut self, now: [f32; 3]) -> Option<[f32; 3]> {
+        if self.route == Route::PutDown {
+            return advance(now, self.target, self.travel_m);
+        }
+        if self.taken == DROP_LEG_STEPS {
+            return None;
+        }
+        self.taken += 1;
+        let share = self.taken as f32 / DROP_LEG_STEPS as f32;
+        let axis = |axis: usize| self.from[axis] + share * (self.target[axis] - self.from[axis]);
+        Some([0, 1, 2].map(axis))
+    }
 }
 
 /// Returns the sphere's next centre on the way to a target, or `None` once it has arrived.
-pub(crate) fn advance(from: [f32; 3], target: [f32; 3], travel_m: f32) -> Option<[f32; 3]> {
+fn advance(from: [f32; 3], target: [f32; 3], travel_m: f32) -> Option<[f32; 3]> {
     let way = [
         target[0] - from[0],
         target[1] - from[1],

@@ -10,7 +10,7 @@ use crate::grid::Grid;
 use crate::layout::Layout;
 use crate::mask::Mask;
 use crate::params::{Params, ParamsError};
-use crate::picker::{self, Gripper, Leg};
+use crate::picker::{self, Gripper, Way};
 use crate::snapshot::Snapshot;
 use crate::solver::{Outcome, Solver};
 
@@ -177,9 +177,8 @@ impl Simulator {
 
     /// Carries the particle that `pick` points at (see [`Aim`]) to `place`, and takes the picker home.
     ///
-    /// The sphere goes over the pick point, down, closes, goes up, across, down, opens, goes up and
-    /// home, 5 mm a step (Foldsformer's folding environment). A closed picker that holds nothing keeps
-    /// trying on its way, as there.
+    /// The sphere goes over the pick point, down, closes, goes up, across, and releases and goes home as
+    /// [`crate::Route`] says. A closed picker that holds nothing keeps trying on its way, as in SoftGym.
     ///
     /// - `pick`, `place`: table coordinates, world frame, metres.
     /// - `interrupted`: asked before every step; `true` ends the action early.
@@ -202,11 +201,12 @@ impl Simulator {
             Aim::Nearest => None,
             Aim::Uppermost => picker::uppermost(&self.mask, &self.positions(), pick),
         };
+        let surface_m = picker::surface_height(&self.mask, &self.positions(), pick);
         let mut grasped = None;
         let mut steps = 0;
-        for Leg { target, gripper } in picker::legs(pick, place, &self.params) {
-            while let Some(next) = picker::advance(self.sphere, target, self.params.picker_travel_m)
-            {
+        for leg in picker::legs(pick, place, surface_m, &self.params) {
+            let mut way = Way::new(self.sphere, &leg, &self.params);
+            while let Some(next) = way.next(self.sphere) {
                 if interrupted() {
                     self.release();
                     return Err(SimError::Interrupted { steps });
@@ -215,7 +215,7 @@ impl Simulator {
                     self.release();
                     return Err(SimError::EndlessRoute);
                 }
-                match gripper {
+                match leg.gripper {
                     Gripper::Open => self.release(),
                     Gripper::Closed => self.grasp(aimed_at),
                 }

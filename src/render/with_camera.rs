@@ -9,8 +9,8 @@ use compiler::program::{ClothStart, PixelPoint, Program, Stage, Subgoals, Value}
 use compiler::render::{PromptPicture, RenderError, Values};
 use compiler::reply::Proposal;
 use runtime::agent;
+use runtime::examples::Examples;
 use runtime::expert;
-use runtime::files::ExamplePictures;
 use runtime::interrupt::Interrupt;
 use runtime::model::{Message, Part, Speaker};
 use runtime::pictures::Pictures;
@@ -71,7 +71,7 @@ impl View {
         let folder = sources::folder_of(&arguments.task.file);
         let subgoals = SubgoalSet::obtain(declared, &folder, world.as_mut(), &interrupt)
             .map_err(Failure::environment)?;
-        let examples = ExamplePictures::load(program, &folder).map_err(Failure::environment)?;
+        let examples = Examples::load(program, &folder).map_err(Failure::environment)?;
         let start = setting::start(
             program,
             &folder,
@@ -120,10 +120,12 @@ impl View {
             proposal: None,
         });
         let titles = RefCell::new(Vec::new());
-        let messages = agent::conversation(program, stage, values, |picture: &PromptPicture| {
-            titles.borrow_mut().push(title(picture, self.step));
-            self.pictures.png(picture)
-        })?;
+        let told = self.pictures.examples.told(&stage.name, self.step);
+        let messages =
+            agent::conversation(program, stage, values, told, |picture: &PromptPicture| {
+                titles.borrow_mut().push(title(picture, self.step));
+                self.pictures.png(picture)
+            })?;
         let mut titles = titles.into_inner().into_iter();
         Ok(messages
             .into_iter()

@@ -9,7 +9,7 @@ use super::parallel::{in_parallel, threads};
 use crate::cli::sim::CrumpleArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, setting};
-use compiler::program::{self, Camera, ClothStart, ImageUp};
+use compiler::program::{self, Camera, ClothStart, ImageUp, Picker};
 use runtime::interrupt::Interrupt;
 use runtime::start::Start;
 use runtime::world::{SimulatedWorld, WorldError};
@@ -182,7 +182,7 @@ fn one(
         image_px: 64,
         up: ImageUp::X,
     };
-    let world = SimulatedWorld::new(&camera).map_err(Failure::environment)?;
+    let world = SimulatedWorld::new(&camera, Picker::default()).map_err(Failure::environment)?;
     let cache = setting::cache();
     let start = match crumple::start(&cloth.flat, seed, &world, &cache, interrupt, &mut || {}) {
         Ok(crumpled) => crumpled.start,

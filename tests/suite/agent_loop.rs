@@ -50,7 +50,7 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
         origin: Origin::Author,
     };
     let trial = Trial {
-        examples: runtime::files::ExamplePictures::default(),
+        examples: runtime::examples::Examples::default(),
         program,
         start: Start::flat(&program.cloth),
         subgoals,

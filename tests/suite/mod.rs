@@ -8,6 +8,7 @@ mod bad_see_input;
 mod bad_sim_input;
 mod bad_starts;
 mod build;
+mod demos;
 mod free_pick;
 mod job_options;
 mod journal;

@@ -23,3 +23,8 @@ fn the_prompts_of_double_triangle_are_pinned() {
 fn the_prompts_of_all_corners_inward_are_pinned() {
     insta::assert_snapshot!(rendered("all_corners_inward"));
 }
+
+#[test]
+fn the_prompts_of_corners_edges_inward_are_pinned() {
+    insta::assert_snapshot!(rendered("corners_edges_inward"));
+}

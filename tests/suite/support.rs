@@ -4,7 +4,7 @@ use compiler::program::Program;
 use compiler::{LoadError, Loader};
 use runtime::agent::Models;
 use runtime::cache::Cache;
-use runtime::files::ExamplePictures;
+use runtime::examples::Examples;
 use runtime::interrupt::Interrupt;
 use runtime::journal::RunFolder;
 use runtime::model::{Geometric, Model, ModelError, Nature, Reply, Request};
@@ -102,14 +102,17 @@ pub fn small_task() -> Program {
 
 /// A fresh simulated world for a program.
 pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
-    Ok(Box::new(SimulatedWorld::new(&program.camera)?))
+    Ok(Box::new(SimulatedWorld::new(
+        &program.camera,
+        program.picker,
+    )?))
 }
 
 /// Everything about a rollout but its models; a test changes the fields that it is about.
 pub struct Trial<'p> {
     pub program: &'p Program,
     pub start: Start,
-    pub examples: ExamplePictures,
+    pub examples: Examples,
     pub subgoals: SubgoalSet,
     pub look: Look,
     pub cache: Cache,
@@ -123,7 +126,7 @@ impl<'p> Trial<'p> {
     /// A rollout from the flat cloth, with the pictures that are pinned or drawn for a task in `folder`.
     pub fn new(program: &'p Program, folder: &Path, look: Look) -> Trial<'p> {
         let interrupt = Interrupt::default();
-        let mut world = SimulatedWorld::new(&program.camera)
+        let mut world = SimulatedWorld::new(&program.camera, program.picker)
             .unwrap()
             .with_look(look.clone());
         let subgoals = SubgoalSet::obtain(program, folder, &mut world, &interrupt).unwrap();
@@ -132,7 +135,7 @@ impl<'p> Trial<'p> {
             program,
             start,
             subgoals,
-            examples: ExamplePictures::load(program, folder).unwrap(),
+            examples: Examples::load(program, folder).unwrap(),
             look,
             cache: Cache::none(),
             interrupt,
@@ -159,7 +162,7 @@ impl<'p> Trial<'p> {
         watch: &mut dyn FnMut(Event<'_>),
     ) -> RolloutReport {
         let make_world = || -> Result<Box<dyn World>, WorldError> {
-            let world = SimulatedWorld::new(&self.program.camera)?;
+            let world = SimulatedWorld::new(&self.program.camera, self.program.picker)?;
             Ok(Box::new(world.with_look(self.look.clone())))
         };
         let job = Job {

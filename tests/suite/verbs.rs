@@ -248,7 +248,11 @@ fn run_reaches_the_goal_of_double_triangle() {
 
 #[test]
 fn run_reaches_the_goals_of_folds_to_the_center() {
-    for (task, steps) in [("all_corners_inward", 4), ("house", 2)] {
+    for (task, steps) in [
+        ("all_corners_inward", 4),
+        ("corners_edges_inward", 4),
+        ("house", 2),
+    ] {
         let report = run_shipped(task);
         assert_eq!(
             (report["outcome"].as_str(), report["steps"].as_u64()),

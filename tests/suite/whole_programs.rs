@@ -11,7 +11,7 @@ use compiler::program::{
 };
 use compiler::space;
 use runtime::agent::Models;
-use runtime::files::ExamplePictures;
+use runtime::examples::Examples;
 use runtime::interrupt::Interrupt;
 use runtime::model::{Geometric, Message, Model, ModelError, ModelRole, Part, Request, Speaker};
 use runtime::outcome::Outcome;
@@ -150,7 +150,7 @@ fn examples_are_told_as_turns_with_their_pictures() {
     assert_eq!(speakers, [System, User, Assistant, User]);
     assert_eq!(pictures(&played.said[0]), [picture]);
     std::fs::remove_file(folder.path().join("shown.png")).unwrap();
-    let missing = ExamplePictures::load(&program, folder.path()).unwrap_err();
+    let missing = Examples::load(&program, folder.path()).unwrap_err();
     assert!(missing.to_string().contains("shown.png"), "{missing}");
 }
 

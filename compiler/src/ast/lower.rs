@@ -2,7 +2,7 @@
 
 use super::expr::{self, ident};
 use super::{
-    Actions, Body, Component, Declares, Experts, Field, File, Folds, Ident, Image, Keypoint,
+    Actions, Body, Component, Declares, Demos, Experts, Field, File, Folds, Ident, Image, Keypoint,
     Keypoints, Move, Reference, Statement, Subgoals, Task, Variant, text,
 };
 use crate::source::{FileId, Span};
@@ -159,6 +159,7 @@ impl Reader {
                 .collect(),
             cloth: self.statements(node, Kind::Cloth),
             camera: self.statements(node, Kind::Camera),
+            picker: self.statements(node, Kind::Picker),
             goal: self.statements(node, Kind::Goal),
             horizon: self.statements(node, Kind::Horizon),
             subgoals: node
@@ -167,6 +168,9 @@ impl Reader {
                 .collect(),
             experts: whole(node, Kind::ExpertsUsed)
                 .filter_map(|part| self.reference(part))
+                .collect(),
+            demos: whole(node, Kind::Demos)
+                .filter_map(|part| self.demos(part))
                 .collect(),
             keypoints: node
                 .all(Kind::Keypoints)
@@ -215,6 +219,14 @@ impl Reader {
         Some(Reference {
             span: self.span(node),
             name: self.name(node)?,
+        })
+    }
+
+    fn demos(&self, node: Node<'_>) -> Option<Demos> {
+        Some(Demos {
+            span: self.span(node),
+            stage: self.name(node)?,
+            file: text::first(self.file, node)?,
         })
     }
 

@@ -75,10 +75,12 @@ pub(crate) struct Body {
     pub constants: Vec<Keypoint>,
     pub cloth: Vec<Statement>,
     pub camera: Vec<Statement>,
+    pub picker: Vec<Statement>,
     pub goal: Vec<Statement>,
     pub horizon: Vec<Statement>,
     pub subgoals: Vec<Subgoals>,
     pub experts: Vec<Reference>,
+    pub demos: Vec<Demos>,
     pub keypoints: Vec<Keypoints>,
     pub annotate: Vec<Keypoints>,
     pub actions: Vec<Actions>,
@@ -90,6 +92,14 @@ pub(crate) struct Body {
     pub bytes: usize,
     /// Whether something in it does not fit, so that what it lacks says nothing.
     pub has_faults: bool,
+}
+
+/// `demos STAGE from "FILE"`.
+#[derive(Clone, Debug)]
+pub(crate) struct Demos {
+    pub span: Span,
+    pub stage: Ident,
+    pub file: Text,
 }
 
 /// `variant NAME { … }`.

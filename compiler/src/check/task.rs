@@ -2,13 +2,13 @@
 
 use super::names::Names;
 use super::{
-    Context, actions, camera, cloth, constants, folds, goal, keypoints, layers, stages, subgoals,
-    trials, verification,
+    Context, actions, camera, cloth, constants, demos, folds, goal, keypoints, layers, picker,
+    stages, subgoals, trials, verification,
 };
 use crate::diag::{Code, Diagnostic, Report, among};
 use crate::load::Loaded;
 use crate::merge::Merged;
-use crate::program::{PROGRAM_FORMAT, Program, SourceStamp, Test, hex};
+use crate::program::{PROGRAM_FORMAT, Picker, Program, SourceStamp, Test, hex};
 use crate::proof;
 use sha2::{Digest, Sha256};
 
@@ -44,6 +44,9 @@ pub(super) fn check(
     if let (Some(laid), Some(seen)) = (merged.cloth, merged.camera) {
         camera::compare(laid, seen, &mut context);
     }
+    let picker = merged.picker.map_or(Some(Picker::default()), |statement| {
+        picker::check(statement, &mut context)
+    });
     let keypoints = keypoints::check(merged, &mut context);
     if let Some(part) = merged.actions {
         context.actions = actions::check(part, &mut context);
@@ -60,6 +63,9 @@ pub(super) fn check(
         .goal
         .and_then(|statement| goal::check(statement, merged, &experts, &mut context));
     let mut prompts = stages::check(merged, &mut context);
+    let demos = merged
+        .demos
+        .and_then(|part| demos::check(part, merged, &prompts.stages, &mut context));
     let verify = verification::check(merged, &mut prompts, &mut context);
     let tests = if merged.variant.is_none() {
         trials::check(merged, &prompts.stages, &mut context)
@@ -84,6 +90,7 @@ pub(super) fn check(
         sources: stamps.to_vec(),
         cloth: cloth?,
         camera: camera?,
+        picker: picker?,
         subgoals,
         experts,
         keypoints,
@@ -91,6 +98,7 @@ pub(super) fn check(
         actions,
         templates: prompts.templates,
         stages: prompts.stages,
+        demos,
         verify,
         horizon: horizon?,
         goal,

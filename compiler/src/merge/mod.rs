@@ -13,8 +13,8 @@ pub(crate) use lists::{Indexed, once, unique};
 pub(crate) use variants::{Change, VariantOf};
 
 use crate::ast::{
-    Actions, Body, Component, ExprKind, Ident, Keypoint, Keypoints, Reference, Stage, Statement,
-    Subgoals, Task, Verify,
+    Actions, Body, Component, Demos, ExprKind, Ident, Keypoint, Keypoints, Reference, Stage,
+    Statement, Subgoals, Task, Verify,
 };
 use crate::diag::{Code, Diagnostic, Report, among, nearest};
 use crate::load::Loaded;
@@ -32,10 +32,12 @@ pub(crate) struct Merged<'a> {
     pub constants: Indexed<'a, Keypoint>,
     pub cloth: Option<&'a Statement>,
     pub camera: Option<&'a Statement>,
+    pub picker: Option<&'a Statement>,
     pub goal: Option<&'a Statement>,
     pub horizon: Option<&'a Statement>,
     pub subgoals: Option<&'a Subgoals>,
     pub experts: Option<&'a Reference>,
+    pub demos: Option<&'a Demos>,
     pub keypoints: Indexed<'a, Keypoint>,
     pub annotate: Option<&'a Keypoints>,
     pub actions: Option<&'a Actions>,
@@ -75,10 +77,12 @@ pub(crate) fn merge<'a>(
         constants: Indexed::default(),
         cloth: None,
         camera: None,
+        picker: None,
         goal: None,
         horizon: None,
         subgoals: None,
         experts: None,
+        demos: None,
         keypoints: Indexed::default(),
         annotate: None,
         actions: None,
@@ -165,11 +169,13 @@ impl<'a> Merged<'a> {
         let statement = |statement: &Statement| statement.span;
         self.cloth = once(&body.cloth, "`cloth`", statement, report).or(self.cloth);
         self.camera = once(&body.camera, "`camera`", statement, report).or(self.camera);
+        self.picker = once(&body.picker, "`picker`", statement, report).or(self.picker);
         self.goal = once(&body.goal, "`goal`", statement, report).or(self.goal);
         self.horizon = once(&body.horizon, "`horizon`", statement, report).or(self.horizon);
         self.subgoals =
             once(&body.subgoals, "`subgoals`", |part| part.span, report).or(self.subgoals);
         self.experts = once(&body.experts, "`experts`", |part| part.span, report).or(self.experts);
+        self.demos = once(&body.demos, "`demos`", |part| part.span, report).or(self.demos);
         self.annotate =
             once(&body.annotate, "`annotate`", |part| part.span, report).or(self.annotate);
         self.actions = once(&body.actions, "`actions`", |part| part.span, report).or(self.actions);

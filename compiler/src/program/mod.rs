@@ -10,9 +10,11 @@ mod annotate;
 mod camera;
 mod checks;
 mod cloth;
+mod demos;
 mod folds;
 mod goal;
 mod keypoints;
+mod picker;
 mod prompts;
 mod subgoals;
 mod trials;
@@ -24,9 +26,11 @@ pub use annotate::{Layer, Mark, Spot};
 pub use camera::{Camera, ImageUp, PixelPoint};
 pub use checks::{Check, Exhausted, Verify};
 pub use cloth::{Cloth, ClothStart};
+pub use demos::Demos;
 pub use folds::{ClothPoint, Fold, Sequence};
 pub use goal::{Goal, Metric};
 pub use keypoints::{Extractor, Keypoint, KeypointShape, Moment, Response, Sight};
+pub use picker::Picker;
 pub use prompts::{
     Arrow, Example, Layers, ModelRole, Picture, Read, Stage, Template, Variable, Which,
 };
@@ -58,6 +62,8 @@ pub struct Program {
     pub cloth: Cloth,
     /// The camera whose pixels every point is given in.
     pub camera: Camera,
+    /// How the cloth is taken, carried and let go.
+    pub picker: Picker,
     /// The pictures that show what to do, step by step, where the task has any.
     pub subgoals: Option<Subgoals>,
     /// Fold sequences that count as right; the score is the distance to the nearest of their results.
@@ -72,6 +78,8 @@ pub struct Program {
     pub templates: Vec<Template>,
     /// The questions that make up one step, in order; the last one reads the action.
     pub stages: Vec<Stage>,
+    /// The in-context examples of one of them, where the task names any.
+    pub demos: Option<Demos>,
     /// The checks that a proposed action must pass.
     pub verify: Verify,
     /// The most actions in one rollout.

@@ -105,6 +105,7 @@ pub fn program(actions: Vec<ActionField>) -> Program {
             image_px: 224,
             up: ImageUp::Y,
         },
+        picker: compiler::program::Picker::default(),
         subgoals: None,
         experts: Vec::new(),
         keypoints: Vec::new(),
@@ -112,6 +113,7 @@ pub fn program(actions: Vec<ActionField>) -> Program {
         actions,
         templates: Vec::new(),
         stages: Vec::new(),
+        demos: None,
         verify: Verify {
             checks: Vec::new(),
             attempts: 1,

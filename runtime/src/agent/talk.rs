@@ -53,10 +53,14 @@ impl<'a> Talk<'a> {
     ) -> Result<Self, RenderError> {
         let values = Values::Known(situation.facts(texts));
         let png = |picture: &PromptPicture| situation.pictures.png(picture);
+        let told = situation
+            .pictures
+            .examples
+            .told(&stage.name, situation.step);
         Ok(Talk {
             situation,
             stage,
-            messages: conversation(situation.program, stage, values, png)?,
+            messages: conversation(situation.program, stage, values, told, png)?,
             schema: matches!(stage.read, Read::Action).then(|| schema(situation)),
             asked: 0,
             refused: Vec::new(),

@@ -5,6 +5,10 @@
 //! `compiler::verify`, asking again `crate::agent`.
 
 pub mod geometric;
+pub mod imperfect;
+pub mod random;
+
+mod offered;
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -12,6 +16,8 @@ use std::sync::Arc;
 
 pub use compiler::program::ModelRole;
 pub use geometric::Geometric;
+pub use imperfect::Imperfect;
+pub use random::Random;
 
 /// Answers one request at a time.
 ///
@@ -22,6 +28,13 @@ pub trait Model: Send + Sync {
 
     /// Returns what stands behind the name.
     fn nature(&self) -> Nature;
+
+    /// Returns whether equal questions may be answered otherwise at another [`Request::repetition`].
+    ///
+    /// A suite repeats the rollouts of such a model, and runs others once.
+    fn varies(&self) -> bool {
+        true
+    }
 
     /// Answers a request.
     ///

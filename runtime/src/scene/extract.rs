@@ -3,7 +3,7 @@
 use super::measured::measured;
 use super::{Found, Scene, SceneError};
 use crate::observation::Observation;
-use crate::vision::{self, CornerSearch, Mask};
+use crate::vision::{self, CornerSearch, Located, Mask};
 use compiler::program::Extractor;
 use std::borrow::Cow;
 
@@ -60,7 +60,7 @@ impl Scene {
                     None => Cow::Borrowed(&observation.rgb),
                 };
                 let found = vision::corners(&observation.depth_m, &rgb, mask, &search)?;
-                Found::Corners(found)
+                Found::Points(found)
             }
             Extractor::Centroid { mask } => vision::centroid(self.mask(mask)?)
                 .map(Found::Point)
@@ -68,7 +68,9 @@ impl Scene {
             Extractor::BoundingBox { mask } => vision::bounding_box(self.mask(mask)?)
                 .map(Found::Box)
                 .ok_or_else(|| out_of_view(mask))?,
-            Extractor::BoxCenter { of } => Found::Point(vision::box_center(self.corners_of(of)?)),
+            Extractor::BoxCenter { of } => Found::Point(Located::at_center_of(vision::box_center(
+                self.corners_of(of)?,
+            ))),
             Extractor::Contour { mask, tolerance_px } => {
                 let around = vision::contour(self.mask(mask)?, *tolerance_px)?;
                 if around.is_empty() {
@@ -82,7 +84,9 @@ impl Scene {
             Extractor::Along { outline, count } => {
                 Found::Points(vision::along(self.outline(outline)?, *count))
             }
-            Extractor::Fixed { points } => Found::Points(points.clone()),
+            Extractor::Fixed { points } => {
+                Found::Points(points.iter().copied().map(Located::at_center_of).collect())
+            }
         })
     }
 

@@ -11,7 +11,7 @@ mod stages;
 pub use stages::StagePicture;
 
 use crate::observation::Observation;
-use crate::vision::{self, Corner, Mask, VisionError};
+use crate::vision::{self, Located, Mask, VisionError};
 use compiler::facts::SceneView;
 use compiler::program::{Choices, Moment, PixelPoint, Program};
 use compiler::space;
@@ -29,10 +29,8 @@ enum Found {
     Mask(Mask),
     Box([PixelPoint; 2]),
     Outline(Vec<PixelPoint>),
-    /// Detected corners, with where they were located.
-    Corners(Vec<Corner>),
-    Points(Vec<PixelPoint>),
-    Point(PixelPoint),
+    Points(Vec<Located>),
+    Point(Located),
 }
 
 /// Why a picture gives no scene.
@@ -145,18 +143,20 @@ impl Scene {
         })
     }
 
-    /// Returns where the detected corner lies that a pixel stands for, `[column, row]`, pixels.
+    /// Returns where the found point lies that a pixel stands for, `[column, row]`, pixels.
     ///
-    /// Prompts name a corner by its whole pixel; an answer that names it means the corner.
+    /// Prompts name a point by its whole pixel; an answer that names it means the point. Of several points that
+    /// share a pixel the first that was declared counts.
     pub fn located(&self, pixel: PixelPoint) -> Option<[f64; 2]> {
-        let corners = self.found.iter().filter_map(|(_, found)| match found {
-            Found::Corners(corners) => Some(corners),
-            _ => None,
+        let points = self.found.iter().map(|(_, found)| match found {
+            Found::Points(points) => points.as_slice(),
+            Found::Point(point) => std::slice::from_ref(point),
+            Found::Mask(_) | Found::Box(_) | Found::Outline(_) => &[],
         });
-        corners
+        points
             .flatten()
-            .find(|corner| corner.pixel == pixel)
-            .map(|corner| corner.at)
+            .find(|point| point.pixel == pixel)
+            .map(|point| point.at)
     }
 
     /// Returns the points as JSON, `{name: [[u, v], …]}`; a mask stands as its number of pixels.
@@ -167,9 +167,8 @@ impl Scene {
                 Found::Mask(mask) => json!({ "area_px": mask.area_px() }),
                 Found::Box(corners) => json!({ "box": corners }),
                 Found::Outline(points) => json!({ "outline": points }),
-                Found::Corners(corners) => json!(pixels(corners)),
-                Found::Points(points) => json!(points),
-                Found::Point(point) => json!([point]),
+                Found::Points(points) => json!(pixels(points)),
+                Found::Point(point) => json!([point.pixel]),
             };
             object.insert(name.clone(), value);
         }
@@ -185,16 +184,15 @@ fn out_of_view(mask: &str) -> SceneError {
     }
 }
 
-fn pixels(corners: &[Corner]) -> Vec<PixelPoint> {
-    corners.iter().map(|corner| corner.pixel).collect()
+fn pixels(points: &[Located]) -> Vec<PixelPoint> {
+    points.iter().map(|point| point.pixel).collect()
 }
 
 impl SceneView for Scene {
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
         match self.get(keypoint)? {
-            Found::Corners(corners) => Some(pixels(corners)),
-            Found::Points(points) => Some(points.clone()),
-            Found::Point(point) => Some(vec![*point]),
+            Found::Points(points) => Some(pixels(points)),
+            Found::Point(point) => Some(vec![point.pixel]),
             Found::Mask(_) | Found::Box(_) | Found::Outline(_) => None,
         }
     }

@@ -62,9 +62,9 @@ impl Scene {
             let points = match found {
                 Found::Mask(_) => return None,
                 Found::Box(corners) => corners.to_vec(),
-                Found::Outline(points) | Found::Points(points) => points.clone(),
-                Found::Corners(corners) => pixels(corners),
-                Found::Point(point) => vec![*point],
+                Found::Outline(points) => points.clone(),
+                Found::Points(points) => pixels(points),
+                Found::Point(point) => vec![point.pixel],
             };
             Some((name.as_str(), points))
         });
@@ -109,10 +109,9 @@ fn drawn(found: &Found, rgb: &RgbImage) -> Result<RgbImage, SceneError> {
             points: points.clone(),
             width_px: 1,
         }],
-        Found::Corners(corners) => numbered(pixels(corners)),
-        Found::Points(points) => numbered(points.clone()),
+        Found::Points(points) => numbered(pixels(points)),
         Found::Point(point) => vec![DrawnShape::Dots {
-            at: vec![*point],
+            at: vec![point.pixel],
             radius_px: DOT_PX,
         }],
     };

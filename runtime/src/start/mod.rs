@@ -10,6 +10,7 @@ mod outline;
 pub use file::{Grid, StartError, StartFrame, Up};
 pub use outline::Outline;
 
+use crate::chance::Chance;
 use compiler::program::Cloth;
 use sha2::{Digest, Sha256};
 
@@ -41,9 +42,14 @@ impl Start {
     ///
     /// The range is that of the paper's start generator (protocol, section 6).
     pub fn seeded(cloth: &Cloth, seed: u64) -> Start {
-        let fraction = (split_mix(seed) >> 11) as f64 / (1u64 << 53) as f64;
-        let angle_rad = (fraction - 0.5) * std::f64::consts::FRAC_PI_2;
+        let angle_rad = (Chance::seeded(seed).fraction() - 0.5) * std::f64::consts::FRAC_PI_2;
         Start::turned(format!("seed {seed}"), Some(seed), cloth, angle_rad)
+    }
+
+    /// Lays the task's cloth flat, turned counter-clockwise as seen from above.
+    pub fn turned_by(cloth: &Cloth, angle_rad: f64) -> Start {
+        let name = format!("turned by {:.0} degrees", angle_rad.to_degrees());
+        Start::turned(name, None, cloth, angle_rad)
     }
 
     /// Names this cloth as a world has crumpled it by a seed; see [`crate::world::World::crumple`].
@@ -123,14 +129,6 @@ impl Start {
         }
         [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0]
     }
-}
-
-/// One round of SplitMix64 (Steele, Lea, Flood 2014): a well-mixed number from a seed.
-fn split_mix(seed: u64) -> u64 {
-    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

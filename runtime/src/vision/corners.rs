@@ -6,7 +6,7 @@
 
 use super::mask::mask_picture;
 use super::sight::detector_picture;
-use super::{DepthImage, MAX_SIDE_PX, Mask, VisionError, check_size};
+use super::{DepthImage, Located, MAX_SIDE_PX, Mask, VisionError, check_size};
 use compiler::program::{PixelPoint, Response, Sight};
 use image::RgbImage;
 use opencv::core::{Mat, Point2f, Size, TermCriteria, TermCriteria_Type, Vector, no_array};
@@ -35,15 +35,6 @@ pub struct CornerSearch {
 /// camera image. Shrinking moves a corner by up to two camera pixels; one more for rounding.
 const SNAP_PX: f64 = 3.0;
 
-/// A corner of the cloth in the camera image.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Corner {
-    /// The whole pixel that stands for it in prompts and answers.
-    pub pixel: PixelPoint,
-    /// Where it was located, `[column, row]` in the camera's pixels; a pixel's centre is at one half.
-    pub at: [f64; 2],
-}
-
 /// Finds the cloth's corners, strongest first.
 ///
 /// The detector sees the depth in centimetres, the mask in white or `rgb` in grey, as `search.of` says, and 0 for
@@ -62,7 +53,7 @@ pub fn corners(
     rgb: &RgbImage,
     mask: &Mask,
     search: &CornerSearch,
-) -> Result<Vec<Corner>, VisionError> {
+) -> Result<Vec<Located>, VisionError> {
     let (width, height) = depth.dimensions();
     check_size(width, height)?;
     if rgb.dimensions() != (width, height) {
@@ -84,7 +75,7 @@ pub fn corners(
     let picture = detector_picture(depth, rgb, mask, search.of, search.image_px);
     let found = corners_of_gray(&picture, search)?;
     if (width, height) == (search.image_px, search.image_px) {
-        let corner = |[x, y]: [f32; 2]| Corner {
+        let corner = |[x, y]: [f32; 2]| Located {
             pixel: PixelPoint::new(x as i32, y as i32),
             at: [x, y].map(|at| f64::from(at) + 0.5),
         };
@@ -105,7 +96,7 @@ pub fn corners(
         scaled
     };
     let whole = |at: f32, side: u32| f64::from(at).round().clamp(0.0, f64::from(side - 1)) as i32;
-    let corner = |[x, y]: [f32; 2]| Corner {
+    let corner = |[x, y]: [f32; 2]| Located {
         pixel: snap(PixelPoint::new(whole(x, width), whole(y, height)), mask),
         at: [x, y].map(|at| f64::from(at) + 0.5),
     };

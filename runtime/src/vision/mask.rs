@@ -3,7 +3,7 @@
 //! In: a depth image and a depth limit. Out: a [`Mask`], and its centre. An empty mask is an answer, not an
 //! error.
 
-use super::DepthImage;
+use super::{DepthImage, Located};
 use compiler::program::PixelPoint;
 use image::{GrayImage, Luma};
 
@@ -132,13 +132,19 @@ pub(super) fn has_reading(depth_m: f32) -> bool {
     depth_m.is_finite() && depth_m > 0.0
 }
 
-/// Returns the mean of a mask's pixels, cut off to whole pixels (protocol, section 6); `None` if it is empty.
-pub fn centroid(mask: &Mask) -> Option<PixelPoint> {
+/// Returns the mean of a mask's pixels; `None` if it is empty.
+///
+/// Its pixel is cut off, as in the paper's code (protocol, section 6), and so lies half a pixel up and left of the
+/// mean; where it was located is the mean itself.
+pub fn centroid(mask: &Mask) -> Option<Located> {
     let (mut columns, mut rows) = (0_u64, 0_u64);
     for pixel in mask.pixels() {
         columns += u64::from(pixel.u.unsigned_abs());
         rows += u64::from(pixel.v.unsigned_abs());
     }
     let area_px = mask.area_px() as u64;
-    (area_px > 0).then(|| PixelPoint::new((columns / area_px) as i32, (rows / area_px) as i32))
+    (area_px > 0).then(|| Located {
+        pixel: PixelPoint::new((columns / area_px) as i32, (rows / area_px) as i32),
+        at: [columns, rows].map(|sum| sum as f64 / area_px as f64 + 0.5),
+    })
 }

@@ -10,6 +10,7 @@ mod color;
 mod corners;
 mod draw;
 mod layers;
+mod located;
 mod mask;
 mod outline;
 mod sight;
@@ -18,9 +19,10 @@ mod tests;
 
 pub use boxes::{bounding_box, box_center, box_distance_px};
 pub use color::{color_mask, painted_white};
-pub use corners::{Corner, CornerSearch, corners, corners_of_gray};
+pub use corners::{CornerSearch, corners, corners_of_gray};
 pub use draw::{draw_action, draw_arrow, draw_label, draw_points};
 pub use layers::{DrawnLayer, DrawnShape, draw_layers};
+pub use located::Located;
 pub use mask::{Mask, centroid, depth_mask, mask_picture};
 pub use outline::{MAX_ALONG, along, contour, edge_middles};
 

@@ -2,7 +2,7 @@
 //!
 //! In: a mask. Out: the polygon's vertices in order; the last side leads back to the first vertex.
 
-use super::{Mask, VisionError, check_size};
+use super::{Located, Mask, VisionError, check_size};
 use compiler::program::PixelPoint;
 use opencv::core::{Mat, Point, Vector};
 use opencv::imgproc;
@@ -106,19 +106,23 @@ fn sides(outline: &[PixelPoint]) -> impl Iterator<Item = (PixelPoint, PixelPoint
     outline.iter().copied().zip(next.copied())
 }
 
-/// Returns the middle of each side of an outline in its order, halves rounded up (right and down).
+/// Returns the middle of each side of an outline in its order; of its pixel, halves are rounded up (right and down).
 ///
 /// The two sides between two points are taken once, and a single point has none.
-pub fn edge_middles(outline: &[PixelPoint]) -> Vec<PixelPoint> {
+pub fn edge_middles(outline: &[PixelPoint]) -> Vec<Located> {
     let n_sides = match outline.len() {
         0 | 1 => 0,
         2 => 1,
         n => n,
     };
-    let middle = |a: i32, b: i32| (i64::from(a) + i64::from(b) + 1).div_euclid(2) as i32;
+    let pixel = |a: i32, b: i32| (i64::from(a) + i64::from(b) + 1).div_euclid(2) as i32;
+    let at = |a: i32, b: i32| (f64::from(a) + f64::from(b) + 1.0) / 2.0;
     sides(outline)
         .take(n_sides)
-        .map(|(a, b)| PixelPoint::new(middle(a.u, b.u), middle(a.v, b.v)))
+        .map(|(a, b)| Located {
+            pixel: PixelPoint::new(pixel(a.u, b.u), pixel(a.v, b.v)),
+            at: [at(a.u, b.u), at(a.v, b.v)],
+        })
         .collect()
 }
 
@@ -126,7 +130,7 @@ pub fn edge_middles(outline: &[PixelPoint]) -> Vec<PixelPoint> {
 ///
 /// They are `count` at most, and no more than [`MAX_ALONG`]; each is rounded to a pixel, halves up (right and
 /// down), and a pixel that came before is left out, so that an outline shorter than `count` pixels has fewer.
-pub fn along(outline: &[PixelPoint], count: u32) -> Vec<PixelPoint> {
+pub fn along(outline: &[PixelPoint], count: u32) -> Vec<Located> {
     let count = count.min(MAX_ALONG);
     let perimeter_px: f64 = sides(outline).map(|(a, b)| a.distance_px(b)).sum();
     let mut sides = sides(outline);
@@ -145,23 +149,25 @@ pub fn along(outline: &[PixelPoint], count: u32) -> Vec<PixelPoint> {
             side = next;
         }
         let point = on_side(side, at_px - side_begins_px);
-        if taken.insert(point) {
+        if taken.insert(point.pixel) {
             points.push(point);
         }
     }
     points
 }
 
-fn on_side((a, b): (PixelPoint, PixelPoint), from_a_px: f64) -> PixelPoint {
+fn on_side((a, b): (PixelPoint, PixelPoint), from_a_px: f64) -> Located {
     let length_px = a.distance_px(b);
     let fraction = if length_px > 0.0 {
         (from_a_px / length_px).clamp(0.0, 1.0)
     } else {
         0.0
     };
-    let between = |a: i32, b: i32| {
-        let exact = f64::from(a) + fraction * (f64::from(b) - f64::from(a));
-        (exact + 0.5).floor() as i32
-    };
-    PixelPoint::new(between(a.u, b.u), between(a.v, b.v))
+    let at = [(a.u, b.u), (a.v, b.v)]
+        .map(|(a, b)| f64::from(a) + fraction * (f64::from(b) - f64::from(a)) + 0.5);
+    let [column, row] = at.map(|at| at.floor() as i32);
+    Located {
+        pixel: PixelPoint::new(column, row),
+        at,
+    }
 }

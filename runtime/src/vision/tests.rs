@@ -37,7 +37,7 @@ fn corners_by_depth(
     depth: &DepthImage,
     mask: &Mask,
     search: &CornerSearch,
-) -> Result<Vec<Corner>, VisionError> {
+) -> Result<Vec<Located>, VisionError> {
     corners(
         depth,
         &RgbImage::new(depth.width(), depth.height()),
@@ -101,10 +101,9 @@ fn an_empty_mask_answers_with_nothing() {
 
 #[test]
 fn the_centroid_is_cut_off_to_whole_pixels() {
-    assert_eq!(
-        centroid(&depth_mask(&rectangle(), 0.646)),
-        Some(PixelPoint::new(29, 44))
-    );
+    let found = centroid(&depth_mask(&rectangle(), 0.646)).unwrap();
+    assert_eq!(found.pixel, PixelPoint::new(29, 44));
+    assert_eq!(found.at, [30.0, 45.0], "the rectangle's true middle");
 }
 
 #[test]
@@ -157,7 +156,7 @@ fn corners_are_scaled_back_without_a_drift() {
     for axis in 0..2 {
         let located = found.iter().map(|corner| corner.at[axis]).sum::<f64>() / 4.0;
         assert!((located - 112.0).abs() < 0.3, "{located}: {found:?}");
-        let whole = |corner: &Corner| f64::from([corner.pixel.u, corner.pixel.v][axis]);
+        let whole = |corner: &Located| f64::from([corner.pixel.u, corner.pixel.v][axis]);
         let rounded = found.iter().map(whole).sum::<f64>() / 4.0;
         assert!((rounded - 111.5).abs() < 0.3, "{rounded}: {found:?}");
     }

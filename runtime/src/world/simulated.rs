@@ -26,10 +26,13 @@ pub struct SimulatedWorld {
 }
 
 impl SimulatedWorld {
-    /// Sets up table and camera with the default physics.
+    /// Sets up table, camera and picker with the default physics.
     ///
     /// Fails where the camera's numbers are outside what the renderer accepts.
-    pub fn new(camera: &program::Camera) -> Result<SimulatedWorld, WorldError> {
+    pub fn new(
+        camera: &program::Camera,
+        picker: program::Picker,
+    ) -> Result<SimulatedWorld, WorldError> {
         let lens = TopDownCamera::new(
             camera.height_m as f32,
             camera.fov_rad as f32,
@@ -43,7 +46,10 @@ impl SimulatedWorld {
             program::ImageUp::X => sim::ImageUp::X,
         };
         Ok(SimulatedWorld {
-            parameters: Params::default(),
+            parameters: match picker {
+                program::Picker::PutDown => Params::default(),
+                program::Picker::Drop => Params::with_dropping_picker(),
+            },
             look: Look::default(),
             lens: lens.with_up(up),
             camera: Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up),

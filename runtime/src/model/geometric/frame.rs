@@ -36,7 +36,7 @@ impl Frame {
     /// `along` is the direction of the longer side, else of the side that is nearer to the picture's right;
     /// of its two senses, the one that points right (or straight up).
     pub fn fit(hull: &[Point]) -> Option<Frame> {
-        let fits = Frame::fits(hull);
+        let fits = Frame::fits(hull, EQUAL_AREA);
         let (snuggest, _) = *fits.first()?;
         let slimmest = fits
             .into_iter()
@@ -52,10 +52,10 @@ impl Frame {
         Some(slimmest.unwrap_or(snuggest))
     }
 
-    /// Fits all frames to a convex outline that are about as snug as the snuggest, which comes first.
+    /// Fits all frames to a convex outline that are larger than the snuggest by less than a factor; it comes first.
     ///
     /// Each comes with the share of area that it has beyond that; empty if the outline has no area.
-    pub fn fits(hull: &[Point]) -> Vec<(Frame, f64)> {
+    pub fn fits(hull: &[Point], within: f64) -> Vec<(Frame, f64)> {
         let mut fits: Vec<Frame> = edges(hull)
             .filter_map(|(a, b)| flush_with(hull, a, b))
             .filter(|frame| frame.half[0].min(frame.half[1]) > 0.0)
@@ -66,7 +66,7 @@ impl Frame {
         };
         fits.into_iter()
             .map(|frame| (frame.in_reading_order(), frame.area() / least - 1.0))
-            .filter(|&(_, excess)| excess < EQUAL_AREA - 1.0)
+            .filter(|&(_, excess)| excess < within - 1.0)
             .collect()
     }
 
@@ -78,6 +78,11 @@ impl Frame {
     /// Returns the shorter side's length.
     pub fn short_side(&self) -> f64 {
         2.0 * self.half[0].min(self.half[1])
+    }
+
+    /// Returns the longer side's length.
+    pub fn long_side(&self) -> f64 {
+        2.0 * self.half[0].max(self.half[1])
     }
 
     /// Returns the angle of the direction `along`, radians anti-clockwise from the picture's right.

@@ -23,7 +23,7 @@ mod tests;
 use super::{Message, Model, ModelError, Nature, Part, Reply, Request, Speaker};
 use compiler::program::PixelPoint;
 use frame::Frame;
-use plan::Candidate;
+use plan::{Candidate, Listed};
 use prompt::AnswerLine;
 use see::Sighting;
 use words::{Compass, Instruction, Sides, Spot};
@@ -39,6 +39,10 @@ impl Model for Geometric {
 
     fn nature(&self) -> Nature {
         Nature::StandIn
+    }
+
+    fn varies(&self) -> bool {
+        false
     }
 
     fn ask(&self, request: &Request) -> Result<Reply, ModelError> {
@@ -73,10 +77,15 @@ fn describe(messages: &[Message]) -> Option<String> {
         .filter(|message| message.speaker == Speaker::User);
     let shown = users.map(pictures).rfind(|pictures| !pictures.is_empty())?;
     let encoded: Vec<&[u8]> = shown.iter().map(super::Png::bytes).collect();
+    let middle = if prompt::centers_cloth_in_picture(&all_words(messages)) {
+        Middle::OfPicture
+    } else {
+        Middle::OfOutline
+    };
     Some(
         match see::see(&encoded)
             .map_err(|unseen| unseen.to_string())
-            .and_then(put_into_words)
+            .and_then(|seen| put_into_words(&seen, middle))
         {
             Ok((instruction, sides)) => format!(
                 "Instructions: {instruction}.\n\
@@ -98,7 +107,21 @@ const INSIDE_FROM: f64 = 0.15;
 /// side. Folds towards the center may end a tenth of their way early.
 const CENTER_WITHIN: f64 = 0.3;
 
-fn put_into_words(seen: Sighting) -> Result<(Instruction, &'static str), String> {
+/// The same where the prompt says where the center is.
+const TOLD_CENTER_WITHIN: f64 = 0.1;
+
+/// Where the center of the cloth is looked for.
+///
+/// A cloth that has been folded need not have its center in the middle of its outline.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Middle {
+    /// In the middle of the picture, for the prompt says so.
+    OfPicture,
+    /// In the middle of the rectangle around the cloth.
+    OfOutline,
+}
+
+fn put_into_words(seen: &Sighting, middle: Middle) -> Result<(Instruction, &'static str), String> {
     let fitted = Frame::fit(&seen.outline).ok_or("the cloth has no area")?;
     let heading = Compass::nearest(fitted.angle());
     let (heading, frame) = if heading.is_in_reading_order() {
@@ -106,14 +129,22 @@ fn put_into_words(seen: Sighting) -> Result<(Instruction, &'static str), String>
     } else {
         (heading.opposite(), fitted.turned(2))
     };
+    let is_center = |point| match middle {
+        Middle::OfPicture => {
+            frame::distance(point, seen.middle) <= TOLD_CENTER_WITHIN * frame.long_side()
+        }
+        Middle::OfOutline => {
+            let depth = frame::distance_to_outline(&seen.outline, point) / frame.short_side();
+            let is_inside = frame::is_inside(&seen.outline, point) && depth > INSIDE_FROM;
+            let off = frame::distance(point, frame.point_at([0.5, 0.5])) / frame.short_side();
+            is_inside && off <= CENTER_WITHIN
+        }
+    };
     let spot = |point| {
-        let share = frame.share_of(point);
-        let depth = frame::distance_to_outline(&seen.outline, point) / frame.short_side();
-        let is_inside = frame::is_inside(&seen.outline, point) && depth > INSIDE_FROM;
-        let from_middle = frame::distance(point, frame.point_at([0.5, 0.5])) / frame.short_side();
-        if is_inside && from_middle <= CENTER_WITHIN {
+        if is_center(point) {
             return Spot::Center;
         }
+        let share = frame.share_of(point);
         let [along, across] = share.map(|share| (share * 8.0).round().clamp(0.0, 8.0) as u8);
         Spot::At { along, across }
     };
@@ -164,8 +195,12 @@ fn choice(messages: &[Message]) -> Result<String, String> {
     if corners.is_empty() {
         return Err("no corners are listed".to_owned());
     }
-    let plan =
-        plan::plan(&instruction, &corners, prompt::center(&text)).map_err(|why| why.to_string())?;
+    let listed = Listed {
+        corners,
+        others: prompt::other_points(&text),
+        center: prompt::center(&text),
+    };
+    let plan = plan::plan(&instruction, &listed).map_err(|why| why.to_string())?;
     let refused = Refused::read(&messages[at..]);
     let chosen = plan
         .candidates

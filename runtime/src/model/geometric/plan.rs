@@ -52,6 +52,13 @@ const HALF_TURN: f64 = 0.5;
 /// one from winning for being turned less.
 const LOOSENESS: f64 = 2.0;
 
+/// What named points that are a short side's length away from all listed ones would cost, in the same unit: they are
+/// points of the cloth, so that a rectangle in which nothing lies there is not the one that is meant.
+const OFF: f64 = 2.0;
+
+/// Rectangles that are larger than the snuggest by less than this factor are compared.
+const ABOUT_AS_SNUG: f64 = 1.25;
+
 /// How far anti-clockwise the balance point between two turns lies off the middle, radians (3 degrees). A square
 /// at exactly 45 degrees can be read both ways; which one is taken shall not hang on a pixel's rounding.
 const LEAN: f64 = 3.0 * PI / 180.0;
@@ -59,23 +66,50 @@ const LEAN: f64 = 3.0 * PI / 180.0;
 /// The most picks and places that are combined.
 const MAX_CHOICES: usize = 24;
 
+/// The points that a prompt lists.
+#[derive(Clone, Debug)]
+pub struct Listed {
+    /// Corners of the cloth as it lies now; they can be picked, and tell how it lies.
+    pub corners: Vec<PixelPoint>,
+    /// Other points that something may be placed on.
+    pub others: Vec<PixelPoint>,
+    /// Where the cloth's center was at first.
+    pub center: Option<PixelPoint>,
+}
+
 /// Ranks the choices that an instruction leaves, given the listed points.
-pub fn plan(
-    instruction: &Instruction,
-    corners: &[PixelPoint],
-    center: Option<PixelPoint>,
-) -> Result<Plan, NoPlan> {
-    let hull = frame::hull(corners.iter().copied().map(up));
-    let (frame, turn) = turn_to(instruction, &hull).ok_or(NoPlan::Shapeless)?;
-    let target = |spot: Spot| match spot {
-        Spot::Center => center.map(up).ok_or(NoPlan::Center),
+pub fn plan(instruction: &Instruction, listed: &Listed) -> Result<Plan, NoPlan> {
+    let Listed {
+        corners,
+        others,
+        center,
+    } = listed;
+    let target = |frame: &Frame, spot: Spot| match spot {
+        Spot::Center => center.map(up),
         Spot::At { along, across } => {
-            Ok(frame.point_at([f64::from(along) / 8.0, f64::from(across) / 8.0]))
+            Some(frame.point_at([f64::from(along) / 8.0, f64::from(across) / 8.0]))
         }
     };
+    // How far the nearest listed points are from the two that the words name.
+    let off_px = |frame: &Frame| {
+        let nearest_to = |spot, points: &mut dyn Iterator<Item = &PixelPoint>| {
+            let target = target(frame, spot)?;
+            let offs = points.map(|&point| frame::distance(up(point), target));
+            offs.min_by(f64::total_cmp)
+        };
+        let pick = nearest_to(instruction.pick, &mut corners.iter());
+        let place = nearest_to(
+            instruction.place,
+            &mut corners.iter().chain(others).chain(center),
+        );
+        pick.unwrap_or(0.0) + place.unwrap_or(0.0)
+    };
+    let hull = frame::hull(corners.iter().copied().map(up));
+    let (frame, turn) = turn_to(instruction, &hull, off_px).ok_or(NoPlan::Shapeless)?;
+    let target = |spot| target(&frame, spot).ok_or(NoPlan::Center);
     let picks = nearest(corners.iter().copied(), target(instruction.pick)?);
     let places = nearest(
-        corners.iter().copied().chain(center),
+        corners.iter().chain(others).chain(center).copied(),
         target(instruction.place)?,
     );
     let mut candidates: Vec<Candidate> = Vec::new();
@@ -98,14 +132,19 @@ pub fn plan(
 /// Fits a rectangle to the corners with its sides ordered as the words do; returns it and its turn against them.
 ///
 /// A corner that was not detected can make a slanted rectangle the snuggest one, so all that are about as snug
-/// are compared with the words. `None` if the hull has no area.
-fn turn_to(instruction: &Instruction, hull: &[Point]) -> Option<(Frame, f64)> {
+/// are compared with the words, by their shape, their turn, and `off_px`: how far from the named points the nearest
+/// listed ones are. `None` if the hull has no area.
+fn turn_to(
+    instruction: &Instruction,
+    hull: &[Point],
+    off_px: impl Fn(&Frame) -> f64,
+) -> Option<(Frame, f64)> {
     let turns: &[u32] = match instruction.sides {
         Sides::Long => &[0, 2],
         Sides::Equal => &[0, 1, 2, 3],
     };
     let mut best: Option<(f64, Frame, f64)> = None;
-    for (fitted, excess) in Frame::fits(hull) {
+    for (fitted, excess) in Frame::fits(hull, ABOUT_AS_SNUG) {
         // For words that speak of long sides, `along` is the longer one, however small the difference.
         let start = match instruction.sides {
             Sides::Long => fitted.with_long_side_first(),
@@ -120,7 +159,9 @@ fn turn_to(instruction: &Instruction, hull: &[Point]) -> Option<(Frame, f64)> {
                     (gap.min(BARE_GAP) - if is_bare { BARE_GAP } else { 0.0 }).abs()
                 })
                 .sum();
-            let cost = misfit + HALF_TURN * (turn + LEAN).abs() / PI + LOOSENESS * excess;
+            let off = off_px(&frame) / frame.short_side();
+            let cost =
+                misfit + HALF_TURN * (turn + LEAN).abs() / PI + LOOSENESS * excess + OFF * off;
             if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
                 best = Some((cost, frame, turn));
             }

@@ -1,7 +1,8 @@
 //! Reads what a planning prompt says, whatever its exact wording.
 //!
 //! In: the lines of a prompt. Out: points, the form that an answer takes. Lines are known by their content:
-//! one with `corner` and points lists the corners, one with `cent` and a point gives the center.
+//! one with `corner` and points lists the corners, one with `cent` and a point gives the center, and any other
+//! one that consists of a label, a colon and points lists points besides.
 
 use compiler::program::PixelPoint;
 
@@ -44,6 +45,37 @@ pub fn center(text: &str) -> Option<PixelPoint> {
     lines
         .filter_map(|line| points(after_word(line, "cent")?).first().copied())
         .next_back()
+}
+
+/// Returns the points of all lists besides that of the corners and the center, in order.
+pub fn other_points(text: &str) -> Vec<PixelPoint> {
+    let is_other = |label: &str| {
+        let names = |word| after_word(label, word).is_some();
+        !names("corner") && !names("cent") && !label.contains(['(', '['])
+    };
+    let lists = text.lines().filter_map(|line| {
+        let (label, list) = line.split_once(':')?;
+        (is_other(label) && !list.contains(char::is_alphabetic)).then(|| points(list))
+    });
+    let mut found: Vec<PixelPoint> = lists.flatten().collect();
+    found.truncate(MAX_POINTS);
+    found
+}
+
+/// Tells whether a prompt says that the unfolded cloth's middle is the picture's.
+pub fn centers_cloth_in_picture(text: &str) -> bool {
+    let names_both = |sentence: &str| {
+        let names = |words: &[&str]| words.iter().any(|word| sentence.contains(word));
+        let middles = sentence.matches("middle").count() + sentence.matches("cent").count();
+        middles >= 2 && names(&["cloth", "fabric"]) && names(&["picture", "image"])
+    };
+    // A sentence may go on over lines.
+    let text = text
+        .to_lowercase()
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
+    text.split(['.', ':', ';']).any(names_both)
 }
 
 /// Returns the lines that may hold the instruction, likely ones first.

@@ -20,6 +20,8 @@ pub struct Sighting {
     pub tail: Point,
     /// The arrow's head: the point that it is placed on.
     pub tip: Point,
+    /// The picture's middle.
+    pub middle: Point,
 }
 
 /// Why a step cannot be read from the pictures.
@@ -131,6 +133,7 @@ pub fn see(pictures: &[&[u8]]) -> Result<Sighting, Unseen> {
         outline,
         tail: up(drawn.tail),
         tip: up(drawn.tip),
+        middle: [first.width(), first.height()].map(|side| f64::from(side) / 2.0),
     })
 }
 

@@ -8,6 +8,28 @@ fn points<const N: usize>(list: [(i32, i32); N]) -> Vec<PixelPoint> {
     list.map(|(u, v)| PixelPoint::new(u, v)).to_vec()
 }
 
+/// The pixels of the middles; where they were located is tested apart.
+fn edge_middles(outline: &[PixelPoint]) -> Vec<PixelPoint> {
+    let middles = super::super::edge_middles(outline);
+    middles.into_iter().map(|middle| middle.pixel).collect()
+}
+
+fn along(outline: &[PixelPoint], count: u32) -> Vec<PixelPoint> {
+    let points = super::super::along(outline, count);
+    points.into_iter().map(|point| point.pixel).collect()
+}
+
+#[test]
+fn points_of_an_outline_are_located_between_pixels() {
+    let outline = points([(20, 30), (39, 30), (39, 60), (20, 60)]);
+    let located =
+        |points: Vec<Located>| points.into_iter().map(|point| point.at).collect::<Vec<_>>();
+    let middles = [[30.0, 30.5], [39.5, 45.5], [30.0, 60.5], [20.5, 45.5]];
+    assert_eq!(located(super::super::edge_middles(&outline)), middles);
+    let quarters = located(super::super::along(&outline, 4));
+    assert_eq!(quarters[..2], [[20.5, 30.5], [39.5, 36.0]]);
+}
+
 /// Columns 20 to 39 and rows 30 to 60 of 100 x 80.
 fn rectangle() -> Mask {
     Mask::from_fn(100, 80, |column, row| {

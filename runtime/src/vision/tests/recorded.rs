@@ -119,7 +119,7 @@ fn every_recorded_pick_is_near_a_detected_corner() {
                 folder.display()
             );
             let pick = [0, 1].map(|axis| step["pick_px"][axis].as_f64().unwrap());
-            let off = |corner: &Corner| (corner.at[0] - pick[0]).hypot(corner.at[1] - pick[1]);
+            let off = |corner: &Located| (corner.at[0] - pick[0]).hypot(corner.at[1] - pick[1]);
             worst_px = found
                 .iter()
                 .map(off)

@@ -67,7 +67,7 @@ fn a_square_has_four_corners_however_it_is_seen() {
             let found = corners(&depth, &rgb, &mask, &search).unwrap();
             assert_eq!(found.len(), 4, "{of:?} at {image_px}: {found:?}");
             for (u, v) in [(40, 40), (119, 40), (40, 119), (119, 119)] {
-                let is_near = |c: &Corner| c.pixel.distance_px(PixelPoint::new(u, v)) <= 3.0;
+                let is_near = |c: &Located| c.pixel.distance_px(PixelPoint::new(u, v)) <= 3.0;
                 assert!(found.iter().any(is_near), "{of:?} at {image_px}: {found:?}");
             }
         }

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod arrows;
+mod centers;
 mod frames;
 mod missing;
 mod planning;

@@ -1,0 +1,147 @@
+//! A suite of many rollouts, and the tables that come of it.
+//!
+//! ```text
+//! .toml → Suite ─┐
+//! tasks, models ─┴→ Bench ─→ starts → expert ends → rollouts ─→ Records ─→ Rows ─→ text, JSON, CSV, Markdown
+//! ```
+//!
+//! A rollout is a folder; one that has ended is never run again, and tables are made of what the folders say.
+//! Rollouts run side by side, and no figure but the times depends on how many. Compiling tasks, finding models
+//! and printing are left to the caller.
+
+pub mod metric;
+pub mod play;
+pub mod record;
+pub mod rows;
+pub mod starts;
+pub mod statistics;
+pub mod suite;
+pub mod table;
+
+use crate::cache::Cache;
+use crate::examples::Examples;
+use crate::interrupt::Interrupt;
+use crate::model::{Model, Nature};
+use crate::rollout::RunError;
+use crate::subgoals::SubgoalSet;
+use crate::world::{World, WorldError};
+use compiler::program::Program;
+use metric::Metric;
+use starts::StartPoint;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use suite::{Method, Suite};
+
+/// Everything that a suite needs.
+pub struct Bench<'a> {
+    /// What is to be measured.
+    pub suite: &'a Suite,
+    /// The suite's tasks, with their starts.
+    pub tasks: Vec<Task>,
+    /// What is done with them: a task and a method each.
+    pub entries: Vec<Entry<'a>>,
+    /// Makes the world of a program; equal programs get equal worlds.
+    pub make_world: &'a (dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync),
+    /// Where run folders are made.
+    pub out: PathBuf,
+    /// Rollouts side by side.
+    pub threads: usize,
+    /// Where crumpled starts and expert ends are kept.
+    pub cache: &'a Cache,
+    /// A request to stop early.
+    pub interrupt: &'a Interrupt,
+}
+
+/// A task and where its cloth lies at first.
+pub struct Task {
+    /// Its name.
+    pub name: String,
+    /// The task itself, with its declared cloth.
+    pub program: Program,
+    /// Its starts.
+    pub starts: Vec<StartPoint>,
+}
+
+/// A task done by one method.
+pub struct Entry<'a> {
+    /// Index of the task.
+    pub task: usize,
+    /// The method.
+    pub method: &'a Method,
+    /// Who answers.
+    pub model: &'a dyn Model,
+    /// The variant's program for every grid that a start has.
+    pub programs: BTreeMap<[u32; 2], Program>,
+    /// The subgoal pictures, those of the declared cloth.
+    pub subgoals: SubgoalSet,
+    /// The pictures of its examples.
+    pub examples: Examples,
+    /// Rollouts per start, at least 1.
+    pub repeats: u32,
+}
+
+/// Why a suite cannot be carried out or kept.
+#[derive(Debug, thiserror::Error)]
+pub enum BenchError {
+    /// A start cannot be laid, or a world not set up.
+    #[error("{place}: {error}")]
+    World {
+        /// Task and start.
+        place: String,
+        /// What went wrong.
+        error: WorldError,
+    },
+    /// A rollout could not be carried out or kept.
+    #[error("{place}: {error}")]
+    Run {
+        /// The run folder.
+        place: String,
+        /// What went wrong.
+        error: RunError,
+    },
+    /// A folder holds a rollout of something else.
+    #[error(
+        "`{}` holds another rollout: {why}; name another `--out`, nothing is overwritten", folder.display()
+    )]
+    Other {
+        /// The run folder.
+        folder: PathBuf,
+        /// What differs.
+        why: String,
+    },
+    /// A folder cannot be cleared of a rollout that was cut off.
+    #[error("cannot clear `{}` of a rollout that was cut off: {why}", folder.display())]
+    NotCleared {
+        /// The run folder.
+        folder: PathBuf,
+        /// What the system said.
+        why: String,
+    },
+    /// No program was compiled for the grid of a start.
+    #[error("{place}: no program is compiled for a cloth of {} by {} particles", grid[0], grid[1])]
+    NoProgram {
+        /// Task and start.
+        place: String,
+        /// Particles along both sides.
+        grid: [u32; 2],
+    },
+    /// A thread cannot be started.
+    #[error(transparent)]
+    Threads(#[from] std::io::Error),
+}
+
+impl Entry<'_> {
+    /// Returns whether rollouts end at their goal: a free model goes on where a column needs that, and the figures
+    /// with the stop are taken from the same rollouts.
+    pub fn stops_early(&self, metrics: &[Metric]) -> bool {
+        let is_free = self.model.nature() == Nature::StandIn;
+        !(is_free && metrics.iter().any(|metric| metric.is_without_stop()))
+    }
+
+    /// Returns how many examples the prompts of the task hold.
+    pub fn data_size(&self) -> usize {
+        let program = self.programs.values().next();
+        let stages = program.map_or(&[][..], |program| &program.stages);
+        stages.iter().map(|stage| stage.examples.len()).sum()
+    }
+}

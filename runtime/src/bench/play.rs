@@ -1,0 +1,427 @@
+//! Carries out a suite: lays starts, simulates expert ends, runs rollouts, reads what came of them.
+//!
+//! In: a [`Bench`]. Out: [`Played`] rollouts in a fixed order, and what the parts of the work took. Each part goes
+//! over its jobs with as many threads as asked for, and a job starts none of its own: expert ends are there
+//! before the first rollout asks for them.
+
+use super::record::{self, Found, Identity, Record};
+use super::{Bench, BenchError, Entry};
+use crate::agent::Models;
+use crate::expert::{self, MakeWorld};
+use crate::journal::RunFolder;
+use crate::metrics;
+use crate::outcome::Outcome;
+use crate::parallel::in_parallel;
+use crate::rollout::{self, Job, RunError};
+use crate::start::Start;
+use crate::world::{World, WorldError};
+use compiler::program::{Program, Sequence};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// One rollout of a suite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Played {
+    /// Index of the entry.
+    pub entry: usize,
+    /// Index of the start among those of the task.
+    pub start: usize,
+    /// What its folder says.
+    pub record: Record,
+    /// Distance of its last state to the nearest expert end, metres, by the fraction of the way that each of the
+    /// experts' folds goes.
+    pub distances_m: Vec<(f64, f64)>,
+}
+
+/// What came of a suite.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Results {
+    /// Finished rollouts, by entry, start and repetition.
+    pub rollouts: Vec<Played>,
+    /// How many there were to be.
+    pub planned: usize,
+    /// How many were found finished.
+    pub found: usize,
+    /// Whether the user stopped it.
+    pub interrupted: bool,
+    /// Hash of the world's parameters.
+    pub params: String,
+    /// What the work took.
+    pub spent: Spent,
+}
+
+/// Wall times, seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Spent {
+    /// Laying and crumpling starts.
+    pub starts_s: f64,
+    /// Simulating expert ends that were not kept yet, or finding that all are.
+    pub experts_s: f64,
+    /// How many were simulated.
+    pub experts_simulated: usize,
+    /// Of how many.
+    pub experts: usize,
+    /// Rollouts and their scores.
+    pub rollouts_s: f64,
+}
+
+/// What is being done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Starts are laid.
+    Starts,
+    /// Expert ends are simulated.
+    Experts,
+    /// Rollouts are run.
+    Rollouts,
+}
+
+/// Carries out a suite.
+///
+/// `progress` is told how many jobs of a phase are done, and how many there are.
+pub fn play(
+    bench: &Bench<'_>,
+    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+) -> Result<Results, BenchError> {
+    let mut results = Results::default();
+    let begun = Instant::now();
+    let Some(laid) = lay(bench, progress)? else {
+        return Ok(interrupted(results));
+    };
+    results.spent.starts_s = begun.elapsed().as_secs_f64();
+    results.params = params(bench)?;
+    let begun = Instant::now();
+    let is_whole = simulate_experts(bench, &laid, progress, &mut results.spent)?;
+    results.spent.experts_s = begun.elapsed().as_secs_f64();
+    if !is_whole {
+        return Ok(interrupted(results));
+    }
+    let begun = Instant::now();
+    let jobs = rollouts(bench);
+    results.planned = jobs.len();
+    progress(Phase::Rollouts, 0, jobs.len());
+    let done = in_parallel(
+        jobs.len(),
+        bench.threads,
+        |index| one(bench, &laid, jobs[index]),
+        |done| progress(Phase::Rollouts, done, jobs.len()),
+    )?;
+    for (played, was_found) in done.into_iter().flatten() {
+        results.found += usize::from(was_found);
+        results.rollouts.push(played);
+    }
+    results.spent.rollouts_s = begun.elapsed().as_secs_f64();
+    results.interrupted = results.rollouts.len() < results.planned;
+    Ok(results)
+}
+
+fn interrupted(results: Results) -> Results {
+    Results {
+        interrupted: true,
+        ..results
+    }
+}
+
+fn params(bench: &Bench<'_>) -> Result<String, BenchError> {
+    let Some(task) = bench.tasks.first() else {
+        return Ok(String::new());
+    };
+    let world = (bench.make_world)(&task.program).map_err(|error| at(&task.name, error))?;
+    Ok(world.parameters())
+}
+
+fn at(place: &str, error: WorldError) -> BenchError {
+    BenchError::World {
+        place: place.to_owned(),
+        error,
+    }
+}
+
+/// The starts of every task, laid.
+type Laid = Vec<Vec<Start>>;
+
+/// Lays every start; None where the user stopped it.
+fn lay(
+    bench: &Bench<'_>,
+    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+) -> Result<Option<Laid>, BenchError> {
+    let tasks = bench.tasks.iter().enumerate();
+    let jobs: Vec<(usize, usize)> = tasks
+        .flat_map(|(task, it)| (0..it.starts.len()).map(move |start| (task, start)))
+        .collect();
+    progress(Phase::Starts, 0, jobs.len());
+    let laid = in_parallel(
+        jobs.len(),
+        bench.threads,
+        |index| {
+            let (task, start) = jobs[index];
+            let task = &bench.tasks[task];
+            let point = &task.starts[start];
+            let place = format!("{}, start {}", task.name, point.number);
+            let world = (bench.make_world)(&task.program).map_err(|error| at(&place, error))?;
+            match point.lay(world.as_ref(), bench.cache, bench.interrupt) {
+                Ok(start) => Ok(Some(start)),
+                Err(WorldError::Interrupted) => Ok(None),
+                Err(error) => Err(at(&place, error)),
+            }
+        },
+        |done| progress(Phase::Starts, done, jobs.len()),
+    )?;
+    let mut starts: Laid = bench.tasks.iter().map(|_| Vec::new()).collect();
+    for ((task, _), start) in jobs.iter().zip(laid) {
+        let Some(start) = start else {
+            return Ok(None);
+        };
+        starts[*task].push(start);
+    }
+    Ok(Some(starts))
+}
+
+/// The sequences that a program's results are compared with, where each fold ends at a fraction of its way.
+fn sequences(program: &Program, fraction: f64) -> Vec<Sequence> {
+    let mut sequences = program.experts.clone();
+    for fold in sequences
+        .iter_mut()
+        .flat_map(|sequence| &mut sequence.folds)
+    {
+        fold.fraction *= fraction;
+    }
+    sequences
+}
+
+/// The fractions that the suite's columns need.
+fn fractions(bench: &Bench<'_>) -> Vec<f64> {
+    let metrics = bench.suite.metrics.iter();
+    metrics
+        .filter_map(|metric| metric.fold_fraction())
+        .collect()
+}
+
+/// Simulates every expert end that is not kept yet; returns whether all are there.
+fn simulate_experts(
+    bench: &Bench<'_>,
+    laid: &Laid,
+    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+    spent: &mut Spent,
+) -> Result<bool, BenchError> {
+    let mut jobs = Vec::new();
+    let mut known = BTreeSet::new();
+    for (number, entry) in bench.entries.iter().enumerate() {
+        let starts = laid[entry.task].iter().enumerate();
+        for (start, laid) in starts {
+            let program = program_of(bench, entry, start)?;
+            let digest = laid.digest();
+            let world = (bench.make_world)(program);
+            let world = world.map_err(|error| at(&place(bench, entry, start), error))?;
+            for sequence in fractions(bench)
+                .iter()
+                .flat_map(|it| sequences(program, *it))
+            {
+                let text = serde_json::to_string(&(world.parameters(), &sequence, &digest));
+                if known.insert(text.unwrap_or_default()) {
+                    jobs.push((number, start, sequence));
+                }
+            }
+        }
+    }
+    spent.experts = jobs.len();
+    if jobs.is_empty() {
+        return Ok(true);
+    }
+    progress(Phase::Experts, 0, jobs.len());
+    let done = in_parallel(
+        jobs.len(),
+        bench.threads,
+        |index| {
+            let (entry, start, sequence) = &jobs[index];
+            let entry = &bench.entries[*entry];
+            let program = program_of(bench, entry, *start)?;
+            // One sequence a job, so that no further thread is started for it.
+            let ends = expert::ends(
+                std::slice::from_ref(sequence),
+                &laid[entry.task][*start],
+                &|| (bench.make_world)(program),
+                bench.cache,
+                bench.interrupt,
+                &mut |_| {},
+            );
+            match ends {
+                Ok(ends) => Ok(Some(ends.simulated)),
+                Err(WorldError::Interrupted) => Ok(None),
+                Err(error) => Err(at(&place(bench, entry, *start), error)),
+            }
+        },
+        |done| progress(Phase::Experts, done, jobs.len()),
+    )?;
+    spent.experts_simulated = done.iter().flatten().sum();
+    Ok(done.iter().all(Option::is_some))
+}
+
+fn place(bench: &Bench<'_>, entry: &Entry<'_>, start: usize) -> String {
+    let task = &bench.tasks[entry.task];
+    format!("{}, start {}", task.name, task.starts[start].number)
+}
+
+fn program_of<'b>(
+    bench: &Bench<'_>,
+    entry: &'b Entry<'_>,
+    start: usize,
+) -> Result<&'b Program, BenchError> {
+    let grid = bench.tasks[entry.task].starts[start].grid();
+    entry
+        .programs
+        .get(&grid)
+        .ok_or_else(|| BenchError::NoProgram {
+            place: place(bench, entry, start),
+            grid,
+        })
+}
+
+/// Entry, start and repetition of a rollout.
+type Which = (usize, usize, u32);
+
+/// Lists the rollouts in the order of tables.
+fn rollouts(bench: &Bench<'_>) -> Vec<Which> {
+    let entries = bench.entries.iter().enumerate();
+    let all = entries.flat_map(|(number, entry)| {
+        let starts = 0..bench.tasks[entry.task].starts.len();
+        starts.flat_map(move |start| (0..entry.repeats).map(move |repeat| (number, start, repeat)))
+    });
+    all.collect()
+}
+
+/// Returns the folder of a rollout, below the suite's.
+fn folder_of(bench: &Bench<'_>, (entry, start, repetition): Which) -> PathBuf {
+    let entry = &bench.entries[entry];
+    let task = &bench.tasks[entry.task];
+    let name = format!("start-{:03}-{}", task.starts[start].number, repetition + 1);
+    bench
+        .out
+        .join(&task.name)
+        .join(&entry.method.name)
+        .join(name)
+}
+
+/// Finds or runs a rollout, and scores its last state; None where it was interrupted.
+fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Option<(Played, bool)>, BenchError> {
+    let (number, start, repetition) = which;
+    let entry = &bench.entries[number];
+    let program = program_of(bench, entry, start)?;
+    let start_at = &laid[entry.task][start];
+    let folder = folder_of(bench, which);
+    let make_world = || (bench.make_world)(program);
+    let job = Job {
+        program,
+        start: start_at,
+        subgoals: &entry.subgoals,
+        examples: &entry.examples,
+        models: Models {
+            vision: entry.model,
+            text: entry.model,
+        },
+        make_world: &make_world,
+        cache: bench.cache,
+        interrupt: bench.interrupt,
+        horizon: bench.suite.horizons.last().copied(),
+        early_stop: entry.stops_early(&bench.suite.metrics),
+        repetition,
+    };
+    let world = make_world().map_err(|error| at(&place(bench, entry, start), error))?;
+    let identity = identity(&job, world.as_ref());
+    let (record, was_found) = match record::find(&folder, &identity) {
+        Found::Finished(record) => (record, true),
+        Found::Other(why) => return Err(BenchError::Other { folder, why }),
+        Found::Unfinished => match run(&job, &folder, &identity)? {
+            Some(record) => (record, false),
+            None => return Ok(None),
+        },
+    };
+    let distances_m = match distances(bench, &job, &record) {
+        Ok(distances_m) => distances_m,
+        Err(WorldError::Interrupted) => return Ok(None),
+        Err(error) => return Err(at(&place(bench, entry, start), error)),
+    };
+    let played = Played {
+        entry: number,
+        start,
+        record,
+        distances_m,
+    };
+    Ok(Some((played, was_found)))
+}
+
+fn identity(job: &Job<'_>, world: &dyn World) -> Identity {
+    Identity {
+        program: job.program.hash(),
+        params: world.parameters(),
+        code: world.code(),
+        start: job.start.digest(),
+        model: job.models.vision.name().to_owned(),
+        horizon: job.horizon(),
+        early_stop: job.early_stop,
+        repetition: job.repetition,
+    }
+}
+
+/// Runs a rollout into its folder, which is cleared of one that was cut off; None where it is interrupted.
+fn run(job: &Job<'_>, folder: &Path, identity: &Identity) -> Result<Option<Record>, BenchError> {
+    if job.interrupt.is_raised() {
+        return Ok(None);
+    }
+    let failed = |error: RunError| BenchError::Run {
+        place: folder.display().to_string(),
+        error,
+    };
+    // Only what a rollout wrote is cleared away; a folder of something else is refused by the next line.
+    if folder.join(crate::journal::JOURNAL_FILE).is_file() {
+        fs::remove_dir_all(folder).map_err(|error| BenchError::NotCleared {
+            folder: folder.to_owned(),
+            why: error.to_string(),
+        })?;
+    }
+    let open = RunFolder::create(folder).map_err(|error| failed(error.into()))?;
+    let report = rollout::run(job, open, &mut |_| {}).map_err(failed)?;
+    if report.outcome == Outcome::Interrupted {
+        return Ok(None);
+    }
+    match record::find(folder, identity) {
+        Found::Finished(record) => Ok(Some(record)),
+        Found::Other(why) => Err(BenchError::Other {
+            folder: folder.to_owned(),
+            why,
+        }),
+        Found::Unfinished => Ok(None),
+    }
+}
+
+/// Scores the last state of a rollout, however it ended; the start itself where nothing was executed.
+fn distances(
+    bench: &Bench<'_>,
+    job: &Job<'_>,
+    record: &Record,
+) -> Result<Vec<(f64, f64)>, WorldError> {
+    let last = record.last.as_ref().unwrap_or(&job.start.positions);
+    let make_world: &MakeWorld<'_> = job.make_world;
+    let mut distances = Vec::new();
+    for fraction in fractions(bench) {
+        let ends = expert::ends(
+            &sequences(job.program, fraction),
+            job.start,
+            make_world,
+            job.cache,
+            job.interrupt,
+            &mut |_| {},
+        )?;
+        let all = ends
+            .ends
+            .iter()
+            .filter_map(|end| metrics::mean_particle_distance_m(last, &end.positions));
+        distances.extend(
+            all.min_by(f64::total_cmp)
+                .map(|nearest| (fraction, nearest)),
+        );
+    }
+    Ok(distances)
+}

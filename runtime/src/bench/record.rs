@@ -1,0 +1,228 @@
+//! What a finished rollout's folder says.
+//!
+//! In: a run folder. Out: a [`Record`], or that no rollout has ended there. Tables are made of records alone,
+//! whether a rollout was run just now or found finished, so that both give the same figures.
+
+use crate::journal::JOURNAL_FILE;
+use crate::outcome::Outcome;
+use crate::{bounded, npy};
+use compiler::program::{Goal, Metric as GoalMetric};
+use serde::Deserialize;
+use serde_json::Value;
+use std::path::Path;
+
+/// The largest journal and positions that are read.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// A rollout that has ended by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Its steps, in order; the last may be one that ended it.
+    pub steps: Vec<Step>,
+    /// Where the cloth lay in the end, grid order, world frame, metres; none where nothing was ever executed.
+    pub last: Option<Vec<[f32; 3]>>,
+}
+
+/// One step of a rollout.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Step {
+    /// Whether something was executed, or the step was skipped; else the rollout ended in it.
+    pub is_taken: bool,
+    /// Questions asked.
+    pub queries: u32,
+    /// Coverage by SoftGym's grid after it.
+    pub coverage: Option<f64>,
+    /// Normalized improvement by SoftGym's grid after it.
+    pub improvement: Option<f64>,
+    /// Normalized improvement by the true area after it.
+    pub improvement_true: Option<f64>,
+    /// Wall time of the whole step, seconds.
+    pub seconds: f64,
+    /// Wall time of render, vision, prompt, parse and verify, seconds.
+    pub planning_s: Option<f64>,
+}
+
+/// What a rollout is a rollout of; two with the same identity have the same figures.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Identity {
+    /// Hash of the program.
+    pub program: String,
+    /// Hash of the world's parameters.
+    pub params: String,
+    /// Digest of the world's code.
+    pub code: String,
+    /// Digest of the start.
+    pub start: String,
+    /// The model.
+    pub model: String,
+    /// The most actions.
+    pub horizon: u32,
+    /// Whether a goal that is judged after each step ends it.
+    pub early_stop: bool,
+    /// Which of the start's rollouts it is.
+    pub repetition: u32,
+}
+
+/// What a folder holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Found {
+    /// Nothing, or a rollout that was cut off or interrupted.
+    Unfinished,
+    /// A rollout of something else; the text says what differs.
+    Other(String),
+    /// The rollout.
+    Finished(Record),
+}
+
+#[derive(Deserialize)]
+struct Measured {
+    coverage: Option<f64>,
+    normalized_improvement: Option<f64>,
+    normalized_improvement_true: Option<f64>,
+}
+
+/// Reads a run folder.
+pub fn find(folder: &Path, wanted: &Identity) -> Found {
+    let Ok(bytes) = bounded::read(&folder.join(JOURNAL_FILE), MAX_BYTES) else {
+        return Found::Unfinished;
+    };
+    let text = String::from_utf8_lossy(&bytes);
+    let mut lines = text
+        .lines()
+        .filter_map(|line| serde_json::from_str::<Value>(line).ok());
+    let Some(header) = lines.next() else {
+        return Found::Unfinished;
+    };
+    if let Some(difference) = wanted.difference(&header) {
+        return Found::Other(difference);
+    }
+    let mut steps = Vec::new();
+    for line in lines {
+        match line["type"].as_str() {
+            Some("step") => steps.push(step(&line)),
+            Some("end") => return ended(folder, &line, steps),
+            _ => {}
+        }
+    }
+    Found::Unfinished
+}
+
+fn ended(folder: &Path, end: &Value, steps: Vec<Step>) -> Found {
+    let outcome = serde_json::from_value(end["report"]["outcome"].clone());
+    let last = match end["final"].as_str() {
+        None => Some(None),
+        Some(file) => bounded::read(&folder.join(file), MAX_BYTES)
+            .ok()
+            .and_then(|bytes| npy::decode(&bytes))
+            .map(Some),
+    };
+    match (outcome, last) {
+        (Ok(outcome), Some(last)) if outcome != Outcome::Interrupted => Found::Finished(Record {
+            outcome,
+            steps,
+            last,
+        }),
+        _ => Found::Unfinished,
+    }
+}
+
+fn step(line: &Value) -> Step {
+    let measured = Measured::deserialize(line).ok();
+    let of = |get: fn(&Measured) -> Option<f64>| measured.as_ref().and_then(get);
+    let seconds = line["seconds"].as_object().into_iter().flatten();
+    Step {
+        is_taken: !line["executed"].is_null() || !line["skipped"].is_null(),
+        queries: line["attempts"]
+            .as_array()
+            .map_or(0, |all| all.len() as u32),
+        coverage: of(|it| it.coverage),
+        improvement: of(|it| it.normalized_improvement),
+        improvement_true: of(|it| it.normalized_improvement_true),
+        seconds: seconds.filter_map(|(_, spent)| spent.as_f64()).sum(),
+        planning_s: line["planning_s"].as_f64(),
+    }
+}
+
+impl Identity {
+    /// Says in what a journal's header is of another rollout.
+    fn difference(&self, header: &Value) -> Option<String> {
+        let text = |value: &Value| {
+            value
+                .as_str()
+                .map_or_else(|| value.to_string(), str::to_owned)
+        };
+        let model = |role: &str| text(&header["models"][role]["name"]);
+        let pairs = [
+            ("program", text(&header["program"]), self.program.clone()),
+            ("params", text(&header["params"]), self.params.clone()),
+            ("code", text(&header["code"]), self.code.clone()),
+            (
+                "start",
+                text(&header["start"]["digest"]),
+                self.start.clone(),
+            ),
+            ("vision model", model("vision"), self.model.clone()),
+            ("text model", model("text"), self.model.clone()),
+            (
+                "horizon",
+                text(&header["horizon"]),
+                self.horizon.to_string(),
+            ),
+            (
+                "early_stop",
+                text(&header["early_stop"]),
+                self.early_stop.to_string(),
+            ),
+            (
+                "repetition",
+                text(&header["repetition"]),
+                self.repetition.to_string(),
+            ),
+        ];
+        let different = pairs.into_iter().find(|(_, there, wanted)| there != wanted);
+        different.map(|(what, there, wanted)| {
+            format!("its {what} is `{there}`, and `{wanted}` is to be run")
+        })
+    }
+}
+
+impl Record {
+    /// Returns the steps that count after `horizon` actions.
+    ///
+    /// With `stop`, those up to and including the first that meets the goal, where that is judged after each step.
+    pub fn steps_to(&self, horizon: u32, stop: Option<&Goal>) -> &[Step] {
+        let within = &self.steps[..self.steps.len().min(horizon as usize)];
+        match stop.and_then(|goal| within.iter().position(|step| meets(goal, step))) {
+            Some(at) => &within[..=at],
+            None => within,
+        }
+    }
+
+    /// Returns how the rollout would have ended, had it been given `horizon` actions.
+    pub fn outcome_at(&self, horizon: u32, goal: Option<&Goal>, stop: Option<&Goal>) -> Outcome {
+        let judged = goal.filter(|goal| goal.metric.is_judged_each_step());
+        let steps = self.steps_to(horizon, stop);
+        let last = steps.last().filter(|step| step.is_taken);
+        if let (Some(goal), Some(last)) = (judged, last)
+            && meets(goal, last)
+        {
+            return Outcome::GoalReached;
+        }
+        match steps.len() < self.steps.len() {
+            true => Outcome::HorizonReached,
+            false => self.outcome,
+        }
+    }
+}
+
+/// Returns whether a goal that is judged after each step is met; as in a rollout, by SoftGym's grid.
+fn meets(goal: &Goal, step: &Step) -> bool {
+    let value = match goal.metric {
+        GoalMetric::Coverage => step.coverage,
+        GoalMetric::NormalizedImprovement => step.improvement,
+        GoalMetric::ParticleDistance => None,
+    };
+    value.is_some_and(|value| goal.is_met(value))
+}

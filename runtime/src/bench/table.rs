@@ -1,0 +1,306 @@
+//! Rows as tables: aligned text for a terminal, Markdown, CSV.
+//!
+//! In: [`Row`]s. Out: text. Tables for people have a line per method and number of actions, and a column per
+//! measure; CSV has a line per row. Every table ends with what its figures are and are not.
+
+use super::metric::Metric;
+use super::rows::Row;
+use super::statistics::Statistic;
+use super::suite::Suite;
+
+/// Stands under every table that quotes somebody.
+const COMPARISON: &str = "Quoted rows are others' figures and stand for themselves. Ours come from our simulator and our experts, theirs from PyFleX: this is a comparison and not a ranking.";
+
+/// Writes the tables for a terminal.
+pub fn text(suite: &Suite, rows: &[Row]) -> String {
+    let mut blocks = Vec::new();
+    for (task, table) in tables(suite, rows) {
+        blocks.push(format!("{task}\n{}", aligned(&table)));
+    }
+    blocks.push(captions(suite, rows).join("\n"));
+    blocks.join("\n\n")
+}
+
+/// Writes the tables as Markdown.
+pub fn markdown(title: &str, suite: &Suite, rows: &[Row]) -> String {
+    let mut blocks = vec![format!("# {title}"), suite.about.clone()];
+    for (task, table) in tables(suite, rows) {
+        blocks.push(format!("## {task}"));
+        blocks.push(piped(&table));
+    }
+    blocks.extend(captions(suite, rows));
+    blocks.join("\n\n") + "\n"
+}
+
+/// Writes every row as a line of comma-separated values (RFC 4180), below a line of names.
+pub fn csv(rows: &[Row]) -> String {
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let mut lines = vec![
+        "task,method,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note"
+            .to_owned(),
+    ];
+    for row in rows {
+        let count = |value: Option<usize>| value.map_or(String::new(), |value| value.to_string());
+        let cells = [
+            row.task.clone(),
+            row.method.clone(),
+            row.model.clone().unwrap_or_default(),
+            row.metric.as_str().to_owned(),
+            count(row.horizon.map(|it| it as usize)),
+            count(row.n),
+            count(row.repeats.map(|it| it as usize)),
+            row.statistic.clone(),
+            row.value.to_string(),
+            number(row.spread),
+            number(row.ci95.map(|[low, _]| low)),
+            number(row.ci95.map(|[_, high]| high)),
+            row.quoted.to_string(),
+            row.source.clone().unwrap_or_default(),
+            count(row.data_size),
+            number(row.queries),
+            number(row.s_per_action),
+            number(row.planning_s),
+            number(row.cost),
+            outcomes(row),
+            row.note.clone().unwrap_or_default(),
+        ];
+        lines.push(cells.map(|cell| escaped(&cell)).join(","));
+    }
+    lines.join("\r\n") + "\r\n"
+}
+
+fn escaped(cell: &str) -> String {
+    if cell.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell.to_owned()
+    }
+}
+
+/// Returns a table for each task: its head, then its lines.
+fn tables(suite: &Suite, rows: &[Row]) -> Vec<(String, Vec<Vec<String>>)> {
+    let mut tasks: Vec<&str> = rows.iter().map(|row| row.task.as_str()).collect();
+    tasks.dedup();
+    let of = |task: &str| {
+        rows.iter()
+            .filter(|row| row.task == task)
+            .collect::<Vec<_>>()
+    };
+    let tables = tasks
+        .into_iter()
+        .map(|task| (task.to_owned(), table(suite, &of(task))));
+    tables.collect()
+}
+
+fn table(suite: &Suite, rows: &[&Row]) -> Vec<Vec<String>> {
+    let there = |metric: &&Metric| rows.iter().any(|row| row.metric == **metric);
+    let metrics: Vec<Metric> = suite.metrics.iter().filter(there).copied().collect();
+    let mut head: Vec<String> = ["method", "model", "actions"].map(str::to_owned).to_vec();
+    head.extend(metrics.iter().map(|metric| metric.heading().to_owned()));
+    head.extend(
+        [
+            "starts",
+            "examples",
+            "queries",
+            "s/action",
+            "planning ms",
+            "cost",
+            "ended",
+        ]
+        .map(str::to_owned),
+    );
+    let mut table = vec![head];
+    let mut keys: Vec<(&str, Option<u32>, bool)> = Vec::new();
+    for row in rows {
+        let key = (row.method.as_str(), row.horizon, row.quoted);
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    for (method, horizon, quoted) in keys {
+        let of_line =
+            |row: &&&Row| row.method == method && row.horizon == horizon && row.quoted == quoted;
+        let line: Vec<&Row> = rows.iter().filter(of_line).copied().collect();
+        table.push(cells(&metrics, &line));
+    }
+    table
+}
+
+/// Writes one line; `rows` are of one method and one number of actions.
+fn cells(metrics: &[Metric], rows: &[&Row]) -> Vec<String> {
+    let Some(first) = rows.first() else {
+        return Vec::new();
+    };
+    let stand_in = if first.model_is_stand_in {
+        " (stand-in)"
+    } else {
+        ""
+    };
+    let model = first
+        .model
+        .as_ref()
+        .map(|model| format!("{model}{stand_in}"));
+    let mut cells = vec![
+        if first.quoted {
+            format!("quoted: {}", first.method)
+        } else {
+            first.method.clone()
+        },
+        model.unwrap_or_default(),
+        first
+            .horizon
+            .map_or(String::new(), |horizon| horizon.to_string()),
+    ];
+    for metric in metrics {
+        let row = rows.iter().find(|row| row.metric == *metric);
+        cells.push(row.map_or(String::new(), |row| figure(row)));
+    }
+    let starts = first.n.map(|n| match first.repeats {
+        Some(repeats) if repeats > 1 => format!("{n} x {repeats}"),
+        _ => n.to_string(),
+    });
+    let number = |value: Option<f64>, digits: usize| {
+        value.map_or(String::new(), |value| format!("{value:.digits$}"))
+    };
+    cells.extend([
+        starts.unwrap_or_default(),
+        first
+            .data_size
+            .map_or(String::new(), |size| size.to_string()),
+        number(first.queries, 2),
+        number(first.s_per_action, 2),
+        number(first.planning_s.map(|seconds| seconds * 1000.0), 0),
+        number(first.cost, 2),
+        outcomes(first),
+    ]);
+    cells
+}
+
+/// Writes a figure with its spread and interval.
+fn figure(row: &Row) -> String {
+    let digits = row.metric.digits();
+    let mut text = format!("{:.digits$}", row.value);
+    if row.statistic.starts_with("difference") {
+        text = format!("{:+.digits$}", row.value);
+    }
+    if let Some(spread) = row.spread {
+        text.push_str(&format!(" ± {spread:.digits$}"));
+    }
+    if let Some([low, high]) = row.ci95 {
+        text.push_str(&format!(" [{low:.digits$}, {high:.digits$}]"));
+    }
+    text
+}
+
+fn outcomes(row: &Row) -> String {
+    let counts = row
+        .outcomes
+        .iter()
+        .map(|(name, count)| format!("{count} {name}"));
+    counts.collect::<Vec<_>>().join(", ")
+}
+
+fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
+    let mut lines = Vec::new();
+    if !suite.note.is_empty() {
+        lines.push(suite.note.trim().to_owned());
+    }
+    for row in rows {
+        if let Some(note) = &row.note {
+            let line = format!(
+                "{} with {}: {note}.",
+                row.method,
+                row.model.as_deref().unwrap_or("no model")
+            );
+            if !lines.contains(&line) {
+                lines.push(line);
+            }
+        }
+    }
+    lines.push(match suite.statistic {
+        Statistic::Median => "Figures: median over all rollouts ± the larger of the distances from the median to the quartiles [95 % bootstrap interval over starts].",
+        Statistic::Mean | Statistic::Share => "Figures: mean over starts, the repeats of a start averaged first, ± standard deviation over starts [95 % bootstrap interval over starts].",
+    }.to_owned());
+    if rows.iter().any(|row| row.metric == Metric::GoalReached) {
+        lines.push(
+            "Goal reached: share of rollouts [Wilson's 95 % interval over starts].".to_owned(),
+        );
+    }
+    if rows
+        .iter()
+        .any(|row| row.statistic.starts_with("difference"))
+    {
+        lines.push("Lines with a sign are differences between two methods from the same starts [95 % paired bootstrap interval].".to_owned());
+    }
+    if rows
+        .iter()
+        .any(|row| row.metric == Metric::NormalizedImprovementSource)
+    {
+        lines.push("NI is the normalized improvement: by SoftGym's grid (source, the paper's numbers, which decide the stop), and by the area that is truly covered (true). With the stop, a rollout counts as it lay when it first met its goal.".to_owned());
+    }
+    lines.push(
+        "A rollout that ends early is not left out: the cloth is measured as it lay last."
+            .to_owned(),
+    );
+    if rows.iter().any(|row| row.model_is_stand_in) {
+        lines.push("Figures of a stand-in say that the pipeline works, and nothing of any vision-language model.".to_owned());
+    }
+    if rows.iter().any(|row| !row.quoted && row.repeats == Some(1)) {
+        lines.push("One rollout per start where `starts` names no repeats: a model that does not vary would only repeat itself.".to_owned());
+    }
+    for source in sources(rows) {
+        lines.push(format!("Quoted from: {source}."));
+    }
+    if rows.iter().any(|row| row.quoted) {
+        lines.push(COMPARISON.to_owned());
+    }
+    lines
+}
+
+fn sources(rows: &[Row]) -> Vec<&str> {
+    let mut sources: Vec<&str> = rows
+        .iter()
+        .filter_map(|row| row.source.as_deref())
+        .collect();
+    sources.sort_unstable();
+    sources.dedup();
+    sources
+}
+
+fn widths(table: &[Vec<String>]) -> Vec<usize> {
+    let columns = table.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |column: usize| {
+        let cells = table.iter().filter_map(move |line| line.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    (0..columns).map(width).collect()
+}
+
+fn aligned(table: &[Vec<String>]) -> String {
+    let widths = widths(table);
+    let lines = table.iter().map(|line| {
+        let cells = line.iter().zip(&widths).filter(|(_, width)| **width > 0);
+        let padded = cells.map(|(cell, width)| format!("{cell:<width$}"));
+        format!("  {}", padded.collect::<Vec<_>>().join("  "))
+            .trim_end()
+            .to_owned()
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+fn piped(table: &[Vec<String>]) -> String {
+    let line = |cells: &[String]| {
+        format!(
+            "| {} |",
+            cells
+                .iter()
+                .map(|cell| cell.replace('|', "\\|"))
+                .collect::<Vec<_>>()
+                .join(" | ")
+        )
+    };
+    let mut lines: Vec<String> = table.iter().map(|cells| line(cells)).collect();
+    let columns = table.first().map_or(0, Vec::len);
+    lines.insert(1.min(lines.len()), format!("|{}", "---|".repeat(columns)));
+    lines.join("\n")
+}

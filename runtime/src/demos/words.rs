@@ -1,0 +1,115 @@
+//! What a demonstrated fold is called: in words of the picture, which hold for a cloth that lies turned.
+
+use compiler::program::{ClothPoint, PixelPoint};
+
+/// Which way of the picture a point lies from the middle, from the right counter-clockwise.
+const WAYS: [&str; 8] = [
+    "right",
+    "top right",
+    "top",
+    "top left",
+    "left",
+    "bottom left",
+    "bottom",
+    "bottom right",
+];
+
+/// A point of a fold, as it lies in the picture.
+#[derive(Clone, Copy)]
+pub(super) struct Named<'a> {
+    pub point: &'a ClothPoint,
+    pub at: PixelPoint,
+}
+
+/// Says a fold in a sentence without its full stop, e.g. `Pick the corner at the top left and place it on the
+/// center of the cloth`.
+///
+/// - `center`: the middle of the cloth in the picture of the start.
+pub(super) fn instruction(pick: Named<'_>, place: Named<'_>, center: PixelPoint) -> String {
+    format!(
+        "Pick {} and place it on {}",
+        noun(pick, center),
+        noun(place, center)
+    )
+}
+
+/// Says why the two points were chosen.
+pub(super) fn reason(pick: Named<'_>, place: Named<'_>, center: PixelPoint) -> String {
+    format!(
+        "Of the listed points {} is {}, and {} is {}.",
+        pick.at,
+        noun(pick, center),
+        place.at,
+        noun(place, center)
+    )
+}
+
+fn noun(named: Named<'_>, center: PixelPoint) -> String {
+    let on_side = |fraction: f64| fraction == 0.0 || fraction == 1.0;
+    let kind = match *named.point {
+        ClothPoint::Center => return "the center of the cloth".to_owned(),
+        ClothPoint::Particle { right, front } => match (on_side(right), on_side(front)) {
+            (true, true) => "corner",
+            (true, false) | (false, true) => "edge point",
+            (false, false) => "point",
+        },
+    };
+    format!("the {kind} at the {}", way(named.at, center))
+}
+
+/// Returns the nearest of the eight ways from one pixel to another.
+fn way(to: PixelPoint, from: PixelPoint) -> &'static str {
+    let (right, up) = (f64::from(to.u - from.u), f64::from(from.v - to.v));
+    let eighths = (up.atan2(right) / std::f64::consts::FRAC_PI_4).round();
+    // From -4 to 4; both ends are the left.
+    WAYS[(eighths as i64).rem_euclid(8) as usize]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ways_are_those_of_the_picture() {
+        let center = PixelPoint::new(100, 100);
+        let cases = [
+            ((150, 100), "right"),
+            ((140, 60), "top right"),
+            ((100, 50), "top"),
+            ((60, 60), "top left"),
+            ((50, 101), "left"),
+            ((50, 99), "left"),
+            ((60, 140), "bottom left"),
+            ((101, 180), "bottom"),
+            ((150, 150), "bottom right"),
+        ];
+        for ((u, v), expected) in cases {
+            assert_eq!(way(PixelPoint::new(u, v), center), expected, "({u}, {v})");
+        }
+    }
+
+    #[test]
+    fn a_fold_is_said_by_what_it_moves() {
+        let corner = ClothPoint::Particle {
+            right: 0.0,
+            front: 0.0,
+        };
+        let pick = Named {
+            point: &corner,
+            at: PixelPoint::new(40, 50),
+        };
+        let place = Named {
+            point: &ClothPoint::Center,
+            at: PixelPoint::new(112, 112),
+        };
+        let center = PixelPoint::new(112, 112);
+        assert_eq!(
+            instruction(pick, place, center),
+            "Pick the corner at the top left and place it on the center of the cloth"
+        );
+        assert_eq!(
+            reason(pick, place, center),
+            "Of the listed points (40, 50) is the corner at the top left, and (112, 112) is the center of the cloth."
+        );
+    }
+}

@@ -1,0 +1,145 @@
+//! The center of a cloth that is no rectangle any more, and points besides corners.
+
+use super::*;
+
+/// What the task library says of the center.
+const TOLD: &str = "Find the middle of the cloth first: the unfolded cloth had its\nmiddle in the middle of the picture.";
+
+/// The instruction that pictures and a text lead to.
+fn instruction_with(text: &str, pictures: &[RgbImage]) -> String {
+    let parts = std::iter::once(Part::Text(text.to_owned()))
+        .chain(pictures.iter().map(png))
+        .collect();
+    let reply = ask(ModelRole::Vision, vec![user(parts)]);
+    let line = reply
+        .lines()
+        .find_map(|line| line.strip_prefix("Instructions: "));
+    line.unwrap_or_else(|| panic!("no instruction in: {reply}"))
+        .to_owned()
+}
+
+/// The triangle that [`square_fold`] leaves, one of its sharp corners folded to the square's center.
+fn triangle_to_center() -> Fold {
+    Fold {
+        before: vec![[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5]],
+        after: vec![[-0.5, -0.5], [0.0, -0.5], [0.0, 0.0], [-0.5, 0.5]],
+        tail: [0.5, -0.5],
+        tip: [0.0, 0.0],
+    }
+}
+
+/// A square without its upper corners, a lower one folded to the center.
+fn house_to_center() -> Fold {
+    Fold {
+        before: vec![
+            [-0.5, -0.5],
+            [0.5, -0.5],
+            [0.5, 0.0],
+            [0.0, 0.5],
+            [-0.5, 0.0],
+        ],
+        after: vec![
+            [0.0, -0.5],
+            [0.5, -0.5],
+            [0.5, 0.0],
+            [0.0, 0.5],
+            [-0.5, 0.0],
+        ],
+        tail: [-0.5, -0.5],
+        tip: [0.0, 0.0],
+    }
+}
+
+/// A square folded to its left half, the half's upper right corner folded to where the square's center was.
+fn half_to_center() -> Fold {
+    Fold {
+        before: vec![[-0.5, -0.5], [0.0, -0.5], [0.0, 0.5], [-0.5, 0.5]],
+        after: vec![
+            [-0.5, -0.5],
+            [0.0, -0.5],
+            [0.0, 0.0],
+            [-0.25, 0.25],
+            [-0.5, 0.25],
+        ],
+        tail: [-0.5, 0.5],
+        tip: [0.0, 0.0],
+    }
+}
+
+#[test]
+fn an_arrow_to_the_middle_of_the_picture_leads_to_the_center_where_the_prompt_says_so() {
+    for fold in [triangle_to_center(), house_to_center(), half_to_center()] {
+        for turn_deg in [0.0, 20.0, 135.0, 250.0] {
+            let view = View { turn_deg, ..VIEW };
+            let told = instruction_with(TOLD, &view.pictures(&fold));
+            assert!(
+                told.contains("place it on the center of the cloth"),
+                "{turn_deg}: {told}"
+            );
+        }
+    }
+    let untold = instruction_with("What is done here?", &VIEW.pictures(&half_to_center()));
+    assert!(!untold.contains("the center of the cloth"), "{untold}");
+}
+
+#[test]
+fn an_arrow_past_the_middle_of_the_picture_does_not_lead_to_the_center() {
+    for fold in [rectangle_fold(), square_fold(), triangle_fold()] {
+        let told = instruction_with(TOLD, &VIEW.pictures(&fold));
+        assert!(!told.contains("the center of the cloth"), "{told}");
+    }
+}
+
+#[test]
+fn the_center_of_a_triangle_is_found_among_the_listed_points() {
+    let words = instruction_with(TOLD, &VIEW.pictures(&triangle_to_center()));
+    for turn_deg in [0.0, 30.0, -40.0] {
+        let view = View {
+            turn_deg,
+            cloth_px: 128.0,
+            ..VIEW
+        };
+        let corners = triangle_to_center()
+            .before
+            .iter()
+            .map(|&at| view.whole_pixel(at))
+            .collect::<Vec<_>>();
+        let center = view.whole_pixel([0.0, 0.0]);
+        assert_eq!(
+            planned(&words, &corners, center),
+            [corners[1], center],
+            "{turn_deg}"
+        );
+    }
+}
+
+/// The left edge of a square is on its way to the middle: its lower corner has come along, and the corner that lies
+/// below it was not detected. A slanted rectangle is the snuggest one then.
+#[test]
+fn the_rectangle_that_is_meant_has_points_where_the_words_say() {
+    let words = "Pick the left end of the line one quarter from the bottom to the top side and place it on the \
+                 middle of the bottom side";
+    let corners = "(51, 154), (81, 40), (182, 41), (182, 182), (79, 120)";
+    let prompt = format!(
+        "- Method of folding: {words}\n- Cloth corners: {corners}\n\
+         - Side points: (112, 41), (182, 112), (112, 182), (41, 112)\n- Cloth center: (111, 111)"
+    );
+    let reply = ask(ModelRole::Text, vec![Message::text(Speaker::User, prompt)]);
+    assert_eq!(
+        points_of(&reply),
+        [PixelPoint::new(51, 154), PixelPoint::new(112, 182)]
+    );
+}
+
+#[test]
+fn points_besides_the_corners_are_places_and_no_picks() {
+    let prompt = "- Method of folding: Pick the middle of the top side and place it on the middle of the bottom side\n\
+                  - Cloth corners: (40, 40), (180, 40), (180, 180), (40, 180), (90, 45)\n\
+                  - Points of the sides: (110, 40), (180, 110),\n- Others: (110, 180)\n\
+                  - Last action: it ended at (110, 181)\n- Cloth center: (110, 110)";
+    let reply = ask(ModelRole::Text, vec![Message::text(Speaker::User, prompt)]);
+    assert_eq!(
+        points_of(&reply),
+        [PixelPoint::new(90, 45), PixelPoint::new(110, 180)]
+    );
+}

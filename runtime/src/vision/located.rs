@@ -1,0 +1,23 @@
+//! A point of a picture that is known more finely than by its pixel.
+
+use crate::camera::center_of;
+use compiler::program::PixelPoint;
+
+/// A whole pixel, which prompts and answers name, and the point that it stands for, which is executed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Located {
+    /// The whole pixel that stands for it in prompts and answers.
+    pub pixel: PixelPoint,
+    /// Where it was located, `[column, row]` in the camera's pixels; a pixel's centre is at one half.
+    pub at: [f64; 2],
+}
+
+impl Located {
+    /// Takes a pixel's own centre.
+    pub fn at_center_of(pixel: PixelPoint) -> Located {
+        Located {
+            pixel,
+            at: center_of(pixel),
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! The picker that drops: the route of SoftGym's smoothing environment.
+#![allow(clippy::unwrap_used)]
+
+use sim::{Aim, DROP_LEG_STEPS, Grid, Params, Route, Simulator};
+
+fn cloth(dimx: usize, dimy: usize) -> Simulator {
+    let grid = Grid::new(dimx, dimy, 0.00625).unwrap();
+    let mut cloth = Simulator::flat(grid, &Params::with_dropping_picker());
+    cloth.set_aim(Aim::Uppermost);
+    cloth
+}
+
+/// Carries particle `index` by `way`; returns what was held, and the position after each step.
+fn carry(cloth: &mut Simulator, index: usize, way: [f32; 2]) -> (Option<usize>, u32) {
+    let [x, y, _] = cloth.positions()[index];
+    let place = [x + way[0], y + way[1]];
+    let done = cloth.pick_and_place([x, y], place, &|| false).unwrap();
+    (done.grasped, done.steps)
+}
+
+#[test]
+fn every_way_takes_a_hundred_steps_whatever_its_length() {
+    for way in [[0.02, 0.0], [0.1, -0.2]] {
+        let mut cloth = cloth(20, 20);
+        let (held, steps) = carry(&mut cloth, 0, way);
+        assert_eq!(held, Some(0));
+        assert_eq!(steps, 6 * DROP_LEG_STEPS);
+    }
+}
+
+#[test]
+fn the_cloth_hangs_from_near_the_carrying_height_when_it_is_let_go() {
+    let mut whole = cloth(20, 20);
+    let [x, y, _] = whole.positions()[0];
+    let asked = std::cell::Cell::new(0);
+    let let_go_after = |steps: u32| {
+        asked.set(0);
+        move |asked: &std::cell::Cell<u32>| {
+            asked.set(asked.get() + 1);
+            asked.get() > steps
+        }
+    };
+    // The interruption comes when the sphere has arrived over the place, before it opens.
+    let stop = let_go_after(4 * DROP_LEG_STEPS);
+    whole
+        .pick_and_place([x, y], [x + 0.05, y], &|| stop(&asked))
+        .unwrap_err();
+    let [held_x, _, held_z] = whole.positions()[0];
+    let carried_m = Params::with_dropping_picker().picker_lift_height_m;
+    // The sphere's radius and skin lie between its centre and what it came down on.
+    assert!((carried_m - held_z).abs() < 0.02, "{held_z}");
+    assert!((held_x - (x + 0.05)).abs() < 0.012, "{held_x}");
+}
+
+#[test]
+fn a_corner_pulled_outward_stretches_a_cloth_that_was_folded_over() {
+    // Fold a corner inward by dropping it, then pull it out again the same way.
+    let mut cloth = cloth(30, 30);
+    let flat = cloth.positions();
+    carry(&mut cloth, 0, [0.06, -0.06]);
+    let diagonal_m = |points: &[[f32; 3]]| {
+        let (from, to) = (points[0], points[points.len() - 1]);
+        (to[0] - from[0]).hypot(to[1] - from[1])
+    };
+    let folded = diagonal_m(&cloth.positions()) / diagonal_m(&flat);
+    carry(&mut cloth, 0, [-0.08, 0.08]);
+    let pulled = diagonal_m(&cloth.positions()) / diagonal_m(&flat);
+    assert!(folded < 0.85, "{folded}");
+    assert!((0.97..1.05).contains(&pulled), "{pulled}, from {folded}");
+}
+
+#[test]
+fn the_cloth_comes_to_rest_before_the_next_action() {
+    let mut cloth = cloth(20, 20);
+    carry(&mut cloth, 0, [0.05, -0.05]);
+    let before = cloth.digest();
+    cloth.settle(50).unwrap();
+    let after = cloth.positions();
+    assert!(after.iter().all(|point| point[2] < 0.05));
+    assert_eq!(
+        cloth.digest(),
+        before,
+        "still moving after the picker went home"
+    );
+}
+
+#[test]
+fn the_other_pickers_hash_is_what_it_was_without_a_choice() {
+    let json = serde_json::to_string(&Params::default()).unwrap();
+    assert!(!json.contains("picker_route"), "{json}");
+    assert_ne!(
+        Params::with_dropping_picker().hash(),
+        Params::default().hash()
+    );
+    let text = serde_json::to_string(&Params::with_dropping_picker()).unwrap();
+    let read: Params = serde_json::from_str(&text).unwrap();
+    assert_eq!(read.picker_route, Route::Drop);
+}

@@ -1,0 +1,132 @@
+//! `fabc bench`: a suite of many rollouts, and its table.
+//!
+//! What a suite is, how it is carried out and what is said of it is `runtime::bench`; here files are found, tasks
+//! compiled, and tables printed and written.
+
+mod prepare;
+mod report;
+mod suites;
+
+use crate::cli::bench::BenchArguments;
+use crate::exit::{Exit, Failure};
+use crate::{output, setting};
+use runtime::bench::play::{self, Phase, Results};
+use runtime::bench::{Bench, BenchError, rows};
+use runtime::cache::Cache;
+use runtime::outcome::Outcome;
+use std::num::NonZero;
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Instant;
+
+/// Carries out a suite and reports it.
+pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
+    let begun = Instant::now();
+    let found = suites::find(&arguments.suite)?;
+    let suite = suites::narrowed(found.suite, arguments.variant.as_deref());
+    let interrupt = setting::interrupt()?;
+    let models = prepare::models(&suite, &arguments.model)?;
+    let threads = arguments.jobs.map_or_else(
+        || thread::available_parallelism().map_or(1, NonZero::get),
+        usize::from,
+    );
+    let prepared = prepare::prepare(&suite, &found.folder, arguments, threads)?;
+    let out = out_folder(arguments.out.as_deref(), &found.name)?;
+    let cache = cache(&out);
+    let Some(entries) = prepare::entries(&suite, &prepared, &models, arguments, &interrupt)? else {
+        return Err(Failure::interrupted());
+    };
+    let bench = Bench {
+        suite: &suite,
+        tasks: prepared.into_iter().map(|it| it.task).collect(),
+        entries,
+        make_world: &setting::world,
+        out: out.clone(),
+        threads,
+        cache: &cache,
+        interrupt: &interrupt,
+    };
+    output::talk(&report::plan(&found.name, &bench, arguments.shard));
+    let results = play::play(&bench, &show);
+    output::progress("");
+    let results = results.map_err(failure)?;
+    let rows = rows::rows(&bench, &results);
+    let report = report::Report {
+        name: &found.name,
+        bench: &bench,
+        results: &results,
+        rows: &rows,
+        wall_s: begun.elapsed().as_secs_f64(),
+    };
+    report.write(&out)?;
+    if arguments.json {
+        output::json(&report.json());
+    } else {
+        output::data(&report.text());
+    }
+    output::talk(&report.told());
+    Ok(exit_of(&results))
+}
+
+fn failure(error: BenchError) -> Failure {
+    Failure::environment(error)
+}
+
+/// Makes the folder of a suite's runs.
+fn out_folder(named: Option<&Path>, suite: &str) -> Result<PathBuf, Failure> {
+    let cannot = |path: &Path, error: std::io::Error| {
+        Failure::environment(format!(
+            "cannot make the folder `{}`: {error}",
+            path.display()
+        ))
+    };
+    if let Some(path) = named {
+        std::fs::create_dir_all(path).map_err(|error| cannot(path, error))?;
+        return Ok(path.to_owned());
+    }
+    let parent = Path::new("runs");
+    std::fs::create_dir_all(parent).map_err(|error| cannot(parent, error))?;
+    for number in 1..=9999u32 {
+        let path = parent.join(format!("bench-{suite}-{number:04}"));
+        match std::fs::create_dir(&path) {
+            Ok(()) => return Ok(path),
+            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(cannot(&path, error)),
+        }
+    }
+    Err(Failure::environment(format!(
+        "`{}` holds 9999 runs of `{suite}` already; name a folder with `--out`",
+        parent.display()
+    )))
+}
+
+/// Opens the user's cache, else one beside the runs: without any, every rollout would simulate its own experts.
+fn cache(out: &Path) -> Cache {
+    match setting::cache() {
+        cache if cache.is_kept() => cache,
+        _ => Cache::at(out.join("cache")),
+    }
+}
+
+fn show(phase: Phase, done: usize, of: usize) {
+    let what = match phase {
+        Phase::Starts => "starts laid",
+        Phase::Experts => "expert ends known",
+        Phase::Rollouts => "rollouts finished",
+    };
+    output::progress(&format!("{done} of {of} {what}"));
+}
+
+/// A suite is done when its rollouts have ended, however they did; only where none could even be played has
+/// the environment failed.
+fn exit_of(results: &Results) -> Exit {
+    let failed = |outcome: Outcome| matches!(outcome, Outcome::ModelFailed | Outcome::WorldFailed);
+    if results.interrupted {
+        return Exit::Interrupted;
+    }
+    let mut outcomes = results.rollouts.iter().map(|played| played.record.outcome);
+    if !results.rollouts.is_empty() && outcomes.all(failed) {
+        return Exit::Environment;
+    }
+    Exit::Done
+}

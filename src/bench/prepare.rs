@@ -1,0 +1,236 @@
+//! Compiles a suite's tasks, finds its starts and models.
+
+use crate::cli::bench::{BenchArguments, Shard};
+use crate::exit::Failure;
+use crate::{output, setting, sources};
+use compiler::program::Program;
+use runtime::bench::suite::{Method, Suite};
+use runtime::bench::{Entry, Task, starts};
+use runtime::examples::Examples;
+use runtime::interrupt::Interrupt;
+use runtime::model::Model;
+use runtime::parallel::in_parallel;
+use runtime::subgoals::{SubgoalError, SubgoalSet};
+use runtime::world::WorldError;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// A task with all of its variants, for its own cloth and for those of its starts.
+pub struct Prepared {
+    /// The task and its starts.
+    pub task: Task,
+    folder: PathBuf,
+    file: String,
+    /// The task and its variants, for the declared cloth.
+    declared: Vec<Program>,
+    /// Likewise, by the grid of a start.
+    by_grid: BTreeMap<[u32; 2], Vec<Program>>,
+}
+
+/// Finds every model that a suite asks for, by name.
+pub fn models(suite: &Suite, named: &str) -> Result<BTreeMap<String, Box<dyn Model>>, Failure> {
+    let mut models = BTreeMap::new();
+    let methods = suite.methods.iter().map(|method| model_of(method, named));
+    for name in methods {
+        if !models.contains_key(name) {
+            models.insert(name.to_owned(), setting::model(name)?);
+        }
+    }
+    Ok(models)
+}
+
+fn model_of<'m>(method: &'m Method, named: &'m str) -> &'m str {
+    method.model.as_deref().unwrap_or(named)
+}
+
+/// Compiles the tasks and lists their starts; tasks without recorded starts are left out aloud.
+pub fn prepare(
+    suite: &Suite,
+    folder: &Path,
+    arguments: &BenchArguments,
+    threads: usize,
+) -> Result<Vec<Prepared>, Failure> {
+    let mut tasks = Vec::new();
+    for file in &suite.tasks {
+        let path = folder.join(file);
+        let file = path.display().to_string();
+        let declared = sources::compile_tasks(&file, None)?;
+        let mut bare = declared.iter().filter(|program| program.variant.is_none());
+        let (Some(program), None) = (bare.next(), bare.next()) else {
+            return Err(Failure::environment(format!(
+                "`{file}` declares several tasks; a suite needs one a file"
+            )));
+        };
+        let program = program.clone();
+        let points = match &arguments.starts {
+            None => starts::generated(&suite.starts, &program.cloth),
+            Some(recorded) => {
+                starts::recorded(recorded, &program.task).map_err(Failure::environment)?
+            }
+        };
+        let points = chosen(points, arguments.limit, arguments.shard);
+        if points.is_empty() {
+            output::talk(&format!(
+                "`{}` is left out: there is no start for it here",
+                program.task
+            ));
+            continue;
+        }
+        tasks.push(Prepared {
+            task: Task {
+                name: program.task.clone(),
+                program,
+                starts: points,
+            },
+            folder: sources::folder_of(&file),
+            file,
+            declared,
+            by_grid: BTreeMap::new(),
+        });
+    }
+    if tasks.is_empty() {
+        return Err(Failure::environment(
+            "no task of the suite has a start; `--starts` names recorded ones, `--shard` a part of them",
+        ));
+    }
+    compile_all(&mut tasks, threads)?;
+    Ok(tasks)
+}
+
+/// Keeps the first starts, and of those every one of a part.
+fn chosen<T>(points: Vec<T>, limit: Option<u32>, shard: Option<Shard>) -> Vec<T> {
+    let limit = limit.map_or(usize::MAX, |limit| limit as usize);
+    let Shard { part, of } = shard.unwrap_or(Shard { part: 1, of: 1 });
+    let first = points.into_iter().take(limit);
+    first.skip(part as usize - 1).step_by(of as usize).collect()
+}
+
+/// Compiles every task for the grid of every start.
+fn compile_all(tasks: &mut [Prepared], threads: usize) -> Result<(), Failure> {
+    let mut jobs = Vec::new();
+    for (number, prepared) in tasks.iter().enumerate() {
+        let grids: BTreeSet<_> = prepared.task.starts.iter().map(|it| it.grid()).collect();
+        jobs.extend(grids.into_iter().map(|grid| (number, grid)));
+    }
+    let compiled = in_parallel(
+        jobs.len(),
+        threads,
+        |index| {
+            let (number, grid) = jobs[index];
+            programs_for(&tasks[number], grid).map(Some)
+        },
+        |_| {},
+    )?;
+    for ((number, grid), programs) in jobs.into_iter().zip(compiled) {
+        tasks[number]
+            .by_grid
+            .insert(grid, programs.unwrap_or_default());
+    }
+    Ok(())
+}
+
+fn programs_for(prepared: &Prepared, grid: [u32; 2]) -> Result<Vec<Program>, Failure> {
+    let cloth = &prepared.task.program.cloth;
+    if [cloth.dimx, cloth.dimy] == grid {
+        return Ok(prepared.declared.clone());
+    }
+    sources::compile_tasks_for(&prepared.file, None, grid)
+}
+
+/// Pairs tasks with methods; None where the user stopped the drawing of subgoals.
+pub fn entries<'a>(
+    suite: &'a Suite,
+    prepared: &[Prepared],
+    models: &'a BTreeMap<String, Box<dyn Model>>,
+    arguments: &BenchArguments,
+    interrupt: &Interrupt,
+) -> Result<Option<Vec<Entry<'a>>>, Failure> {
+    let mut entries = Vec::new();
+    for (number, prepared) in prepared.iter().enumerate() {
+        for method in &suite.methods {
+            let Some(shown) = variant_of(&prepared.declared, method) else {
+                refuse_or_say(prepared, method, arguments)?;
+                continue;
+            };
+            let Some(subgoals) = subgoals(shown, &prepared.folder, interrupt)? else {
+                return Ok(None);
+            };
+            let programs = prepared.by_grid.iter().filter_map(|(grid, programs)| {
+                Some((*grid, variant_of(programs, method)?.clone()))
+            });
+            let Some(model) = models.get(model_of(method, &arguments.model)) else {
+                continue;
+            };
+            let examples = Examples::load(shown, &prepared.folder);
+            entries.push(Entry {
+                task: number,
+                method,
+                model: model.as_ref(),
+                programs: programs.collect(),
+                subgoals,
+                examples: examples.map_err(Failure::environment)?,
+                repeats: match model.varies() {
+                    true => arguments
+                        .repeats
+                        .or(method.repeats)
+                        .unwrap_or(suite.repeats),
+                    false => 1,
+                },
+            });
+        }
+    }
+    if entries.is_empty() {
+        return Err(Failure::environment(
+            "no task of the suite has a variant that its methods name",
+        ));
+    }
+    Ok(Some(entries))
+}
+
+fn variant_of<'p>(programs: &'p [Program], method: &Method) -> Option<&'p Program> {
+    programs
+        .iter()
+        .find(|program| program.variant == method.variant)
+}
+
+fn refuse_or_say(
+    prepared: &Prepared,
+    method: &Method,
+    arguments: &BenchArguments,
+) -> Result<(), Failure> {
+    let variant = method.variant.as_deref().unwrap_or_default();
+    if method.optional {
+        output::talk(&format!(
+            "`{}` has no variant `{variant}`: its row `{}` is left out",
+            prepared.task.name, method.name
+        ));
+        return Ok(());
+    }
+    let names = prepared
+        .declared
+        .iter()
+        .filter_map(|program| program.variant.as_deref());
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    let there = match names.is_empty() {
+        true => "there is none".to_owned(),
+        false => format!("there is {}", names.join(", ")),
+    };
+    let why = format!("`{}` has no variant `{variant}`; {there}", prepared.file);
+    Err(match arguments.variant.is_some() {
+        true => Failure::usage(why),
+        false => Failure::environment(why),
+    })
+}
+
+/// Finds or draws the pictures of the declared cloth; None where the user stopped it.
+fn subgoals(
+    program: &Program,
+    folder: &Path,
+    interrupt: &Interrupt,
+) -> Result<Option<SubgoalSet>, Failure> {
+    let mut world = setting::world(program).map_err(Failure::environment)?;
+    match SubgoalSet::obtain(program, folder, world.as_mut(), interrupt) {
+        Err(SubgoalError::World(WorldError::Interrupted)) => Ok(None),
+        obtained => Ok(Some(obtained.map_err(Failure::environment)?)),
+    }
+}

@@ -1,0 +1,163 @@
+//! What `fabc bench` prints and writes.
+
+use crate::cli::bench::Shard;
+use crate::exit::Failure;
+use crate::store;
+use runtime::bench::Bench;
+use runtime::bench::play::Results;
+use runtime::bench::rows::Row;
+use runtime::bench::{statistics, table};
+use runtime::model::Nature;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// A suite that was carried out.
+pub struct Report<'a> {
+    /// The suite's name.
+    pub name: &'a str,
+    /// What was to be done.
+    pub bench: &'a Bench<'a>,
+    /// What was done.
+    pub results: &'a Results,
+    /// The figures.
+    pub rows: &'a [Row],
+    /// Wall time of all, seconds.
+    pub wall_s: f64,
+}
+
+/// Says what a suite is about to do.
+pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
+    let rollouts: usize = bench
+        .entries
+        .iter()
+        .map(|entry| bench.tasks[entry.task].starts.len() * entry.repeats as usize)
+        .sum();
+    let models: BTreeSet<String> = bench
+        .entries
+        .iter()
+        .map(|entry| match entry.model.nature() {
+            Nature::StandIn => format!(
+                "{} (a stand-in, no vision-language model)",
+                entry.model.name()
+            ),
+            Nature::Model => entry.model.name().to_owned(),
+        })
+        .collect();
+    let models: Vec<String> = models.into_iter().collect();
+    let part = shard.map_or(String::new(), |Shard { part, of }| {
+        format!(", part {part} of {of} of the starts")
+    });
+    format!(
+        "{name}: {} in `{}`{part}, {} at a time; model {}",
+        counted(rollouts, "rollout"),
+        bench.out.display(),
+        bench.threads,
+        models.join(", ")
+    )
+}
+
+fn counted(count: usize, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
+    }
+}
+
+impl Report<'_> {
+    /// Returns the document that `--json` prints.
+    pub fn json(&self) -> Value {
+        json!({
+            "suite": self.name,
+            "wall_s": self.wall_s,
+            "params": self.results.params,
+            "out": self.bench.out.display().to_string(),
+            "interrupted": self.results.interrupted,
+            "rollouts": {
+                "planned": self.results.planned,
+                "finished": self.results.rollouts.len(),
+                "found": self.results.found,
+            },
+            "spent": self.results.spent,
+            "planning_s": self.planning_s(),
+            "rows": self.rows,
+        })
+    }
+
+    /// Returns the tables for a terminal.
+    pub fn text(&self) -> String {
+        match self.rows.is_empty() {
+            true => "no rollout has finished: there is nothing to tabulate".to_owned(),
+            false => table::text(self.bench.suite, self.rows),
+        }
+    }
+
+    /// Writes table.csv, table.json and table.md.
+    pub fn write(&self, out: &Path) -> Result<(), Failure> {
+        let json = serde_json::to_string_pretty(&self.json());
+        let json = json.map_err(Failure::environment)?;
+        let files = [
+            ("table.csv", table::csv(self.rows)),
+            ("table.json", json + "\n"),
+            (
+                "table.md",
+                table::markdown(self.name, self.bench.suite, self.rows),
+            ),
+        ];
+        for (name, text) in files {
+            let path = out.join(name);
+            store::write_whole(&path, text.as_bytes()).map_err(|error| {
+                Failure::environment(format!("cannot write `{}`: {error}", path.display()))
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Says what the work took.
+    pub fn told(&self) -> String {
+        let spent = &self.results.spent;
+        let mut lines = Vec::new();
+        if self.results.interrupted {
+            lines.push(format!(
+                "interrupted: {} of {} rollouts have ended; the same `--out` goes on from there",
+                self.results.rollouts.len(),
+                self.results.planned
+            ));
+        } else if self.results.found > 0 {
+            lines.push(format!(
+                "{} of {} rollouts had ended before and were not run again",
+                self.results.found, self.results.planned
+            ));
+        }
+        if spent.experts > 0 {
+            let kind = match spent.experts_simulated {
+                0 => "warm: all were kept".to_owned(),
+                count => format!("cold: {count} of {} simulated", spent.experts),
+            };
+            lines.push(format!("expert ends: {:.1} s ({kind})", spent.experts_s));
+        }
+        lines.push(format!(
+            "starts {:.1} s, rollouts {:.1} s, in all {:.1} s",
+            spent.starts_s, spent.rollouts_s, self.wall_s
+        ));
+        if let Some(planning_s) = self.planning_s() {
+            lines.push(format!(
+                "planning without the model: {:.0} ms per action (render, vision, prompt, parse, verify)",
+                planning_s * 1000.0
+            ));
+        }
+        lines.push(format!(
+            "tables: {} (table.csv, table.json, table.md)",
+            self.bench.out.display()
+        ));
+        lines.join("\n")
+    }
+
+    /// Mean over all actions.
+    fn planning_s(&self) -> Option<f64> {
+        let rollouts = self.results.rollouts.iter();
+        let steps = rollouts.flat_map(|played| &played.record.steps);
+        let planning: Vec<f64> = steps.filter_map(|step| step.planning_s).collect();
+        statistics::mean(&planning)
+    }
+}

@@ -1,0 +1,101 @@
+//! Where suites are found, and how the command line narrows them.
+
+use crate::exit::Failure;
+use crate::sources;
+use runtime::bench::suite::{Method, Suite};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Where shipped suites lie, relative to the working folder.
+const FOLDER: &str = "tasks/suites";
+
+/// A suite that was found.
+pub struct Found {
+    /// The file's name without its ending.
+    pub name: String,
+    /// The folder of the file; its tasks are relative to it.
+    pub folder: PathBuf,
+    /// What it says.
+    pub suite: Suite,
+}
+
+/// Finds a suite by its name or path, and reads it.
+pub fn find(wanted: &str) -> Result<Found, Failure> {
+    let is_path = wanted.ends_with(".toml") || wanted.contains(['/', '\\']);
+    let path = match is_path {
+        true => PathBuf::from(wanted),
+        false => Path::new(FOLDER).join(format!("{wanted}.toml")),
+    };
+    if !path.is_file() {
+        return Err(Failure::usage(format!(
+            "there is no suite `{wanted}`: looked for the file `{}` in the working folder; {}",
+            path.display(),
+            there()
+        )));
+    }
+    let wrong = |why: String| {
+        Failure::environment(format!("the suite `{}` is wrong: {why}", path.display()))
+    };
+    let bytes = sources::read_bounded(&path).map_err(wrong)?;
+    let text = String::from_utf8(bytes).map_err(|_| wrong("it is not UTF-8 text".to_owned()))?;
+    let suite = Suite::parse(&text).map_err(|error| wrong(error.to_string()))?;
+    let name = path.file_stem().unwrap_or_default();
+    Ok(Found {
+        name: name.to_string_lossy().into_owned(),
+        folder: path.parent().map(Path::to_owned).unwrap_or_default(),
+        suite,
+    })
+}
+
+/// Says which suites there are where shipped ones lie.
+fn there() -> String {
+    let files = fs::read_dir(FOLDER).into_iter().flatten().flatten();
+    let mut names: Vec<String> = files
+        .filter_map(|file| {
+            let name = file.file_name().into_string().ok()?;
+            Some(format!("`{}`", name.strip_suffix(".toml")?))
+        })
+        .collect();
+    names.sort();
+    match names.is_empty() {
+        true => format!(
+            "`{FOLDER}` holds none here, so go to the project's folder or name a .toml file"
+        ),
+        false => format!("`{FOLDER}` holds {}", names.join(", ")),
+    }
+}
+
+/// Leaves only the methods of a variant; one that no method has becomes a method of its own.
+pub fn narrowed(mut suite: Suite, variant: Option<&str>) -> Suite {
+    let Some(variant) = variant else {
+        return suite;
+    };
+    suite
+        .methods
+        .retain(|method| method.variant.as_deref() == Some(variant));
+    // Who names a variant wants to hear of it where a task has none such.
+    suite
+        .methods
+        .iter_mut()
+        .for_each(|method| method.optional = false);
+    if suite.methods.is_empty() {
+        suite.methods.push(Method {
+            name: variant.to_owned(),
+            variant: Some(variant.to_owned()),
+            model: None,
+            repeats: None,
+            optional: false,
+            note: None,
+            stand_in_note: None,
+        });
+    }
+    let names: Vec<String> = suite
+        .methods
+        .iter()
+        .map(|method| method.name.clone())
+        .collect();
+    suite
+        .gaps
+        .retain(|gap| names.contains(&gap.of) && names.contains(&gap.over));
+    suite
+}
