@@ -139,6 +139,8 @@ kinds! {
     WithPicture with_picture "`with picture`.",
     Relax relax "`then without NAME, …`.",
     ElseSkip else_skip "`else skip`.",
+    Result result "`result overlap > N, retries N else \"…\"`.",
+    Retries retries "`retries N`.",
     Guard guard "`when …`.",
     Variant variant "`variant NAME { … }`.",
     VariantHead variant_head "Its first words.",

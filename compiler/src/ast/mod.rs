@@ -290,6 +290,17 @@ pub(crate) struct Verify {
     pub span: Span,
     pub checks: Vec<Check>,
     pub attempts: Vec<Attempts>,
+    pub results: Vec<ResultCheck>,
+}
+
+/// `result overlap > N, retries N else "…"`.
+#[derive(Clone, Debug)]
+pub(crate) struct ResultCheck {
+    pub span: Span,
+    pub above: Expr,
+    pub retries: Option<Expr>,
+    pub message: Option<Text>,
+    pub has_faults: bool,
 }
 
 /// `attempts N with picture, then without NAME, …, else skip`.
