@@ -18,6 +18,8 @@ pub mod statistics;
 pub mod suite;
 pub mod table;
 
+mod experts;
+
 use crate::cache::Cache;
 use crate::examples::Examples;
 use crate::interrupt::Interrupt;
@@ -41,7 +43,7 @@ pub struct Bench<'a> {
     /// What is done with them: a task and a method each.
     pub entries: Vec<Entry<'a>>,
     /// Makes the world of a program; equal programs get equal worlds.
-    pub make_world: &'a (dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync),
+    pub make_world: &'a MakeWorldOf<'a>,
     /// Where run folders are made.
     pub out: PathBuf,
     /// Rollouts side by side.
@@ -51,6 +53,9 @@ pub struct Bench<'a> {
     /// A request to stop early.
     pub interrupt: &'a Interrupt,
 }
+
+/// Makes the world of a program.
+pub type MakeWorldOf<'a> = dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
 /// A task and where its cloth lies at first.
 pub struct Task {
