@@ -140,6 +140,20 @@ pub enum BenchError {
         /// Particles along both sides.
         grid: [u32; 2],
     },
+    /// A start is one of the examples in the prompts.
+    #[error(
+        "the start `{start}` of `{task}` is that of demonstration {demonstration}, which `{method}` tells the model: a result from it would be no test; make the demonstrations again with another `--seed`"
+    )]
+    Demonstrated {
+        /// The task.
+        task: String,
+        /// The method.
+        method: String,
+        /// The start.
+        start: String,
+        /// The demonstration, from 1.
+        demonstration: usize,
+    },
     /// A thread cannot be started.
     #[error(transparent)]
     Threads(#[from] std::io::Error),

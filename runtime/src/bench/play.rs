@@ -88,6 +88,7 @@ pub fn play(
         return Ok(interrupted(results));
     };
     results.spent.starts_s = begun.elapsed().as_secs_f64();
+    refuse_examples(bench, &laid)?;
     results.params = params(bench)?;
     let begun = Instant::now();
     let is_whole = experts::simulate(bench, &laid, progress, &mut results.spent)?;
@@ -112,6 +113,23 @@ pub fn play(
     results.spent.rollouts_s = begun.elapsed().as_secs_f64();
     results.interrupted = results.rollouts.len() < results.planned;
     Ok(results)
+}
+
+/// Fails where a start of the suite is one that a model is told as an example.
+fn refuse_examples(bench: &Bench<'_>, laid: &Laid) -> Result<(), BenchError> {
+    for entry in &bench.entries {
+        for start in &laid[entry.task] {
+            if let Some(demonstration) = entry.examples.demonstrates(start) {
+                return Err(BenchError::Demonstrated {
+                    task: bench.tasks[entry.task].name.clone(),
+                    method: entry.method.name.clone(),
+                    start: start.name.clone(),
+                    demonstration,
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 fn interrupted(results: Results) -> Results {
