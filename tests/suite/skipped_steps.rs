@@ -167,5 +167,5 @@ fn without_the_words_a_correction_has_no_picture() {
     let wrong = inward();
     let played = play("attempts 2", 1, &[&wrong, &outward()]);
     assert!(pictures(last_parts(&played.asked[1])).is_empty());
-    assert_eq!(support::small_task().verify.with_picture, false);
+    assert!(!support::small_task().verify.with_picture);
 }
