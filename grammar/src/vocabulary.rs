@@ -56,6 +56,9 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::with_word | Rule::with_picture => "`with`",
         Rule::picture_word => "`picture`",
         Rule::skip_word => "`skip`",
+        Rule::overlap_word => "`overlap`",
+        Rule::above => "`>`",
+        Rule::retries_word | Rule::retries => "`retries`",
         Rule::within_word => "`within`",
         _ => return None,
     };
@@ -78,6 +81,7 @@ pub(crate) fn is_continuation(rule: Rule) -> bool {
             | Rule::relax
             | Rule::with_picture
             | Rule::else_skip
+            | Rule::retries
             | Rule::unit
             | Rule::known_unit
             | Rule::open_paren
@@ -129,7 +133,7 @@ pub(crate) const EXAMPLE: &[&str] = &["say", "image", "reply"];
 pub(crate) const TEST: &[&str] = &["given", "reply", "expect"];
 
 /// The words that begin a line of `verify`.
-pub(crate) const VERIFY: &[&str] = &["check", "attempts"];
+pub(crate) const VERIFY: &[&str] = &["check", "attempts", "result"];
 
 /// Returns whether a word of the language can name nothing.
 pub fn is_keyword(word: &str) -> bool {

@@ -144,6 +144,8 @@ pub struct Situation<'a> {
     pub observation: &'a Observation,
     /// Which step this is, from 1.
     pub step: u32,
+    /// What is said of the step's result so far, where it is asked again.
+    pub remark: Option<&'a str>,
     /// The action before.
     pub last: Option<&'a Done>,
     /// What can be shown.

@@ -8,6 +8,7 @@ use crate::action::Action;
 use crate::agent::{Accepted, Attempt};
 use crate::model::{Part, Request, Speaker};
 use crate::outcome::Outcome;
+use crate::result::StepResult;
 use crate::rollout::Measures;
 use crate::store;
 use crate::world::Executed;
@@ -84,6 +85,9 @@ pub struct StepLine {
     /// How much the cloth covers after it, where the world knows.
     #[serde(flatten)]
     pub measures: Measures,
+    /// The cloth after it beside the next subgoal, where the task compares them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub result: Option<StepResult>,
     /// What the rollout would have ended with, where the step was skipped instead.
     pub skipped: Option<Outcome>,
     /// Time of render, vision, prompt, parse and verify, seconds; null where no action was asked for.

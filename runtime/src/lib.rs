@@ -36,6 +36,7 @@ pub mod outcome;
 pub mod parallel;
 pub mod picture;
 pub mod pictures;
+pub mod result;
 pub mod see;
 pub mod start;
 pub mod subgoals;
@@ -51,3 +52,4 @@ mod digest;
 #[cfg(test)]
 #[path = "../../tests/recorded_data.rs"]
 mod recorded;
+mod regions;

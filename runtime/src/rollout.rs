@@ -21,6 +21,7 @@ use crate::interrupt::Interrupt;
 use crate::journal::{JournalError, Line, RunFolder};
 use crate::model::ModelRole;
 use crate::outcome::Outcome;
+use crate::result::StepResult;
 use crate::sheet::Sheet;
 use crate::start::Start;
 use crate::subgoals::SubgoalSet;
@@ -157,8 +158,10 @@ pub fn run(
     let mut memory = Memory::default();
     let mut covered = Covered::at_start(job, world.as_ref());
     let mut end = Outcome::HorizonReached;
-    for step in 1..=job.horizon() {
-        let mut turn = Turn::new(job, step);
+    let mut tries = Tries::default();
+    while let Some(step) = tries.step(job) {
+        tries.number += 1;
+        let mut turn = Turn::new(job, tries.number, step, tries.before);
         let mut stopped = turn.take(
             world.as_mut(),
             &mut memory,
@@ -176,6 +179,10 @@ pub fn run(
         turn.timer.write(&mut turn.line.seconds);
         keeper.folder.append(&Line::Step(&turn.line))?;
         keeper.count(&turn.line, &turn.timer);
+        if tries.before.is_some() && turn.line.executed.is_some() {
+            keeper.tally.retries += 1;
+        }
+        tries.after(job, turn.line.result);
         if let Some(outcome) = stopped {
             end = outcome;
             break;
@@ -205,6 +212,38 @@ pub fn run(
         &sheet,
         begun.elapsed(),
     )
+}
+
+/// Which step an action is for.
+#[derive(Default)]
+struct Tries {
+    /// Actions begun.
+    number: u32,
+    /// Steps that are over.
+    done: u32,
+    /// Further actions begun for the step under way.
+    retries: u32,
+    /// What the last of its actions came to, where it has to be tried again.
+    before: Option<StepResult>,
+}
+
+impl Tries {
+    /// Returns the step under way, from 1; none where the rollout is over.
+    fn step(&self, job: &Job<'_>) -> Option<u32> {
+        (self.done < job.horizon()).then_some(self.done + 1)
+    }
+
+    /// Decides whether the step under way is over: its result is like the subgoal, or it was retried enough.
+    fn after(&mut self, job: &Job<'_>, result: Option<StepResult>) {
+        let most = job.program.actions_per_step() - 1;
+        self.before = result.filter(|result| !result.is_enough && self.retries < most);
+        if self.before.is_some() {
+            self.retries += 1;
+        } else {
+            self.done += 1;
+            self.retries = 0;
+        }
+    }
 }
 
 /// Returns the name of the model that answers a role, for headers and reports.

@@ -60,7 +60,8 @@ fn assert_alike(found: Option<[f64; 2]>, wanted: Option<[f64; 2]>, what: &str) {
         return;
     };
     let [found_low, found_high] = found.unwrap();
-    let tolerance = 0.06 * (high - low);
+    // The mean of five values has coarse steps, and 10 000 draws find the next one.
+    let tolerance = 0.08 * (high - low);
     let off = (found_low - low).abs().max((found_high - high).abs());
     assert!(off <= tolerance, "{what}: {found:?}, not {wanted:?}");
 }

@@ -1,7 +1,7 @@
 //! Suites as data: what is refused, and where generated and recorded starts lie.
 #![allow(clippy::unwrap_used)]
 
-use compiler::program::{Camera, Cloth, ClothStart, ImageUp};
+use compiler::program::{Camera, Cloth, ClothStart, ImageUp, Picker};
 use runtime::bench::starts::{self, StartPoint};
 use runtime::bench::suite::{Starts, Suite, SuiteError};
 use runtime::cache::Cache;
@@ -115,7 +115,7 @@ fn lay(point: &StartPoint) -> Start {
         image_px: 64,
         up: ImageUp::Y,
     };
-    let world = SimulatedWorld::new(&camera).unwrap();
+    let world = SimulatedWorld::new(&camera, Picker::default()).unwrap();
     point
         .lay(&world, &Cache::none(), &Interrupt::default())
         .unwrap()
@@ -124,7 +124,7 @@ fn lay(point: &StartPoint) -> Start {
 fn folding() -> Starts {
     Starts::Flat {
         sides: (50..60).collect(),
-        turns_deg: vec![0.0, 30.0, 45.0, 60.0],
+        turns_deg: vec![0.0, -30.0, -45.0, -60.0],
     }
 }
 

@@ -3,16 +3,20 @@
 mod support;
 
 mod agent_loop;
+mod bad_bench_input;
 mod bad_input;
 mod bad_see_input;
 mod bad_sim_input;
 mod bad_starts;
+mod bench;
 mod build;
 mod demos;
+mod free_pick;
 mod job_options;
 mod journal;
 mod model_conformance;
 mod named_ends;
+mod other_grids;
 mod peers;
 mod prompts;
 mod readme;

@@ -2,7 +2,7 @@
 
 use super::support::{self, Scripted};
 use compiler::program::ModelRole;
-use runtime::model::{Geometric, Message, Model, Part, Png, Request, Speaker};
+use runtime::model::{Geometric, Imperfect, Message, Model, Part, Png, Random, Request, Speaker};
 
 /// Fails with the name of the promise that a model breaks.
 fn conforms(make: &dyn Fn() -> Box<dyn Model>) {
@@ -66,12 +66,44 @@ fn requests() -> Vec<Request> {
             (ModelRole::Text, messages),
         ]
     });
-    both.map(request).collect()
+    let mut all: Vec<Request> = both.map(request).collect();
+    let bare = all[9].clone();
+    all.extend(schemas().into_iter().map(|schema| Request {
+        schema: Some(schema),
+        ..bare.clone()
+    }));
+    all
+}
+
+/// What an answer may be said to be, good and bad.
+fn schemas() -> Vec<serde_json::Value> {
+    use serde_json::json;
+    let field = |values: serde_json::Value| json!({ "type": "string", "enum": values });
+    vec![
+        json!({ "properties": { "pick": field(json!(["(1, 2)", "(3, 4)"])), "place": field(json!(["(5, 6)"])) } }),
+        json!({ "properties": { "pick": field(json!([])) } }),
+        json!({ "properties": { "pick": field(json!([1, null])), "direction": field(json!(["x deg", " deg"])) } }),
+        json!({ "properties": { "pick": { "type": "string", "pattern": "^$" } } }),
+        json!({ "properties": 3 }),
+        json!([]),
+    ]
 }
 
 #[test]
 fn the_geometric_stand_in_conforms() {
     conforms(&|| Box::new(Geometric));
+}
+
+#[test]
+fn the_random_policy_conforms() {
+    conforms(&|| Box::new(Random::seeded(3)));
+}
+
+#[test]
+fn the_imperfect_stand_in_conforms() {
+    for rate in [0.0, 0.5, 1.0] {
+        conforms(&|| Box::new(Imperfect::new(rate, 3).unwrap()));
+    }
 }
 
 #[test]

@@ -199,11 +199,13 @@ pub(crate) struct Actions {
     pub has_faults: bool,
 }
 
-/// `NAME: one of …`.
+/// `NAME: one of …`, or `NAME: any of MASK`.
 #[derive(Clone, Debug)]
 pub(crate) struct Field {
     pub name: Ident,
     pub one_of: Vec<Expr>,
+    /// The mask; then `one_of` is empty.
+    pub any_of: Option<Ident>,
 }
 
 /// Whether a component is new or replaces one.
@@ -288,6 +290,17 @@ pub(crate) struct Verify {
     pub span: Span,
     pub checks: Vec<Check>,
     pub attempts: Vec<Attempts>,
+    pub results: Vec<ResultCheck>,
+}
+
+/// `result overlap > N, retries N else "…"`.
+#[derive(Clone, Debug)]
+pub(crate) struct ResultCheck {
+    pub span: Span,
+    pub above: Expr,
+    pub retries: Option<Expr>,
+    pub message: Option<Text>,
+    pub has_faults: bool,
 }
 
 /// `attempts N with picture, then without NAME, …, else skip`.

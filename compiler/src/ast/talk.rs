@@ -3,8 +3,8 @@
 use super::expr::{self, ident};
 use super::lower::{Reader, has_faults, whole};
 use super::{
-    Attempts, Check, Example, Expect, Given, Pictures, Read, Reply, Saying, Sayings, Settings,
-    Stage, Test, Verify, text,
+    Attempts, Check, Example, Expect, Given, Pictures, Read, Reply, ResultCheck, Saying, Sayings,
+    Settings, Stage, Test, Verify, text,
 };
 use grammar::{Kind, Node};
 
@@ -85,6 +85,9 @@ impl Reader {
             attempts: whole(node, Kind::Attempts)
                 .filter_map(|part| self.attempts(part))
                 .collect(),
+            results: whole(node, Kind::Result)
+                .filter_map(|part| self.result(part))
+                .collect(),
         }
     }
 
@@ -97,6 +100,18 @@ impl Reader {
             condition: node
                 .child(Kind::Expr)
                 .and_then(|condition| expr::expr(self.file, condition)),
+            message: text::first(self.file, node),
+            has_faults: has_faults(node),
+        })
+    }
+
+    fn result(&self, node: Node<'_>) -> Option<ResultCheck> {
+        Some(ResultCheck {
+            span: self.span(node),
+            above: expr::first(self.file, node)?,
+            retries: node
+                .child(Kind::Retries)
+                .and_then(|retries| expr::first(self.file, retries)),
             message: text::first(self.file, node),
             has_faults: has_faults(node),
         })

@@ -11,7 +11,9 @@ use super::values::{AsPercent, Frame, FramedLength, NativeLength, Operand, lower
 use crate::ast::{Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic};
 use crate::exact;
-use crate::program::{Camera, Choices, Cloth, KeypointShape, Length, Point, Shown, Written};
+use crate::program::{
+    Camera, Choices, Cloth, KeypointShape, Length, OVERLAP, Point, Shown, Written,
+};
 use crate::space;
 
 /// The name of the constant that spells the answer's format.
@@ -32,7 +34,7 @@ pub(crate) fn check(expr: &Expr, scope: Scope<'_>, context: &mut Context<'_>) ->
         return Some(placed);
     };
     let uses = Uses::of_shown(shown);
-    if uses.action && matches!(scope.place, Place::Stage(_)) {
+    if uses.action && matches!(scope.place, Place::Stage(_) | Place::Result) {
         needs_action(expr.span, context);
         return None;
     }
@@ -109,7 +111,9 @@ fn named(name: &Ident, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pl
             return None;
         }
         Some(Meaning::Text { stage }) => {
-            if matches!(scope.place, Place::Stage(here) if stage >= here) {
+            if matches!(scope.place, Place::Stage(here) if stage >= here)
+                || scope.place == Place::Result
+            {
                 context.push(late(
                     format!("`{}` is not read before this stage", name.text),
                     "stages run in order; a text is known to the stages after the one that reads it",
@@ -128,6 +132,7 @@ fn named(name: &Ident, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pl
                 return operand(&expr, context).and_then(|value| written(value, &expr, context));
             }
         },
+        None if name.text == OVERLAP && scope.place == Place::Result => Shown::Text { name: text },
         None if name.text == "step" => {
             let expr = Expr {
                 span: name.span,
@@ -153,7 +158,8 @@ fn unknown(name: &Ident, place: Place, context: &mut Context<'_>) {
             shape.is_some_and(|shape| matches!(shape, KeypointShape::Points | KeypointShape::Point))
         }
         (Meaning::Text { stage }, Place::Stage(here)) => stage < here,
-        (Meaning::Field, Place::Stage(_)) => false,
+        (Meaning::Field, Place::Stage(_))
+        | (Meaning::Text { .. } | Meaning::Field, Place::Result) => false,
         (Meaning::Text { .. } | Meaning::Field, Place::Message | Place::Nowhere) => true,
     });
     let constants: Vec<&str> = context.constants.keys().copied().collect();
@@ -180,6 +186,7 @@ fn dotted(path: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> 
             Choices::Points { .. } => later(Shown::Choices {
                 field: name.to_owned(),
             }),
+            Choices::Region { ref mask } => Placed::Literal(space::any_of(mask)),
             _ => Placed::Literal(space::listed(field, &space::declared(field))),
         });
     }

@@ -21,6 +21,8 @@ pub(crate) enum Place {
     Stage(usize),
     /// In the message of a check: all of these and the action's fields.
     Message,
+    /// In what is said of a step's result before it is asked again: keypoints, and the overlap.
+    Result,
     /// Nowhere yet: a component that no stage says.
     Nowhere,
 }

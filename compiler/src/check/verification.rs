@@ -1,7 +1,7 @@
 //! `verify { check NAME { … } else "…" … attempts 3 }`.
 
 use super::Context;
-use super::quantity::{Measure, Wanted, read_whole};
+use super::quantity::{Measure, Wanted, read, read_whole};
 use super::stages::Prompts;
 use super::templates::{self, Place, Scope};
 use super::{conditions, uses};
@@ -9,7 +9,9 @@ use crate::ast;
 use crate::diag::{Code, Diagnostic};
 use crate::diag::{among, nearest};
 use crate::merge::{Merged, once, unique};
-use crate::program::{Check, Condition, Exhausted, ModelRole, Read, Stage, Template, Verify};
+use crate::program::{
+    Check, Condition, Exhausted, ModelRole, Read, ResultCheck, Stage, Template, Verify,
+};
 use crate::source::Span;
 use crate::verify::OFFERED;
 
@@ -25,6 +27,21 @@ const ATTEMPTS: Wanted = Wanted {
     range_words: "a count from `1` to `10`",
 };
 
+const SHARE: Wanted = Wanted {
+    measure: Measure::Number,
+    range: 0.0..=0.999,
+    range_words: "a share from `0` to `0.999`",
+};
+
+const RETRIES: Wanted = Wanted {
+    measure: Measure::Number,
+    range: 1.0..=5.0,
+    range_words: "a count from `1` to `5`",
+};
+
+/// The name of the template of what is said of a result.
+const RESULT: &str = "result";
+
 /// Builds the checks, and adds their messages to the prompts' templates; what is wrong is left out.
 pub(crate) fn check(
     merged: &Merged<'_>,
@@ -37,6 +54,7 @@ pub(crate) fn check(
         relaxed: Vec::new(),
         with_picture: false,
         exhausted: Exhausted::Ends,
+        result: None,
     };
     let Some(part) = merged.verify else {
         return verify;
@@ -79,7 +97,43 @@ pub(crate) fn check(
             needs_eyes(span, &prompts.stages, context);
         }
     }
+    let results = once(&part.results, "`result`", |part| part.span, context.report);
+    if let Some((result, template)) = results.and_then(|part| self::result(part, context)) {
+        verify.result = Some(result);
+        prompts.templates.push(template);
+    }
     verify
+}
+
+/// Builds the check of a step's result.
+fn result(part: &ast::ResultCheck, context: &mut Context<'_>) -> Option<(ResultCheck, Template)> {
+    let overlap_above = read(&part.above, &SHARE, context);
+    let retries = match &part.retries {
+        Some(count) => read_whole(count, &RETRIES, context),
+        None => Some(1),
+    };
+    let Some(text) = &part.message else {
+        if !part.has_faults {
+            let message = "`result` does not say what a model is told before a step is asked again";
+            context.push(
+                Diagnostic::new(Code::MissingMessage, part.span, message)
+                    .help("add `else \"…\"` at its end"),
+            );
+        }
+        return None;
+    };
+    let scope = Scope {
+        place: Place::Result,
+        has_last: true,
+        guarded: "result",
+    };
+    let template = templates::template(RESULT, text, None, scope, context)?;
+    let check = ResultCheck {
+        overlap_above: overlap_above?,
+        retries: retries?,
+        message: RESULT.to_owned(),
+    };
+    Some((check, template))
 }
 
 /// Reports a picture for a stage whose model sees none.

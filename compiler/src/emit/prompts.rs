@@ -39,6 +39,12 @@ pub(super) fn emit(program: &Program) -> Result<Vec<Artifact>, EmitError> {
         let name = plain_name(&check.name)?;
         add(format!("check.{name}"), template.text.clone());
     }
+    if let Some(result) = &program.verify.result {
+        add(
+            result.message.clone(),
+            find(program, &result.message)?.text.clone(),
+        );
+    }
     Ok(artifacts)
 }
 

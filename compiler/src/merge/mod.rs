@@ -219,9 +219,10 @@ impl<'a> Merged<'a> {
             .is_ok()
     }
 
-    /// Returns whether a rollout needs subgoals: where a stage shows one.
+    /// Returns whether a rollout needs subgoals: where a stage shows one, or results are compared with them.
     pub fn needs_subgoals(&self) -> bool {
-        self.stages.iter().flat_map(|stage| &stage.show).any(|show| {
+        let compares = self.verify.is_some_and(|verify| !verify.results.is_empty());
+        compares || self.stages.iter().flat_map(|stage| &stage.show).any(|show| {
             show.list.iter().any(|(picture, _)| !matches!(&picture.kind, ExprKind::Name(name) if name == "scene"))
         })
     }

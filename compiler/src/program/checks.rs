@@ -18,7 +18,24 @@ pub struct Verify {
     pub with_picture: bool,
     /// What comes of a step whose last answer was refused or could not be read.
     pub exhausted: Exhausted,
+    /// What a step's result must be like, where the task looks at it.
+    pub result: Option<ResultCheck>,
 }
+
+/// What the result of a step must be like, or the step is asked again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ResultCheck {
+    /// The cloth's silhouette and that of the next subgoal, brought to the same place, must overlap by more than this:
+    /// the area of both over the area of either, from 0 to 1.
+    pub overlap_above: f64,
+    /// The most further actions per step.
+    pub retries: u32,
+    /// Template of what the model is told; it may name [`OVERLAP`].
+    pub message: String,
+}
+
+/// The text in which the message of a [`ResultCheck`] finds the overlap, in percent.
+pub const OVERLAP: &str = "overlap";
 
 /// What comes of a step without an answer that may run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -24,7 +24,7 @@ mod values;
 pub use actions::{ActionField, Choices, Direction, LengthChoice, Value};
 pub use annotate::{Layer, Mark, Spot};
 pub use camera::{Camera, ImageUp, PixelPoint};
-pub use checks::{Check, Exhausted, Verify};
+pub use checks::{Check, Exhausted, OVERLAP, ResultCheck, Verify};
 pub use cloth::{Cloth, ClothStart};
 pub use demos::Demos;
 pub use folds::{ClothPoint, Fold, Sequence};
@@ -43,7 +43,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// Version of the shape of [`Program`]; it changes whenever an older reader would misread the data.
-pub const PROGRAM_FORMAT: u32 = 4;
+pub const PROGRAM_FORMAT: u32 = 5;
 
 /// Everything a rollout needs to know about one task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -120,9 +120,16 @@ impl Program {
         }
     }
 
-    /// Returns the largest number of model calls in one step: every stage, asked as often as it may be.
+    /// Returns the largest number of model calls in one step: every stage, asked as often as it may be, for each
+    /// action of the step.
     pub fn calls_per_step(&self) -> u32 {
-        self.stages.len() as u32 * self.verify.attempts
+        self.stages.len() as u32 * self.verify.attempts * self.actions_per_step()
+    }
+
+    /// Returns the largest number of actions in one step: more than one where a step is retried.
+    pub fn actions_per_step(&self) -> u32 {
+        let retries = self.verify.result.as_ref();
+        1 + retries.map_or(0, |result| result.retries)
     }
 }
 

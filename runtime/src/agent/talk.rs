@@ -57,10 +57,14 @@ impl<'a> Talk<'a> {
             .pictures
             .examples
             .told(&stage.name, situation.step);
+        let mut messages = conversation(situation.program, stage, values, told, png)?;
+        if let (Some(remark), Some(question)) = (situation.remark, messages.last_mut()) {
+            question.parts.push(Part::Text(remark.to_owned()));
+        }
         Ok(Talk {
             situation,
             stage,
-            messages: conversation(situation.program, stage, values, told, png)?,
+            messages,
             schema: matches!(stage.read, Read::Action).then(|| schema(situation)),
             asked: 0,
             refused: Vec::new(),

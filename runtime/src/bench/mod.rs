@@ -18,6 +18,8 @@ pub mod statistics;
 pub mod suite;
 pub mod table;
 
+mod experts;
+
 use crate::cache::Cache;
 use crate::examples::Examples;
 use crate::interrupt::Interrupt;
@@ -41,7 +43,7 @@ pub struct Bench<'a> {
     /// What is done with them: a task and a method each.
     pub entries: Vec<Entry<'a>>,
     /// Makes the world of a program; equal programs get equal worlds.
-    pub make_world: &'a (dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync),
+    pub make_world: &'a MakeWorldOf<'a>,
     /// Where run folders are made.
     pub out: PathBuf,
     /// Rollouts side by side.
@@ -51,6 +53,9 @@ pub struct Bench<'a> {
     /// A request to stop early.
     pub interrupt: &'a Interrupt,
 }
+
+/// Makes the world of a program.
+pub type MakeWorldOf<'a> = dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
 /// A task and where its cloth lies at first.
 pub struct Task {
@@ -74,7 +79,7 @@ pub struct Entry<'a> {
     pub programs: BTreeMap<[u32; 2], Program>,
     /// The subgoal pictures, those of the declared cloth.
     pub subgoals: SubgoalSet,
-    /// The pictures of its examples.
+    /// What its stages are told as examples.
     pub examples: Examples,
     /// Rollouts per start, at least 1.
     pub repeats: u32,
@@ -125,6 +130,20 @@ pub enum BenchError {
         /// Particles along both sides.
         grid: [u32; 2],
     },
+    /// A start is one of the examples in the prompts.
+    #[error(
+        "the start `{start}` of `{task}` is that of demonstration {demonstration}, which `{method}` tells the model: a result from it would be no test; make the demonstrations again with another `--seed`"
+    )]
+    Demonstrated {
+        /// The task.
+        task: String,
+        /// The method.
+        method: String,
+        /// The start.
+        start: String,
+        /// The demonstration, from 1.
+        demonstration: usize,
+    },
     /// A thread cannot be started.
     #[error(transparent)]
     Threads(#[from] std::io::Error),
@@ -138,10 +157,11 @@ impl Entry<'_> {
         !(is_free && metrics.iter().any(|metric| metric.is_without_stop()))
     }
 
-    /// Returns how many examples the prompts of the task hold.
+    /// Returns how many examples the prompts of the task hold: demonstrations, else those that the author wrote.
     pub fn data_size(&self) -> usize {
         let program = self.programs.values().next();
         let stages = program.map_or(&[][..], |program| &program.stages);
-        stages.iter().map(|stage| stage.examples.len()).sum()
+        let written: usize = stages.iter().map(|stage| stage.examples.len()).sum();
+        self.examples.data_size() + written
     }
 }

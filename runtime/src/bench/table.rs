@@ -77,103 +77,115 @@ fn escaped(cell: &str) -> String {
     }
 }
 
-/// Returns a table for each task: its head, then its lines.
-fn tables(suite: &Suite, rows: &[Row]) -> Vec<(String, Vec<Vec<String>>)> {
+/// A table, its head first.
+type Lines = Vec<Vec<String>>;
+
+/// Returns two tables for each task: the figures, and what they took.
+fn tables(suite: &Suite, rows: &[Row]) -> Vec<(String, Lines)> {
     let mut tasks: Vec<&str> = rows.iter().map(|row| row.task.as_str()).collect();
     tasks.dedup();
-    let of = |task: &str| {
-        rows.iter()
-            .filter(|row| row.task == task)
-            .collect::<Vec<_>>()
-    };
-    let tables = tasks
-        .into_iter()
-        .map(|task| (task.to_owned(), table(suite, &of(task))));
-    tables.collect()
+    let mut tables = Vec::new();
+    for task in tasks {
+        let lines = lines(rows.iter().filter(|row| row.task == task));
+        tables.push((task.to_owned(), figures(suite, &lines)));
+        tables.push((format!("{task}: what it took"), effort(&lines)));
+    }
+    tables
 }
 
-fn table(suite: &Suite, rows: &[&Row]) -> Vec<Vec<String>> {
-    let there = |metric: &&Metric| rows.iter().any(|row| row.metric == **metric);
-    let metrics: Vec<Metric> = suite.metrics.iter().filter(there).copied().collect();
-    let mut head: Vec<String> = ["method", "model", "actions"].map(str::to_owned).to_vec();
-    head.extend(metrics.iter().map(|metric| metric.heading().to_owned()));
-    head.extend(
-        [
-            "starts",
-            "examples",
-            "queries",
-            "s/action",
-            "planning ms",
-            "cost",
-            "ended",
-        ]
-        .map(str::to_owned),
-    );
-    let mut table = vec![head];
-    let mut keys: Vec<(&str, Option<u32>, bool)> = Vec::new();
+/// Groups rows by what stands on one line of a table: a method and a number of actions.
+fn lines<'r>(rows: impl Iterator<Item = &'r Row>) -> Vec<Vec<&'r Row>> {
+    let mut lines: Vec<Vec<&Row>> = Vec::new();
     for row in rows {
-        let key = (row.method.as_str(), row.horizon, row.quoted);
-        if !keys.contains(&key) {
-            keys.push(key);
+        let key = |row: &Row| (row.method.clone(), row.horizon, row.quoted);
+        let same = lines.iter_mut().find(|line| key(line[0]) == key(row));
+        match same {
+            Some(line) => line.push(row),
+            None => lines.push(vec![row]),
         }
     }
-    for (method, horizon, quoted) in keys {
-        let of_line =
-            |row: &&&Row| row.method == method && row.horizon == horizon && row.quoted == quoted;
-        let line: Vec<&Row> = rows.iter().filter(of_line).copied().collect();
-        table.push(cells(&metrics, &line));
+    lines
+}
+
+fn figures(suite: &Suite, lines: &[Vec<&Row>]) -> Lines {
+    let there = |metric: &&Metric| lines.iter().flatten().any(|row| row.metric == **metric);
+    let metrics: Vec<Metric> = suite.metrics.iter().filter(there).copied().collect();
+    let mut head: Vec<String> = ["method", "model", "actions", "starts"]
+        .map(str::to_owned)
+        .to_vec();
+    head.extend(metrics.iter().map(|metric| metric.heading().to_owned()));
+    let mut table = vec![head];
+    for line in lines {
+        let mut cells = names(line[0]);
+        for metric in &metrics {
+            let row = line.iter().find(|row| row.metric == *metric);
+            cells.push(row.map_or(String::new(), |row| figure(row)));
+        }
+        table.push(cells);
     }
     table
 }
 
-/// Writes one line; `rows` are of one method and one number of actions.
-fn cells(metrics: &[Metric], rows: &[&Row]) -> Vec<String> {
-    let Some(first) = rows.first() else {
-        return Vec::new();
+/// Says what the rollouts of each line took, and how they ended.
+fn effort(lines: &[Vec<&Row>]) -> Lines {
+    let head = [
+        "method",
+        "model",
+        "actions",
+        "starts",
+        "examples",
+        "queries/action",
+        "s/action",
+        "planning, ms",
+        "cost/action",
+        "ended",
+    ];
+    let mut table = vec![head.map(str::to_owned).to_vec()];
+    let number = |value: Option<f64>, digits: usize| {
+        value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
     };
-    let stand_in = if first.model_is_stand_in {
+    // Differences and others' figures took nothing here.
+    for row in lines
+        .iter()
+        .map(|line| line[0])
+        .filter(|row| !row.outcomes.is_empty())
+    {
+        let mut cells = names(row);
+        cells.extend([
+            row.data_size.map_or(String::new(), |size| size.to_string()),
+            number(row.queries, 2),
+            number(row.s_per_action, 2),
+            number(row.planning_s.map(|seconds| seconds * 1000.0), 0),
+            number(row.cost, 2),
+            outcomes(row),
+        ]);
+        table.push(cells);
+    }
+    table
+}
+
+/// Writes the first cells of a line: method, model, actions, starts.
+fn names(row: &Row) -> Vec<String> {
+    let stand_in = if row.model_is_stand_in {
         " (stand-in)"
     } else {
         ""
     };
-    let model = first
-        .model
-        .as_ref()
-        .map(|model| format!("{model}{stand_in}"));
-    let mut cells = vec![
-        if first.quoted {
-            format!("quoted: {}", first.method)
-        } else {
-            first.method.clone()
-        },
-        model.unwrap_or_default(),
-        first
-            .horizon
-            .map_or(String::new(), |horizon| horizon.to_string()),
-    ];
-    for metric in metrics {
-        let row = rows.iter().find(|row| row.metric == *metric);
-        cells.push(row.map_or(String::new(), |row| figure(row)));
-    }
-    let starts = first.n.map(|n| match first.repeats {
+    let model = row.model.as_ref().map(|model| format!("{model}{stand_in}"));
+    let starts = row.n.map(|n| match row.repeats {
         Some(repeats) if repeats > 1 => format!("{n} x {repeats}"),
         _ => n.to_string(),
     });
-    let number = |value: Option<f64>, digits: usize| {
-        value.map_or(String::new(), |value| format!("{value:.digits$}"))
-    };
-    cells.extend([
+    vec![
+        match row.quoted {
+            true => format!("quoted: {}", row.method),
+            false => row.method.clone(),
+        },
+        model.unwrap_or_default(),
+        row.horizon
+            .map_or(String::new(), |horizon| horizon.to_string()),
         starts.unwrap_or_default(),
-        first
-            .data_size
-            .map_or(String::new(), |size| size.to_string()),
-        number(first.queries, 2),
-        number(first.s_per_action, 2),
-        number(first.planning_s.map(|seconds| seconds * 1000.0), 0),
-        number(first.cost, 2),
-        outcomes(first),
-    ]);
-    cells
+    ]
 }
 
 /// Writes a figure with its spread and interval.

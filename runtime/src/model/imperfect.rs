@@ -154,7 +154,7 @@ fn near_last_place(
         .iter()
         .filter(|value| *value != right)
         .collect();
-    let Some(last) = last_place(request) else {
+    let Some(last) = last_place(field, request) else {
         return (!others.is_empty()).then(|| others[chance.below(others.len())].clone());
     };
     let away = |text: &&&String| offered::point(text).map_or(f64::MAX, |it| it.distance_px(last));
@@ -175,24 +175,37 @@ fn off_the_list(field: &Field, right: &str, chance: &mut Chance) -> Option<Strin
     unlisted.next()
 }
 
-/// Reads the first point of the last line of the user's that speaks of the last or previous action.
-fn last_place(request: &Request) -> Option<PixelPoint> {
+/// How many lines after one that speaks of the last action may give its point.
+const LINES_ON: usize = 2;
+
+/// Reads where the cloth was placed last: the first point from a line on that speaks of the last or previous action.
+///
+/// The question is the longest of the user's turns that name every listed point; corrections and examples name others.
+fn last_place(field: &Field, request: &Request) -> Option<PixelPoint> {
     let users = request
         .messages
         .iter()
         .filter(|it| it.speaker == Speaker::User);
-    let texts = users
-        .flat_map(|message| &message.parts)
-        .filter_map(|part| match part {
-            Part::Text(text) => Some(text),
+    let texts = users.map(|message| {
+        let parts = message.parts.iter().filter_map(|part| match part {
+            Part::Text(text) => Some(text.as_str()),
             Part::Image(_) => None,
         });
-    let lines = texts.flat_map(|text| text.lines());
-    let about = lines.filter(|line| {
+        parts.collect::<Vec<_>>().join("\n")
+    });
+    let questions = texts.filter(|text| field.values.iter().all(|value| text.contains(value)));
+    let question = questions.max_by_key(String::len)?;
+    let lines: Vec<&str> = question.lines().collect();
+    let about = |line: &str| {
         let line = line.to_lowercase();
         line.contains("last") || line.contains("previous")
+    };
+    let windows = lines.iter().enumerate().filter(|(_, line)| about(line));
+    let mut points = windows.filter_map(|(at, _)| {
+        let end = lines.len().min(at + 1 + LINES_ON);
+        lines[at..end].iter().find_map(|line| first_point(line))
     });
-    about.filter_map(first_point).last()
+    points.next()
 }
 
 fn first_point(line: &str) -> Option<PixelPoint> {

@@ -213,6 +213,7 @@ impl Keeper {
             progress: self.progress.clone(),
             steps: self.steps,
             skipped_steps: self.tally.skipped_steps(),
+            retries: self.tally.retries,
             skipped: self.tally.skipped.clone(),
             queries: self.tally.queries,
             refusals: self.tally.refusals.clone(),

@@ -39,6 +39,8 @@ pub struct Report {
     pub skipped_steps: u32,
     /// Those steps by what they would have ended the rollout with, e.g. `attempts_exhausted`.
     pub skipped: BTreeMap<String, u32>,
+    /// Executed steps that were further tries, because the result before was not like the subgoal.
+    pub retries: u32,
     /// Requests sent.
     pub queries: u32,
     /// Refused actions by the check that refused them.

@@ -16,6 +16,8 @@ pub(super) struct Tally {
     pub malformed: u32,
     /// Steps that were skipped, by the outcome that they would have been.
     pub skipped: BTreeMap<String, u32>,
+    /// Further actions for steps whose result was not like the subgoal.
+    pub retries: u32,
     planned: u32,
     planning_s: f64,
 }

@@ -10,11 +10,14 @@ use crate::agent::{self, Attempt, Decision, Situation};
 use crate::journal::StepLine;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
+use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
 use crate::world::{World, WorldError};
-use compiler::facts::Done;
-use compiler::program::{Arrow, Which};
+use compiler::facts::{Done, Facts};
+use compiler::program::{Arrow, OVERLAP, Which};
+use compiler::render::{self, RenderError, Values};
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 /// What one step leaves to the next.
@@ -27,7 +30,12 @@ pub(super) struct Memory {
 /// One step under way.
 pub(super) struct Turn<'j> {
     job: &'j Job<'j>,
+    /// Which action of the rollout it is, from 1; names its files.
+    number: u32,
+    /// Which step of the task it is for, from 1.
     step: u32,
+    /// What the action before came to, where it was for the same step.
+    before: Option<StepResult>,
     pub line: StepLine,
     pub timer: Timer,
     /// Spent on the way to an action, without the model and the writing of files.
@@ -35,13 +43,20 @@ pub(super) struct Turn<'j> {
 }
 
 impl<'j> Turn<'j> {
-    /// Begins a step, from 1.
-    pub(super) fn new(job: &'j Job<'j>, step: u32) -> Turn<'j> {
+    /// Begins the action of a number for a step, both from 1; after `before`, where the step is tried again.
+    pub(super) fn new(
+        job: &'j Job<'j>,
+        number: u32,
+        step: u32,
+        before: Option<StepResult>,
+    ) -> Turn<'j> {
         Turn {
             job,
+            number,
             step,
+            before,
             line: StepLine {
-                step,
+                step: number,
                 ..StepLine::default()
             },
             timer: Timer::default(),
@@ -58,7 +73,7 @@ impl<'j> Turn<'j> {
         sheet: &mut Sheet,
         progress: &mut dyn FnMut(Event<'_>),
     ) -> Result<Option<Outcome>, RunError> {
-        let (job, step) = (self.job, self.step);
+        let (job, number, step) = (self.job, self.number, self.step);
         let begun = Instant::now();
         if job.interrupt.is_raised() {
             return Ok(self.stop(Outcome::Interrupted, "interrupted"));
@@ -99,6 +114,7 @@ impl<'j> Turn<'j> {
             scene: observation.rgb.clone(),
             examples: job.examples.clone(),
         };
+        let remark = self.remark(&scene, last)?;
         let asking = Instant::now();
         let mut aside = Duration::ZERO;
         let mut record = |attempt: &Attempt| {
@@ -106,13 +122,17 @@ impl<'j> Turn<'j> {
             keeper.tally.attempt(attempt);
             self.line
                 .attempts
-                .push(keeper.folder.keep_attempt(step, attempt)?);
+                .push(keeper.folder.keep_attempt(number, attempt)?);
             self.timer.add(&attempt.stage, attempt.took);
-            progress(Event::Asked { step, attempt });
+            progress(Event::Asked {
+                step: number,
+                attempt,
+            });
             aside += attempt.took + keeping.elapsed();
             Ok(())
         };
         let situation = Situation {
+            remark: remark.as_deref(),
             program: job.program,
             scene: &scene,
             observation: &observation,
@@ -134,7 +154,7 @@ impl<'j> Turn<'j> {
             Decision::Skip(outcome) => {
                 self.line.skipped = Some(outcome);
                 progress(Event::Skipped {
-                    step,
+                    step: number,
                     horizon: job.horizon(),
                     why: outcome,
                 });
@@ -167,14 +187,21 @@ impl<'j> Turn<'j> {
         };
         keeper.keep_picture(&mut self.line, "after", &after.rgb)?;
         keeper.keep_positions(&mut self.line, world)?;
+        if let Some(first) = &memory.first_scene {
+            let result = StepResult::of(job.program, job.subgoals, step, first, &after);
+            self.line.result = match result {
+                Ok(result) => result,
+                Err(error) => return Ok(self.stop(Outcome::WorldFailed, &error.to_string())),
+            };
+        }
         let shown = match &pictures.subgoals {
             Some(subgoals) => subgoals.picture(Which::Now, Arrow::Drawn),
             None => &pictures.annotated,
         };
-        sheet.row(step, shown, drawn, after.rgb);
+        sheet.row(number, shown, drawn, after.rgb);
         let grasp = executed.grasp;
         progress(Event::Stepped {
-            step,
+            step: number,
             horizon: job.horizon(),
             action: &action,
             grasp,
@@ -188,6 +215,23 @@ impl<'j> Turn<'j> {
         self.line.action = Some(action);
         self.line.executed = Some(executed);
         Ok(None)
+    }
+
+    /// Returns what a model is told of the action before, where the step is tried again.
+    fn remark(&self, scene: &Scene, last: Option<&Done>) -> Result<Option<String>, RenderError> {
+        let program = self.job.program;
+        let (Some(before), Some(check)) = (self.before, &program.verify.result) else {
+            return Ok(None);
+        };
+        let overlap = format!("{:.0}%", before.overlap * 100.0);
+        let facts = Facts {
+            scene,
+            texts: &BTreeMap::from([(OVERLAP.to_owned(), overlap)]),
+            step: self.step,
+            last,
+            proposal: None,
+        };
+        render::one(program, &check.message, Values::Known(facts))
     }
 
     /// Does a part of planning and adds its time.

@@ -13,7 +13,7 @@ pub use stages::StagePicture;
 use crate::observation::Observation;
 use crate::vision::{self, Located, Mask, VisionError};
 use compiler::facts::SceneView;
-use compiler::program::{Choices, Moment, PixelPoint, Program};
+use compiler::program::{Choices, Keypoint, KeypointShape, Moment, PixelPoint, Program};
 use compiler::space;
 use serde_json::{Map, Value, json};
 
@@ -87,6 +87,14 @@ impl Scene {
             scene.found.push((keypoint.name.clone(), found));
         }
         for field in &program.actions {
+            if let Choices::Region { mask } = &field.choices
+                && scene.mask(mask)?.is_empty()
+            {
+                return Err(SceneError::NoCandidates {
+                    keypoint: mask.clone(),
+                    measured: String::new(),
+                });
+            }
             if let Choices::Points { keypoints } = &field.choices
                 && space::choices(field, &scene).is_empty()
             {
@@ -97,6 +105,23 @@ impl Scene {
             }
         }
         Ok(scene)
+    }
+
+    /// Finds the cloth alone, the mask that `program` declares first; `None` where it is out of view.
+    pub fn cloth_in(
+        program: &Program,
+        observation: &Observation,
+    ) -> Result<Option<Mask>, SceneError> {
+        let scene = Scene { found: Vec::new() };
+        let is_mask = |keypoint: &&Keypoint| keypoint.extractor.shape() == KeypointShape::Mask;
+        let Some(keypoint) = program.keypoints.iter().find(is_mask) else {
+            return Ok(None);
+        };
+        match scene.extract(&keypoint.name, &keypoint.extractor, observation) {
+            Ok(Found::Mask(mask)) => Ok(Some(mask)),
+            Ok(_) | Err(SceneError::OutOfView { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
     }
 
     fn get(&self, name: &str) -> Option<&Found> {
@@ -201,6 +226,13 @@ impl SceneView for Scene {
     fn area_px(&self, mask: &str) -> Option<f64> {
         match self.get(mask)? {
             Found::Mask(mask) => Some(mask.area_px() as f64),
+            _ => None,
+        }
+    }
+
+    fn region_pixel(&self, mask: &str, number: u64) -> Option<PixelPoint> {
+        match self.get(mask)? {
+            Found::Mask(mask) => mask.pixels().nth(usize::try_from(number).ok()?),
             _ => None,
         }
     }

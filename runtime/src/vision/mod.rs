@@ -13,6 +13,7 @@ mod layers;
 mod located;
 mod mask;
 mod outline;
+mod rectangle;
 mod sight;
 #[cfg(test)]
 mod tests;
@@ -25,6 +26,7 @@ pub use layers::{DrawnLayer, DrawnShape, draw_layers};
 pub use located::Located;
 pub use mask::{Mask, centroid, depth_mask, mask_picture};
 pub use outline::{MAX_ALONG, along, contour, edge_middles};
+pub use rectangle::{Rectangle, rectangle_around};
 
 /// Distances to the nearest surface, metres along the optical axis, `[width, height]`.
 ///

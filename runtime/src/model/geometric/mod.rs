@@ -13,7 +13,7 @@ mod arrow;
 mod frame;
 mod plan;
 mod prompt;
-mod regions;
+
 mod see;
 mod smooth;
 mod words;
@@ -22,6 +22,7 @@ mod words;
 mod tests;
 
 use super::{Message, Model, ModelError, Nature, Part, Reply, Request, Speaker};
+use crate::regions;
 use compiler::program::PixelPoint;
 use frame::Frame;
 use plan::{Candidate, Listed};

@@ -32,7 +32,7 @@ pub struct Plan {
 /// Why there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoPlan {
-    /// The listed corners lie on a line or are fewer than three.
+    /// The listed corners lie on a line or are fewer than three, and no way between them is like that of the words.
     #[error("the listed corners enclose no area, so I cannot tell how the cloth lies")]
     Shapeless,
     /// The instruction places on the center, of which the prompt says nothing.
@@ -62,6 +62,9 @@ const ABOUT_AS_SNUG: f64 = 1.25;
 /// How far anti-clockwise the balance point between two turns lies off the middle, radians (3 degrees). A square
 /// at exactly 45 degrees can be read both ways; which one is taken shall not hang on a pixel's rounding.
 const LEAN: f64 = 3.0 * PI / 180.0;
+
+/// How far a way between two listed points may be turned against that of the words, radians (60 degrees).
+const MOST_TURN: f64 = PI / 3.0;
 
 /// The most picks and places that are combined.
 const MAX_CHOICES: usize = 24;
@@ -105,7 +108,9 @@ pub fn plan(instruction: &Instruction, listed: &Listed) -> Result<Plan, NoPlan> 
         pick.unwrap_or(0.0) + place.unwrap_or(0.0)
     };
     let hull = frame::hull(corners.iter().copied().map(up));
-    let (frame, turn) = turn_to(instruction, &hull, off_px).ok_or(NoPlan::Shapeless)?;
+    let Some((frame, turn)) = turn_to(instruction, &hull, off_px) else {
+        return by_direction(instruction, listed);
+    };
     let target = |spot| target(&frame, spot).ok_or(NoPlan::Center);
     let picks = nearest(corners.iter().copied(), target(instruction.pick)?);
     let places = nearest(
@@ -127,6 +132,55 @@ pub fn plan(instruction: &Instruction, listed: &Listed) -> Result<Plan, NoPlan> 
             .then((a.pick, a.place).cmp(&(b.pick, b.place)))
     });
     Ok(Plan { turn, candidates })
+}
+
+/// Ranks pairs by their direction alone, where the listed corners lie on a line and no rectangle fits.
+///
+/// Of a sharp triangle the detector may find but two corners; which of them is meant is told by the way from one to
+/// the other, as the words have it.
+fn by_direction(instruction: &Instruction, listed: &Listed) -> Result<Plan, NoPlan> {
+    let in_words = |spot: Spot| match spot {
+        Spot::Center => [4.0, 4.0],
+        Spot::At { along, across } => [f64::from(along), f64::from(across)],
+    };
+    let angle = |from: Point, to: Point| (to[1] - from[1]).atan2(to[0] - from[0]);
+    let meant = angle(in_words(instruction.pick), in_words(instruction.place))
+        + instruction.heading.angle();
+    let places: Vec<PixelPoint> = match instruction.place {
+        Spot::Center => vec![listed.center.ok_or(NoPlan::Center)?],
+        Spot::At { .. } => listed
+            .corners
+            .iter()
+            .chain(&listed.others)
+            .copied()
+            .collect(),
+    };
+    let picks = listed.corners.iter().take(MAX_CHOICES);
+    let pairs = picks.flat_map(|&pick| {
+        places
+            .iter()
+            .take(MAX_CHOICES)
+            .map(move |&place| (pick, place))
+    });
+    let mut turned: Vec<(f64, Candidate)> = pairs
+        .filter(|(pick, place)| pick != place)
+        .map(|(pick, place)| {
+            let turn = (angle(up(pick), up(place)) - meant + PI).rem_euclid(TAU) - PI;
+            let pair = Candidate {
+                pick,
+                place,
+                off_px: 0.0,
+            };
+            (turn, pair)
+        })
+        .filter(|(turn, _)| turn.abs() <= MOST_TURN)
+        .collect();
+    turned.sort_by(|a, b| (a.0 + LEAN).abs().total_cmp(&(b.0 + LEAN).abs()));
+    let turn = turned.first().ok_or(NoPlan::Shapeless)?.0;
+    Ok(Plan {
+        turn,
+        candidates: turned.into_iter().map(|(_, candidate)| candidate).collect(),
+    })
 }
 
 /// Fits a rectangle to the corners with its sides ordered as the words do; returns it and its turn against them.

@@ -9,7 +9,7 @@ use serde_json::json;
 fn question(number: usize) -> Request {
     let listed = "(40, 50), (180, 48), (183, 170), (41, 172)";
     let text = format!(
-        "- Method of folding: Of the cloth's two long sides, which run from west to east, pick the north-west corner and place it on the south-west corner\n- Question {number}.\n- Cloth corners: {listed}\n- Cloth center: (110, 110)\nPick Point = (x, y)\nPlace Point = (x, y)"
+        "- Method of folding: Pick the left end of the top long side and place it on the left end of the bottom long side\n- Question {number}.\n- Cloth corners: {listed}\n- Cloth center: (110, 110)\nPick Point = (x, y)\nPlace Point = (x, y)"
     );
     let values: Vec<&str> = vec!["(40, 50)", "(180, 48)", "(183, 170)", "(41, 172)"];
     let mut places = values.clone();
@@ -60,7 +60,7 @@ fn spoil(slip: Slip, said: &str) -> Option<String> {
 fn each_slip_is_what_it_is_called() {
     let near = spoil(
         Slip::NearLastPlace,
-        "The previous place point was (85, 95), avoid it.",
+        "The corners are (10, 10), (90, 10), (90, 90).\nThe red rings are where the last pull\nended, (85, 95), and its mirror (15, 5).",
     );
     assert_eq!(
         near.unwrap(),

@@ -22,7 +22,7 @@ fn instruction_with(text: &str, pictures: &[RgbImage]) -> String {
 fn triangle_to_center() -> Fold {
     Fold {
         before: vec![[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5]],
-        after: vec![[-0.5, -0.5], [0.0, -0.5], [0.0, 0.0], [-0.5, 0.5]],
+        after: vec![[-0.5, -0.5], [0.0, -0.5], [0.25, -0.25], [-0.5, 0.5]],
         tail: [0.5, -0.5],
         tip: [0.0, 0.0],
     }
@@ -54,13 +54,7 @@ fn house_to_center() -> Fold {
 fn half_to_center() -> Fold {
     Fold {
         before: vec![[-0.5, -0.5], [0.0, -0.5], [0.0, 0.5], [-0.5, 0.5]],
-        after: vec![
-            [-0.5, -0.5],
-            [0.0, -0.5],
-            [0.0, 0.0],
-            [-0.25, 0.25],
-            [-0.5, 0.25],
-        ],
+        after: vec![[-0.5, -0.5], [0.0, -0.5], [0.0, 0.5], [-0.5, 0.0]],
         tail: [-0.5, 0.5],
         tip: [0.0, 0.0],
     }
@@ -129,6 +123,20 @@ fn the_rectangle_that_is_meant_has_points_where_the_words_say() {
         points_of(&reply),
         [PixelPoint::new(51, 154), PixelPoint::new(112, 182)]
     );
+}
+
+/// Of a turned triangle only the sharp corners were detected.
+#[test]
+fn two_corners_are_told_apart_by_the_way_between_them() {
+    let words = "Pick the lower right end of the upper right long side and place it on the upper left end of the \
+                 upper right long side; the cloth does not reach the upper left end of the lower left long side, nor \
+                 the lower right end of the lower left long side";
+    let [top, bottom, center] =
+        [(109, 4), (109, 218), (111, 111)].map(|(u, v)| PixelPoint::new(u, v));
+    assert_eq!(planned(words, &[top, bottom], center), [bottom, top]);
+    assert_eq!(planned(words, &[bottom, top], center), [bottom, top]);
+    let inward = "Pick the right end of the top side and place it on the center of the cloth";
+    assert_eq!(planned(inward, &[top], center), [top, center]);
 }
 
 #[test]

@@ -144,11 +144,11 @@ fn prompts_that_lack_something_are_answered_without_points() {
             "no center is given",
         ),
         (
-            format!("{words}\n- Corners: (1, 1), (2, 2), (3, 3)\n- Center: (2, 2)"),
+            format!("{words}\n- Corners: (1, 1), (2, 2), (3, 3)\n- Center: (1, 1)"),
             "enclose no area",
         ),
         (
-            format!("{words}\n- Corners: (1, 1)\n- Center: (2, 2)"),
+            format!("{words}\n- Corners: (3, 3)\n- Center: (2, 2)"),
             "enclose no area",
         ),
     ] {

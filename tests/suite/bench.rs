@@ -1,0 +1,324 @@
+//! `fabc bench` on suites so small that they take moments: figures, files, going on, and stopping.
+
+use super::support::{bring_library, fabc, finish};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// One fold of a small cloth.
+const TASK: &str = r#"
+use "lib/folding.fab"
+task tiny extends folding {
+    cloth grid(28, 28)
+    goal  particle_distance < 8mm
+    subgoals { demonstrate { fold corner(back_right) -> corner(front_left) } }
+    experts half
+}
+experts half {
+    sequence { fold corner(back_right) -> corner(front_left) }
+    sequence { fold corner(front_left) -> corner(back_right) }
+    sequence { fold corner(back_left) -> corner(front_right) }
+    sequence { fold corner(front_right) -> corner(back_left) }
+}
+"#;
+
+const SUITE: &str = r#"
+about = "One small fold."
+statistic = "mean"
+metrics = ["mean_particle_distance_mm", "mean_particle_distance_mm_gamma_0.9", "goal_reached"]
+repeats = 2
+tasks = ["../tiny.fab"]
+[starts]
+lie = "flat"
+sides = [28, 30]
+turns_deg = [0]
+[[method]]
+name = "plain"
+stand_in_note = "plumbing only"
+[[method]]
+name = "random"
+model = "random:3"
+[[method]]
+name = "in_context"
+variant = "in_context"
+optional = true
+[[gap]]
+name = "plain over random"
+of = "plain"
+over = "random"
+[[quoted]]
+task = "tiny"
+method = "somebody"
+metric = "mean_particle_distance_mm"
+statistic = "mean"
+value = 12.5
+source = "a paper"
+"#;
+
+/// A folder with the task and its suite, as a project has them.
+pub(super) fn project(suite: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let tasks = folder.path().join("tasks");
+    fs::create_dir_all(tasks.join("suites")).unwrap();
+    bring_library(&tasks);
+    fs::write(tasks.join("tiny.fab"), TASK).unwrap();
+    fs::write(tasks.join("suites/tiny.toml"), suite).unwrap();
+    folder
+}
+
+/// Runs the suite and returns its document.
+fn bench(folder: &Path, arguments: &[&str]) -> Value {
+    let said = finish(
+        fabc(folder)
+            .args(["bench", "tiny", "--json"])
+            .args(arguments),
+    );
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    serde_json::from_str(&said.stdout).unwrap()
+}
+
+/// The rows without what a clock decides.
+fn timeless(document: &Value) -> Vec<Value> {
+    let mut rows = document["rows"].as_array().unwrap().clone();
+    for row in &mut rows {
+        row.as_object_mut().unwrap().remove("s_per_action");
+        row.as_object_mut().unwrap().remove("planning_s");
+    }
+    rows
+}
+
+fn row<'d>(document: &'d Value, method: &str, metric: &str) -> &'d Value {
+    let rows = document["rows"].as_array().unwrap();
+    let found = rows
+        .iter()
+        .find(|row| row["method"] == method && row["metric"] == metric);
+    found.unwrap_or_else(|| panic!("no row {method}, {metric} in {document:#}"))
+}
+
+#[test]
+fn a_suite_gives_the_same_figures_on_any_number_of_threads_and_is_not_run_twice() {
+    let folder = project(SUITE);
+    let first = bench(folder.path(), &["--out", "one", "--jobs", "1"]);
+    let second = bench(folder.path(), &["--out", "two", "--jobs", "2"]);
+    assert_eq!(timeless(&first), timeless(&second));
+    assert_eq!(first["rollouts"]["planned"], 6);
+    assert_eq!(first["rollouts"]["found"], 0);
+
+    // A rollout that was cut off is run again, one that has ended is not.
+    let cut_off = folder
+        .path()
+        .join("one/tiny/random/start-001-2/rollout.jsonl");
+    let journal = fs::read_to_string(&cut_off).unwrap();
+    let header = journal.lines().next().unwrap();
+    fs::write(&cut_off, format!("{header}\n")).unwrap();
+    let again = bench(folder.path(), &["--out", "one", "--jobs", "2"]);
+    assert_eq!(timeless(&again), timeless(&first));
+    assert_eq!(again["rollouts"]["found"], 5);
+    assert_eq!(again["spent"]["experts_simulated"], 0);
+
+    let ours = row(&first, "plain", "mean_particle_distance_mm");
+    assert_eq!((&ours["n"], &ours["repeats"]), (&2.into(), &1.into()));
+    assert!(ours["value"].as_f64().unwrap() < 15.0, "{ours}");
+    assert_eq!(ours["note"], "plumbing only");
+    let random = row(&first, "random", "mean_particle_distance_mm");
+    assert_eq!(random["repeats"], 2);
+    let counted = random["outcomes"].as_object().unwrap().values();
+    assert_eq!(counted.filter_map(Value::as_u64).sum::<u64>(), 4);
+    let gap = row(&first, "plain over random", "mean_particle_distance_mm");
+    let difference = ours["value"].as_f64().unwrap() - random["value"].as_f64().unwrap();
+    assert!((gap["value"].as_f64().unwrap() - difference).abs() < 1e-9);
+    let theirs = row(&first, "somebody", "mean_particle_distance_mm");
+    assert_eq!(
+        (
+            &theirs["quoted"],
+            &theirs["value"],
+            &theirs["source"],
+            &theirs["n"]
+        ),
+        (&true.into(), &12.5.into(), &"a paper".into(), &Value::Null)
+    );
+    for name in ["table.csv", "table.json", "table.md"] {
+        let text = fs::read_to_string(folder.path().join("one").join(name)).unwrap();
+        assert!(
+            text.contains("somebody") && text.contains("random"),
+            "{name}: {text}"
+        );
+    }
+}
+
+/// Pulls at a small crumpled cloth; the goal is so near that chance meets it now and then.
+const PULLS: &str = r#"
+task tiny {
+    cloth   grid(20, 20, start: crumpled)
+    camera  top_down(height: 500mm, fov: 45deg, image: 240px, up: x)
+    goal    normalized_improvement > 0.1
+    horizon 4
+    keypoints {
+        cloth   = mask(depth < 499mm)
+        corners = shi_tomasi(cloth, max: 15, quality: 0.1, spacing: 8px)
+    }
+    actions {
+        pick:      one of corners
+        direction: one of 0deg, 90deg, 180deg, 270deg
+        distance:  one of 0.25edge, 0.5edge
+    }
+    stage act {
+        model vision
+        show  scene
+        say   "Pull a corner, one of {{ corners }}. {{ actions.format }}"
+        read  action
+    }
+    verify { attempts 3 }
+}
+"#;
+
+const PULLS_SUITE: &str = r#"
+about = "Pulls."
+statistic = "median"
+metrics = ["normalized_improvement_source", "normalized_improvement_true", "goal_reached", "normalized_improvement_source_without_stop"]
+horizons = [1, 2, 4]
+repeats = 2
+tasks = ["../tiny.fab"]
+[starts]
+lie = "crumpled"
+sides = [20, 21]
+count = 3
+first_seed = 7
+[[method]]
+name = "random"
+model = "random:3"
+"#;
+
+#[test]
+fn figures_with_the_stop_are_those_of_rollouts_that_stopped() {
+    let folder = project(PULLS_SUITE);
+    fs::write(folder.path().join("tasks/tiny.fab"), PULLS).unwrap();
+    let on = bench(folder.path(), &["--out", "on"]);
+    let suite = PULLS_SUITE.replace(", \"normalized_improvement_source_without_stop\"", "");
+    assert_ne!(suite, PULLS_SUITE);
+    fs::write(folder.path().join("tasks/suites/tiny.toml"), suite).unwrap();
+    let stopped = bench(folder.path(), &["--out", "stopped"]);
+    let with_stop: Vec<Value> = timeless(&on)
+        .into_iter()
+        .filter(|row| row["metric"] != "normalized_improvement_source_without_stop")
+        .collect();
+    assert_eq!(with_stop, timeless(&stopped));
+    assert_eq!(with_stop.len(), 9);
+    // Some rollouts stop and some do not, else the test would show nothing.
+    let last = &with_stop[6]["outcomes"];
+    assert!(last["goal_reached"].as_u64() > Some(0), "{last}");
+    let steps = |out: &str| {
+        let journal = folder.path().join(out).join("tiny/random");
+        let lines = fs::read_dir(journal).unwrap().map(|run| {
+            let text = fs::read_to_string(run.unwrap().path().join("rollout.jsonl")).unwrap();
+            text.lines().count()
+        });
+        lines.sum::<usize>()
+    };
+    assert!(steps("stopped") < steps("on"));
+}
+
+#[test]
+fn the_table_says_what_its_figures_are() {
+    let folder = project(SUITE);
+    let said = finish(fabc(folder.path()).args([
+        "bench",
+        "tiny",
+        "--limit",
+        "1",
+        "--variant",
+        "without_output_format",
+    ]));
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    for wanted in [
+        "without_output_format",
+        "geometric (stand-in)",
+        "quoted: somebody",
+        "a comparison and not a ranking",
+        "measured as it lay last",
+        "nothing of any vision-language model",
+    ] {
+        assert!(said.stdout.contains(wanted), "{wanted}: {}", said.stdout);
+    }
+    for wanted in [
+        "1 rollout in `runs/bench-tiny-0001`",
+        "expert ends",
+        "per action",
+    ] {
+        assert!(said.stderr.contains(wanted), "{wanted}: {}", said.stderr);
+    }
+}
+
+#[test]
+fn shards_of_one_folder_add_up_to_the_whole() {
+    let folder = project(SUITE);
+    let arguments = |shard| ["--out", "out", "--shard", shard];
+    let first = bench(folder.path(), &arguments("1/2"));
+    let second = bench(folder.path(), &arguments("2/2"));
+    assert_eq!(first["rollouts"]["planned"], 3);
+    assert_eq!(second["rollouts"]["found"], 0);
+    let whole = bench(folder.path(), &["--out", "out"]);
+    assert_eq!(whole["rollouts"]["found"], 6);
+    let at_once = bench(folder.path(), &["--out", "elsewhere"]);
+    assert_eq!(timeless(&whole), timeless(&at_once));
+}
+
+#[test]
+fn a_folder_of_other_rollouts_is_left_alone() {
+    let folder = project(SUITE);
+    bench(folder.path(), &["--out", "out", "--limit", "1"]);
+    let changed = TASK.replace(
+        "goal  particle_distance < 8mm",
+        "goal  particle_distance < 9mm",
+    );
+    fs::write(folder.path().join("tasks/tiny.fab"), changed).unwrap();
+    let said = finish(fabc(folder.path()).args(["bench", "tiny", "--out", "out", "--limit", "1"]));
+    assert_eq!(said.code, 2, "{}", said.stdout);
+    assert!(
+        said.stderr
+            .contains("holds another rollout: its program is"),
+        "{}",
+        said.stderr
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_with_what_has_finished_and_130() {
+    use std::process::{Command, Stdio};
+    let folder = project(&SUITE.replace(
+        "turns_deg = [0]",
+        "turns_deg = [0, 10, 20, 30, 40, 50, 60, 70]",
+    ));
+    let mut child = fabc(folder.path())
+        .args(["bench", "tiny", "--json", "--out", "out", "--jobs", "1"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let done = folder
+        .path()
+        .join("out/tiny/plain/start-001-1/rollout.jsonl");
+    while !done.is_file() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let id = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let output = child.wait_with_output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{stderr}");
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["interrupted"], true);
+    let finished = document["rollouts"]["finished"].as_u64().unwrap();
+    assert!((1..48).contains(&finished), "{finished}");
+    assert!(stderr.contains("goes on from there"), "{stderr}");
+    let again = bench(folder.path(), &["--out", "out"]);
+    assert_eq!(again["rollouts"]["found"], finished);
+    assert_eq!(again["rollouts"]["finished"], 48);
+}
