@@ -90,9 +90,11 @@ pub fn bring_library(folder: &Path) {
     .unwrap();
 }
 
-/// A shipped task on a cloth so small that a rollout takes a moment; scored against nothing.
+/// A shipped task on a cloth so small that a rollout takes a moment; scored against nothing, and its results not
+/// looked at, since so small a pack lies differently each time.
 pub fn small_task() -> Program {
     let mut program = task("double_triangle");
+    program.verify.result = None;
     program.cloth.dimx = 28;
     program.cloth.dimy = 28;
     program.experts.clear();

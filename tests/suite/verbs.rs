@@ -247,11 +247,14 @@ fn run_reaches_the_goal_of_double_triangle() {
 }
 
 #[test]
-fn run_reaches_the_goals_of_folds_to_the_center() {
+fn run_reaches_the_goals_of_the_other_folds() {
     for (task, steps) in [
         ("all_corners_inward", 4),
         ("corners_edges_inward", 4),
+        ("cupboard", 4),
         ("house", 2),
+        ("open_envelope", 3),
+        ("sash", 2),
     ] {
         let report = run_shipped(task);
         assert_eq!(

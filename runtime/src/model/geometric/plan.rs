@@ -56,6 +56,10 @@ const LOOSENESS: f64 = 2.0;
 /// points of the cloth, so that a rectangle in which nothing lies there is not the one that is meant.
 const OFF: f64 = 2.0;
 
+/// How far both may be off for being told in eighths and detected to a pixel, as a share of the short side; that must not
+/// outweigh half a turn.
+const OFF_BY_ROUNDING: f64 = 0.25;
+
 /// Rectangles that are larger than the snuggest by less than this factor are compared.
 const ABOUT_AS_SNUG: f64 = 1.25;
 
@@ -213,7 +217,7 @@ fn turn_to(
                     (gap.min(BARE_GAP) - if is_bare { BARE_GAP } else { 0.0 }).abs()
                 })
                 .sum();
-            let off = off_px(&frame) / frame.short_side();
+            let off = (off_px(&frame) / frame.short_side() - OFF_BY_ROUNDING).max(0.0);
             let cost =
                 misfit + HALF_TURN * (turn + LEAN).abs() / PI + LOOSENESS * excess + OFF * off;
             if best.as_ref().is_none_or(|(least, ..)| cost < *least) {

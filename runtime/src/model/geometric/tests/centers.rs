@@ -139,6 +139,17 @@ fn two_corners_are_told_apart_by_the_way_between_them() {
     assert_eq!(planned(inward, &[top], center), [top, center]);
 }
 
+/// A strip turned by 60 degrees, whose corners are each some pixels off: the words still mean the nearer way round.
+#[test]
+fn a_few_pixels_do_not_turn_a_strip_around() {
+    let words =
+        "Pick the left end of the top long side and place it on the right end of the top long side";
+    let corners = [(147, 179), (69, 48), (97, 207), (22, 75), (119, 126)];
+    let corners = corners.map(|(u, v)| PixelPoint::new(u, v));
+    let center = PixelPoint::new(111, 111);
+    assert_eq!(planned(words, &corners, center), [corners[1], corners[0]]);
+}
+
 #[test]
 fn points_besides_the_corners_are_places_and_no_picks() {
     let prompt = "- Method of folding: Pick the middle of the top side and place it on the middle of the bottom side\n\
