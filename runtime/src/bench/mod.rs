@@ -122,16 +122,6 @@ pub enum BenchError {
         /// What the system said.
         why: String,
     },
-    /// A start is one that the model is shown an example of.
-    #[error(
-        "{place} is that of demonstration {demonstration}, which the model is told: a result from it would be no test"
-    )]
-    Demonstrated {
-        /// Task and start.
-        place: String,
-        /// The number of the demonstration.
-        demonstration: usize,
-    },
     /// No program was compiled for the grid of a start.
     #[error("{place}: no program is compiled for a cloth of {} by {} particles", grid[0], grid[1])]
     NoProgram {
