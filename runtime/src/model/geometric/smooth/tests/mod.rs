@@ -108,6 +108,7 @@ fn asked(messages: Vec<Message>) -> String {
         top_p: None,
         max_tokens: None,
         repetition: 0,
+        schema: None,
     };
     Geometric.ask(&request).unwrap().text
 }
