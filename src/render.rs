@@ -39,7 +39,8 @@ enum ShownPart {
 
 /// Renders every stage, or the one that is asked for.
 pub fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
-    let program = sources::compile_task(&arguments.task)?;
+    let declared = sources::compile_task(&arguments.task)?;
+    let program = camera::fitted(&declared, arguments)?;
     let stages = chosen_stages(&program, arguments.stage.as_deref())?;
     if arguments.step > program.horizon {
         return Err(Failure::usage(format!(
@@ -53,7 +54,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
         Some(path) => Some(Listed::read(&program, path)?),
         None => None,
     };
-    let view = camera::View::at(&program, arguments)?;
+    let view = camera::View::at(&program, &declared, arguments)?;
     say_placeholders(&program, &stages);
     let mut shown = Vec::with_capacity(stages.len());
     for stage in stages {

@@ -39,13 +39,8 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         )));
     }
     // Lengths in `edge` and the flat area are those of the cloth that lies there; subgoals show the task's own.
-    let grid = [start.grid.dimx, start.grid.dimy];
     let shown = program;
-    let program = if grid == [shown.cloth.dimx, shown.cloth.dimy] {
-        shown.clone()
-    } else {
-        sources::compile_task_for(&arguments.task, grid)?
-    };
+    let program = setting::fitted(&arguments.task, &shown, &start)?;
     let folder = match &arguments.out {
         Some(path) => RunFolder::create(path),
         None => RunFolder::create_next(Path::new("runs"), &program.title().replace('/', "-")),

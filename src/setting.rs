@@ -1,8 +1,8 @@
 //! What a verb needs around a program: a world, a start, a cache, a way to be stopped.
 
-use crate::cli::{FrameArguments, StartArguments};
+use crate::cli::{FrameArguments, StartArguments, TaskArguments};
 use crate::exit::Failure;
-use crate::output;
+use crate::{output, sources};
 use compiler::program::{ClothStart, Program};
 use runtime::cache::Cache;
 use runtime::crumple;
@@ -94,6 +94,15 @@ pub fn start(
     }
     let stated = stated_frame(&arguments.frame, program.cloth.spacing_m)?;
     Start::load(Path::new(text), stated).map_err(Failure::environment)
+}
+
+/// Returns the task as it is for the cloth that a start holds: compiled anew where that has another grid.
+pub fn fitted(task: &TaskArguments, declared: &Program, start: &Start) -> Result<Program, Failure> {
+    let grid = [start.grid.dimx, start.grid.dimy];
+    if grid == [declared.cloth.dimx, declared.cloth.dimy] {
+        return Ok(declared.clone());
+    }
+    sources::compile_task_for(task, grid)
 }
 
 fn crumpled(

@@ -16,6 +16,12 @@ pub trait SceneView {
 
     /// Returns the number of a mask's pixels; None for an unknown name.
     fn area_px(&self, mask: &str) -> Option<f64>;
+
+    /// Returns a pixel of a mask by its number from 0, row by row; None beyond the last one, and where a scene
+    /// does not know its masks' pixels.
+    fn region_pixel(&self, _mask: &str, _number: u64) -> Option<PixelPoint> {
+        None
+    }
 }
 
 /// An action that was carried out.

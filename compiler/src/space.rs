@@ -17,7 +17,7 @@ pub(crate) const MAX_LISTED: usize = 30;
 
 /// Returns what a field may be in a scene, in the order in which a prompt lists it, each once.
 ///
-/// A keypoint that the scene does not have offers nothing.
+/// A keypoint that the scene does not have offers nothing. The pixels of a region are not listed: see [`is_offered`].
 pub fn choices(field: &ActionField, scene: &dyn SceneView) -> Vec<Value> {
     match &field.choices {
         Choices::Points { keypoints } => {
@@ -36,10 +36,25 @@ pub fn choices(field: &ActionField, scene: &dyn SceneView) -> Vec<Value> {
     }
 }
 
+/// Returns whether a field may have this value in a scene.
+pub fn is_offered(field: &ActionField, value: &Value, scene: &dyn SceneView) -> bool {
+    match (&field.choices, value) {
+        (Choices::Region { mask }, Value::Point(pixel)) => scene
+            .distance_px(mask, *pixel)
+            .is_some_and(|distance_px| distance_px <= 0.0),
+        _ => choices(field, scene).contains(value),
+    }
+}
+
+/// Writes what a field may be that offers a region.
+pub fn any_of(mask: &str) -> String {
+    format!("any point on the {}", mask.replace('_', " "))
+}
+
 /// Returns what a field may be whatever the scene shows; nothing for one that chooses among points.
 pub fn declared(field: &ActionField) -> Vec<Value> {
     match &field.choices {
-        Choices::Points { .. } => Vec::new(),
+        Choices::Points { .. } | Choices::Region { .. } => Vec::new(),
         Choices::Directions { choices } => choices
             .iter()
             .map(|choice| Value::Direction { deg: choice.deg })
@@ -93,10 +108,7 @@ pub(crate) fn spoken(field: &ActionField) -> String {
 pub fn statement(field: &ActionField, value: &str) -> String {
     let mut letters = field.name.chars();
     let first = letters.next().map(|letter| letter.to_ascii_uppercase());
-    let noun = match field.choices {
-        Choices::Points { .. } => " Point",
-        _ => "",
-    };
+    let noun = if field.is_point() { " Point" } else { "" };
     format!(
         "{}{}{noun} = {value}",
         first.map(String::from).unwrap_or_default(),
@@ -111,9 +123,10 @@ pub fn format(actions: &[ActionField]) -> String {
             .iter()
             .map(|value| text(field, value))
             .collect();
-        let values = match field.choices {
-            Choices::Points { .. } => "(x, y)".to_owned(),
-            _ => values.join(" | "),
+        let values = if field.is_point() {
+            "(x, y)".to_owned()
+        } else {
+            values.join(" | ")
         };
         statement(field, &values)
     };
@@ -132,6 +145,16 @@ pub fn sample(
 ) -> Option<Proposal> {
     let mut fields = Vec::with_capacity(program.actions.len());
     for field in &program.actions {
+        if let Choices::Region { mask } = &field.choices {
+            // An area is a whole number far below 2^53.
+            let n_pixels = scene.area_px(mask).unwrap_or(0.0) as u64;
+            if n_pixels == 0 {
+                return None;
+            }
+            let pixel = scene.region_pixel(mask, below(n_pixels) % n_pixels)?;
+            fields.push((field.name.clone(), Value::Point(pixel)));
+            continue;
+        }
         let mut offered = choices(field, scene);
         if offered.is_empty() {
             return None;

@@ -83,8 +83,8 @@ pub(crate) fn unoffered(
                 name: field.name.clone(),
             });
         };
-        let choices = space::choices(field, scene);
-        if !choices.contains(value) {
+        if !space::is_offered(field, value, scene) {
+            let choices = space::choices(field, scene);
             return Ok(Some(not_offered(field, value, &choices)));
         }
     }
@@ -121,8 +121,12 @@ pub fn offered(program: &Program, scene: &dyn SceneView, field: &str) -> Vec<Val
 pub fn keypoints(program: &Program) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for field in &program.actions {
-        if let Choices::Points { keypoints } = &field.choices {
-            names.extend(keypoints.iter().cloned());
+        match &field.choices {
+            Choices::Points { keypoints } => names.extend(keypoints.iter().cloned()),
+            Choices::Region { mask } => {
+                names.insert(mask.clone());
+            }
+            _ => {}
         }
     }
     for check in &program.verify.checks {
@@ -134,11 +138,18 @@ pub fn keypoints(program: &Program) -> BTreeSet<String> {
 }
 
 fn not_offered(field: &ActionField, value: &Value, choices: &[Value]) -> Verdict {
-    let listed = space::shortened(field, choices);
+    let listed = match &field.choices {
+        Choices::Region { mask } => space::any_of(mask),
+        _ => space::shortened(field, choices),
+    };
     let name = space::spoken(field);
     let text = space::text(field, value);
-    let message = match value {
-        Value::Point(_) => format!(
+    let message = match (&field.choices, value) {
+        (Choices::Region { mask }, _) => format!(
+            "The {name} point {text} is not on the {}. Choose {listed}.",
+            mask.replace('_', " ")
+        ),
+        (_, Value::Point(_)) => format!(
             "The {name} point {text} is not one of the offered points. Choose one of these: {listed}."
         ),
         _ => format!(

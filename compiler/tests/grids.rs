@@ -57,7 +57,7 @@ fn program(compiled: Compiled) -> Program {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn a_program_for_a_grid_is_that_of_the_text_that_declares_it(dimx in 2u32..=200, dimy in 2u32..=200) {

@@ -8,7 +8,7 @@ mod spaces;
 
 use compiler::facts::SceneView;
 use compiler::program::{
-    ActionField, Choices, Extractor, Keypoint, LengthUnit, Moment, PixelPoint, Program,
+    ActionField, Choices, Extractor, Keypoint, LengthUnit, Moment, PixelPoint, Program, Value,
 };
 use compiler::proof::{self, Flaw};
 use compiler::space;
@@ -38,7 +38,7 @@ fn only(program: &Program) -> Flaw {
 
 #[test]
 fn the_spaces_of_the_fixtures_are_consistent() {
-    for name in ["points", "paper", "grip"] {
+    for name in ["points", "paper", "grip", "region"] {
         assert_eq!(proof::flaws(&spaces::space(name)), [], "{name}");
     }
 }
@@ -201,6 +201,52 @@ fn the_sampler_draws_every_offered_value_equally_often() {
     assert_eq!(nothing, None);
 }
 
+/// A scene whose masks are four pixels.
+struct Four;
+
+impl SceneView for Four {
+    fn points(&self, _: &str) -> Option<Vec<PixelPoint>> {
+        None
+    }
+    fn distance_px(&self, _: &str, point: PixelPoint) -> Option<f64> {
+        Some(if point.u == 5 && (0..4).contains(&point.v) {
+            0.0
+        } else {
+            1.0
+        })
+    }
+    fn area_px(&self, _: &str) -> Option<f64> {
+        Some(4.0)
+    }
+    fn region_pixel(&self, _: &str, number: u64) -> Option<PixelPoint> {
+        (number < 4).then(|| PixelPoint::new(5, number as i32))
+    }
+}
+
+#[test]
+fn of_a_region_every_pixel_is_offered_and_drawn_equally_often() {
+    let program = spaces::program(vec![spaces::field("pick region cloth")]);
+    let field = &program.actions[0];
+    let mut drawn: Vec<Value> = Vec::new();
+    for index in 0..4 {
+        let proposal = space::sample(&program, &Four, &mut |n| index % n).unwrap();
+        drawn.push(proposal.fields[0].1.clone());
+    }
+    let expected: Vec<Value> = (0..4)
+        .map(|v| Value::Point(PixelPoint::new(5, v)))
+        .collect();
+    assert_eq!(drawn, expected);
+    assert!(
+        drawn
+            .iter()
+            .all(|value| space::is_offered(field, value, &Four))
+    );
+    let beside = Value::Point(PixelPoint::new(6, 0));
+    assert!(!space::is_offered(field, &beside, &Four));
+    let none = space::sample(&program, &Points(Vec::new()), &mut |_| 0);
+    assert_eq!(none, None, "an unknown region offers nothing");
+}
+
 /// Choices that nothing is wrong with.
 fn choices() -> impl Strategy<Value = Choices> {
     let tenths = |most: u32| prop::collection::btree_set(0..most, 1..20);
@@ -218,6 +264,9 @@ fn choices() -> impl Strategy<Value = Choices> {
     prop_oneof![
         Just(Choices::Points {
             keypoints: vec!["corners".to_owned(), "center".to_owned()]
+        }),
+        Just(Choices::Region {
+            mask: "cloth".to_owned()
         }),
         tenths(3600).prop_map(move |set| spaces::directions(&as_tenths(set))),
         (unit, tenths(5000)).prop_map(move |(unit, set)| spaces::lengths(unit, &as_tenths(set))),

@@ -25,7 +25,7 @@ impl Chance {
     }
 
     /// Returns the next number, each of the 2^64 as likely as the others.
-    pub fn next(&mut self) -> u64 {
+    pub fn draw(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -35,12 +35,12 @@ impl Chance {
 
     /// Returns a number from 0 up to below 1, with 53 random bits.
     pub fn fraction(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+        (self.draw() >> 11) as f64 / (1u64 << 53) as f64
     }
 
     /// Returns a whole number below `count`, each as likely as the others to within 2^-32; 0 where `count` is 0.
     pub fn below(&mut self, count: usize) -> usize {
-        ((u128::from(self.next()) * count as u128) >> 64) as usize
+        ((u128::from(self.draw()) * count as u128) >> 64) as usize
     }
 }
 
@@ -58,7 +58,7 @@ mod tests {
             9_817_491_932_198_370_423,
             4_593_380_528_125_082_431,
         ];
-        assert_eq!(expected.map(|_| chance.next()), expected);
+        assert_eq!(expected.map(|_| chance.draw()), expected);
     }
 
     #[test]

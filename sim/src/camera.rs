@@ -6,7 +6,7 @@
 
 use crate::mask::Mask;
 use crate::mesh;
-use crate::raster::{Raster, Shade, Vertex};
+use crate::raster::{Raster, Shade, Vertex, Window};
 
 /// Smallest image side, pixels.
 pub const MIN_SIZE_PX: u32 = 16;
@@ -15,7 +15,7 @@ pub const MAX_SIZE_PX: u32 = 2048;
 // Surfaces nearer to the camera than this are not drawn, metres (PyFleX: 0.01).
 const NEAR_M: f32 = 0.01;
 // Colour samples along a pixel's side. The recorded images were rendered at 720 pixels and reduced to 224.
-const SAMPLES_A_SIDE: usize = 3;
+const OFFSETS: [f32; 3] = [0.5 / 3.0, 1.5 / 3.0, 2.5 / 3.0];
 
 /// A pinhole camera above the table's centre, looking down.
 ///
@@ -187,26 +187,29 @@ impl TopDownCamera {
         };
         let size = camera.size_px as usize;
         let triangles = camera.triangles(mask, positions, look);
-        let mut raster = Raster::new(size, 1.0 / camera.height_m);
-        let mut sums = vec![0u16; size * size * 3];
-        let mut depth_m = Vec::new();
-        for sample in 0..SAMPLES_A_SIDE * SAMPLES_A_SIDE {
-            let offset = [sample % SAMPLES_A_SIDE, sample / SAMPLES_A_SIDE]
-                .map(|step| (step as f32 + 0.5) / SAMPLES_A_SIDE as f32);
+        let background = 1.0 / camera.height_m;
+        let mut raster = Raster::new(Window::around(&triangles, size), background);
+        let mut sums = camera.table(look);
+        let mut depth_m = vec![1.0 / background; size * size];
+        for offset in OFFSETS.into_iter().flat_map(|v| OFFSETS.map(|u| [u, v])) {
             raster.clear(offset);
             for triangle in &triangles {
                 raster.draw(triangle);
             }
-            camera.add_colours(&raster, look, offset, &mut sums);
-            if offset == [0.5, 0.5] {
-                depth_m = raster
-                    .inverse_depth()
-                    .iter()
-                    .map(|inverse| 1.0 / inverse)
-                    .collect();
+            for ([column, row], colour, inverse_depth) in raster.drawn() {
+                let pixel = row * size + column;
+                let tile = camera.tile([column, row], offset, look);
+                for channel in 0..3 {
+                    // The table's own part of this sample gives way.
+                    let sum = &mut sums[3 * pixel + channel];
+                    *sum = *sum - u16::from(tile[channel]) + u16::from(colour[channel]);
+                }
+                if offset == [0.5, 0.5] {
+                    depth_m[pixel] = 1.0 / inverse_depth;
+                }
             }
         }
-        let samples = (SAMPLES_A_SIDE * SAMPLES_A_SIDE) as u16;
+        let samples = (OFFSETS.len() * OFFSETS.len()) as u16;
         Frame {
             width: camera.size_px,
             height: camera.size_px,
@@ -218,28 +221,51 @@ impl TopDownCamera {
         }
     }
 
-    /// Adds one sample of every pixel's colour to the sums.
-    fn add_colours(&self, raster: &Raster, look: &Look, offset: [f32; 2], sums: &mut [u16]) {
+    /// Sums the colours of the bare table over the samples of each pixel, row by row, RGB.
+    fn table(&self, look: &Look) -> Vec<u16> {
         let size = self.size_px as usize;
-        let metres_a_pixel = self.height_m / self.focal_px();
-        // A tile's index along one axis, from a pixel's column (or, with Y = -row, its row).
-        let tile = |pixel: usize, offset: f32| {
-            let from_centre = pixel as f32 + offset - 0.5 * size as f32;
-            (from_centre * metres_a_pixel / look.tile_m).floor() as i32
+        let side = OFFSETS.len() as u16;
+        // Of the samples along one side of a pixel, how many lie on tiles of even number.
+        let even = |along: fn(&Self, usize, f32, &Look) -> i32| -> Vec<u16> {
+            let count = |pixel: usize| {
+                let tiles = OFFSETS.map(|offset| along(self, pixel, offset, look));
+                tiles.iter().filter(|tile| tile.rem_euclid(2) == 0).count() as u16
+            };
+            (0..size).map(count).collect()
         };
-        let columns: Vec<i32> = (0..size).map(|column| tile(column, offset[0])).collect();
-        for row in 0..size {
-            let row_tile = -1 - tile(row, offset[1]);
-            for (column, column_tile) in columns.iter().enumerate() {
-                let pixel = row * size + column;
-                let colour = raster
-                    .colour(pixel)
-                    .unwrap_or_else(|| look.tiles[(column_tile + row_tile).rem_euclid(2) as usize]);
-                for channel in 0..3 {
-                    sums[3 * pixel + channel] += u16::from(colour[channel]);
-                }
+        let (columns, rows) = (even(Self::tile_column), even(Self::tile_row));
+        let mut sums = Vec::with_capacity(3 * size * size);
+        for row in rows {
+            for column in &columns {
+                let first = column * row + (side - column) * (side - row);
+                let second = side * side - first;
+                let [a, b] = look.tiles;
+                sums.extend(
+                    [0, 1, 2].map(|channel| {
+                        first * u16::from(a[channel]) + second * u16::from(b[channel])
+                    }),
+                );
             }
         }
+        sums
+    }
+
+    /// Returns the colour of the bare table at one sample of a pixel.
+    fn tile(&self, [column, row]: [usize; 2], [u, v]: [f32; 2], look: &Look) -> [u8; 3] {
+        let number = self.tile_column(column, u, look) + self.tile_row(row, v, look);
+        look.tiles[number.rem_euclid(2) as usize]
+    }
+
+    /// Returns the number of the tile that a sample lies on, from left to right.
+    fn tile_column(&self, pixel: usize, offset: f32, look: &Look) -> i32 {
+        let metres_a_pixel = self.height_m / self.focal_px();
+        let from_centre = pixel as f32 + offset - 0.5 * self.size_px as f32;
+        (from_centre * metres_a_pixel / look.tile_m).floor() as i32
+    }
+
+    /// Returns the number of the tile that a sample lies on, from bottom to top: the table's Y is up.
+    fn tile_row(&self, pixel: usize, offset: f32, look: &Look) -> i32 {
+        -1 - self.tile_column(pixel, offset, look)
     }
 
     /// Projects the cloth's triangles; of a cell that cannot be drawn whole, neither.

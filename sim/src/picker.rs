@@ -83,16 +83,6 @@ fn distance_2(a: [f32; 3], b: [f32; 3]) -> f32 {
     dx * dx + dy * dy + dz * dz
 }
 
-/// Returns the height of the cloth over a point of the table as a camera above sees it; the table's beside it.
-///
-/// - `points`: `[n_particles]`, grid order, world frame, metres.
-pub(crate) fn surface_height(mask: &Mask, points: &[[f32; 3]], at: [f32; 2]) -> f32 {
-    mesh::cells(mask)
-        .flatten()
-        .filter_map(|corners| height_at(corners.map(|corner| points[corner]), at))
-        .fold(0.0, f32::max)
-}
-
 /// Lists the legs of one pick-and-place.
 ///
 /// - `surface_m`: height of the cloth at the pick point, metres.

@@ -3,6 +3,8 @@
 //! In: vertices in pixels. Out: for each pixel, the nearest surface's colour
 //! and inverse depth. Knows neither world nor camera.
 
+use std::ops::Range;
+
 /// Colours of both sides at a vertex, 0 to 255 per channel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shade {
@@ -22,9 +24,36 @@ pub(crate) struct Vertex {
     pub shade: Shade,
 }
 
-/// One sample of every pixel of a square image.
+/// The part of an image that something is drawn in: columns and rows.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Window {
+    pub columns: Range<usize>,
+    pub rows: Range<usize>,
+}
+
+impl Window {
+    /// Returns the pixels that triangles can touch, of an image of `size` x `size`.
+    pub fn around(triangles: &[[Vertex; 3]], size: usize) -> Window {
+        let range = |coordinate: fn(&Vertex) -> f32| {
+            let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+            for value in triangles.iter().flatten().map(coordinate) {
+                low = low.min(value);
+                high = high.max(value);
+            }
+            // Casts to an integer saturate, so far-away corners need no special care.
+            let end = ((high + 1.0).max(0.0) as usize).min(size);
+            (low.floor().max(0.0) as usize).min(end)..end
+        };
+        Window {
+            columns: range(|vertex| vertex.column),
+            rows: range(|vertex| vertex.row),
+        }
+    }
+}
+
+/// One sample of every pixel of a window.
 pub(crate) struct Raster {
-    size: usize,
+    window: Window,
     background: f32,
     offset: [f32; 2],
     inverse_depth: Vec<f32>,
@@ -32,14 +61,15 @@ pub(crate) struct Raster {
 }
 
 impl Raster {
-    /// Makes an image of `size` x `size` pixels before a plane at the inverse depth `background`.
-    pub fn new(size: usize, background: f32) -> Raster {
+    /// Makes a window of an image before a plane at the inverse depth `background`.
+    pub fn new(window: Window, background: f32) -> Raster {
+        let n_pixels = window.columns.len() * window.rows.len();
         Raster {
-            size,
+            window,
             background,
             offset: [0.5, 0.5],
-            inverse_depth: vec![background; size * size],
-            colours: vec![None; size * size],
+            inverse_depth: vec![background; n_pixels],
+            colours: vec![None; n_pixels],
         }
     }
 
@@ -50,14 +80,15 @@ impl Raster {
         self.colours.fill(None);
     }
 
-    /// Returns every pixel's inverse depth, 1/m, row by row.
-    pub fn inverse_depth(&self) -> &[f32] {
-        &self.inverse_depth
-    }
-
-    /// Returns a pixel's colour, or `None` where only the background shows.
-    pub fn colour(&self, pixel: usize) -> Option<[u8; 3]> {
-        self.colours[pixel]
+    /// Returns the pixels that show a triangle: column and row, colour, inverse depth in 1/m.
+    pub fn drawn(&self) -> impl Iterator<Item = ([usize; 2], [u8; 3], f32)> {
+        let width = self.window.columns.len();
+        let pixels = self.colours.iter().zip(&self.inverse_depth).enumerate();
+        pixels.filter_map(move |(pixel, (colour, inverse_depth))| {
+            let column = self.window.columns.start + pixel % width;
+            let row = self.window.rows.start + pixel / width;
+            Some(([column, row], (*colour)?, *inverse_depth))
+        })
     }
 
     /// Draws a triangle where it is nearer than what is there.
@@ -74,8 +105,11 @@ impl Raster {
         } else {
             triangle.map(|v| v.shade.underside)
         };
-        let columns = self.covered([a.column, b.column, c.column], self.offset[0]);
-        let rows = self.covered([a.row, b.row, c.row], self.offset[1]);
+        let [first_column, first_row] = [self.window.columns.start, self.window.rows.start];
+        let width = self.window.columns.len();
+        let columns = [a.column, b.column, c.column];
+        let columns = covered(columns, self.offset[0], &self.window.columns);
+        let rows = covered([a.row, b.row, c.row], self.offset[1], &self.window.rows);
         for row in rows {
             for column in columns.clone() {
                 let u = column as f32 + self.offset[0];
@@ -92,7 +126,7 @@ impl Raster {
                     weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2]
                 };
                 let inverse = mix(triangle.map(|vertex| vertex.inverse_depth));
-                let pixel = row * self.size + column;
+                let pixel = (row - first_row) * width + column - first_column;
                 if inverse > self.inverse_depth[pixel] {
                     self.inverse_depth[pixel] = inverse;
                     let channel = |index: usize| (mix(colours.map(|c| c[index])) + 0.5) as u8;
@@ -101,18 +135,18 @@ impl Raster {
             }
         }
     }
+}
 
-    /// Returns the pixels whose sample lies between the least and greatest coordinate.
-    fn covered(&self, coordinates: [f32; 3], offset: f32) -> std::ops::Range<usize> {
-        let low = coordinates.iter().fold(f32::INFINITY, |low, &c| low.min(c));
-        let high = coordinates
-            .iter()
-            .fold(f32::NEG_INFINITY, |high, &c| high.max(c));
-        // Casts to an integer saturate, so far-away corners need no special care.
-        let first = (low - offset).ceil().max(0.0) as usize;
-        let last = (high - offset).floor() + 1.0;
-        first..(last.max(0.0) as usize).min(self.size)
-    }
+/// Returns the pixels of a range whose sample lies between the least and greatest coordinate.
+fn covered(coordinates: [f32; 3], offset: f32, range: &Range<usize>) -> Range<usize> {
+    let low = coordinates.iter().fold(f32::INFINITY, |low, &c| low.min(c));
+    let high = coordinates
+        .iter()
+        .fold(f32::NEG_INFINITY, |high, &c| high.max(c));
+    // Casts to an integer saturate, so far-away corners need no special care.
+    let first = (low - offset).ceil().max(0.0) as usize;
+    let last = (high - offset).floor() + 1.0;
+    first.max(range.start)..(last.max(0.0) as usize).min(range.end)
 }
 
 /// Returns twice the signed area of the triangle `a`, `b`, (`u`, `v`); positive when clockwise on the image.

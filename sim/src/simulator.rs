@@ -197,11 +197,11 @@ impl Simulator {
         if !self.solver.held().is_empty() {
             self.let_go();
         }
-        let aimed_at = match self.aim {
-            Aim::Nearest => None,
-            Aim::Uppermost => picker::uppermost(&self.mask, &self.positions(), pick),
-        };
-        let surface_m = picker::surface_height(&self.mask, &self.positions(), pick);
+        let points = self.positions();
+        // A picture's pixel at the cloth's rim may lie beside every triangle, so that the particle says how high.
+        let uppermost = picker::uppermost(&self.mask, &points, pick);
+        let surface_m = uppermost.map_or(0.0, |particle| points[particle][2]);
+        let aimed_at = uppermost.filter(|_| self.aim == Aim::Uppermost);
         let mut grasped = None;
         let mut steps = 0;
         for leg in picker::legs(pick, place, surface_m, &self.params) {

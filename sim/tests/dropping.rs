@@ -96,3 +96,32 @@ fn the_other_pickers_hash_is_what_it_was_without_a_choice() {
     let read: Params = serde_json::from_str(&text).unwrap();
     assert_eq!(read.picker_route, Route::Drop);
 }
+
+#[test]
+fn the_rim_of_a_crumpled_cloth_is_grasped_from_just_beside_it() {
+    // As a picture's corner pixel may: there is only the table there, and the rim beside it may be high.
+    for seed in 0..6 {
+        let mut crumpled = cloth(24, 24);
+        crumpled.crumple(seed, &|| false).unwrap();
+        crumpled.settle(300).unwrap();
+        let points = crumpled.positions();
+        for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0f32)] {
+            let outermost = (0..points.len())
+                .max_by(|&a, &b| (sign * points[a][axis]).total_cmp(&(sign * points[b][axis])));
+            let outermost = outermost.unwrap();
+            let mut pick = [points[outermost][0], points[outermost][1]];
+            pick[axis] += sign * 0.001;
+            let mut tried = crumpled.clone();
+            let asked = std::cell::Cell::new(0);
+            // Up to where it would have been lifted.
+            let stop = || {
+                asked.set(asked.get() + 1);
+                asked.get() > 3 * DROP_LEG_STEPS
+            };
+            tried.pick_and_place(pick, [0.0, 0.0], &stop).unwrap_err();
+            let height_m = tried.positions()[outermost][2];
+            let was_m = points[outermost][2];
+            assert!(height_m > 0.06, "seed {seed}: {height_m}, from {was_m}");
+        }
+    }
+}

@@ -5,7 +5,7 @@ use crate::cli::RenderArguments;
 use crate::exit::Failure;
 use crate::{setting, sources};
 use compiler::facts::{Done, Facts, SceneView};
-use compiler::program::{PixelPoint, Program, Stage, Subgoals, Value};
+use compiler::program::{ClothStart, PixelPoint, Program, Stage, Subgoals, Value};
 use compiler::render::{PromptPicture, RenderError, Values};
 use compiler::reply::Proposal;
 use runtime::agent;
@@ -21,6 +21,29 @@ use runtime::world::World;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
+/// Returns the task for the cloth of the start file that is named, where one is; else the task as it is.
+pub fn fitted(declared: &Program, arguments: &RenderArguments) -> Result<Program, Failure> {
+    let is_seed = |text: &String| text.bytes().all(|byte| byte.is_ascii_digit());
+    let is_file = match &arguments.start.start {
+        Some(text) => !is_seed(text),
+        None => matches!(declared.cloth.start, ClothStart::File { .. }),
+    };
+    if !is_file || arguments.scene.is_some() {
+        return Ok(declared.clone());
+    }
+    let world = setting::world(declared).map_err(Failure::environment)?;
+    let folder = sources::folder_of(&arguments.task.file);
+    let interrupt = Interrupt::default();
+    let start = setting::start(
+        declared,
+        &folder,
+        &arguments.start,
+        world.as_ref(),
+        &interrupt,
+    )?;
+    setting::fitted(&arguments.task, declared, &start)
+}
+
 /// A scene and what can be shown of it.
 pub struct View {
     scene: Scene,
@@ -31,7 +54,14 @@ pub struct View {
 
 impl View {
     /// Lays the cloth, executes the demonstrated folds before the step, and looks.
-    pub fn at(program: &Program, arguments: &RenderArguments) -> Result<View, Failure> {
+    ///
+    /// - `program`: the task for the cloth that lies there; `declared`: the same as it is written, whose subgoals
+    ///   are shown.
+    pub fn at(
+        program: &Program,
+        declared: &Program,
+        arguments: &RenderArguments,
+    ) -> Result<View, Failure> {
         if arguments.scene.is_some() && arguments.start.start.is_some() {
             let both = "`--scene` gives the points and `--start` lets the camera find them; give one of them";
             return Err(Failure::usage(both));
@@ -39,7 +69,7 @@ impl View {
         let interrupt = Interrupt::default();
         let mut world = setting::world(program).map_err(Failure::environment)?;
         let folder = sources::folder_of(&arguments.task.file);
-        let subgoals = SubgoalSet::obtain(program, &folder, world.as_mut(), &interrupt)
+        let subgoals = SubgoalSet::obtain(declared, &folder, world.as_mut(), &interrupt)
             .map_err(Failure::environment)?;
         let examples = Examples::load(program, &folder).map_err(Failure::environment)?;
         let start = setting::start(

@@ -9,6 +9,11 @@ use compiler::program::{Program, Stage};
 use compiler::render::{self, PromptSpeaker, RenderError, Values};
 use std::collections::BTreeMap;
 
+/// Returns the task as it is: no start is laid.
+pub fn fitted(declared: &Program, _arguments: &RenderArguments) -> Result<Program, Failure> {
+    Ok(declared.clone())
+}
+
 /// Stands where a scene would be.
 pub struct View {
     step: u32,
@@ -16,7 +21,11 @@ pub struct View {
 
 impl View {
     /// Says that this build has no camera, where points are needed.
-    pub fn at(_program: &Program, arguments: &RenderArguments) -> Result<View, Failure> {
+    pub fn at(
+        _program: &Program,
+        _declared: &Program,
+        arguments: &RenderArguments,
+    ) -> Result<View, Failure> {
         if arguments.scene.is_none() {
             output::talk(
                 "note: this build of fabc has no camera; points stand as placeholders (`--scene FILE.json` gives them)",

@@ -146,6 +146,78 @@ fn a_suite_gives_the_same_figures_on_any_number_of_threads_and_is_not_run_twice(
     }
 }
 
+/// Pulls at a small crumpled cloth; the goal is so near that chance meets it now and then.
+const PULLS: &str = r#"
+task tiny {
+    cloth   grid(20, 20, start: crumpled)
+    camera  top_down(height: 500mm, fov: 45deg, image: 240px, up: x)
+    goal    normalized_improvement > 0.1
+    horizon 4
+    keypoints {
+        cloth   = mask(depth < 499mm)
+        corners = shi_tomasi(cloth, max: 15, quality: 0.1, spacing: 8px)
+    }
+    actions {
+        pick:      one of corners
+        direction: one of 0deg, 90deg, 180deg, 270deg
+        distance:  one of 0.25edge, 0.5edge
+    }
+    stage act {
+        model vision
+        show  scene
+        say   "Pull a corner, one of {{ corners }}. {{ actions.format }}"
+        read  action
+    }
+    verify { attempts 3 }
+}
+"#;
+
+const PULLS_SUITE: &str = r#"
+about = "Pulls."
+statistic = "median"
+metrics = ["normalized_improvement_source", "normalized_improvement_true", "goal_reached", "normalized_improvement_source_without_stop"]
+horizons = [1, 2, 4]
+repeats = 2
+tasks = ["../tiny.fab"]
+[starts]
+lie = "crumpled"
+sides = [20, 21]
+count = 3
+first_seed = 7
+[[method]]
+name = "random"
+model = "random:3"
+"#;
+
+#[test]
+fn figures_with_the_stop_are_those_of_rollouts_that_stopped() {
+    let folder = project(PULLS_SUITE);
+    fs::write(folder.path().join("tasks/tiny.fab"), PULLS).unwrap();
+    let on = bench(folder.path(), &["--out", "on"]);
+    let suite = PULLS_SUITE.replace(", \"normalized_improvement_source_without_stop\"", "");
+    assert_ne!(suite, PULLS_SUITE);
+    fs::write(folder.path().join("tasks/suites/tiny.toml"), suite).unwrap();
+    let stopped = bench(folder.path(), &["--out", "stopped"]);
+    let with_stop: Vec<Value> = timeless(&on)
+        .into_iter()
+        .filter(|row| row["metric"] != "normalized_improvement_source_without_stop")
+        .collect();
+    assert_eq!(with_stop, timeless(&stopped));
+    assert_eq!(with_stop.len(), 9);
+    // Some rollouts stop and some do not, else the test would show nothing.
+    let last = &with_stop[6]["outcomes"];
+    assert!(last["goal_reached"].as_u64() > Some(0), "{last}");
+    let steps = |out: &str| {
+        let journal = folder.path().join(out).join("tiny/random");
+        let lines = fs::read_dir(journal).unwrap().map(|run| {
+            let text = fs::read_to_string(run.unwrap().path().join("rollout.jsonl")).unwrap();
+            text.lines().count()
+        });
+        lines.sum::<usize>()
+    };
+    assert!(steps("stopped") < steps("on"));
+}
+
 #[test]
 fn the_table_says_what_its_figures_are() {
     let folder = project(SUITE);

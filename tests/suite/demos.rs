@@ -150,6 +150,41 @@ fn a_start_that_is_an_example_is_no_test() {
     );
 }
 
+#[test]
+fn a_suite_with_a_start_that_is_an_example_is_refused() {
+    let folder = folder();
+    make(folder.path(), "3");
+    let file = folder.path().join("demos/one_fold.jsonl");
+    let text = fs::read_to_string(&file).unwrap();
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let mut demo: Value = serde_json::from_str(&lines[1]).unwrap();
+    (demo["dims"], demo["turned_deg"]) = (serde_json::json!([50, 40]), 30.into());
+    lines[1] = demo.to_string();
+    fs::write(&file, lines.join("\n") + "\n").unwrap();
+    let suite = r#"
+        about = "One fold, with examples."
+        statistic = "mean"
+        metrics = ["goal_reached"]
+        tasks = ["one_fold.fab"]
+        [starts]
+        lie = "flat"
+        sides = [50]
+        turns_deg = [0, 30]
+        [[method]]
+        name = "told"
+        variant = "told"
+    "#;
+    fs::write(folder.path().join("one.toml"), suite).unwrap();
+    let said = finish(fabc(folder.path()).args(["bench", "one.toml"]));
+    assert_eq!(said.code, 2, "{}", said.stderr);
+    assert!(
+        said.stderr
+            .contains("is that of demonstration 1, which `told` tells the model"),
+        "{}",
+        said.stderr
+    );
+}
+
 /// A flat cloth, turned counter-clockwise, as the simulator lays it: z up.
 fn turned(dimx: u64, dimy: u64, degrees: f64) -> Vec<[f32; 3]> {
     let (sin, cos) = degrees.to_radians().sin_cos();

@@ -1,34 +1,16 @@
 //! Steps without an answer that may run: skipped where the task says so, and what the model is shown after a refusal.
 
-use super::steered::{LEFT, Played, RIGHT, answer, play_with, text};
+use super::steered::{LEFT, Played, RIGHT, answer, play_with, steered_but};
 use super::support;
-use compiler::program::Program;
 use compiler::render::REFUSED_ACTION;
-use compiler::{LoadError, Loader};
 use runtime::model::{Part, Request, Speaker};
 use runtime::outcome::Outcome;
 use serde_json::json;
 
-struct Text(String);
-
-impl Loader for Text {
-    fn load(&self, _: &str) -> Result<String, LoadError> {
-        Ok(self.0.clone())
-    }
-}
-
-/// The steered task with another `attempts` line.
-fn steered(attempts: &str) -> Program {
-    let text = text().replace("attempts 2, then without new_place", attempts);
-    let compiled = compiler::compile("steered.fab", &Text(text)).unwrap();
-    assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
-    compiled.programs.into_iter().next().unwrap()
-}
-
+/// Plays the steered task with another `attempts` line.
 fn play(attempts: &str, horizon: u32, replies: &[&str]) -> Played {
-    play_with(&steered(attempts), replies, |trial| {
-        trial.horizon = Some(horizon)
-    })
+    let program = steered_but(&[("attempts 2, then without new_place", attempts)]);
+    play_with(&program, replies, |trial| trial.horizon = Some(horizon))
 }
 
 fn inward() -> String {
@@ -185,5 +167,5 @@ fn without_the_words_a_correction_has_no_picture() {
     let wrong = inward();
     let played = play("attempts 2", 1, &[&wrong, &outward()]);
     assert!(pictures(last_parts(&played.asked[1])).is_empty());
-    assert_eq!(support::small_task().verify.with_picture, false);
+    assert!(!support::small_task().verify.with_picture);
 }

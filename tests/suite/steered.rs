@@ -4,6 +4,7 @@
 
 use super::support::{self, ProjectFiles, Scripted, Trial};
 use compiler::program::Program;
+use compiler::{LoadError, Loader};
 use runtime::agent::Models;
 use runtime::cache::Cache;
 use runtime::model::{Part, Request, Speaker};
@@ -24,8 +25,29 @@ pub(super) fn steered(variant: Option<&str>) -> Program {
         .unwrap()
 }
 
-pub(super) fn text() -> String {
+fn text() -> String {
     std::fs::read_to_string(support::project(FILE)).unwrap()
+}
+
+/// One text, whatever is asked for.
+struct Changed(String);
+
+impl Loader for Changed {
+    fn load(&self, _: &str) -> Result<String, LoadError> {
+        Ok(self.0.clone())
+    }
+}
+
+/// Returns the task with something else in place of some parts of its text.
+pub(super) fn steered_but(changes: &[(&str, &str)]) -> Program {
+    let mut text = text();
+    for (part, other) in changes {
+        assert!(text.contains(part), "{part}");
+        text = text.replace(part, other);
+    }
+    let compiled = compiler::compile("steered.fab", &Changed(text)).unwrap();
+    assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
+    compiled.programs.into_iter().next().unwrap()
 }
 
 pub(super) struct Played {

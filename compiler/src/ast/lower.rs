@@ -280,6 +280,7 @@ impl Reader {
             Some(Field {
                 name: self.name(part)?,
                 one_of,
+                any_of: part.child(Kind::AnyOf).and_then(|region| self.name(region)),
             })
         };
         Actions {

@@ -199,11 +199,13 @@ pub(crate) struct Actions {
     pub has_faults: bool,
 }
 
-/// `NAME: one of …`.
+/// `NAME: one of …`, or `NAME: any of MASK`.
 #[derive(Clone, Debug)]
 pub(crate) struct Field {
     pub name: Ident,
     pub one_of: Vec<Expr>,
+    /// The mask; then `one_of` is empty.
+    pub any_of: Option<Ident>,
 }
 
 /// Whether a component is new or replaces one.

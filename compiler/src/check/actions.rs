@@ -98,6 +98,9 @@ fn completeness(part: &ast::Actions, fields: &[ActionField], context: &mut Conte
 
 fn field(part: &Field, context: &mut Context<'_>) -> Option<ActionField> {
     let name = part.name.text.clone();
+    if let Some(mask) = &part.any_of {
+        return region(&name, mask, context);
+    }
     if let Some(beyond) = part.one_of.get(MAX_CHOICES) {
         let message = format!("a field has at most {MAX_CHOICES} choices");
         context.push(Diagnostic::new(Code::OutOfRange, beyond.span, message));
@@ -215,6 +218,34 @@ impl Kind {
             Kind::Words => "write words in quotes, such as `one of \"soft\", \"firm\"`",
         }
     }
+}
+
+/// Builds a field that may be any pixel of a mask.
+fn region(name: &str, mask: &Ident, context: &mut Context<'_>) -> Option<ActionField> {
+    if let Some(wanted) = Kind::wanted(name).filter(|wanted| *wanted != Kind::Points) {
+        let message = format!("`{name}` offers {}, not points", wanted.words());
+        context
+            .push(Diagnostic::new(Code::MixedChoices, mask.span, message).help(wanted.example()));
+        return None;
+    }
+    match context.names.get(&mask.text) {
+        Some(Meaning::Keypoint(None | Some(KeypointShape::Mask))) => {}
+        Some(Meaning::Keypoint(Some(shape))) => {
+            context.push(wrong_kind(mask, shape, "a mask"));
+            return None;
+        }
+        _ => {
+            let is_mask = |meaning| matches!(meaning, Meaning::Keypoint(Some(KeypointShape::Mask)));
+            context.unknown("mask", mask, context.names.that(is_mask));
+            return None;
+        }
+    }
+    Some(ActionField {
+        name: name.to_owned(),
+        choices: Choices::Region {
+            mask: mask.text.clone(),
+        },
+    })
 }
 
 fn points(part: &Field, context: &mut Context<'_>) -> Option<Choices> {

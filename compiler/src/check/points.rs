@@ -68,7 +68,7 @@ fn named(name: Ident, context: &mut Context<'_>) -> Option<Point> {
         .find(|field| field.name == name.text)
         .map(|field| &field.choices);
     match (context.names.get(&name.text), choices) {
-        (Some(Meaning::Field), Some(Choices::Points { .. })) => {
+        (Some(Meaning::Field), Some(choices)) if choices.are_points() => {
             Some(Point::Action { field: name.text })
         }
         (Some(Meaning::Field), Some(_)) => {
@@ -118,7 +118,7 @@ fn carried(context: &Context<'_>) -> Option<Point> {
         let mut fields = context.actions.iter();
         fields.any(|field| field.name == wanted && fits(&field.choices))
     };
-    let is_there = has("pick", |choices| matches!(choices, Choices::Points { .. }))
+    let is_there = has("pick", Choices::are_points)
         && has("direction", |choices| {
             matches!(choices, Choices::Directions { .. })
         })

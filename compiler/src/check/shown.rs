@@ -186,6 +186,7 @@ fn dotted(path: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> 
             Choices::Points { .. } => later(Shown::Choices {
                 field: name.to_owned(),
             }),
+            Choices::Region { ref mask } => Placed::Literal(space::any_of(mask)),
             _ => Placed::Literal(space::listed(field, &space::declared(field))),
         });
     }

@@ -15,6 +15,20 @@ pub struct ActionField {
     pub choices: Choices,
 }
 
+impl ActionField {
+    /// Returns whether its values are pixels.
+    pub fn is_point(&self) -> bool {
+        self.choices.are_points()
+    }
+}
+
+impl Choices {
+    /// Returns whether they are pixels: those of keypoints, or of a region.
+    pub fn are_points(&self) -> bool {
+        matches!(self, Choices::Points { .. } | Choices::Region { .. })
+    }
+}
+
 /// What a field may be, in the order in which a prompt lists it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "of", rename_all = "snake_case")]
@@ -23,6 +37,11 @@ pub enum Choices {
     Points {
         /// Keypoints that are points or a point.
         keypoints: Vec<String>,
+    },
+    /// Any pixel of a mask.
+    Region {
+        /// The mask.
+        mask: String,
     },
     /// Directions in the picture.
     Directions {

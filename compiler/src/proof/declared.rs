@@ -49,6 +49,7 @@ pub(super) fn check(program: &Program, found: &mut Flaws) {
 fn check_field(program: &Program, field: &ActionField, found: &mut Flaws) {
     let n_choices = match &field.choices {
         Choices::Points { keypoints } => keypoints.len(),
+        Choices::Region { .. } => 1,
         Choices::Directions { choices } => choices.len(),
         Choices::Lengths { choices, .. } => choices.len(),
         Choices::Words { choices } => choices.len(),
@@ -68,7 +69,7 @@ fn check_field(program: &Program, field: &ActionField, found: &mut Flaws) {
     }
     check_alike(field, found);
     match &field.choices {
-        Choices::Points { .. } => {}
+        Choices::Points { .. } | Choices::Region { .. } => {}
         Choices::Directions { choices } => {
             for choice in choices {
                 let text = written(choice.deg, DECIMALS);

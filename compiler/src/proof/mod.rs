@@ -118,7 +118,7 @@ impl<'a> Proof<'a> {
         let offered: Vec<(String, Vec<Value>)> = program
             .actions
             .iter()
-            .map(|field| (field.name.clone(), space::choices(field, scene)))
+            .map(|field| (field.name.clone(), scene.offered(field)))
             .collect();
         let written = |(field, (_, values)): (&ActionField, &(String, Vec<Value>))| {
             let texts = values.iter().map(|value| space::text(field, value));
@@ -163,6 +163,11 @@ impl<'a> Proof<'a> {
         self.check_reading(&tried, &answer(&tried), Form::Asked, found);
         let mut object = serde_json::Map::new();
         for (one, texts) in tried.iter().zip(&self.texts) {
+            // Of a region the schema gives the form alone.
+            if let Choices::Region { .. } = one.field.choices {
+                object.insert(one.field.name.clone(), one.text.into());
+                continue;
+            }
             let listed = &schema["properties"][&one.field.name]["enum"][index % texts.len()];
             if *listed != one.text {
                 let message = format!("`{}` is not in the schema", one.text);
@@ -228,12 +233,18 @@ impl<'a> Proof<'a> {
         for (position, (field, (_, offered))) in
             self.program.actions.iter().zip(&self.offered).enumerate()
         {
-            let others = others::of(field, offered, &self.texts[position]);
+            let others = match field.choices {
+                Choices::Region { .. } => others::beside(self.program, &self.texts[position]),
+                _ => others::of(field, offered, &self.texts[position]),
+            };
             let mut tried = self.tried(0);
-            let first = tried[position].text;
+            let choice = match &field.choices {
+                Choices::Region { mask } => space::any_of(mask),
+                _ => tried[position].text.to_owned(),
+            };
             for other in &others {
                 tried[position].text = other;
-                if let Err(message) = self.refused(field, first, &answer(&tried)) {
+                if let Err(message) = self.refused(field, &choice, &answer(&tried)) {
                     let shown: String = other.chars().take(40).collect();
                     let message = format!("`{shown}` is not offered, but {message}");
                     found.push(field, &shown, message);
@@ -250,10 +261,7 @@ impl<'a> Proof<'a> {
         let (refused, is_told) = match reply::read_action(self.program, answer) {
             Err(malformed) => {
                 // Only the verifier knows which points a scene offers.
-                let choice = match field.choices {
-                    Choices::Points { .. } => "(x, y)",
-                    _ => first,
-                };
+                let choice = if field.is_point() { "(x, y)" } else { first };
                 let is_told = names_both(&malformed.message, choice);
                 (malformed.field, is_told)
             }

@@ -1,7 +1,7 @@
 //! Values beside the offered ones: between choices, one pixel off, other words, none, far too large.
 
 use crate::exact::normalised_deg;
-use crate::program::{ActionField, PixelPoint, Value};
+use crate::program::{ActionField, PixelPoint, Program, Value};
 use crate::space;
 
 /// The most places between choices that are tried for one field.
@@ -64,6 +64,18 @@ pub(super) fn of(field: &ActionField, offered: &[Value], texts: &[String]) -> Ve
         known.contains(&other)
     };
     others.retain(|other| !is_offered(other));
+    others
+}
+
+/// Returns what a field does not offer that offers every pixel of the picture.
+pub(super) fn beside(program: &Program, texts: &[String]) -> Vec<String> {
+    let side = i32::try_from(program.camera.image_px).unwrap_or(i32::MAX);
+    let mut others = vec![String::new(), "9".repeat(400)];
+    let outside = [[-1, 0], [0, -1], [side, 0], [0, side]];
+    others.extend(outside.map(|pixel| PixelPoint::from(pixel).to_string()));
+    if let [first, .., last] = texts {
+        others.push(format!("{first} or {last}"));
+    }
     others
 }
 

@@ -1,7 +1,8 @@
 //! Scenes for the proof: points that are easily mistaken for each other, at the picture's edges and beyond.
 
 use crate::facts::SceneView;
-use crate::program::{Extractor, KeypointShape, PixelPoint, Program};
+use crate::program::{ActionField, Choices, Extractor, KeypointShape, PixelPoint, Program, Value};
+use crate::space;
 
 /// The points of the larger scene.
 const N_POINTS: usize = 30;
@@ -13,6 +14,8 @@ pub(super) struct Generated {
     single: Vec<String>,
     /// Keypoints whose points are always the same.
     fixed: Vec<(String, Vec<PixelPoint>)>,
+    /// The last pixel of a row: every mask is the whole picture.
+    far: i32,
 }
 
 impl Generated {
@@ -70,7 +73,25 @@ impl Generated {
             points,
             single,
             fixed,
+            far: edge(program),
         }
+    }
+
+    /// Returns what a field may be; of a region, the points that lie in it.
+    pub fn offered(&self, field: &ActionField) -> Vec<Value> {
+        match &field.choices {
+            Choices::Region { .. } => {
+                let inside = self.points.iter().filter(|point| self.shows(**point));
+                inside.copied().map(Value::Point).collect()
+            }
+            _ => space::choices(field, self),
+        }
+    }
+
+    fn shows(&self, point: PixelPoint) -> bool {
+        [point.u, point.v]
+            .iter()
+            .all(|at| (0..=self.far).contains(at))
     }
 }
 
@@ -89,11 +110,18 @@ impl SceneView for Generated {
         Some(self.points[..n_points].to_vec())
     }
 
-    fn distance_px(&self, _: &str, _: PixelPoint) -> Option<f64> {
-        None
+    fn distance_px(&self, _: &str, point: PixelPoint) -> Option<f64> {
+        Some(if self.shows(point) { 0.0 } else { 1.0 })
     }
 
     fn area_px(&self, _: &str) -> Option<f64> {
-        None
+        let side = f64::from(self.far) + 1.0;
+        Some(side * side)
+    }
+
+    fn region_pixel(&self, _: &str, number: u64) -> Option<PixelPoint> {
+        let side = u64::try_from(self.far).ok()? + 1;
+        let at = |part: u64| i32::try_from(part).ok();
+        Some(PixelPoint::new(at(number % side)?, at(number / side)?))
     }
 }

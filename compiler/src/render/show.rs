@@ -3,7 +3,7 @@
 use crate::eval::{Eval, rounded};
 use crate::exact;
 use crate::facts::{Facts, Missing};
-use crate::program::{PixelPoint, Program, Read, Shown, Value, Written};
+use crate::program::{Choices, PixelPoint, Program, Read, Shown, Value, Written};
 use crate::space;
 
 /// Writes what is known.
@@ -39,7 +39,10 @@ pub(super) fn known(program: &Program, facts: Facts<'_>, shown: &Shown) -> Resul
         }
         Shown::Choices { field } => {
             let field = program.field(field).ok_or_else(|| missing(field))?;
-            Ok(space::listed(field, &space::choices(field, facts.scene)))
+            Ok(match &field.choices {
+                Choices::Region { mask } => space::any_of(mask),
+                _ => space::listed(field, &space::choices(field, facts.scene)),
+            })
         }
         Shown::Nearest { field, to } => {
             let deg = eval.nearest_deg(field, to)?;

@@ -7,7 +7,7 @@
 use super::names::{Named, named};
 use super::statement::{Firmness, Statement, statement_at};
 use super::{Malformed, Proposal, Reading, bounded, quoted};
-use crate::program::{ActionField, Choices, Program, Value};
+use crate::program::{ActionField, Program, Value};
 use crate::space;
 
 /// Reads every field of the action.
@@ -45,15 +45,15 @@ pub(crate) fn read_fields(
 }
 
 fn complaint(why: &str, actions: &[ActionField], field: &ActionField) -> String {
-    let choose = match field.choices {
-        Choices::Points { .. } => String::new(),
-        _ => format!(
+    let choose = if field.is_point() {
+        String::new()
+    } else {
+        format!(
             " Choose one of these: {}.",
             space::shortened(field, &space::declared(field))
-        ),
+        )
     };
-    let is_point = |field: &ActionField| matches!(field.choices, Choices::Points { .. });
-    let n_points = actions.iter().filter(|field| is_point(field)).count();
+    let n_points = actions.iter().filter(|field| field.is_point()).count();
     let with = if n_points == actions.len() {
         ", with numbers for x and y"
     } else if n_points > 0 {
@@ -127,15 +127,19 @@ fn field(
 
 /// Returns what a field's value is called in a sentence.
 fn noun(field: &ActionField) -> String {
-    match field.choices {
-        Choices::Points { .. } => format!("{} point", space::spoken(field)),
-        _ => space::spoken(field),
+    let name = space::spoken(field);
+    if field.is_point() {
+        format!("{name} point")
+    } else {
+        name
     }
 }
 
 fn plural(field: &ActionField) -> String {
-    match field.choices {
-        Choices::Points { .. } => format!("{} points", space::spoken(field)),
-        _ => format!("values for the {}", space::spoken(field)),
+    let name = space::spoken(field);
+    if field.is_point() {
+        format!("{name} points")
+    } else {
+        format!("values for the {name}")
     }
 }

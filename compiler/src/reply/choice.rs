@@ -56,7 +56,7 @@ pub(super) fn resolve(asked: &Asked<'_>, quantity: Quantity, text: &str) -> Resu
     let (value, note) = match &asked.field.choices {
         Choices::Directions { choices } => direction(choices, asked, quantity, text)?,
         Choices::Lengths { unit, choices } => length(choices, *unit, asked, quantity, text)?,
-        Choices::Points { .. } | Choices::Words { .. } => {
+        Choices::Points { .. } | Choices::Region { .. } | Choices::Words { .. } => {
             return Err(format!("`{text}` is a number"));
         }
     };

@@ -4,7 +4,7 @@
 //! follows may belong to it. A name inside a longer one (`angle` in `Tip angle`) belongs to the longer.
 
 use super::cursor::{starts_with_word, tail};
-use crate::program::{ActionField, Choices};
+use crate::program::ActionField;
 
 /// How far back a word may stand that turns a statement, bytes.
 const MAX_BEFORE: usize = 120;
@@ -85,8 +85,7 @@ fn occurrences(index: usize, field: &ActionField, reply: &str) -> Vec<Named> {
             continue;
         }
         let noun = rest.trim_start_matches([' ', '_', '-']);
-        let has_noun =
-            matches!(field.choices, Choices::Points { .. }) && starts_with_word(noun, "point");
+        let has_noun = field.is_point() && starts_with_word(noun, "point");
         let claimed = if has_noun {
             reply.len() - noun.len() + "point".len()
         } else {

@@ -7,7 +7,8 @@ use serde_json::{Map, Value as Json, json};
 /// What a point looks like as [`space::text`] writes it; the reader refuses larger numbers.
 const POINT: &str = r"^\((0|-?[1-9][0-9]{0,6}), (0|-?[1-9][0-9]{0,6})\)$";
 
-/// Returns a schema that accepts exactly the offered values, as strings that [`space::text`] writes.
+/// Returns a schema that accepts exactly the offered values, as strings that [`space::text`] writes; of a region, every
+/// point.
 ///
 /// - `offered`: for each field what it may be in the scene; for a field that is not among them, what is
 ///   declared, and nothing for points.
@@ -16,6 +17,9 @@ const POINT: &str = r"^\((0|-?[1-9][0-9]{0,6}), (0|-?[1-9][0-9]{0,6})\)$";
 /// understands them.
 pub fn schema(program: &Program, offered: &[(String, Vec<Value>)]) -> Json {
     object(program, |field| {
+        if let Choices::Region { .. } = field.choices {
+            return any_point(field);
+        }
         let values = offered.iter().find(|(name, _)| *name == field.name);
         let values = values.map_or_else(|| space::declared(field), |(_, values)| values.clone());
         choices(field, &values)
@@ -25,9 +29,7 @@ pub fn schema(program: &Program, offered: &[(String, Vec<Value>)]) -> Json {
 /// Returns a schema that accepts every value that some scene may offer; points are given by a pattern.
 pub fn static_schema(program: &Program) -> Json {
     object(program, |field| match field.choices {
-        Choices::Points { .. } => {
-            json!({ "type": "string", "description": what(field), "pattern": POINT })
-        }
+        Choices::Points { .. } | Choices::Region { .. } => any_point(field),
         _ => choices(field, &space::declared(field)),
     })
 }
@@ -47,6 +49,11 @@ fn object(program: &Program, property: impl Fn(&ActionField) -> Json) -> Json {
     })
 }
 
+/// Accepts whatever is written as a point.
+fn any_point(field: &ActionField) -> Json {
+    json!({ "type": "string", "description": what(field), "pattern": POINT })
+}
+
 fn choices(field: &ActionField, values: &[Value]) -> Json {
     let texts: Vec<String> = values
         .iter()
@@ -59,6 +66,9 @@ fn what(field: &ActionField) -> String {
     let name = space::spoken(field);
     match field.choices {
         Choices::Points { .. } => format!("the {name} point (x, y), pixels"),
+        Choices::Region { ref mask } => {
+            format!("the {name} point (x, y), pixels: {}", space::any_of(mask))
+        }
         Choices::Directions { .. } => {
             format!("the {name}, counter-clockwise from the image's right")
         }

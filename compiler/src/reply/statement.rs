@@ -9,7 +9,7 @@ use super::cursor::{Cursor, decorates, head};
 use super::names::{Named, TURNING, is_turned, turns};
 use super::pixel::{self, Brackets};
 use super::value;
-use crate::program::{ActionField, Choices, PixelPoint, Value};
+use crate::program::{ActionField, PixelPoint, Value};
 
 /// The most characters between a field's name and its point.
 const MAX_BETWEEN: usize = 100;
@@ -71,7 +71,7 @@ pub(super) fn statement_at<'t>(
     if is_turned(reply, named.at) {
         return None;
     }
-    let is_point = matches!(field.choices, Choices::Points { .. });
+    let is_point = field.is_point();
     let blank = |character: char| matches!(character, ' ' | '\t' | '-') || decorates(character);
     // What stands behind another field's name belongs to that.
     let text = &reply[..named.until];

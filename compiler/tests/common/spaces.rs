@@ -1,6 +1,6 @@
 //! Programs that declare nothing but an action space, read from `tests/fixtures/spaces`.
 //!
-//! One field a line: `NAME points KEYPOINT…`, `NAME directions DEGREES…`, `NAME lengths UNIT NUMBER…`,
+//! One field a line: `NAME points KEYPOINT…`, `NAME region MASK`, `NAME directions DEGREES…`, `NAME lengths UNIT NUMBER…`,
 //! `NAME words WORD | WORD…`. The cloth's longer side is 625 mm.
 
 #![allow(dead_code, clippy::unwrap_used)]
@@ -32,6 +32,9 @@ pub fn field(line: &str) -> ActionField {
     let choices = match kind {
         "points" => Choices::Points {
             keypoints: rest.split_whitespace().map(str::to_owned).collect(),
+        },
+        "region" => Choices::Region {
+            mask: rest.to_owned(),
         },
         "directions" => directions(&numbers(rest)),
         "lengths" => {
@@ -102,6 +105,7 @@ pub fn program(actions: Vec<ActionField>) -> Program {
             image_px: 224,
             up: ImageUp::Y,
         },
+        picker: compiler::program::Picker::default(),
         subgoals: None,
         experts: Vec::new(),
         keypoints: Vec::new(),
@@ -109,6 +113,7 @@ pub fn program(actions: Vec<ActionField>) -> Program {
         actions,
         templates: Vec::new(),
         stages: Vec::new(),
+        demos: None,
         verify: Verify {
             checks: Vec::new(),
             attempts: 1,

@@ -84,7 +84,7 @@ pub fn by_python(
 
 fn kind(choices: &Choices) -> &'static str {
     match choices {
-        Choices::Points { .. } => "point",
+        Choices::Points { .. } | Choices::Region { .. } => "point",
         Choices::Directions { .. } => "direction",
         Choices::Lengths { .. } => "length",
         Choices::Words { .. } => "word",
@@ -105,7 +105,9 @@ fn fields_in_rust(program: &Program) -> String {
     let fields = program.actions.iter().map(|field| {
         let name = identifier(&field.name);
         match field.choices {
-            Choices::Points { .. } => format!("{name}: tokens.point(), "),
+            Choices::Points { .. } | Choices::Region { .. } => {
+                format!("{name}: tokens.point(), ")
+            }
             Choices::Words { .. } => format!("{name}: tokens.word().leak(), "),
             _ => format!("{name}: tokens.float(), "),
         }

@@ -250,7 +250,7 @@ pub fn placed() -> Program {
     program
 }
 
-/// A task that measures along the axes: half boxes around the last place and its mirror.
+/// A pick anywhere on the cloth, and half boxes around the last place and its mirror.
 fn boxed() -> Program {
     let place = || Point::Last { end: End::Place };
     let reach = |b| Length::Chebyshev {
@@ -263,6 +263,9 @@ fn boxed() -> Program {
         lengths(reach(mirrored), AtLeast, constant(50.0)),
     ]);
     let mut program = base("boxed");
+    program.actions[0].choices = Choices::Region {
+        mask: "cloth".to_owned(),
+    };
     program.verify.checks = vec![check("apart", Some(Condition::Last), apart)];
     program
 }

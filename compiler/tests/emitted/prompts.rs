@@ -7,7 +7,7 @@ use compiler::emit::{self, Artifact};
 use compiler::facts::{Done, Facts};
 use compiler::program::{
     Comparison, Extractor, Keypoint, Moment, Number, PixelPoint, Program, Shown, Stage, Template,
-    Variable,
+    Value, Variable,
 };
 use compiler::render::{self, PromptSpeaker, Values};
 use compiler::reply::Proposal;
@@ -119,7 +119,12 @@ fn filled(program: &Program, holding: [bool; 4], chance: &mut Chance) -> Vec<Fil
         fields: program
             .actions
             .iter()
-            .map(|field| (field.name.clone(), space::choices(field, &scene)[0].clone()))
+            .map(|field| {
+                // The pixels of a region are not listed.
+                let first = space::choices(field, &scene).into_iter().next();
+                let value = first.unwrap_or(Value::Point(PixelPoint::new(5, 6)));
+                (field.name.clone(), value)
+            })
             .collect(),
     };
     let last = Done {

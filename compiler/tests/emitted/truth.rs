@@ -104,7 +104,7 @@ fn proposal(program: &Program, action: &str) -> Proposal {
     let fields = action.split(' ').map(|stated| {
         let (name, value) = stated.split_once('=').unwrap();
         let value = match &program.field(name).unwrap().choices {
-            Choices::Points { .. } => Value::Point(point(value)),
+            Choices::Points { .. } | Choices::Region { .. } => Value::Point(point(value)),
             Choices::Directions { .. } => Value::Direction {
                 deg: value.parse().unwrap(),
             },

@@ -18,6 +18,8 @@ pub mod statistics;
 pub mod suite;
 pub mod table;
 
+mod experts;
+
 use crate::cache::Cache;
 use crate::examples::Examples;
 use crate::interrupt::Interrupt;
@@ -41,7 +43,7 @@ pub struct Bench<'a> {
     /// What is done with them: a task and a method each.
     pub entries: Vec<Entry<'a>>,
     /// Makes the world of a program; equal programs get equal worlds.
-    pub make_world: &'a (dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync),
+    pub make_world: &'a MakeWorldOf<'a>,
     /// Where run folders are made.
     pub out: PathBuf,
     /// Rollouts side by side.
@@ -51,6 +53,9 @@ pub struct Bench<'a> {
     /// A request to stop early.
     pub interrupt: &'a Interrupt,
 }
+
+/// Makes the world of a program.
+pub type MakeWorldOf<'a> = dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
 /// A task and where its cloth lies at first.
 pub struct Task {
@@ -117,16 +122,6 @@ pub enum BenchError {
         /// What the system said.
         why: String,
     },
-    /// A start is one that the model is shown an example of.
-    #[error(
-        "{place} is that of demonstration {demonstration}, which the model is told: a result from it would be no test"
-    )]
-    Demonstrated {
-        /// Task and start.
-        place: String,
-        /// The number of the demonstration.
-        demonstration: usize,
-    },
     /// No program was compiled for the grid of a start.
     #[error("{place}: no program is compiled for a cloth of {} by {} particles", grid[0], grid[1])]
     NoProgram {
@@ -134,6 +129,20 @@ pub enum BenchError {
         place: String,
         /// Particles along both sides.
         grid: [u32; 2],
+    },
+    /// A start is one of the examples in the prompts.
+    #[error(
+        "the start `{start}` of `{task}` is that of demonstration {demonstration}, which `{method}` tells the model: a result from it would be no test; make the demonstrations again with another `--seed`"
+    )]
+    Demonstrated {
+        /// The task.
+        task: String,
+        /// The method.
+        method: String,
+        /// The start.
+        start: String,
+        /// The demonstration, from 1.
+        demonstration: usize,
     },
     /// A thread cannot be started.
     #[error(transparent)]

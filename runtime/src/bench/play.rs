@@ -5,18 +5,15 @@
 //! before the first rollout asks for them.
 
 use super::record::{self, Found, Identity, Record};
-use super::{Bench, BenchError, Entry};
+use super::{Bench, BenchError, Entry, experts};
 use crate::agent::Models;
-use crate::expert::{self, MakeWorld};
 use crate::journal::RunFolder;
-use crate::metrics;
 use crate::outcome::Outcome;
 use crate::parallel::in_parallel;
 use crate::rollout::{self, Job, RunError};
 use crate::start::Start;
 use crate::world::{World, WorldError};
-use compiler::program::{Program, Sequence};
-use std::collections::BTreeSet;
+use compiler::program::Program;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -91,9 +88,10 @@ pub fn play(
         return Ok(interrupted(results));
     };
     results.spent.starts_s = begun.elapsed().as_secs_f64();
+    refuse_examples(bench, &laid)?;
     results.params = params(bench)?;
     let begun = Instant::now();
-    let is_whole = simulate_experts(bench, &laid, progress, &mut results.spent)?;
+    let is_whole = experts::simulate(bench, &laid, progress, &mut results.spent)?;
     results.spent.experts_s = begun.elapsed().as_secs_f64();
     if !is_whole {
         return Ok(interrupted(results));
@@ -117,6 +115,23 @@ pub fn play(
     Ok(results)
 }
 
+/// Fails where a start of the suite is one that a model is told as an example.
+fn refuse_examples(bench: &Bench<'_>, laid: &Laid) -> Result<(), BenchError> {
+    for entry in &bench.entries {
+        for start in &laid[entry.task] {
+            if let Some(demonstration) = entry.examples.demonstrates(start) {
+                return Err(BenchError::Demonstrated {
+                    task: bench.tasks[entry.task].name.clone(),
+                    method: entry.method.name.clone(),
+                    start: start.name.clone(),
+                    demonstration,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
 fn interrupted(results: Results) -> Results {
     Results {
         interrupted: true,
@@ -132,7 +147,7 @@ fn params(bench: &Bench<'_>) -> Result<String, BenchError> {
     Ok(world.parameters())
 }
 
-fn at(place: &str, error: WorldError) -> BenchError {
+pub(super) fn at(place: &str, error: WorldError) -> BenchError {
     BenchError::World {
         place: place.to_owned(),
         error,
@@ -140,7 +155,7 @@ fn at(place: &str, error: WorldError) -> BenchError {
 }
 
 /// The starts of every task, laid.
-type Laid = Vec<Vec<Start>>;
+pub(super) type Laid = Vec<Vec<Start>>;
 
 /// Lays every start; None where the user stopped it.
 fn lay(
@@ -179,92 +194,12 @@ fn lay(
     Ok(Some(starts))
 }
 
-/// The sequences that a program's results are compared with, where each fold ends at a fraction of its way.
-fn sequences(program: &Program, fraction: f64) -> Vec<Sequence> {
-    let mut sequences = program.experts.clone();
-    for fold in sequences
-        .iter_mut()
-        .flat_map(|sequence| &mut sequence.folds)
-    {
-        fold.fraction *= fraction;
-    }
-    sequences
-}
-
-/// The fractions that the suite's columns need.
-fn fractions(bench: &Bench<'_>) -> Vec<f64> {
-    let metrics = bench.suite.metrics.iter();
-    metrics
-        .filter_map(|metric| metric.fold_fraction())
-        .collect()
-}
-
-/// Simulates every expert end that is not kept yet; returns whether all are there.
-fn simulate_experts(
-    bench: &Bench<'_>,
-    laid: &Laid,
-    progress: &(dyn Fn(Phase, usize, usize) + Sync),
-    spent: &mut Spent,
-) -> Result<bool, BenchError> {
-    let mut jobs = Vec::new();
-    let mut known = BTreeSet::new();
-    for (number, entry) in bench.entries.iter().enumerate() {
-        let starts = laid[entry.task].iter().enumerate();
-        for (start, laid) in starts {
-            let program = program_of(bench, entry, start)?;
-            let digest = laid.digest();
-            let world = (bench.make_world)(program);
-            let world = world.map_err(|error| at(&place(bench, entry, start), error))?;
-            for sequence in fractions(bench)
-                .iter()
-                .flat_map(|it| sequences(program, *it))
-            {
-                let text = serde_json::to_string(&(world.parameters(), &sequence, &digest));
-                if known.insert(text.unwrap_or_default()) {
-                    jobs.push((number, start, sequence));
-                }
-            }
-        }
-    }
-    spent.experts = jobs.len();
-    if jobs.is_empty() {
-        return Ok(true);
-    }
-    progress(Phase::Experts, 0, jobs.len());
-    let done = in_parallel(
-        jobs.len(),
-        bench.threads,
-        |index| {
-            let (entry, start, sequence) = &jobs[index];
-            let entry = &bench.entries[*entry];
-            let program = program_of(bench, entry, *start)?;
-            // One sequence a job, so that no further thread is started for it.
-            let ends = expert::ends(
-                std::slice::from_ref(sequence),
-                &laid[entry.task][*start],
-                &|| (bench.make_world)(program),
-                bench.cache,
-                bench.interrupt,
-                &mut |_| {},
-            );
-            match ends {
-                Ok(ends) => Ok(Some(ends.simulated)),
-                Err(WorldError::Interrupted) => Ok(None),
-                Err(error) => Err(at(&place(bench, entry, *start), error)),
-            }
-        },
-        |done| progress(Phase::Experts, done, jobs.len()),
-    )?;
-    spent.experts_simulated = done.iter().flatten().sum();
-    Ok(done.iter().all(Option::is_some))
-}
-
-fn place(bench: &Bench<'_>, entry: &Entry<'_>, start: usize) -> String {
+pub(super) fn place(bench: &Bench<'_>, entry: &Entry<'_>, start: usize) -> String {
     let task = &bench.tasks[entry.task];
     format!("{}, start {}", task.name, task.starts[start].number)
 }
 
-fn program_of<'b>(
+pub(super) fn program_of<'b>(
     bench: &Bench<'_>,
     entry: &'b Entry<'_>,
     start: usize,
@@ -310,13 +245,6 @@ fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Option<(Played, b
     let entry = &bench.entries[number];
     let program = program_of(bench, entry, start)?;
     let start_at = &laid[entry.task][start];
-    if let Some(demonstration) = entry.examples.demonstrates(start_at) {
-        let place = place(bench, entry, start);
-        return Err(BenchError::Demonstrated {
-            place,
-            demonstration,
-        });
-    }
     let folder = folder_of(bench, which);
     let make_world = || (bench.make_world)(program);
     let job = Job {
@@ -345,7 +273,7 @@ fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Option<(Played, b
             None => return Ok(None),
         },
     };
-    let distances_m = match distances(bench, &job, &record) {
+    let distances_m = match experts::distances_m(bench, &job, &record) {
         Ok(distances_m) => distances_m,
         Err(WorldError::Interrupted) => return Ok(None),
         Err(error) => return Err(at(&place(bench, entry, start), error)),
@@ -401,34 +329,4 @@ fn run(job: &Job<'_>, folder: &Path, identity: &Identity) -> Result<Option<Recor
         }),
         Found::Unfinished => Ok(None),
     }
-}
-
-/// Scores the last state of a rollout, however it ended; the start itself where nothing was executed.
-fn distances(
-    bench: &Bench<'_>,
-    job: &Job<'_>,
-    record: &Record,
-) -> Result<Vec<(f64, f64)>, WorldError> {
-    let last = record.last.as_ref().unwrap_or(&job.start.positions);
-    let make_world: &MakeWorld<'_> = job.make_world;
-    let mut distances = Vec::new();
-    for fraction in fractions(bench) {
-        let ends = expert::ends(
-            &sequences(job.program, fraction),
-            job.start,
-            make_world,
-            job.cache,
-            job.interrupt,
-            &mut |_| {},
-        )?;
-        let all = ends
-            .ends
-            .iter()
-            .filter_map(|end| metrics::mean_particle_distance_m(last, &end.positions));
-        distances.extend(
-            all.min_by(f64::total_cmp)
-                .map(|nearest| (fraction, nearest)),
-        );
-    }
-    Ok(distances)
 }

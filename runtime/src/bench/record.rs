@@ -226,3 +226,7 @@ fn meets(goal: &Goal, step: &Step) -> bool {
     };
     value.is_some_and(|value| goal.is_met(value))
 }
+
+#[cfg(test)]
+#[path = "record/tests.rs"]
+mod tests;

@@ -65,11 +65,11 @@ fn draw(field: &Field, request: &Request, chance: &mut Chance) -> Option<String>
         return Some(field.values[chance.below(field.values.len())].clone());
     }
     let images = request.messages.iter().flat_map(|message| &message.parts);
-    let last = images.filter_map(|part| match part {
+    let mut last = images.filter_map(|part| match part {
         super::Part::Image(png) => Some(png),
         super::Part::Text(_) => None,
     });
-    let picture = picture::decode(last.last()?.bytes(), Path::new("the last picture")).ok()?;
+    let picture = picture::decode(last.next_back()?.bytes(), Path::new("the last picture")).ok()?;
     let (width, height) = picture.dimensions();
     let [u, v] = [width, height].map(|side| chance.below(side as usize));
     Some(format!("({u}, {v})"))

@@ -87,6 +87,14 @@ impl Scene {
             scene.found.push((keypoint.name.clone(), found));
         }
         for field in &program.actions {
+            if let Choices::Region { mask } = &field.choices
+                && scene.mask(mask)?.is_empty()
+            {
+                return Err(SceneError::NoCandidates {
+                    keypoint: mask.clone(),
+                    measured: String::new(),
+                });
+            }
             if let Choices::Points { keypoints } = &field.choices
                 && space::choices(field, &scene).is_empty()
             {
@@ -218,6 +226,13 @@ impl SceneView for Scene {
     fn area_px(&self, mask: &str) -> Option<f64> {
         match self.get(mask)? {
             Found::Mask(mask) => Some(mask.area_px() as f64),
+            _ => None,
+        }
+    }
+
+    fn region_pixel(&self, mask: &str, number: u64) -> Option<PixelPoint> {
+        match self.get(mask)? {
+            Found::Mask(mask) => mask.pixels().nth(usize::try_from(number).ok()?),
             _ => None,
         }
     }

@@ -5,6 +5,7 @@
 
 use super::Mask;
 use image::RgbImage;
+use std::cell::Cell;
 
 /// Collects the pixels whose colour lies within three ranges, both ends included.
 ///
@@ -26,12 +27,21 @@ pub fn color_mask(
             high < low && (hue >= low || hue <= high)
         }
     };
-    Mask::from_fn(rgb.width(), rgb.height(), |column, row| {
-        let [hue, s, v] = hsv(rgb.get_pixel(column, row).0);
+    let is_within = |color: [u8; 3]| {
+        let [hue, s, v] = hsv(color);
         within(s, saturation)
             && within(v, value)
             // Red is at both ends of the scale.
             && (has_hue(hue) || (hue == 0.0 && has_hue(360.0)))
+    };
+    // Most pixels have the colour of the one before.
+    let last = Cell::new(([0; 3], is_within([0; 3])));
+    Mask::from_fn(rgb.width(), rgb.height(), |column, row| {
+        let color = rgb.get_pixel(column, row).0;
+        if last.get().0 != color {
+            last.set((color, is_within(color)));
+        }
+        last.get().1
     })
 }
 

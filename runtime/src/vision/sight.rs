@@ -79,6 +79,12 @@ fn scaled(
     value: impl Fn(u32, u32) -> Option<f32>,
     level: impl Fn(f64) -> u8,
 ) -> GrayImage {
+    if (width, height) == (side_px, side_px) {
+        // Nothing is averaged, and the two pictures below would cancel out.
+        return GrayImage::from_fn(width, height, |column, row| {
+            Luma([value(column, row).map_or(0, |value| level(f64::from(value)))])
+        });
+    }
     let share = DepthImage::from_fn(width, height, |column, row| {
         Luma([if value(column, row).is_some() {
             whole

@@ -50,6 +50,9 @@ impl<'a> Lowering<'a> {
                 Choices::Points { .. } => {
                     self.call("is_point", [Code::text("facts"), table, value])
                 }
+                Choices::Region { .. } => {
+                    self.call("is_inside", [Code::text("facts"), table, value])
+                }
                 Choices::Words { .. } => self.call("is_word", [table, value]),
                 Choices::Directions { .. } | Choices::Lengths { .. } => {
                     self.call("is_choice", [table, value])
@@ -129,9 +132,7 @@ impl<'a> Lowering<'a> {
     fn point(&mut self, point: &Point) -> Result<Code, EmitError> {
         Ok(match point {
             Point::Action { field } => {
-                let field = self.field(field, "a field of points", |choices| {
-                    matches!(choices, Choices::Points { .. })
-                })?;
+                let field = self.field(field, "a field of points", Choices::are_points)?;
                 self.call("at", [proposed(field)])
             }
             Point::Keypoint { name } => {

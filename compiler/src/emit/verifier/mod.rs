@@ -183,13 +183,18 @@ fn rows(choices: &Choices, dialect: &Dialect) -> Result<(Vec<String>, String), E
     let mut rows: Vec<String> = Vec::new();
     let mut example = None;
     match choices {
-        Choices::Points { keypoints } => {
+        Choices::Points { .. } | Choices::Region { .. } => {
             let pixel = Code::group(
                 dialect.pair[0],
                 ["120", "40"].map(Code::text),
                 dialect.pair[1],
             );
-            return Ok((texts(keypoints), pixel.print(0, 0)));
+            let names = match choices {
+                Choices::Points { keypoints } => texts(keypoints),
+                Choices::Region { mask } => texts(std::slice::from_ref(mask)),
+                _ => Vec::new(),
+            };
+            return Ok((names, pixel.print(0, 0)));
         }
         Choices::Words { choices } => {
             rows = texts(choices);
@@ -219,6 +224,7 @@ fn rows(choices: &Choices, dialect: &Dialect) -> Result<(Vec<String>, String), E
 fn table_words(choices: &Choices) -> String {
     match choices {
         Choices::Points { .. } => "the keypoints whose points it may be".to_owned(),
+        Choices::Region { .. } => "the mask whose pixels it may be".to_owned(),
         Choices::Words { .. } => "the words that it may be".to_owned(),
         Choices::Directions { .. } => {
             "degrees, and the same as a vector, right and down".to_owned()
@@ -230,7 +236,7 @@ fn table_words(choices: &Choices) -> String {
 /// Says what the value of a field is.
 fn value_words(choices: &Choices) -> String {
     match choices {
-        Choices::Points { .. } => "a pixel".to_owned(),
+        Choices::Points { .. } | Choices::Region { .. } => "a pixel".to_owned(),
         Choices::Directions { .. } => {
             "degrees counter-clockwise from the picture's right, below 360".to_owned()
         }
@@ -249,8 +255,9 @@ fn unit_words(unit: LengthUnit) -> &'static str {
 }
 
 /// Which helpers call which, callers first. `points` and `pixel` are Python's alone.
-const CALLS: [(&str, &[&str]); 9] = [
+const CALLS: [(&str, &[&str]); 10] = [
     ("is_point", &["points", "pixel"]),
+    ("is_inside", &["pixel"]),
     ("keypoint", &["points", "at"]),
     ("count", &["points"]),
     ("at", &["pixel"]),

@@ -120,7 +120,7 @@ fn action_and_last(outline: &Outline<'_>) -> String {
     let mut action = String::new();
     for field in &outline.fields {
         let kind = match &field.declared.choices {
-            Choices::Points { .. } => "Tuple[int, int]",
+            Choices::Points { .. } | Choices::Region { .. } => "Tuple[int, int]",
             Choices::Directions { .. } | Choices::Lengths { .. } => "float",
             Choices::Words { .. } => "str",
         };

@@ -19,6 +19,15 @@ def _is_point(facts, keypoints, point):
 ",
     ),
     (
+        "is_inside",
+        "\
+def _is_inside(facts, masks, point):
+    \"\"\"Whether a pixel lies in one of these masks.\"\"\"
+    distances = [facts.scene.distance_px(mask, _pixel(point)) for mask in masks]
+    return any(distance is not None and distance <= 0.0 for distance in distances)
+",
+    ),
+    (
         "is_word",
         "\
 def _is_word(choices, word):

@@ -118,7 +118,7 @@ fn action_and_last(outline: &Outline<'_>) -> String {
         let name = field.declared.name.escape_default();
         let what = super::value_words(&field.declared.choices);
         let kind = match &field.declared.choices {
-            Choices::Points { .. } => "[i32; 2]",
+            Choices::Points { .. } | Choices::Region { .. } => "[i32; 2]",
             Choices::Directions { .. } | Choices::Lengths { .. } => "f64",
             Choices::Words { .. } => "&'a str",
         };
@@ -216,7 +216,7 @@ fn tables(outline: &Outline<'_>) -> String {
     let mut tables = Vec::new();
     for field in &outline.fields {
         let kind = match &field.declared.choices {
-            Choices::Points { .. } | Choices::Words { .. } => "&str",
+            Choices::Points { .. } | Choices::Region { .. } | Choices::Words { .. } => "&str",
             Choices::Directions { .. } => "(f64, [f64; 2])",
             Choices::Lengths { .. } => "(f64, f64)",
         };

@@ -35,6 +35,18 @@ fn is_point(facts: &Facts<'_>, keypoints: &[&str], point: [i32; 2]) -> bool {
 ",
     ),
     (
+        "is_inside",
+        "\
+/// Whether a pixel lies in one of these masks.
+fn is_inside(facts: &Facts<'_>, masks: &[&'static str], point: [i32; 2]) -> bool {
+    masks.iter().any(|mask| match facts.scene.distance_px(mask, point) {
+        Some(distance) => distance <= 0.0,
+        None => false,
+    })
+}
+",
+    ),
+    (
         "is_word",
         "\
 /// Whether a word is one of the choices.

@@ -43,7 +43,15 @@ const MAX_CORNERS: usize = 100;
 impl Brief {
     /// Reads a prompt; says what is missing.
     pub fn read(text: &str) -> Result<Brief, String> {
-        let mut corners = prompt::corners(text);
+        // A sentence on points to avoid may name corners too.
+        let is_listing =
+            |line: &&str| !line.contains("away from") && !line.contains("farther than");
+        let listing = text
+            .lines()
+            .filter(is_listing)
+            .collect::<Vec<_>>()
+            .join("\n");
+        let mut corners = prompt::corners(&listing);
         corners.truncate(MAX_CORNERS);
         let first = *corners.first().ok_or("no corners are listed")?;
         let directions = choices(text, "direction");

@@ -29,11 +29,17 @@ fn rules_out(answer: &str, correction: &str, brief: &Brief, pull: &Pull) -> bool
     };
     let is_direction = answered("direction", &brief.directions) == Some(pull.direction);
     let correction = correction.to_lowercase();
-    // What is to be done stands at the end, after what was wrong.
-    let asked = correction.rsplit(". ").next().unwrap_or_default();
-    if let Some(named) = named_direction(asked, brief) {
+    let correction = correction.split_whitespace().collect::<Vec<_>>().join(" ");
+    // What was wrong is told too, and what a picture beside the correction shows.
+    let is_request = |sentence: &&str| sentence.contains("choose") || sentence.contains("pull ");
+    let asked: Vec<&str> = correction.split(". ").filter(is_request).collect();
+    if let Some(named) = asked
+        .iter()
+        .find_map(|sentence| named_direction(sentence, brief))
+    {
         return named != pull.direction;
     }
+    let asked = asked.join(". ");
     if asked.contains("smaller distance") {
         let distance = answered("distance", &brief.distances);
         let is_smaller = distance

@@ -95,10 +95,16 @@ impl View {
         ends.flatten().collect()
     }
 
-    /// Counts the pixels that show cloth; at least one does.
-    pub fn n_cloth(&self) -> usize {
-        let cloth = self.faces.iter().filter(|&&face| face != Face::Table);
-        cloth.count()
+    /// Returns the middle of the cloth's pixels, and how many there are, at least one.
+    pub fn middle(&self) -> (Point, f64) {
+        let (mut sum, mut count) = ([0.0; 2], 0.0);
+        let cloth = self.faces.iter().enumerate();
+        for (at, _) in cloth.filter(|(_, face)| **face != Face::Table) {
+            sum[0] += (at % self.width) as f64 + 0.5;
+            sum[1] += (at / self.width) as f64 + 0.5;
+            count += 1.0;
+        }
+        (sum.map(|total| total / count), count)
     }
 }
 

@@ -107,7 +107,9 @@ fn asked(messages: Vec<Message>) -> String {
         temperature: None,
         top_p: None,
         max_tokens: None,
+        schema: None,
         repetition: 0,
+        schema: None,
     };
     Geometric.ask(&request).unwrap().text
 }
@@ -119,16 +121,20 @@ fn pull_of(reply: &str) -> ([i32; 2], f64, f64) {
     ([u, v], number("direction"), number("distance"))
 }
 
-/// A square of which the right quarter is missing, so that its right corners lie too near to the center.
+/// A cloth that is too narrow on the right, and without a piece at its lower right, so that no two corners are alike.
 fn narrowed() -> Question {
     question(
-        &[([130, 121, 212, 235], ORANGE)],
+        &[
+            ([130, 121, 212, 200], ORANGE),
+            ([130, 200, 180, 235], ORANGE),
+        ],
         &[
             [130, 121],
             [211, 121],
-            [211, 234],
+            [211, 199],
+            [179, 234],
             [130, 234],
-            [211, 180],
+            [211, 165],
             [170, 121],
         ],
         [170, 178],

@@ -1,0 +1,70 @@
+//! A pick anywhere on the cloth: what a model is told, what is refused, what is drawn at random.
+
+use super::steered::{answer, play_with, steered_but};
+use super::support;
+use compiler::program::{Program, Value};
+use compiler::space;
+use runtime::model::{Part, Request};
+use runtime::outcome::Outcome;
+use runtime::scene::Scene;
+use runtime::start::Start;
+
+/// The steered task with a pick anywhere, and its choices in the prompt.
+fn free() -> Program {
+    steered_but(&[
+        ("one of corners, home", "any of cloth"),
+        (
+            "last_words, \"{{",
+            "last_words, \"Pick {{ pick.choices }}. {{",
+        ),
+    ])
+}
+
+fn words(request: &Request) -> String {
+    let parts = request.messages.iter().flat_map(|message| &message.parts);
+    let texts = parts.filter_map(|part| match part {
+        Part::Text(text) => Some(text.as_str()),
+        Part::Image(_) => None,
+    });
+    texts.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn any_pixel_of_the_cloth_may_be_picked_and_no_other() {
+    let beside = answer("(5, 5)", "180 deg", "10 mm");
+    let inside = answer("(90, 131)", "180 deg", "10 mm");
+    let played = play_with(&free(), &[&beside, &inside], |trial| {
+        trial.horizon = Some(1);
+    });
+    assert_eq!(played.report.outcome, Outcome::HorizonReached);
+    assert_eq!((played.report.steps, played.report.queries), (1, 2));
+    let asked = words(&played.asked[0]);
+    assert!(asked.contains("Pick any point on the cloth."), "{asked}");
+    let told = words(&played.asked[1]);
+    let expected = "The pick point (5, 5) is not on the cloth. Choose any point on the cloth.";
+    assert!(told.contains(expected), "{told}");
+    let pick = &played.steps[0]["action"]["pick_px"];
+    assert_eq!(*pick, serde_json::json!([90, 131]));
+    let schema = played.asked[0].schema.as_ref().unwrap();
+    assert!(schema["properties"]["pick"]["pattern"].is_string());
+    assert_eq!(schema["properties"]["pick"].get("enum"), None);
+}
+
+#[test]
+fn the_random_pick_is_a_pixel_of_the_cloth_each_as_likely() {
+    let program = free();
+    let mut world = support::world(&program).unwrap();
+    world.reset(&Start::flat(&program.cloth)).unwrap();
+    let scene = Scene::of(&program, &world.observe().unwrap(), None).unwrap();
+    let cloth = scene.cloth().unwrap();
+    let mut drawn = std::collections::BTreeSet::new();
+    for number in 0..cloth.area_px() as u64 {
+        let proposal = space::sample(&program, &scene, &mut |n| number % n).unwrap();
+        let Some(Value::Point(pixel)) = proposal.get("pick") else {
+            panic!("a pick is a point")
+        };
+        assert_eq!(cloth.distance_px(*pixel), 0.0);
+        drawn.insert((pixel.u, pixel.v));
+    }
+    assert_eq!(drawn.len(), cloth.area_px());
+}
