@@ -163,6 +163,7 @@ pub fn compile_task(wanted: &TaskArguments) -> Result<Program, Failure> {
 /// Compiles the task again for a cloth of another grid; only errors are shown, the rest is known already.
 ///
 /// - `grid`: particles along X and along Y.
+#[cfg(feature = "runtime")]
 pub fn compile_task_for(wanted: &TaskArguments, grid: [u32; 2]) -> Result<Program, Failure> {
     chosen(
         compile_tasks_for(&wanted.file, wanted.task.as_deref(), grid)?,
@@ -171,6 +172,7 @@ pub fn compile_task_for(wanted: &TaskArguments, grid: [u32; 2]) -> Result<Progra
 }
 
 /// Compiles a file again for a cloth of another grid; returns what [`compile_tasks`] does.
+#[cfg(feature = "runtime")]
 pub fn compile_tasks_for(
     file: &str,
     wanted: Option<&str>,

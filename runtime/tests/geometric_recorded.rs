@@ -108,7 +108,7 @@ fn corners_in(levels: &GrayImage) -> Vec<PixelPoint> {
 
 /// The centre of the cloth in a recorded depth image.
 fn center_in(levels: &GrayImage) -> PixelPoint {
-    centroid(&depth_mask(&depth(levels), 0.646)).unwrap()
+    centroid(&depth_mask(&depth(levels), 0.646)).unwrap().pixel
 }
 
 /// Turns an image about its middle, clockwise as seen, without blending depths.

@@ -115,6 +115,7 @@ pub fn program(actions: Vec<ActionField>) -> Program {
         stages: Vec::new(),
         demos: None,
         verify: Verify {
+            result: None,
             checks: Vec::new(),
             attempts: 1,
             relaxed: Vec::new(),

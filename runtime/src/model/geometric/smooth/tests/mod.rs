@@ -109,7 +109,6 @@ fn asked(messages: Vec<Message>) -> String {
         max_tokens: None,
         schema: None,
         repetition: 0,
-        schema: None,
     };
     Geometric.ask(&request).unwrap().text
 }
