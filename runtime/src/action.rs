@@ -33,7 +33,7 @@ impl Action {
     /// Lowers a proposal to world points.
     ///
     /// A keypoint is taken where it was located, any other pixel at its centre. A pick that is farther than
-    /// [`BESIDE_PX`] from the cloth goes to the nearest cloth pixel (protocol, section 4 item 10).
+    /// `BESIDE_PX` from the cloth goes to the nearest cloth pixel (protocol, section 4 item 10).
     /// Returns `None` where a proposal lacks a field or the scene has no cloth, which the verifier
     /// has already refused, or where the camera does not look at the table.
     pub fn lower(
