@@ -25,9 +25,9 @@ fn kept_program(folder: &Path, [dimx, dimy]: [u32; 2]) -> Value {
     let dims = format!("{dimx}x{dimy}");
     let mut command = fabc(folder);
     command.args(["run", "task.fab", "--out", "run", "--start", "start.npy"]);
-    // The stand-in has no answer to this task; what was compiled is kept all the same.
+    // However the rollout ends, what was compiled is kept.
     let said = finish(command.args(["--dims", &dims, "--up", "z", "--json"]));
-    assert_eq!(said.code, 2, "{}", said.stderr);
+    assert!(![1, 64].contains(&said.code), "{}", said.stderr);
     let report: Value = serde_json::from_str(&said.stdout).unwrap();
     let program = std::fs::read_to_string(folder.join("run/program.json")).unwrap();
     let program: Value = serde_json::from_str(&program).unwrap();

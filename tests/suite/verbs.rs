@@ -16,7 +16,7 @@ fn check_says_how_often_a_model_can_be_asked() {
     assert_eq!((said.code, said.stderr.as_str()), (0, ""));
     assert!(
         said.stdout
-            .contains("at most 6 model calls per step, 18 in 3 steps"),
+            .contains("at most 12 model calls per step, 36 in 3 steps"),
         "{}",
         said.stdout
     );
@@ -24,7 +24,7 @@ fn check_says_how_often_a_model_can_be_asked() {
     let value = json(&said.stdout);
     assert_eq!(value["diagnostics"], serde_json::json!([]));
     assert_eq!(value["tasks"][0]["task"], "double_straight");
-    assert_eq!(value["tasks"][0]["max_calls"], 18);
+    assert_eq!(value["tasks"][0]["max_calls"], 36);
 }
 
 #[test]

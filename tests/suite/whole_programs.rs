@@ -300,7 +300,7 @@ fn a_direction_and_a_distance_lead_along_the_table_as_the_picture_shows_it() {
 }
 
 #[test]
-fn the_stand_in_refuses_other_actions_than_pick_and_place() {
+fn the_stand_in_refuses_actions_that_it_does_not_know() {
     let ask = |format: &str| {
         let prompt = format!("Cloth corners: (1, 2), (3, 4)\n{format}");
         Geometric.ask(&Request {
@@ -316,11 +316,16 @@ fn the_stand_in_refuses_other_actions_than_pick_and_place() {
     let mut program = planning();
     assert!(ask(&space::format(&program.actions)).is_ok());
     assert!(ask("Pick Point = (x, y)").is_err());
-    steer(&mut program);
+    program.actions.push(ActionField {
+        name: "grip".to_owned(),
+        choices: Choices::Words {
+            choices: vec!["soft".to_owned(), "firm".to_owned()],
+        },
+    });
     let Err(ModelError::Unsupported { why, .. }) = ask(&space::format(&program.actions)) else {
-        panic!("answered a question for a direction")
+        panic!("answered a question for a grip")
     };
-    assert!(why.contains("`Direction`"), "{why}");
+    assert!(why.contains("`Grip`"), "{why}");
 }
 
 #[test]
