@@ -29,6 +29,7 @@ fn every_program_gets_a_folder_and_a_variant_its_own() {
         "prompts/plan.user.txt.j2",
         "prompts/check.on_cloth.txt.j2",
         "prompts/check.moves.txt.j2",
+        "prompts/result.txt.j2",
         "actions.schema.json",
         "verifier.rs",
         "verifier.py",
