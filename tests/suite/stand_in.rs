@@ -1,9 +1,10 @@
 //! The stand-in in whole rollouts: what it may not depend on, and what stops it.
 
-use super::support::{self, Trial};
-use compiler::program::Program;
+use super::support::{self, Trial, task};
+use compiler::program::{ActionField, Choices, Program};
+use compiler::space;
 use runtime::agent::Models;
-use runtime::model::Geometric;
+use runtime::model::{Geometric, Message, Model, ModelError, ModelRole, Request, Speaker};
 use runtime::outcome::Outcome;
 use runtime::rollout::Event;
 use runtime::subgoals::SubgoalSet;
@@ -121,4 +122,33 @@ fn mirrored_pictures_lead_to_the_mirrored_fold() {
         off.iter().all(|off| off.abs() < 0.005),
         "{played:?} and {mirrored:?}"
     );
+}
+
+#[test]
+fn the_stand_in_refuses_actions_that_it_does_not_know() {
+    let ask = |format: &str| {
+        let prompt = format!("Cloth corners: (1, 2), (3, 4)\n{format}");
+        Geometric.ask(&Request {
+            role: ModelRole::Text,
+            messages: vec![Message::text(Speaker::User, prompt)],
+            temperature: None,
+            top_p: None,
+            max_tokens: None,
+            repetition: 0,
+            schema: None,
+        })
+    };
+    let mut program = task("double_triangle");
+    assert!(ask(&space::format(&program.actions)).is_ok());
+    assert!(ask("Pick Point = (x, y)").is_err());
+    program.actions.push(ActionField {
+        name: "grip".to_owned(),
+        choices: Choices::Words {
+            choices: vec!["soft".to_owned(), "firm".to_owned()],
+        },
+    });
+    let Err(ModelError::Unsupported { why, .. }) = ask(&space::format(&program.actions)) else {
+        panic!("answered a question for a grip")
+    };
+    assert!(why.contains("`Grip`"), "{why}");
 }

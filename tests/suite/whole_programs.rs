@@ -13,7 +13,7 @@ use compiler::space;
 use runtime::agent::Models;
 use runtime::examples::Examples;
 use runtime::interrupt::Interrupt;
-use runtime::model::{Geometric, Message, Model, ModelError, ModelRole, Part, Request, Speaker};
+use runtime::model::{Part, Request, Speaker};
 use runtime::outcome::Outcome;
 use runtime::rollout::{Event, RolloutReport};
 use runtime::scene::{Scene, SceneError};
@@ -297,35 +297,6 @@ fn a_direction_and_a_distance_lead_along_the_table_as_the_picture_shows_it() {
             assert_eq!(fields[3], json!(["reach", "high"]));
         }
     }
-}
-
-#[test]
-fn the_stand_in_refuses_actions_that_it_does_not_know() {
-    let ask = |format: &str| {
-        let prompt = format!("Cloth corners: (1, 2), (3, 4)\n{format}");
-        Geometric.ask(&Request {
-            role: ModelRole::Text,
-            messages: vec![Message::text(Speaker::User, prompt)],
-            temperature: None,
-            top_p: None,
-            max_tokens: None,
-            repetition: 0,
-            schema: None,
-        })
-    };
-    let mut program = planning();
-    assert!(ask(&space::format(&program.actions)).is_ok());
-    assert!(ask("Pick Point = (x, y)").is_err());
-    program.actions.push(ActionField {
-        name: "grip".to_owned(),
-        choices: Choices::Words {
-            choices: vec!["soft".to_owned(), "firm".to_owned()],
-        },
-    });
-    let Err(ModelError::Unsupported { why, .. }) = ask(&space::format(&program.actions)) else {
-        panic!("answered a question for a grip")
-    };
-    assert!(why.contains("`Grip`"), "{why}");
 }
 
 #[test]
