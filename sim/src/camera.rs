@@ -189,16 +189,18 @@ impl TopDownCamera {
         let triangles = camera.triangles(mask, positions, look);
         let background = 1.0 / camera.height_m;
         let mut raster = Raster::new(Window::around(&triangles, size), background);
-        let mut sums = camera.table(look);
+        let tiles = camera.tiles(look);
+        let mut sums = tiles.sums();
         let mut depth_m = vec![1.0 / background; size * size];
-        for offset in OFFSETS.into_iter().flat_map(|v| OFFSETS.map(|u| [u, v])) {
+        for [u, v] in (0..3).flat_map(|v| [0, 1, 2].map(|u| [u, v])) {
+            let offset = [OFFSETS[u], OFFSETS[v]];
             raster.clear(offset);
             for triangle in &triangles {
                 raster.draw(triangle);
             }
             for ([column, row], colour, inverse_depth) in raster.drawn() {
                 let pixel = row * size + column;
-                let tile = camera.tile([column, row], offset, look);
+                let tile = tiles.colour(tiles.columns[u][column], tiles.rows[v][row]);
                 for channel in 0..3 {
                     // The table's own part of this sample gives way.
                     let sum = &mut sums[3 * pixel + channel];
@@ -221,51 +223,26 @@ impl TopDownCamera {
         }
     }
 
-    /// Sums the colours of the bare table over the samples of each pixel, row by row, RGB.
-    fn table(&self, look: &Look) -> Vec<u16> {
+    /// Finds the tile under each sample of the bare table.
+    fn tiles(&self, look: &Look) -> Tiles {
         let size = self.size_px as usize;
-        let side = OFFSETS.len() as u16;
-        // Of the samples along one side of a pixel, how many lie on tiles of even number.
-        let even = |along: fn(&Self, usize, f32, &Look) -> i32| -> Vec<u16> {
-            let count = |pixel: usize| {
-                let tiles = OFFSETS.map(|offset| along(self, pixel, offset, look));
-                tiles.iter().filter(|tile| tile.rem_euclid(2) == 0).count() as u16
-            };
-            (0..size).map(count).collect()
-        };
-        let (columns, rows) = (even(Self::tile_column), even(Self::tile_row));
-        let mut sums = Vec::with_capacity(3 * size * size);
-        for row in rows {
-            for column in &columns {
-                let first = column * row + (side - column) * (side - row);
-                let second = side * side - first;
-                let [a, b] = look.tiles;
-                sums.extend(
-                    [0, 1, 2].map(|channel| {
-                        first * u16::from(a[channel]) + second * u16::from(b[channel])
-                    }),
-                );
-            }
-        }
-        sums
-    }
-
-    /// Returns the colour of the bare table at one sample of a pixel.
-    fn tile(&self, [column, row]: [usize; 2], [u, v]: [f32; 2], look: &Look) -> [u8; 3] {
-        let number = self.tile_column(column, u, look) + self.tile_row(row, v, look);
-        look.tiles[number.rem_euclid(2) as usize]
-    }
-
-    /// Returns the number of the tile that a sample lies on, from left to right.
-    fn tile_column(&self, pixel: usize, offset: f32, look: &Look) -> i32 {
         let metres_a_pixel = self.height_m / self.focal_px();
-        let from_centre = pixel as f32 + offset - 0.5 * self.size_px as f32;
-        (from_centre * metres_a_pixel / look.tile_m).floor() as i32
-    }
-
-    /// Returns the number of the tile that a sample lies on, from bottom to top: the table's Y is up.
-    fn tile_row(&self, pixel: usize, offset: f32, look: &Look) -> i32 {
-        -1 - self.tile_column(pixel, offset, look)
+        let along = |offset: f32| -> Vec<i32> {
+            let number = |pixel: usize| {
+                let from_centre = pixel as f32 + offset - 0.5 * self.size_px as f32;
+                (from_centre * metres_a_pixel / look.tile_m).floor() as i32
+            };
+            (0..size).map(number).collect()
+        };
+        let columns = OFFSETS.map(along);
+        Tiles {
+            colours: look.tiles,
+            // Rows run down and the table's Y runs up.
+            rows: columns
+                .clone()
+                .map(|numbers| numbers.into_iter().map(|number| -1 - number).collect()),
+            columns,
+        }
     }
 
     /// Projects the cloth's triangles; of a cell that cannot be drawn whole, neither.
@@ -312,6 +289,50 @@ impl TopDownCamera {
                 })
             })
             .collect()
+    }
+}
+
+/// The checkered table as the samples of a picture see it.
+struct Tiles {
+    colours: [[u8; 3]; 2],
+    /// For each sample along a pixel's side: the number of the tile that a pixel's column shows.
+    columns: [Vec<i32>; OFFSETS.len()],
+    /// Likewise of its row.
+    rows: [Vec<i32>; OFFSETS.len()],
+}
+
+impl Tiles {
+    /// Returns the colour of a tile.
+    fn colour(&self, column: i32, row: i32) -> [u8; 3] {
+        self.colours[(column + row).rem_euclid(2) as usize]
+    }
+
+    /// Sums the colours over the samples of each pixel, row by row, RGB.
+    fn sums(&self) -> Vec<u16> {
+        let side = OFFSETS.len() as u16;
+        // Of the samples along one side of a pixel, how many lie on tiles of even number.
+        let even = |numbers: &[Vec<i32>; OFFSETS.len()]| -> Vec<u16> {
+            let is_even = |pixel: usize| {
+                let even = numbers.iter().filter(|it| it[pixel].rem_euclid(2) == 0);
+                even.count() as u16
+            };
+            (0..numbers[0].len()).map(is_even).collect()
+        };
+        let (columns, rows) = (even(&self.columns), even(&self.rows));
+        let mut sums = Vec::with_capacity(3 * columns.len() * rows.len());
+        for row in rows {
+            for column in &columns {
+                let first = column * row + (side - column) * (side - row);
+                let second = side * side - first;
+                let [a, b] = self.colours;
+                sums.extend(
+                    [0, 1, 2].map(|channel| {
+                        first * u16::from(a[channel]) + second * u16::from(b[channel])
+                    }),
+                );
+            }
+        }
+        sums
     }
 }
 
