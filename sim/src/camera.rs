@@ -211,18 +211,14 @@ impl TopDownCamera {
                 }
             }
         }
-        // Away from the cloth a pixel is one of the few mixtures of two colours.
-        let mut rgb = Vec::with_capacity(sums.len());
-        sums.chunks_exact(3).fold(([0; 3], [0; 3]), |last, sum| {
-            let (known, mean) = last;
-            let mean = if sum == known { mean } else { mean_of(sum) };
-            rgb.extend(mean);
-            ([sum[0], sum[1], sum[2]], mean)
-        });
+        let samples = (OFFSETS.len() * OFFSETS.len()) as u16;
         Frame {
             width: camera.size_px,
             height: camera.size_px,
-            rgb,
+            rgb: sums
+                .iter()
+                .map(|sum| ((sum + samples / 2) / samples) as u8)
+                .collect(),
             depth_m,
         }
     }
@@ -294,12 +290,6 @@ impl TopDownCamera {
             })
             .collect()
     }
-}
-
-/// Returns the mean over the samples of a pixel, each channel rounded to the nearest.
-fn mean_of(sum: &[u16]) -> [u8; 3] {
-    let samples = (OFFSETS.len() * OFFSETS.len()) as u16;
-    [0, 1, 2].map(|channel| ((sum[channel] + samples / 2) / samples) as u8)
 }
 
 /// The checkered table as the samples of a picture see it.

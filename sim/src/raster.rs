@@ -100,7 +100,6 @@ impl Raster {
         if twice_area == 0.0 || !twice_area.is_finite() {
             return;
         }
-        let side = twice_area.signum();
         let colours = if twice_area > 0.0 {
             triangle.map(|v| v.shade.top)
         } else {
@@ -115,12 +114,14 @@ impl Raster {
             for column in columns.clone() {
                 let u = column as f32 + self.offset[0];
                 let v = row as f32 + self.offset[1];
-                let parts = [cross(b, c, u, v), cross(c, a, u, v), cross(a, b, u, v)];
-                // Outside where a part has the other sign; most samples are, and need no division.
-                if parts.iter().any(|&part| part * side < 0.0) {
+                let weights = [
+                    cross(b, c, u, v) / twice_area,
+                    cross(c, a, u, v) / twice_area,
+                    cross(a, b, u, v) / twice_area,
+                ];
+                if weights.iter().any(|&weight| weight < 0.0) {
                     continue;
                 }
-                let weights = parts.map(|part| part / twice_area);
                 let mix = |values: [f32; 3]| {
                     weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2]
                 };
