@@ -1,10 +1,9 @@
 //! A pick anywhere on the cloth: what a model is told, what is refused, what is drawn at random.
 
 use super::steered::{answer, play_with, steered_but};
-use super::support;
+use super::support::{self, words_of};
 use compiler::program::{Program, Value};
 use compiler::space;
-use runtime::model::{Part, Request};
 use runtime::outcome::Outcome;
 use runtime::scene::Scene;
 use runtime::start::Start;
@@ -20,15 +19,6 @@ fn free() -> Program {
     ])
 }
 
-fn words(request: &Request) -> String {
-    let parts = request.messages.iter().flat_map(|message| &message.parts);
-    let texts = parts.filter_map(|part| match part {
-        Part::Text(text) => Some(text.as_str()),
-        Part::Image(_) => None,
-    });
-    texts.collect::<Vec<_>>().join("\n")
-}
-
 #[test]
 fn any_pixel_of_the_cloth_may_be_picked_and_no_other() {
     let beside = answer("(5, 5)", "180 deg", "10 mm");
@@ -38,9 +28,9 @@ fn any_pixel_of_the_cloth_may_be_picked_and_no_other() {
     });
     assert_eq!(played.report.outcome, Outcome::HorizonReached);
     assert_eq!((played.report.steps, played.report.queries), (1, 2));
-    let asked = words(&played.asked[0]);
+    let asked = words_of(&played.asked[0]);
     assert!(asked.contains("Pick any point on the cloth."), "{asked}");
-    let told = words(&played.asked[1]);
+    let told = words_of(&played.asked[1]);
     let expected = "The pick point (5, 5) is not on the cloth. Choose any point on the cloth.";
     assert!(told.contains(expected), "{told}");
     let pick = &played.steps[0]["action"]["pick_px"];

@@ -2,7 +2,7 @@
 //!
 //! In: `tests/fixtures/tasks/steered.fab`. What the shipped folds do not use is used there.
 
-use super::support::{self, ProjectFiles, Scripted, Trial};
+use super::support::{self, ProjectFiles, Scripted, Trial, words_of};
 use compiler::program::Program;
 use compiler::{LoadError, Loader};
 use runtime::agent::Models;
@@ -135,10 +135,18 @@ fn both_pictures_and_the_example_reach_the_model() {
     let pictures: Vec<&[u8]> = images(first);
     assert_eq!(pictures.len(), 2);
     assert_ne!(pictures[0], pictures[1], "the second is annotated");
-    assert!(!said(first).contains("last action"), "{}", said(first));
+    assert!(
+        !words_of(first).contains("last action"),
+        "{}",
+        words_of(first)
+    );
     // From the second step on there is a last action to speak of and to draw.
     let second = &played.asked[1];
-    assert!(said(second).contains("going 0 deg"), "{}", said(second));
+    assert!(
+        words_of(second).contains("going 0 deg"),
+        "{}",
+        words_of(second)
+    );
     let has_red = |png: &[u8]| {
         let picture = image::load_from_memory(png).unwrap().to_rgb8();
         picture.pixels().any(|pixel| pixel.0 == [255, 0, 0])
@@ -154,15 +162,6 @@ fn images(request: &Request) -> Vec<&[u8]> {
             Part::Text(_) => None,
         })
         .collect()
-}
-
-fn said(request: &Request) -> String {
-    let parts = request.messages.iter().flat_map(|message| &message.parts);
-    let texts = parts.filter_map(|part| match part {
-        Part::Text(text) => Some(text.as_str()),
-        Part::Image(_) => None,
-    });
-    texts.collect::<Vec<_>>().join("\n")
 }
 
 #[test]
@@ -190,7 +189,7 @@ fn answers_that_fail_another_check_are_not_executed() {
     let played = play(&steered(None), &[&inward, &inward]);
     assert_eq!(played.report.outcome, Outcome::AttemptsExhausted);
     assert!(played.motions.is_empty());
-    let told = said(&played.asked[1]);
+    let told = words_of(&played.asked[1]);
     assert!(told.contains("0 deg leads inward; take"), "{told}");
 }
 
@@ -215,7 +214,7 @@ fn a_value_that_was_not_offered_is_refused_with_the_choices() {
             &answer(RIGHT, "0 deg", "10 mm"),
         ],
     );
-    let told = said(&played.asked[1]);
+    let told = words_of(&played.asked[1]);
     assert!(
         told.contains("45 deg") && told.contains("0 deg, 90 deg, 180 deg, 270 deg"),
         "{told}"

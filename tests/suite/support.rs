@@ -7,7 +7,7 @@ use runtime::cache::Cache;
 use runtime::examples::Examples;
 use runtime::interrupt::Interrupt;
 use runtime::journal::RunFolder;
-use runtime::model::{Geometric, Model, ModelError, Nature, Reply, Request};
+use runtime::model::{Geometric, Model, ModelError, Nature, Part, Reply, Request};
 use runtime::rollout::{self, Event, Job, RolloutReport};
 use runtime::start::Start;
 use runtime::subgoals::SubgoalSet;
@@ -218,4 +218,14 @@ impl Model for Scripted {
                 why: "the script is over".to_owned(),
             })
     }
+}
+
+/// All text of a request, its pieces on lines of their own.
+pub fn words_of(request: &Request) -> String {
+    let parts = request.messages.iter().flat_map(|message| &message.parts);
+    let texts = parts.filter_map(|part| match part {
+        Part::Text(text) => Some(text.as_str()),
+        Part::Image(_) => None,
+    });
+    texts.collect::<Vec<_>>().join("\n")
 }
