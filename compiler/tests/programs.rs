@@ -5,7 +5,9 @@
 mod common;
 
 use common::{Memory, TASK, messages, program};
-use compiler::program::{ClothPoint, Fold, KeypointShape, PROGRAM_FORMAT, Program, Subgoals};
+use compiler::program::{
+    ClothPoint, Exhausted, Fold, KeypointShape, PROGRAM_FORMAT, Program, Subgoals,
+};
 
 #[test]
 fn the_same_text_gives_the_same_bytes_wherever_it_lies() {
@@ -88,6 +90,70 @@ fn sides_in_metres_are_rounded_to_particles() {
     assert_eq!(dims("square(0.25m)"), (41, 41));
     let exact = messages(&TASK.replace("grid(55, 44)", "rectangle(337.5mm, 268.75mm)"));
     assert!(exact.is_empty(), "{exact:?}");
+}
+
+#[test]
+fn single_checks_are_replaced_in_their_place_and_left_out() {
+    let verify = r#"verify {
+        check moves { distance(pick, place) > 10px } else "Nothing would move."
+        check far   { distance(pick, place) > 30px } else "Too near."
+        check inner { distance(place, center) < 90px } else "Too far out."
+        attempts 3, then without far, inner, else skip
+    }"#;
+    let base = match TASK.find("verify {") {
+        Some(at) => format!("{}{verify}\n}}", &TASK[..at]),
+        None => panic!("the task verifies nothing"),
+    };
+    let child = r#"
+        use "base.fab"
+        task child extends small {
+            override check moves { distance(pick, place) > 20px } else "Too little would move."
+            without check far
+            variant unchecked { without check moves, far, inner }
+            variant alone { verify { check near { distance(pick, place) < 99px } else "Too far." } }
+        }
+    "#;
+    let files = Memory::of([("child.fab", child), ("base.fab", base.as_str())]);
+    let compiled = compiler::compile("child.fab", &files).unwrap();
+    let shown = compiler::diag::to_text(
+        &compiled.diagnostics,
+        &compiled.sources,
+        compiler::diag::Color::Plain,
+    );
+    assert!(!compiled.has_errors(), "{shown}");
+    let checked = |at: usize| {
+        let verify = &compiled.programs[at].verify;
+        let names: Vec<&str> = verify
+            .checks
+            .iter()
+            .map(|check| check.name.as_str())
+            .collect();
+        (names, verify.relaxed.clone(), verify.exhausted)
+    };
+    assert_eq!(
+        checked(0),
+        (
+            vec!["moves", "inner"],
+            vec!["inner".to_owned()],
+            Exhausted::Skips
+        )
+    );
+    assert_eq!(checked(1), (vec![], vec![], Exhausted::Skips));
+    assert_eq!(checked(2), (vec!["near"], vec![], Exhausted::Ends));
+    let text = |at: usize, name: &str| {
+        compiled.programs[at]
+            .template(name)
+            .map(|part| part.text.clone())
+    };
+    assert_eq!(
+        text(0, "check.moves").as_deref(),
+        Some("Too little would move.")
+    );
+    assert_eq!(
+        text(0, "check.far"),
+        None,
+        "a check that is left out has no words either"
+    );
 }
 
 #[test]

@@ -118,6 +118,8 @@ kinds! {
     Component component "`component NAME …`.",
     OverrideComponent override_component "`override component NAME …`.",
     Without without "`without component NAME, …`.",
+    OverrideCheck override_check "`override check NAME { … } else \"…\"`.",
+    WithoutCheck without_check "`without check NAME, …`.",
     Stage stage "`stage NAME { … }`.",
     StageHead stage_head "Its first words.",
     Model model "`model …`.",

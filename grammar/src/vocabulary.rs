@@ -42,6 +42,7 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::at_word => "`at`",
         Rule::and_word => "`and`",
         Rule::component_word => "`component`",
+        Rule::check | Rule::check_head | Rule::check_word => "`check`",
         Rule::else_word | Rule::else_skip => "`else`",
         Rule::guard | Rule::when_word => "`when`",
         Rule::in_word => "`in`",

@@ -200,6 +200,13 @@ impl Reader {
                 .all(Kind::Verify)
                 .map(|part| self.verify(part))
                 .collect(),
+            checks: node
+                .all(Kind::OverrideCheck)
+                .filter_map(|part| self.check(part.child(Kind::Check)?))
+                .collect(),
+            without_checks: whole(node, Kind::WithoutCheck)
+                .flat_map(|part| self.names(part))
+                .collect(),
             bytes: node.span().len(),
             has_faults: has_faults(node),
         }

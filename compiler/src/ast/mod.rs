@@ -88,6 +88,9 @@ pub(crate) struct Body {
     pub without: Vec<Ident>,
     pub stages: Vec<Stage>,
     pub verify: Vec<Verify>,
+    /// Those with `override`.
+    pub checks: Vec<Check>,
+    pub without_checks: Vec<Ident>,
     /// Its length, bytes.
     pub bytes: usize,
     /// Whether something in it does not fit, so that what it lacks says nothing.

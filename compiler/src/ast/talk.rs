@@ -91,7 +91,7 @@ impl Reader {
         }
     }
 
-    fn check(&self, node: Node<'_>) -> Option<Check> {
+    pub(super) fn check(&self, node: Node<'_>) -> Option<Check> {
         let head = node.child(Kind::CheckHead)?;
         Some(Check {
             span: self.head(node),

@@ -276,11 +276,7 @@ fn mismatch(part: &ast::Expect, message: &str, context: &mut Context<'_>) -> Opt
 }
 
 fn check_name(check: &Ident, merged: &Merged<'_>, context: &mut Context<'_>) -> Option<Expect> {
-    let known = || {
-        let declared = merged.verify.iter().flat_map(|part| &part.checks);
-        let declared = declared.map(|check| check.name.text.as_str());
-        declared.chain([OFFERED])
-    };
+    let known = || merged.check_names().chain([OFFERED]);
     if known().any(|known| known == check.text) {
         return Some(Expect::Reject {
             check: check.text.clone(),

@@ -59,11 +59,6 @@ pub(crate) fn check(
     let Some(part) = merged.verify else {
         return verify;
     };
-    unique(
-        part.checks.iter().map(|check| &check.name),
-        "check",
-        context.report,
-    );
     if let Some(beyond) = part.checks.get(MAX_CHECKS) {
         let message = format!(
             "there are {} checks, at most {MAX_CHECKS} are accepted",
@@ -72,7 +67,7 @@ pub(crate) fn check(
         context.push(Diagnostic::new(Code::OutOfRange, beyond.name.span, message));
         return verify;
     }
-    for check in &part.checks {
+    for check in merged.checks.iter() {
         if let Some((check, template)) = self::one(check, context) {
             verify.checks.push(check);
             prompts.templates.push(template);
@@ -88,7 +83,7 @@ pub(crate) fn check(
         if let Some(attempts) = read_whole(&statement.count, &ATTEMPTS, context) {
             verify.attempts = attempts;
         }
-        verify.relaxed = relaxed(statement, part, context);
+        verify.relaxed = relaxed(statement, merged, context);
         if statement.else_skip.is_some() {
             verify.exhausted = Exhausted::Skips;
         }
@@ -153,18 +148,20 @@ fn needs_eyes(span: Span, stages: &[Stage], context: &mut Context<'_>) {
     }
 }
 
-/// Returns the checks that are left out at last; reports names that no check has.
+/// Returns the checks that are left out at last; reports names that no check ever had.
 fn relaxed(
     statement: &ast::Attempts,
-    part: &ast::Verify,
+    merged: &Merged<'_>,
     context: &mut Context<'_>,
 ) -> Vec<String> {
     unique(statement.relaxed.iter(), "check", context.report);
     let mut relaxed = Vec::new();
     for name in &statement.relaxed {
-        let known = || part.checks.iter().map(|check| check.name.text.as_str());
+        let known = || merged.check_names();
         if known().any(|known| known == name.text) {
             relaxed.push(name.text.clone());
+        } else if merged.removed_checks.contains(name.text.as_str()) {
+            // It is left out from the first question on.
         } else if name.text == OFFERED {
             let message = format!("`{OFFERED}` cannot be left out");
             context.push(

@@ -214,11 +214,11 @@ codes! {
 
     "F0404" NothingToOverride Error
     "there is nothing to override"
-    "`override component` replaces the text of a component that an extended task declares."
+    "`override component` replaces the text of a component, and `override check` a check, that an extended task declares. A task that states a `verify` of its own inherits no checks."
 
     "F0405" NothingToRemove Error
     "there is nothing to leave out"
-    "`without component` leaves out a component that an extended task declares, wherever it is said."
+    "`without component` leaves out a component that an extended task declares, wherever it is said; `without check` leaves out a check."
 
     "F0406" NotMarkedAsOverride Error
     "a component replaces another one silently"

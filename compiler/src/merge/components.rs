@@ -1,8 +1,9 @@
 //! Components of a task: added, replaced, left out.
 
+use super::lists::{LEAVE_OUT, OVERRIDE};
 use super::{Merged, unique};
 use crate::ast::{Body, Declares, Ident};
-use crate::diag::{Code, Diagnostic, Report, among, nearest};
+use crate::diag::{Code, Diagnostic, Report};
 use std::collections::BTreeSet;
 
 impl<'a> Merged<'a> {
@@ -12,7 +13,7 @@ impl<'a> Merged<'a> {
             self.removed.insert(&name.text);
         } else if !self.is_broken && !self.removed.contains(name.text.as_str()) {
             let inherited = self.component_names();
-            report.push(absent(Code::NothingToRemove, "leave out", name, &inherited));
+            report.push(LEAVE_OUT.report("component", name, &inherited));
         }
     }
 
@@ -52,12 +53,7 @@ impl<'a> Merged<'a> {
                     report.push(diagnostic);
                 }
                 Declares::Override if !is_inherited && !self.is_broken => {
-                    report.push(absent(
-                        Code::NothingToOverride,
-                        "override",
-                        name,
-                        &inherited,
-                    ));
+                    report.push(OVERRIDE.report("component", name, &inherited));
                     continue;
                 }
                 Declares::New | Declares::Override => {}
@@ -65,16 +61,5 @@ impl<'a> Merged<'a> {
             self.removed.remove(name.text.as_str());
             self.components.put(&name.text, component);
         }
-    }
-}
-
-fn absent(code: Code, doing: &str, name: &Ident, inherited: &BTreeSet<&str>) -> Diagnostic {
-    let message = format!("there is no component `{}` to {doing}", name.text);
-    let diagnostic = Diagnostic::new(code, name.span, message);
-    match nearest(&name.text, inherited.iter().copied()) {
-        Some(meant) => diagnostic.meant(name.span, meant),
-        None if inherited.is_empty() => diagnostic
-            .help("only components of an extended task can be meant; this one inherits none"),
-        None => diagnostic.help(format!("it inherits {}", among(inherited.iter().copied()))),
     }
 }

@@ -1,9 +1,9 @@
 //! Lists of parts that have names.
 
 use crate::ast::Ident;
-use crate::diag::{Code, Diagnostic, Report};
+use crate::diag::{Code, Diagnostic, Report, among, nearest};
 use crate::source::Span;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Parts in order, found by name.
 pub(crate) struct Indexed<'a, T> {
@@ -97,6 +97,37 @@ pub(crate) fn unique<'a>(names: impl Iterator<Item = &'a Ident>, kind: &str, rep
             None => {
                 seen.insert(&name.text, name);
             }
+        }
+    }
+}
+
+/// What can be done to an inherited part by name, and cannot where there is none of that name.
+pub(super) struct ToInherited {
+    code: Code,
+    words: &'static str,
+}
+
+pub(super) const OVERRIDE: ToInherited = ToInherited {
+    code: Code::NothingToOverride,
+    words: "override",
+};
+
+pub(super) const LEAVE_OUT: ToInherited = ToInherited {
+    code: Code::NothingToRemove,
+    words: "leave out",
+};
+
+impl ToInherited {
+    /// Says that nothing of that name is inherited, and what is.
+    pub fn report(&self, kind: &str, name: &Ident, inherited: &BTreeSet<&str>) -> Diagnostic {
+        let message = format!("there is no {kind} `{}` to {}", name.text, self.words);
+        let diagnostic = Diagnostic::new(self.code, name.span, message);
+        match nearest(&name.text, inherited.iter().copied()) {
+            Some(meant) => diagnostic.meant(name.span, meant),
+            None if inherited.is_empty() => diagnostic.help(format!(
+                "only {kind}s of an extended task can be meant; this one inherits none"
+            )),
+            None => diagnostic.help(format!("it inherits {}", among(inherited.iter().copied()))),
         }
     }
 }

@@ -1,10 +1,12 @@
 //! Joins a task with those that it extends, and with one of its variants.
 //!
-//! A section of the task replaces the extended task's whole section. Only four merge by name: a constant, a
+//! A section of the task replaces the extended task's whole section. Only five merge by name: a constant, a
 //! keypoint or a stage of the same name takes the old one's place, others come after; a component is
-//! replaced with `override`, added without, and left out with `without`. A variant is joined like a task
-//! that extends the one it stands in.
+//! replaced with `override`, added without, and left out with `without`; single checks of an inherited
+//! `verify` are replaced and left out likewise. A variant is joined like a task that extends the one it
+//! stands in.
 
+mod checks;
 mod components;
 mod lists;
 mod variants;
@@ -13,7 +15,7 @@ pub(crate) use lists::{Indexed, once, unique};
 pub(crate) use variants::{Change, VariantOf};
 
 use crate::ast::{
-    Actions, Body, Component, Demos, ExprKind, Ident, Keypoint, Keypoints, Reference, Stage,
+    Actions, Body, Check, Component, Demos, ExprKind, Ident, Keypoint, Keypoints, Reference, Stage,
     Statement, Subgoals, Task, Verify,
 };
 use crate::diag::{Code, Diagnostic, Report, among, nearest};
@@ -45,7 +47,11 @@ pub(crate) struct Merged<'a> {
     /// Components that were there and are left out.
     pub removed: BTreeSet<&'a str>,
     pub stages: Indexed<'a, Stage>,
+    /// Where attempts and results are stated; what is checked, `checks` says.
     pub verify: Option<&'a Verify>,
+    pub checks: Indexed<'a, Check>,
+    /// Checks that `verify` declares and that are left out.
+    pub removed_checks: BTreeSet<&'a str>,
     /// The variants that the task and those below it declare.
     pub variants: Vec<VariantOf<'a>>,
     /// The length of everything in it, bytes.
@@ -90,6 +96,8 @@ pub(crate) fn merge<'a>(
         removed: BTreeSet::new(),
         stages: Indexed::default(),
         verify: None,
+        checks: Indexed::default(),
+        removed_checks: BTreeSet::new(),
         variants: Vec::new(),
         bytes: 0,
         has_faults: false,
@@ -179,7 +187,6 @@ impl<'a> Merged<'a> {
         self.annotate =
             once(&body.annotate, "`annotate`", |part| part.span, report).or(self.annotate);
         self.actions = once(&body.actions, "`actions`", |part| part.span, report).or(self.actions);
-        self.verify = once(&body.verify, "`verify`", |part| part.span, report).or(self.verify);
         let keypoints = once(&body.keypoints, "`keypoints`", |part| part.span, report)
             .map_or(&[][..], |part| &part.list);
         let names = |list: &'a [Keypoint]| list.iter().map(|part| &part.name);
@@ -196,6 +203,7 @@ impl<'a> Merged<'a> {
             self.stages.put(&stage.name.text, stage);
         }
         self.add_components(body, report);
+        self.add_checks(body, report);
         self.has_faults |= body.has_faults;
         self.bytes += body.bytes;
     }
