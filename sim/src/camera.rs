@@ -42,6 +42,18 @@ pub enum ImageUp {
     X,
 }
 
+impl ImageUp {
+    /// Returns where in this picture, row by row, a pixel of the picture with +Y up lies.
+    ///
+    /// Turning what was drawn keeps both equal to the last bit.
+    fn pixel(self, column: usize, row: usize, size: usize) -> usize {
+        match self {
+            ImageUp::Y => row * size + column,
+            ImageUp::X => (size - 1 - column) * size + row,
+        }
+    }
+}
+
 /// Says why a camera cannot exist.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CameraError {
@@ -98,26 +110,6 @@ pub struct Frame {
     pub depth_m: Vec<f32>,
 }
 
-impl Frame {
-    /// Turns the square picture left by a right angle: its right side becomes its top.
-    fn turned_left(self) -> Frame {
-        let size = self.width as usize;
-        let mut turned = Frame {
-            rgb: Vec::with_capacity(self.rgb.len()),
-            depth_m: Vec::with_capacity(self.depth_m.len()),
-            ..self
-        };
-        for row in 0..size {
-            for column in 0..size {
-                let from = column * size + (size - 1 - row);
-                turned.rgb.extend(&self.rgb[3 * from..3 * from + 3]);
-                turned.depth_m.push(self.depth_m[from]);
-            }
-        }
-        turned
-    }
-}
-
 impl TopDownCamera {
     /// Checks the numbers and builds the camera, with world +Y up in its image.
     pub fn new(height_m: f32, fov_rad: f32, size_px: u32) -> Result<TopDownCamera, CameraError> {
@@ -171,15 +163,7 @@ impl TopDownCamera {
     /// Colour is the mean of 3 x 3 samples a pixel; depth is that of the pixel's centre alone, so no
     /// depth lies between two surfaces.
     pub fn render(&self, cloth: impl Into<Mask>, positions: &[[f32; 3]], look: &Look) -> Frame {
-        // Turning the finished picture keeps both equal to the last bit.
-        let frame = self.render_with_y_up(&cloth.into(), positions, look);
-        match self.up {
-            ImageUp::Y => frame,
-            ImageUp::X => frame.turned_left(),
-        }
-    }
-
-    fn render_with_y_up(&self, mask: &Mask, positions: &[[f32; 3]], look: &Look) -> Frame {
+        let mask = &cloth.into();
         let camera = TopDownCamera {
             up: ImageUp::Y,
             size_px: self.size_px.clamp(MIN_SIZE_PX, MAX_SIZE_PX),
@@ -190,7 +174,7 @@ impl TopDownCamera {
         let background = 1.0 / camera.height_m;
         let mut raster = Raster::new(Window::around(&triangles, size), background);
         let tiles = camera.tiles(look);
-        let mut sums = tiles.sums();
+        let mut sums = tiles.sums(self.up);
         let mut depth_m = vec![1.0 / background; size * size];
         for [u, v] in (0..3).flat_map(|v| [0, 1, 2].map(|u| [u, v])) {
             let offset = [OFFSETS[u], OFFSETS[v]];
@@ -199,7 +183,7 @@ impl TopDownCamera {
                 raster.draw(triangle);
             }
             for ([column, row], colour, inverse_depth) in raster.drawn() {
-                let pixel = row * size + column;
+                let pixel = self.up.pixel(column, row, size);
                 let tile = tiles.colour(tiles.columns[u][column], tiles.rows[v][row]);
                 for channel in 0..3 {
                     // The table's own part of this sample gives way.
@@ -307,8 +291,8 @@ impl Tiles {
         self.colours[(column + row).rem_euclid(2) as usize]
     }
 
-    /// Sums the colours over the samples of each pixel, row by row, RGB.
-    fn sums(&self) -> Vec<u16> {
+    /// Sums the colours over the samples of each pixel of a picture, row by row, RGB.
+    fn sums(&self, up: ImageUp) -> Vec<u16> {
         let side = OFFSETS.len() as u16;
         // Of the samples along one side of a pixel, how many lie on tiles of even number.
         let even = |numbers: &[Vec<i32>; OFFSETS.len()]| -> Vec<u16> {
@@ -318,21 +302,26 @@ impl Tiles {
             };
             (0..numbers[0].len()).map(is_even).collect()
         };
-        let (columns, rows) = (even(&self.columns), even(&self.rows));
-        let mut sums = Vec::with_capacity(3 * columns.len() * rows.len());
-        for row in rows {
-            for column in &columns {
-                let first = column * row + (side - column) * (side - row);
-                let second = side * side - first;
-                let [a, b] = self.colours;
-                sums.extend(
-                    [0, 1, 2].map(|channel| {
-                        first * u16::from(a[channel]) + second * u16::from(b[channel])
-                    }),
-                );
-            }
+        let (mut columns, mut rows) = (even(&self.columns), even(&self.rows));
+        if up == ImageUp::X {
+            columns.reverse();
+            std::mem::swap(&mut columns, &mut rows);
         }
-        sums
+        let sum_of = |column: u16, row: u16| {
+            let first = column * row + (side - column) * (side - row);
+            let [a, b] = self.colours;
+            [0, 1, 2].map(|channel| {
+                first * u16::from(a[channel]) + (side * side - first) * u16::from(b[channel])
+            })
+        };
+        // Few rows differ.
+        let row_of = |row: u16| -> Vec<u16> {
+            let sums = columns.iter().flat_map(|&column| sum_of(column, row));
+            sums.collect()
+        };
+        let kinds: Vec<Vec<u16>> = (0..=side).map(row_of).collect();
+        let rows = rows.iter().map(|&row| kinds[usize::from(row)].as_slice());
+        rows.collect::<Vec<_>>().concat()
     }
 }
 

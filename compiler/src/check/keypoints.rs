@@ -145,6 +145,7 @@ fn extractor(
         "harris" | "shi_tomasi" => extractors::corners(name, arguments, earlier, context),
         "centroid" => one(of_mask, |mask| Extractor::Centroid { mask }, context),
         "bounding_box" => one(of_mask, |mask| Extractor::BoundingBox { mask }, context),
+        "center" if arguments.is_empty() => Some((Moment::Now, Extractor::PictureCenter)),
         "center" => one(
             ("box", KeypointShape::Box),
             |of| Extractor::BoxCenter { of },

@@ -79,6 +79,8 @@ pub enum Extractor {
         /// The box's name.
         of: String,
     },
+    /// The middle of the picture, as that of a box around all of it. Gives a point.
+    PictureCenter,
     /// The outline of a mask's largest piece as a polygon. Gives an outline.
     Contour {
         /// The mask's name.
@@ -168,7 +170,9 @@ impl Extractor {
             | Extractor::EdgeMiddles { .. }
             | Extractor::Along { .. }
             | Extractor::Fixed { .. } => KeypointShape::Points,
-            Extractor::Centroid { .. } | Extractor::BoxCenter { .. } => KeypointShape::Point,
+            Extractor::Centroid { .. } | Extractor::BoxCenter { .. } | Extractor::PictureCenter => {
+                KeypointShape::Point
+            }
         }
     }
 }

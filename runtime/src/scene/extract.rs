@@ -4,7 +4,7 @@ use super::measured::measured;
 use super::{Found, Scene, SceneError};
 use crate::observation::Observation;
 use crate::vision::{self, CornerSearch, Located, Mask};
-use compiler::program::Extractor;
+use compiler::program::{Extractor, PixelPoint};
 use std::borrow::Cow;
 
 impl Scene {
@@ -71,6 +71,12 @@ impl Scene {
             Extractor::BoxCenter { of } => Found::Point(Located::at_center_of(vision::box_center(
                 self.corners_of(of)?,
             ))),
+            Extractor::PictureCenter => {
+                let [right, low] = [observation.rgb.width(), observation.rgb.height()]
+                    .map(|side| side.saturating_sub(1) as i32);
+                let around = [PixelPoint::new(0, 0), PixelPoint::new(right, low)];
+                Found::Point(Located::at_center_of(vision::box_center(around)))
+            }
             Extractor::Contour { mask, tolerance_px } => {
                 let around = vision::contour(self.mask(mask)?, *tolerance_px)?;
                 if around.is_empty() {

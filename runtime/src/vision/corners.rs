@@ -6,9 +6,9 @@
 
 use super::mask::mask_picture;
 use super::sight::detector_picture;
-use super::{DepthImage, Located, MAX_SIDE_PX, Mask, VisionError, check_size};
+use super::{DepthImage, Located, MAX_SIDE_PX, Mask, VisionError, bounding_box, check_size};
 use compiler::program::{PixelPoint, Response, Sight};
-use image::RgbImage;
+use image::{RgbImage, imageops};
 use opencv::core::{Mat, Point2f, Size, TermCriteria, TermCriteria_Type, Vector, no_array};
 use opencv::imgproc;
 
@@ -69,18 +69,27 @@ pub fn corners(
         });
     }
     check_search(search)?;
-    if mask.is_empty() {
+    let Some(around) = bounding_box(mask) else {
         return Ok(Vec::new());
-    }
+    };
     let picture = detector_picture(depth, rgb, mask, search.of, search.image_px);
-    let found = corners_of_gray(&picture, search)?;
     if (width, height) == (search.image_px, search.image_px) {
-        let corner = |[x, y]: [f32; 2]| Located {
-            pixel: PixelPoint::new(x as i32, y as i32),
-            at: [x, y].map(|at| f64::from(at) + 0.5),
+        let [left, top, width, height] = window(mask, around, search);
+        let cloth = imageops::crop_imm(&picture, left, top, width, height).to_image();
+        let corner = |[x, y]: [f32; 2]| {
+            let at = [
+                f64::from(x) + f64::from(left),
+                f64::from(y) + f64::from(top),
+            ];
+            Located {
+                pixel: PixelPoint::new(at[0] as i32, at[1] as i32),
+                at: at.map(|at| at + 0.5),
+            }
         };
+        let found = corners_of_gray(&cloth, search)?;
         return Ok(found.into_iter().map(corner).collect());
     }
+    let found = corners_of_gray(&picture, search)?;
     let scale_back = |at: f32, side: u32| {
         let scale = f64::from(side) / f64::from(search.image_px);
         ((f64::from(at) + 0.5) * scale - 0.5) as f32
@@ -101,6 +110,26 @@ pub fn corners(
         at: [x, y].map(|at| f64::from(at) + 0.5),
     };
     Ok(located.into_iter().map(corner).collect())
+}
+
+/// Returns left, top, width and height of the part of a picture outside of which a detector sees black alone.
+///
+/// A response depends on the square that is averaged, on a gradient's pixel more, and on whether a neighbour's is
+/// stronger.
+fn window(mask: &Mask, around: [PixelPoint; 2], search: &CornerSearch) -> [u32; 4] {
+    let margin_px = search.block_px + 4;
+    let [low, high] = around;
+    let first = |at: i32| (at.max(0) as u32).saturating_sub(margin_px);
+    let size =
+        |at: i32, first: u32, side: u32| (at.max(0) as u32 + margin_px + 1).min(side) - first;
+    let [left, top] = [first(low.u), first(low.v)];
+    let (width, height) = (mask.width(), mask.height());
+    [
+        left,
+        top,
+        size(high.u, left, width),
+        size(high.v, top, height),
+    ]
 }
 
 /// Moves corners to where the mask's edges around them meet (OpenCV's `cornerSubPix`).
