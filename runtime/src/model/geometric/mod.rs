@@ -24,6 +24,8 @@ mod tests;
 use super::{Message, Model, ModelError, Nature, Part, Reply, Request, Speaker};
 use crate::regions;
 use compiler::program::PixelPoint;
+pub use smooth::{FEATURES, Offer, offers};
+
 use frame::Frame;
 use plan::{Candidate, Listed};
 use prompt::AnswerLine;

@@ -1,7 +1,7 @@
 //! Reads what a smoothing prompt asks, whatever its exact wording.
 //!
 //! In: the words of a question. Out: a [`Brief`]. Sentences are known by their content, such as `px` beside
-//! `edge` for the scale; what no sentence says is not assumed, but for the center of the listed corners.
+//! `edge` for the scale; what no sentence says is not assumed.
 
 use super::super::prompt;
 use compiler::program::PixelPoint;
@@ -9,10 +9,10 @@ use compiler::program::PixelPoint;
 /// What a prompt for a pick, a direction and a distance says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Brief {
-    /// The corners to pick from; never empty.
+    /// The corners to pick from; none where the prompt lists none.
     pub corners: Vec<PixelPoint>,
-    /// The cloth's center.
-    pub center: PixelPoint,
+    /// The cloth's center, where the prompt says it.
+    pub center: Option<PixelPoint>,
     /// The offered directions, degrees counter-clockwise from the picture's right; never empty.
     pub directions: Vec<Choice>,
     /// The offered distances, multiples of the cloth's side; never empty.
@@ -53,7 +53,6 @@ impl Brief {
             .join("\n");
         let mut corners = prompt::corners(&listing);
         corners.truncate(MAX_CORNERS);
-        let first = *corners.first().ok_or("no corners are listed")?;
         let directions = choices(text, "direction");
         let distances = choices(text, "distance");
         if directions.is_empty() || distances.is_empty() {
@@ -76,7 +75,7 @@ impl Brief {
         let bound =
             said(&["farther than", "middle"]).and_then(|(points, px)| Some((*points.first()?, px)));
         Ok(Brief {
-            center: prompt::center(text).unwrap_or(first),
+            center: prompt::center(text),
             corners,
             directions,
             distances,

@@ -2,13 +2,16 @@
 //!
 //! In: a conversation whose opening question shows the cloth and lists its corners. Out: an answer in the asked
 //! form. Where the cloth lies and which way its faces show is read from the picture ([`view`]), the choices, the
-//! scale and the limits from the words ([`brief`]); [`pulls`] says what each choice promises, and [`refused`] which of
-//! them a correction has ruled out. It knows no state of the cloth besides.
+//! scale and the limits from the words ([`brief`]). What each choice looks like is put into numbers ([`features`]) and
+//! its gain estimated from them ([`estimate`]); [`pulls`] are ordered by that, and [`refused`] says which of them a
+//! correction has ruled out. It knows no state of the cloth besides.
 
 mod brief;
+mod estimate;
+mod features;
 mod pulls;
 mod refused;
-mod tip;
+mod rim;
 mod view;
 
 #[cfg(test)]
@@ -19,6 +22,7 @@ use super::{prompt, spoken};
 use crate::model::{Message, Part, Speaker};
 use brief::Brief;
 use compiler::program::PixelPoint;
+pub use features::NAMES as FEATURES;
 use pulls::Pull;
 use view::View;
 
@@ -37,25 +41,87 @@ pub fn answer(messages: &[Message]) -> String {
     }
 }
 
+/// A pull that a prompt offers, as the stand-in sees it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Offer {
+    /// Where it begins, pixels of the shown picture.
+    pub pick: PixelPoint,
+    /// Degrees, against the clock from the picture's right.
+    pub direction_deg: f64,
+    /// In sides of the cloth.
+    pub distance: f64,
+    /// What it looks like, in the order of [`FEATURES`].
+    pub features: [f64; FEATURES.len()],
+    /// The gain of coverage that is expected of it, as a share of the flat cloth.
+    pub gain: f64,
+}
+
+/// Returns the pulls that a conversation's rules allow, the most promising first, so that the estimate can be fitted to what they gain; says why
+/// there are none.
+pub fn offers(messages: &[Message]) -> Result<Vec<Offer>, String> {
+    let Question { brief, pulls, .. } = Question::read(messages)?;
+    let offer = |pull: Pull| Offer {
+        pick: pull.pick,
+        direction_deg: brief.directions[pull.direction].value,
+        distance: brief.distances[pull.distance].value,
+        features: pull.features,
+        gain: pull.gain,
+    };
+    Ok(pulls.into_iter().map(offer).collect())
+}
+
+/// A question that was read and looked at.
+struct Question<'a> {
+    /// Everything that was said up to it.
+    words: String,
+    brief: Brief,
+    /// The most promising first.
+    pulls: Vec<Pull>,
+    /// What was said after it.
+    later: &'a [Message],
+}
+
+impl<'a> Question<'a> {
+    /// Reads the last turn that lists corners beside a picture, or, where none does, the first with a picture.
+    fn read(messages: &'a [Message]) -> Result<Question<'a>, String> {
+        let question = messages.iter().rposition(lists_corners);
+        let question = question.or_else(|| messages.iter().position(shows_picture));
+        let (opening, later) = messages.split_at(question.ok_or("there is no picture")? + 1);
+        let words: Vec<String> = opening.iter().map(spoken).collect();
+        let words = words.join("\n");
+        let shown = opening.iter().rev().flat_map(|message| &message.parts);
+        let mut pictures = shown.filter_map(|part| match part {
+            Part::Image(png) => Some(png),
+            Part::Text(_) => None,
+        });
+        let mut brief = Brief::read(&words)?;
+        let view = View::decode(pictures.next().ok_or("there is no picture")?.bytes())?;
+        if brief.corners.is_empty() {
+            brief.corners = rim::corners(&view, brief.edge_px);
+        }
+        let pulls = pulls::ranked(&brief, &view);
+        Ok(Question {
+            words,
+            brief,
+            pulls,
+            later,
+        })
+    }
+}
+
 fn choose(messages: &[Message]) -> Result<String, String> {
-    let question = messages.iter().rposition(lists_corners);
-    let question = question.ok_or("no corners are listed beside a picture")?;
-    let (opening, later) = messages.split_at(question + 1);
-    let words: Vec<String> = opening.iter().map(spoken).collect();
-    let words = words.join("\n");
-    let brief = Brief::read(&words)?;
-    let shown = opening[question].parts.iter().find_map(|part| match part {
-        Part::Image(png) => Some(png),
-        Part::Text(_) => None,
-    });
-    let view = View::decode(shown.ok_or("there is no picture")?.bytes())?;
-    let pulls = pulls::ranked(&brief, &view);
+    let Question {
+        words,
+        brief,
+        pulls,
+        later,
+    } = Question::read(messages)?;
     let left = |pull: &&Pull| refused::leaves(later, &brief, pull);
     let best = pulls.iter().find(left);
     let best = best.ok_or("every pull that the rules allow was refused")?;
     Ok(format!(
-        "{}\nDirection = {}\nDistance = {}\nOf the listed corners this one looks {}, and the pull widens the \
-         cloth's outline by about {:.0} percent of its flat area.",
+        "{}\nDirection = {}\nDistance = {}\nOf the corners this one looks {}, and I expect that the pull uncovers \
+         about {:.0} percent of the cloth's flat area.",
         prompt::AnswerLine::asked_for("pick", &words).with(best.pick),
         brief.directions[best.direction].words,
         brief.distances[best.distance].words,
@@ -64,16 +130,18 @@ fn choose(messages: &[Message]) -> Result<String, String> {
         } else {
             "the most promising"
         },
-        best.widened * 100.0,
+        best.gain.max(0.0) * 100.0,
     ))
 }
 
 /// Tells whether a turn is a question with a list of corners and a picture.
 fn lists_corners(message: &Message) -> bool {
+    shows_picture(message) && !prompt::corners(&spoken(message)).is_empty()
+}
+
+fn shows_picture(message: &Message) -> bool {
     let is_image = |part: &Part| matches!(part, Part::Image(_));
-    message.speaker == Speaker::User
-        && message.parts.iter().any(is_image)
-        && !prompt::corners(&spoken(message)).is_empty()
+    message.speaker == Speaker::User && message.parts.iter().any(is_image)
 }
 
 /// The middle of a pixel.

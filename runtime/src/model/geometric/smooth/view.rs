@@ -2,7 +2,7 @@
 //!
 //! In: an encoded picture. Out: a [`View`]. The table's colours are read from the picture's border; of the rest,
 //! what has more green than blue is the orange face, what has less the pink one. Dots, rings and boxes drawn
-//! over it take the face of what is beside them.
+//! over it take the face of what is beside them. A face is the darker the steeper it stands.
 
 use super::super::frame::Point;
 use super::super::regions;
@@ -25,6 +25,9 @@ pub struct View {
     width: usize,
     height: usize,
     faces: Vec<Face>,
+    /// How bright each pixel is, of the brightest that its face shows, 0 to 1; `None` where something is drawn
+    /// over it, and for the table.
+    light: Vec<Option<f64>>,
 }
 
 const SIDE_PX: std::ops::RangeInclusive<u32> = 32..=4096;
@@ -61,26 +64,68 @@ impl View {
 
     fn of(picture: &RgbImage) -> Option<View> {
         let table = regions::border_colours(&[picture]);
-        let seen = picture.pixels().map(|pixel| face_of(pixel.0, &table));
+        let seen: Vec<Option<Face>> = picture
+            .pixels()
+            .map(|pixel| face_of(pixel.0, &table))
+            .collect();
+        let light = light(picture, &seen);
         let [width, height] = [picture.width(), picture.height()].map(|side| side as usize);
-        let faces = without_drawings(seen.collect(), width);
+        let faces = without_drawings(seen, width);
         let is_seen = faces.iter().any(|&face| face != Face::Table);
         is_seen.then_some(View {
             width,
             height,
             faces,
+            light,
         })
     }
 
     /// Returns what a point shows; outside of the picture there is table.
-    pub fn at(&self, [column, row]: Point) -> Face {
+    pub fn at(&self, point: Point) -> Face {
+        self.index(point).map_or(Face::Table, |at| self.faces[at])
+    }
+
+    /// Returns the pixels of cloth: column and row of their centres, and their face.
+    pub fn cloth(&self) -> impl Iterator<Item = (Point, Face)> {
+        let pixels = self.faces.iter().enumerate();
+        let cloth = pixels.filter(|(_, face)| **face != Face::Table);
+        cloth.map(|(at, &face)| {
+            let [column, row] = [at % self.width, at / self.width];
+            ([column as f64 + 0.5, row as f64 + 0.5], face)
+        })
+    }
+
+    /// Returns how bright a point of the cloth is, of the brightest of its face; `None` where that is not seen.
+    pub fn light(&self, point: Point) -> Option<f64> {
+        self.light[self.index(point)?]
+    }
+
+    /// Returns for each pixel how many pixels of its own face hang together there; 0 for the table.
+    pub fn patches(&self) -> Patches {
+        let mut sizes = vec![0; self.faces.len()];
+        for wanted in [Face::Top, Face::Under] {
+            let shows = |column: u32, row: u32| {
+                self.faces[row as usize * self.width + column as usize] == wanted
+            };
+            let set = regions::Grid::from_fn(self.width as u32, self.height as u32, shows);
+            for patch in regions::components(&set) {
+                for &(column, row) in &patch {
+                    sizes[row as usize * self.width + column as usize] = patch.len();
+                }
+            }
+        }
+        Patches(sizes)
+    }
+
+    /// Returns how many pixels hang together with the one at a point; 0 beside the cloth.
+    pub fn patch_px(&self, patches: &Patches, point: Point) -> usize {
+        self.index(point).map_or(0, |at| patches.0[at])
+    }
+
+    fn index(&self, [column, row]: Point) -> Option<usize> {
         let is_inside =
             (0.0..self.width as f64).contains(&column) && (0.0..self.height as f64).contains(&row);
-        if is_inside {
-            self.faces[row as usize * self.width + column as usize]
-        } else {
-            Face::Table
-        }
+        is_inside.then(|| row as usize * self.width + column as usize)
     }
 
     /// Returns the first and the last cloth pixel of each row that has any; their convex hull is the cloth's.
@@ -98,14 +143,42 @@ impl View {
     /// Returns the middle of the cloth's pixels, and how many there are, at least one.
     pub fn middle(&self) -> (Point, f64) {
         let (mut sum, mut count) = ([0.0; 2], 0.0);
-        let cloth = self.faces.iter().enumerate();
-        for (at, _) in cloth.filter(|(_, face)| **face != Face::Table) {
-            sum[0] += (at % self.width) as f64 + 0.5;
-            sum[1] += (at / self.width) as f64 + 0.5;
+        for ([column, row], _) in self.cloth() {
+            sum = [sum[0] + column, sum[1] + row];
             count += 1.0;
         }
         (sum.map(|total| total / count), count)
     }
+}
+
+/// How large the patch of each pixel is, pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patches(Vec<usize>);
+
+/// The share of a face's pixels that may be brighter than what counts as lying flat.
+const GLARE: usize = 20;
+
+/// Compares the brightness of each pixel with the brightest of its face, but for a twentieth.
+fn light(picture: &RgbImage, seen: &[Option<Face>]) -> Vec<Option<f64>> {
+    let level = |rgb: [u8; 3]| rgb.into_iter().fold(0, u8::max);
+    let brightest = |wanted: Face| {
+        let shown = picture.pixels().zip(seen);
+        let shown = shown.filter(|(_, face)| **face == Some(wanted));
+        let mut levels: Vec<u8> = shown.map(|(pixel, _)| level(pixel.0)).collect();
+        levels.sort_unstable();
+        let at = levels.len().saturating_sub(1 + levels.len() / GLARE);
+        levels.get(at).map_or(1.0, |&level| f64::from(level.max(1)))
+    };
+    let [top, under] = [Face::Top, Face::Under].map(brightest);
+    let of_face = |(pixel, face): (&image::Rgb<u8>, &Option<Face>)| {
+        let flat = match face {
+            Some(Face::Top) => top,
+            Some(Face::Under) => under,
+            Some(Face::Table) | None => return None,
+        };
+        Some((f64::from(level(pixel.0)) / flat).min(1.0))
+    };
+    picture.pixels().zip(seen).map(of_face).collect()
 }
 
 /// What a colour shows; `None` for one that is drawn over the picture.

@@ -85,28 +85,37 @@ fn what_a_side_measures_is_read_from_the_words() {
     assert!(heap > flat, "{heap} and {flat}");
 }
 
+/// The question in other words, with its picture.
+fn reworded(words: String) -> Message {
+    Message {
+        speaker: Speaker::User,
+        parts: vec![Part::Text(words), narrowed().turn().parts.remove(1)],
+    }
+}
+
 #[test]
 fn what_is_missing_in_the_words_is_told() {
     let whole = narrowed().words();
-    for (cut, told) in [
-        ("The corners are", "no corners are listed"),
-        ("is 110 px", "how many px an edge is"),
-    ] {
-        let words = whole.replace(cut, "These are");
-        let parts = vec![Part::Text(words), narrowed().turn().parts.remove(1)];
-        let reply = asked(vec![Message {
-            speaker: Speaker::User,
-            parts,
-        }]);
-        assert!(reply.contains(told), "{cut}: {reply}");
-    }
+    let reply = asked(vec![reworded(whole.replace("is 110 px", "is long"))]);
+    assert!(reply.contains("how many px an edge is"), "{reply}");
     let parts = vec![Part::Text(whole)];
     let reply = asked(vec![Message {
         speaker: Speaker::User,
         parts,
     }]);
-    assert!(
-        reply.contains("no corners are listed beside a picture"),
-        "{reply}"
-    );
+    assert!(reply.contains("there is no picture"), "{reply}");
+}
+
+#[test]
+fn without_a_list_it_picks_where_the_outline_bends() {
+    let words = narrowed().words();
+    let unlisted: Vec<&str> = words
+        .lines()
+        .filter(|line| !line.starts_with("The corners are"))
+        .collect();
+    let reply = asked(vec![reworded(unlisted.join("\n"))]);
+    let ([u, v], ..) = pull_of(&reply);
+    let corners = [[130, 121], [211, 121], [211, 199], [179, 234], [130, 234]];
+    let is_near = |[x, y]: &[i32; 2]| (u - x).abs() <= 4 && (v - y).abs() <= 4;
+    assert!(corners.iter().any(is_near), "{reply}");
 }

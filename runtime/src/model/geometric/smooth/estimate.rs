@@ -1,0 +1,69 @@
+//! Estimates what a pull gains from what it looks like.
+//!
+//! In: the numbers of [`features`](super::features). Out: the gain of true coverage, as a share of the flat cloth. The
+//! estimate is the mean of small networks with one hidden layer each, fitted to pulls in the simulator;
+//! `estimate.json` holds their weights, and says from which starts and how well they do on others.
+
+use super::features::NAMES;
+use serde::Deserialize;
+use std::sync::LazyLock;
+
+/// The weights, and how numbers are brought to one scale.
+#[derive(Deserialize)]
+struct Estimate {
+    /// The features' names, in order.
+    features: Vec<String>,
+    /// Of each feature over the fitted pulls.
+    mean: Vec<f64>,
+    deviation: Vec<f64>,
+    /// Scaled features beyond this, either way, are cut off: there was nothing to learn from.
+    limit: f64,
+    networks: Vec<Network>,
+}
+
+/// One network: hidden units that are linear above zero, and their weighted sum.
+#[derive(Deserialize)]
+struct Network {
+    hidden: Vec<Unit>,
+    bias: f64,
+}
+
+#[derive(Deserialize)]
+struct Unit {
+    weights: Vec<f64>,
+    bias: f64,
+    /// What it counts in the sum.
+    counts: f64,
+}
+
+static ESTIMATE: LazyLock<Estimate> = LazyLock::new(|| {
+    let estimate: Estimate = serde_json::from_str(include_str!("estimate.json"))
+        .expect("the embedded weights are whole");
+    assert_eq!(
+        estimate.features, NAMES,
+        "the weights are of these features"
+    );
+    estimate
+});
+
+/// Estimates the gain of a pull, as a share of the flat cloth's area.
+pub fn gain(features: &[f64; NAMES.len()]) -> f64 {
+    let estimate = &*ESTIMATE;
+    let scaled: Vec<f64> = features
+        .iter()
+        .zip(estimate.mean.iter().zip(&estimate.deviation))
+        .map(|(value, (mean, deviation))| {
+            ((value - mean) / deviation).clamp(-estimate.limit, estimate.limit)
+        })
+        .collect();
+    let of_network = |network: &Network| {
+        let of_unit = |unit: &Unit| {
+            let weighted = unit.weights.iter().zip(&scaled);
+            let sum: f64 = weighted.map(|(weight, value)| weight * value).sum();
+            unit.counts * (sum + unit.bias).max(0.0)
+        };
+        network.bias + network.hidden.iter().map(of_unit).sum::<f64>()
+    };
+    let gains = estimate.networks.iter().map(of_network);
+    gains.sum::<f64>() / estimate.networks.len().max(1) as f64
+}

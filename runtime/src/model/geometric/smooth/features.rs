@@ -1,0 +1,276 @@
+//! What a pull looks like in numbers, from which its gain is estimated.
+//!
+//! In: a [`View`], and a corner with a way to pull it. Out: one number for each of [`NAMES`]. All are lengths in
+//! sides of the cloth, areas in areas of the flat cloth, or shares, so that neither the picture's size nor the cloth's
+//! matters; none changes where the picture is turned or mirrored.
+
+use super::super::frame::{self, Point};
+use super::view::{Face, Patches, View};
+
+/// What the numbers are, in order.
+pub const NAMES: [&str; 22] = [
+    "covered",
+    "hull",
+    "filled",
+    "lesser_face",
+    "dark",
+    "rough",
+    "cloth_near",
+    "one_sided",
+    "cloth_around",
+    "patch",
+    "own_near",
+    "own_behind",
+    "other_behind",
+    "length",
+    "from_center",
+    "from_middle",
+    "farthest_from_pick",
+    "farthest_from_place",
+    "widened",
+    "beyond",
+    "ahead",
+    "beside",
+];
+
+/// Radii of the small circles around a corner, and of the large one, in sides.
+const NEAR: [f64; 3] = [0.045, 0.07, 0.1];
+const AROUND: f64 = 0.18;
+
+/// Points that are looked at on each circle.
+const N_DIRECTIONS: u32 = 64;
+
+/// How far behind a pick the cloth is looked for that it takes, in sides.
+const HOLD: [f64; 5] = [0.015, 0.025, 0.035, 0.05, 0.07];
+
+/// How far behind a pick another face may cover the cloth that it takes, in sides.
+const COVERING: f64 = 0.4;
+
+/// Of lines that are followed: first point, step and end, in sides.
+const FIRST: f64 = 0.04;
+const STEP: f64 = 0.01;
+const END: f64 = 1.5;
+
+/// How far from the rim, and how far apart, points are whose brightness is compared, in sides.
+const INNER: f64 = 0.025;
+const APART: f64 = 0.014;
+
+/// What the whole cloth looks like.
+pub struct Cloth<'a> {
+    view: &'a View,
+    patches: Patches,
+    /// Convex, pixels.
+    hull: Vec<Point>,
+    /// Of the hull, square pixels.
+    hull_px: f64,
+    /// Of the cloth's pixels.
+    middle: Point,
+    /// Of the box around it.
+    pub center: Point,
+    /// Of the flat cloth, pixels.
+    side: f64,
+    covered: f64,
+    lesser_face: f64,
+    dark: f64,
+    rough: f64,
+}
+
+/// What a corner looks like, whichever way it is pulled.
+pub struct Corner {
+    at: Point,
+    /// The share of the small circles around it that is cloth: a quarter at a corner of a flat square.
+    pub cloth_near: f64,
+    one_sided: f64,
+    cloth_around: f64,
+    /// The face that most of it shows.
+    face: Face,
+}
+
+impl<'a> Cloth<'a> {
+    /// Looks at the cloth; `center` in pixels, `side` the flat cloth's in pixels.
+    pub fn new(view: &'a View, center: Point, side: f64) -> Cloth<'a> {
+        let hull = frame::hull(view.rim());
+        let (middle, n_pixels) = view.middle();
+        let n_under = view.cloth().filter(|(_, face)| *face == Face::Under);
+        let n_under = n_under.count() as f64;
+        let [dark, rough] = shading(view, side);
+        Cloth {
+            view,
+            patches: view.patches(),
+            hull_px: area(&hull),
+            hull,
+            middle,
+            center,
+            side,
+            covered: n_pixels / (side * side),
+            lesser_face: n_under.min(n_pixels - n_under) / (side * side),
+            dark,
+            rough,
+        }
+    }
+
+    /// Looks at the surroundings of a corner, pixels.
+    pub fn corner(&self, at: Point) -> Corner {
+        let (mut counts, mut pull) = ([0.0; 3], [0.0; 2]);
+        for (angle, radius) in circles(&NEAR) {
+            let face = self.view.at(self.beside(at, angle, radius));
+            counts[face as usize] += 1.0;
+            if face != Face::Table {
+                pull = [pull[0] + angle.cos(), pull[1] + angle.sin()];
+            }
+        }
+        let cloth: f64 = counts[Face::Top as usize] + counts[Face::Under as usize];
+        let is_cloth = |&(angle, radius): &(f64, f64)| {
+            self.view.at(self.beside(at, angle, radius)) != Face::Table
+        };
+        let around = circles(&[AROUND]).filter(is_cloth).count() as f64;
+        Corner {
+            at,
+            cloth_near: cloth / f64::from(N_DIRECTIONS) / NEAR.len() as f64,
+            one_sided: pull[0].hypot(pull[1]) / cloth.max(1.0),
+            cloth_around: around / f64::from(N_DIRECTIONS),
+            face: match counts[Face::Top as usize] >= counts[Face::Under as usize] {
+                true => Face::Top,
+                false => Face::Under,
+            },
+        }
+    }
+
+    /// By how much a point beyond the outline widens it, as a share of the flat cloth.
+    pub fn widened(&self, to: Point) -> f64 {
+        let with = frame::hull(self.hull.iter().copied().chain([to]));
+        (area(&with) - self.hull_px) / (self.side * self.side)
+    }
+
+    /// Puts a pull into numbers, in the order of [`NAMES`]; `angle` in radians, clockwise from the picture's right.
+    pub fn pull(&self, corner: &Corner, angle: f64, to: Point) -> [f64; NAMES.len()] {
+        let from = corner.at;
+        let square = self.side * self.side;
+        let sides = |a: Point, b: Point| frame::distance(a, b) / self.side;
+        let farthest = |from: Point| {
+            let points = self.hull.iter().map(|&point| sides(point, from));
+            points.fold(0.0, f64::max)
+        };
+        let back = self.beside(from, angle, -0.06);
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let [left, right] =
+            [angle - quarter, angle + quarter].map(|way| self.cloth_along(back, way));
+        let (hold, own) = self.held(corner, angle);
+        let shows =
+            circles(&NEAR).map(|(angle, radius)| self.view.at(self.beside(from, angle, radius)));
+        let own_near = shows.filter(|&face| face == own).count() as f64;
+        let [own_behind, other_behind] = self.behind(from, angle, own);
+        [
+            self.covered,
+            self.hull_px / square,
+            self.covered * square / self.hull_px.max(1.0),
+            self.lesser_face,
+            self.dark,
+            self.rough,
+            corner.cloth_near,
+            corner.one_sided,
+            corner.cloth_around,
+            self.view.patch_px(&self.patches, hold) as f64 / square,
+            own_near / f64::from(N_DIRECTIONS) / NEAR.len() as f64,
+            own_behind,
+            other_behind,
+            sides(from, to),
+            sides(from, self.center),
+            sides(from, self.middle),
+            farthest(from),
+            farthest(to),
+            self.widened(to),
+            self.beyond_px(from, angle) / square,
+            self.cloth_along(from, angle),
+            left.max(right),
+        ]
+    }
+
+    /// Where the cloth is seen that a pull takes, and its face; of a layer that only peeks out it is little.
+    fn held(&self, corner: &Corner, angle: f64) -> (Point, Face) {
+        let behind = HOLD.map(|way| self.beside(corner.at, angle, -way));
+        let seen = behind.into_iter().map(|point| (point, self.view.at(point)));
+        let mut cloth = seen.filter(|(_, face)| *face != Face::Table);
+        cloth.next().unwrap_or((corner.at, corner.face))
+    }
+
+    /// How far back the cloth that a pull takes shows its face, in sides, and how much of what is behind shows the
+    /// other one.
+    fn behind(&self, from: Point, angle: f64, own: Face) -> [f64; 2] {
+        let at = |way: f64| self.view.at(self.beside(from, angle, -way));
+        let mut way = FIRST;
+        while way < END && at(way) == own {
+            way += STEP;
+        }
+        let steps = (COVERING / STEP) as u32;
+        let seen = (1..=steps).map(|step| at(f64::from(step) * STEP));
+        let other = seen.filter(|&face| face != own && face != Face::Table);
+        [way, other.count() as f64 / f64::from(steps)]
+    }
+
+    /// How many pixels of the cloth lie farther on than a point.
+    fn beyond_px(&self, from: Point, angle: f64) -> f64 {
+        let (sin, cos) = angle.sin_cos();
+        let is_beyond =
+            |&(at, _): &(Point, Face)| (at[0] - from[0]) * cos + (at[1] - from[1]) * sin > 0.0;
+        self.view.cloth().filter(is_beyond).count() as f64
+    }
+
+    /// How far there is cloth along a line, in sides.
+    fn cloth_along(&self, from: Point, angle: f64) -> f64 {
+        let mut way = FIRST;
+        while way < END && self.view.at(self.beside(from, angle, way)) != Face::Table {
+            way += STEP;
+        }
+        way
+    }
+
+    /// A point some way off, in sides.
+    fn beside(&self, from: Point, angle: f64, way: f64) -> Point {
+        let (sin, cos) = angle.sin_cos();
+        [
+            from[0] + way * self.side * cos,
+            from[1] + way * self.side * sin,
+        ]
+    }
+}
+
+/// Returns how dark the cloth is, and how much its brightness varies, on average over pixels within it; 0 where none
+/// is seen.
+fn shading(view: &View, side: f64) -> [f64; 2] {
+    const WAYS: [Point; 4] = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+    let (mut sums, mut count) = ([0.0; 2], 0.0_f64);
+    for (at, _) in view.cloth() {
+        let beside = |[right, down]: Point, way: f64| {
+            view.light([at[0] + right * way * side, at[1] + down * way * side])
+        };
+        let is_inner = WAYS.into_iter().all(|way| beside(way, INNER).is_some());
+        let near = WAYS.map(|way| beside(way, APART));
+        if let (true, Some(here), [Some(a), Some(b), Some(c), Some(d)]) =
+            (is_inner, view.light(at), near)
+        {
+            sums[0] += 1.0 - here;
+            sums[1] += ((a - c).abs() + (b - d).abs()) / 2.0;
+            count += 1.0;
+        }
+    }
+    sums.map(|sum| sum / count.max(1.0))
+}
+
+/// Angles and radii of the points of circles.
+fn circles(radii: &[f64]) -> impl Iterator<Item = (f64, f64)> {
+    (0..N_DIRECTIONS).flat_map(move |step| {
+        let angle = std::f64::consts::TAU * f64::from(step) / f64::from(N_DIRECTIONS);
+        radii.iter().map(move |&radius| (angle, radius))
+    })
+}
+
+fn area(hull: &[Point]) -> f64 {
+    let next = hull.iter().cycle().skip(1);
+    let twice: f64 = hull
+        .iter()
+        .zip(next)
+        .map(|(a, b)| a[0] * b[1] - a[1] * b[0])
+        .sum();
+    twice.abs() / 2.0
+}

@@ -1,0 +1,63 @@
+//! Points to pick where a prompt lists none: where the cloth's outline bends.
+//!
+//! In: a [`View`]. Out: pixels of the cloth near its convex outline, and the middle of the box around it.
+
+use super::super::frame::{self, Point};
+use super::view::{Face, View};
+use compiler::program::PixelPoint;
+
+/// How far apart points are at least, in sides of the cloth.
+const SPACING: f64 = 0.1;
+
+/// How far within the outline a point is taken, pixels, so that the picker meets cloth.
+const INWARD_PX: f64 = 3.0;
+
+/// The most points.
+const MAX_POINTS: usize = 15;
+
+/// Returns where the outline bends most, pixels; `edge_px` is the cloth's side.
+pub fn corners(view: &View, edge_px: f64) -> Vec<PixelPoint> {
+    let hull = frame::hull(view.rim());
+    let (middle, _) = view.middle();
+    // Half the spacing along the outline either way, so that steps of single pixels are no bends.
+    let reach = SPACING / 2.0 * edge_px;
+    let bend = |at: Point| {
+        let near = hull
+            .iter()
+            .filter(|&&point| frame::distance(point, at) <= 2.0 * reach);
+        let away = near.map(|point| [point[0] - at[0], point[1] - at[1]]);
+        let sum = away.fold([0.0; 2], |sum, way| [sum[0] + way[0], sum[1] + way[1]]);
+        sum[0].hypot(sum[1])
+    };
+    let mut bends: Vec<(Point, f64)> = hull.iter().map(|&at| (at, bend(at))).collect();
+    bends.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut kept: Vec<Point> = Vec::new();
+    for (at, _) in bends {
+        let is_apart = |other: &Point| frame::distance(at, *other) >= SPACING * edge_px;
+        if kept.len() < MAX_POINTS && kept.iter().all(is_apart) {
+            kept.push(at);
+        }
+    }
+    let inward = |at: Point| {
+        let way = frame::distance(at, middle).max(f64::MIN_POSITIVE);
+        let share = INWARD_PX.min(way) / way;
+        [0, 1].map(|axis| at[axis] + share * (middle[axis] - at[axis]))
+    };
+    let points = kept.into_iter().map(inward);
+    points
+        .filter(|&at| view.at(at) != Face::Table)
+        .map(|[column, row]| PixelPoint::new(column as i32, row as i32))
+        .collect()
+}
+
+/// Returns the middle of the upright box around the cloth, pixels.
+pub fn center(view: &View) -> Point {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for point in view.rim() {
+        for axis in [0, 1] {
+            low[axis] = low[axis].min(point[axis]);
+            high[axis] = high[axis].max(point[axis]);
+        }
+    }
+    [0, 1].map(|axis| (low[axis] + high[axis]) / 2.0)
+}
