@@ -2,7 +2,7 @@
 """Fits the estimate of the stand-in `geometric` to pulls that were tried in the simulator.
 
     cargo run --release -p runtime --example collect_pulls -- 300 100 10 > pulls.csv
-    scripts/fit-pulls.py pulls.csv runtime/src/model/geometric/smooth/estimate.json
+    scripts/fit-pulls.py pulls.csv runtime/src/model/geometric/smooth/estimate.json "seeds 300 to 399"
 
 Needs numpy and scikit-learn. Prints how well the estimate does on starts that it is not fitted to: the correlation of
 estimate and gain, and what the pull gains that it puts first of those tried.
@@ -14,9 +14,10 @@ import sys
 import warnings
 
 import numpy as np
+from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPRegressor
 
-HIDDEN, NETWORKS, DECAY, EPOCHS = 24, 6, 1.0, 80
+HIDDEN, NETWORKS, DECAY, EPOCHS = 24, 8, 1.0, 35
 # Features farther from their mean, in deviations, are cut off.
 LIMIT = 4
 # Gains are of the order of a tenth.
@@ -33,7 +34,7 @@ class Estimate:
         scaled = self.scaled(features)
         self.networks = [
             MLPRegressor(
-                hidden_layer_sizes=(HIDDEN,), alpha=DECAY, learning_rate_init=3e-3, max_iter=EPOCHS, random_state=seed
+                hidden_layer_sizes=(HIDDEN,), alpha=DECAY, learning_rate_init=3e-3, max_iter=EPOCHS, tol=0, n_iter_no_change=EPOCHS, random_state=seed
             ).fit(
                 scaled, SCALE * gains
             )
@@ -53,8 +54,14 @@ class Estimate:
         for network in self.networks:
             (into, out), (bias, last) = network.coefs_, network.intercepts_
             hidden = [
-                {"weights": [short(w) for w in into[:, unit]], "bias": short(bias[unit]), "counts": short(out[unit, 0] / SCALE)}
+                {
+                    "weights": [short(weight) for weight in into[:, unit]],
+                    "bias": short(bias[unit]),
+                    "counts": short(out[unit, 0] / SCALE),
+                }
                 for unit in range(HIDDEN)
+                # Decay leaves some units without any weight.
+                if np.abs(into[:, unit]).max() > 1e-6 and abs(out[unit, 0]) > 1e-6
             ]
             networks.append({"hidden": hidden, "bias": short(last[0] / SCALE)})
         return {
@@ -67,13 +74,15 @@ class Estimate:
         }
 
 
-def main(source, target):
-    # The number of passes is fixed, so that it does not settle is meant.
-    warnings.filterwarnings("ignore")
+def main(source, target, origin):
+    # The number of passes is fixed.
+    warnings.simplefilter("ignore", ConvergenceWarning)
     with open(source, encoding="utf-8") as file:
         names, *rows = csv.reader(file)
     table = np.array(rows, dtype=float)
     starts, steps, gains, features = table[:, 0], table[:, 1], table[:, 3], table[:, 4:]
+    if len(np.unique(starts)) < PARTS:
+        sys.exit(f"{source} holds pulls of {len(np.unique(starts))} starts, and {PARTS} are needed to keep some apart")
     parts = np.random.RandomState(0).permutation(len(np.unique(starts))) % PARTS
     part = parts[np.unique(starts, return_inverse=True)[1]]
     apart = np.zeros_like(gains)
@@ -85,17 +94,21 @@ def main(source, target):
     first = np.mean([gains[tried[np.argmax(apart[tried])]] for tried in of_states])
     best = np.mean([gains[tried].max() for tried in of_states])
     about = (
-        f"{len(gains)} pulls from {len(of_states)} states of {len(np.unique(starts))} crumpled starts. On starts kept "
+        f"{len(gains)} pulls from {len(of_states)} states of {len(np.unique(starts))} crumpled starts ({origin}). On starts kept "
         f"apart, estimate and gain correlate by {np.corrcoef(apart, gains)[0, 1]:.2f}; of the pulls tried in a state "
         f"the one put first gains {100 * first:.1f} % of the flat cloth, the best {100 * best:.1f} %."
     )
     print(about)
+    fitted = Estimate(features, gains)
+    weights = fitted.weights(names[4:], about)
+    # So that whoever reads the weights can tell that they are read right.
+    weights["example"] = {"features": [float(value) for value in features[0]], "gain": float(fitted(features[:1])[0])}
     with open(target, "w", encoding="utf-8") as file:
-        json.dump(Estimate(features, gains).weights(names[4:], about), file)
+        json.dump(weights, file)
         file.write("\n")
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
+    if len(sys.argv) != 4:
         sys.exit(__doc__)
     main(*sys.argv[1:])

@@ -49,6 +49,8 @@ fn words() -> Vec<&'static str> {
         "->",
         "extends",
         "override component",
+        "override check",
+        "without check",
         "use \"task.fab\"",
         "é",
         "9e9",
@@ -142,6 +144,8 @@ fn large_nonsense_takes_no_more_than_moments() {
         "a and ",
         "}\n",
         "override component x \"y\"\n",
+        "override check x { 1 < 2 } else \"y\"\n",
+        "without check x\n",
     ] {
         for prefix in ["", "task t {\n", "task t { verify { check a { "] {
             let text = format!("{prefix}{}", large(piece));

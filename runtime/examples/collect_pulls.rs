@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p runtime --example collect_pulls -- FIRST_SEED COUNT ACTIONS > pulls.csv`
 //!
-//! In: seeds of crumpled starts. Out: a line per pull: its start, step and gain of true coverage, and the features of
+//! In: seeds of crumpled starts. Out: a line per pull: its start, step, true coverage before and gain, and the features of
 //! [`FEATURES`]. Each start is smoothed by the stand-in. Before each action its own pull, the next five by its
 //! estimate and two by chance are tried from the same state; three times of ten the best of them is carried out instead
 //! of its own, so that states come up that it would not reach by itself. `scripts/fit-pulls.py` fits the estimate.

@@ -2,8 +2,10 @@
 //!
 //! In: `tests/fixtures/tasks/recorded_*.fab`, and recorded pictures with what OpenCV found in them.
 
+use super::steered::steered_but;
 use super::support::{ProjectFiles, fabc, finish, project, world};
 use crate::recorded_data::recorded_data;
+use compiler::facts::SceneView;
 use compiler::program::{PixelPoint, Program};
 use image::{ImageBuffer, Luma, Rgb, RgbImage};
 use runtime::picture;
@@ -268,5 +270,32 @@ fn depth_counts_255_levels_a_metre_in_8_bits_and_millimetres_in_16() {
             4,
             "{depth}"
         );
+    }
+}
+
+#[test]
+fn the_middle_of_the_picture_is_that_of_a_box_around_all_of_it() {
+    for side_px in [224, 161] {
+        let size = format!("image: {side_px}px");
+        let program = steered_but(&[
+            ("image: 224px", size.as_str()),
+            (
+                "middles = edge_middles",
+                "all = mask(hue: 0deg to 360deg, saturation: 0 to 1, value: 0 to 1)
+                 borders = bounding_box(all)
+                 boxed = center(borders)
+                 picture = center()
+                 middles = edge_middles",
+            ),
+        ]);
+        let mut world = world(&program).unwrap();
+        world.reset(&Start::flat(&program.cloth)).unwrap();
+        let scene = Scene::of(&program, &world.observe().unwrap(), None).unwrap();
+        let middle = (side_px - 1) / 2;
+        assert_eq!(
+            scene.points("picture"),
+            Some(vec![PixelPoint::new(middle, middle)])
+        );
+        assert_eq!(scene.points("picture"), scene.points("boxed"));
     }
 }

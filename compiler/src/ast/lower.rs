@@ -200,8 +200,7 @@ impl Reader {
                 .all(Kind::Verify)
                 .map(|part| self.verify(part))
                 .collect(),
-            checks: node
-                .all(Kind::OverrideCheck)
+            checks: whole(node, Kind::OverrideCheck)
                 .filter_map(|part| self.check(part.child(Kind::Check)?))
                 .collect(),
             without_checks: whole(node, Kind::WithoutCheck)

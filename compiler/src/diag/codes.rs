@@ -218,7 +218,7 @@ codes! {
 
     "F0405" NothingToRemove Error
     "there is nothing to leave out"
-    "`without component` leaves out a component that an extended task declares, wherever it is said; `without check` leaves out a check."
+    "`without component` leaves out a component that an extended task declares, wherever it is said; `without check` leaves out a check of its `verify`."
 
     "F0406" NotMarkedAsOverride Error
     "a component replaces another one silently"

@@ -153,6 +153,18 @@ pub const NAMES: &[Input] = &[
         ", c@",
         "\n}\n",
     ),
+    input(
+        "one check overridden",
+        "task t {\n",
+        "override check c { 1 < 2 } else \"a\"\n",
+        "}\n",
+    ),
+    input(
+        "one check left out",
+        "task t {\nwithout check c",
+        ", c@",
+        "\n}\n",
+    ),
     input("one stage repeated", "task t {\n", "stage s { }\n", "}\n"),
     input("one section repeated", "task t {\n", "horizon 1\n", "}\n"),
     input("one task repeated", "", "task t { }\n", ""),

@@ -114,8 +114,8 @@ pub fn corners(
 
 /// Returns left, top, width and height of the part of a picture outside of which a detector sees black alone.
 ///
-/// A response depends on the square that is averaged, on a gradient's pixel more, and on whether a neighbour's is
-/// stronger.
+/// A response depends on half the square that is averaged, a gradient's pixel and a stronger neighbour's; the margin is
+/// ample.
 fn window(mask: &Mask, around: [PixelPoint; 2], search: &CornerSearch) -> [u32; 4] {
     let margin_px = search.block_px + 4;
     let [low, high] = around;

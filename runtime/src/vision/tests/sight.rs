@@ -121,6 +121,56 @@ fn at_the_cameras_size_corners_are_as_the_detector_found_them() {
     assert_ne!(corners(&depth, &rgb, &mask, &narrow).unwrap(), found);
 }
 
+/// A cloth with a pattern, between two columns and two rows of a dark picture.
+fn patterned(side_px: u32, [left, top, right, bottom]: [u32; 4]) -> (DepthImage, RgbImage, Mask) {
+    let depth = DepthImage::from_pixel(side_px, side_px, Luma([0.6]));
+    let rgb = RgbImage::from_fn(side_px, side_px, |column, row| {
+        let level = (column * 7 + row * row * 3 + column * row) % 97;
+        Rgb([150 + level as u8, 90, 30 + (row % 5) as u8 * 20])
+    });
+    let mask = Mask::from_fn(side_px, side_px, |column, row| {
+        (left..right).contains(&column) && (top..bottom).contains(&row)
+    });
+    (depth, rgb, mask)
+}
+
+#[test]
+fn the_part_of_the_picture_around_the_cloth_has_the_corners_of_the_whole() {
+    let places = [
+        [60, 50, 117, 99],
+        [0, 0, 61, 47],
+        [99, 88, 160, 160],
+        [0, 70, 160, 75],
+    ];
+    let responses = [Response::ShiTomasi, Response::Harris { k: 0.04 }];
+    for (place, block_px, response) in places
+        .into_iter()
+        .flat_map(|place| [3, 7, 31].map(|block_px| (place, block_px)))
+        .flat_map(|(place, block_px)| responses.map(|response| (place, block_px, response)))
+    {
+        let (depth, rgb, mask) = patterned(160, place);
+        let search = CornerSearch {
+            of: Sight::Picture,
+            image_px: 160,
+            max: 40,
+            quality: 0.02,
+            block_px,
+            response,
+            ..harris()
+        };
+        let picture = detector_picture(&depth, &rgb, &mask, Sight::Picture, 160);
+        let whole = corners_of_gray(&picture, &search).unwrap();
+        let whole: Vec<PixelPoint> = whole
+            .iter()
+            .map(|[x, y]| PixelPoint::new(*x as i32, *y as i32))
+            .collect();
+        let found = corners(&depth, &rgb, &mask, &search).unwrap();
+        let found: Vec<PixelPoint> = found.iter().map(|corner| corner.pixel).collect();
+        assert!(!whole.is_empty(), "{place:?} {block_px} {response:?}");
+        assert_eq!(found, whole, "{place:?} {block_px} {response:?}");
+    }
+}
+
 #[test]
 fn a_picture_or_block_that_does_not_fit_is_refused() {
     let (depth, rgb, mask) = observation(64);

@@ -5,6 +5,7 @@
 
 use super::super::prompt;
 use compiler::program::PixelPoint;
+use std::collections::BTreeSet;
 
 /// What a prompt for a pick, a direction and a distance says.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +41,12 @@ const MAX_CHOICES: usize = 64;
 /// The most corners that are weighed; a detector keeps fifteen.
 const MAX_CORNERS: usize = 100;
 
+/// Lengths in a picture, pixels.
+const PIXELS: std::ops::RangeInclusive<f64> = 1.0..=8192.0;
+
+/// The largest number of degrees or sides that is read, either way.
+const MAX_VALUE: f64 = 1e4;
+
 impl Brief {
     /// Reads a prompt; says what is missing.
     pub fn read(text: &str) -> Result<Brief, String> {
@@ -52,6 +59,8 @@ impl Brief {
             .collect::<Vec<_>>()
             .join("\n");
         let mut corners = prompt::corners(&listing);
+        let mut seen = BTreeSet::new();
+        corners.retain(|corner| seen.insert(*corner));
         corners.truncate(MAX_CORNERS);
         let directions = choices(text, "direction");
         let distances = choices(text, "distance");
@@ -96,7 +105,7 @@ pub fn choices(text: &str, field: &str) -> Vec<Choice> {
     let choices = values.filter_map(|words| {
         let words = words.trim();
         let value: f64 = words.split_whitespace().next()?.parse().ok()?;
-        value.is_finite().then(|| Choice {
+        (value.abs() <= MAX_VALUE).then(|| Choice {
             words: words.to_owned(),
             value,
         })
@@ -104,12 +113,12 @@ pub fn choices(text: &str, field: &str) -> Vec<Choice> {
     choices.take(MAX_CHOICES).collect()
 }
 
-/// The first number of a sentence that stands before `px`, where it is above zero.
+/// The first number of a sentence that stands before `px`, where it is a length in a picture.
 fn pixels(sentence: &str) -> Option<f64> {
     let words: Vec<&str> = sentence.split_whitespace().collect();
     let number = words
         .windows(2)
         .find(|pair| pair[1].starts_with("px"))
         .and_then(|pair| pair[0].parse::<f64>().ok());
-    number.filter(|px| px.is_finite() && *px > 0.0)
+    number.filter(|px| PIXELS.contains(px))
 }

@@ -2,7 +2,7 @@
 //!
 //! In: the numbers of [`features`](super::features). Out: the gain of true coverage, as a share of the flat cloth. The
 //! estimate is the mean of small networks with one hidden layer each, fitted to pulls in the simulator;
-//! `estimate.json` holds their weights, and says from which starts and how well they do on others.
+//! `estimate.json` holds their weights, and says from which starts they come and how well they do on others.
 
 use super::features::NAMES;
 use serde::Deserialize;
@@ -66,4 +66,48 @@ pub fn gain(features: &[f64; NAMES.len()]) -> f64 {
     };
     let gains = estimate.networks.iter().map(of_network);
     gains.sum::<f64>() / estimate.networks.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Deserialize)]
+    struct Fitted {
+        example: Example,
+    }
+
+    /// A pull, and what the program that fitted the weights says of it.
+    #[derive(Deserialize)]
+    struct Example {
+        features: [f64; NAMES.len()],
+        gain: f64,
+    }
+
+    #[test]
+    fn the_weights_are_whole() {
+        let estimate = &*ESTIMATE;
+        assert_eq!(estimate.mean.len(), NAMES.len());
+        assert_eq!(estimate.deviation.len(), NAMES.len());
+        assert!(estimate.deviation.iter().all(|&deviation| deviation > 0.0));
+        assert!(estimate.limit > 0.0 && !estimate.networks.is_empty());
+        let units = estimate.networks.iter().flat_map(|network| &network.hidden);
+        assert!(
+            units
+                .into_iter()
+                .all(|unit| unit.weights.len() == NAMES.len())
+        );
+    }
+
+    #[test]
+    fn a_pull_has_the_gain_that_the_fit_gave_it() {
+        let Fitted { example } = serde_json::from_str(include_str!("estimate.json"))
+            .expect("the embedded weights are whole");
+        let gain = gain(&example.features);
+        assert!(
+            (gain - example.gain).abs() < 1e-3,
+            "{gain} and {}",
+            example.gain
+        );
+    }
 }

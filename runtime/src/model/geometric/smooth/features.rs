@@ -2,35 +2,36 @@
 //!
 //! In: a [`View`], and a corner with a way to pull it. Out: one number for each of [`NAMES`]. All are lengths in
 //! sides of the cloth, areas in areas of the flat cloth, or shares, so that neither the picture's size nor the cloth's
-//! matters; none changes where the picture is turned or mirrored.
+//! matters; none changes where the picture is mirrored or turned by a right angle.
 
 use super::super::frame::{self, Point};
-use super::view::{Face, Patches, View};
+use super::view::{Counts, Face, Patches, View};
 
-/// What the numbers are, in order.
-pub const NAMES: [&str; 22] = [
-    "covered",
-    "hull",
-    "filled",
-    "lesser_face",
-    "dark",
-    "rough",
-    "cloth_near",
-    "one_sided",
-    "cloth_around",
-    "patch",
-    "own_near",
-    "own_behind",
-    "other_behind",
-    "length",
-    "from_center",
-    "from_middle",
-    "farthest_from_pick",
-    "farthest_from_place",
-    "widened",
-    "beyond",
-    "ahead",
-    "beside",
+/// What the numbers are, in order: of the whole cloth, of the corner, of the way it is pulled, of how far.
+pub const NAMES: [&str; 23] = [
+    "covered",             // area that shows cloth
+    "hull",                // area of the convex outline
+    "filled",              // share of it that shows cloth
+    "lesser_face",         // area that shows the face that shows less
+    "dark",                // how much light steep places lose, on average
+    "rough",               // how much brightness differs between near places, on average
+    "cloth_near",          // share of small circles around the corner that is cloth
+    "one_sided",           // 0 where that is on all sides, up to 1
+    "cloth_around",        // the same share of a large circle
+    "from_center",         // from the middle of the upright box
+    "from_middle",         // from the mean of the cloth's pixels
+    "farthest_from_pick",  // point of the outline
+    "patch",               // area of one face that hangs together with what is taken
+    "own_near",            // share of the small circles that shows that face
+    "own_behind",          // how far back it is seen
+    "other_behind",        // share of what is behind that shows the other face
+    "beyond",              // area of cloth farther on than the corner
+    "ahead",               // how far there is cloth in the way's direction
+    "beside",              // on the farther side of the two beside the way
+    "farthest_from_place", // point of the outline
+    "widened",             // area by which the place widens the outline
+    "length",              // of the pull
+    "turned_over",         // area that a flap uncovers where it is carried over its crease
 ];
 
 /// Radii of the small circles around a corner, and of the large one, in sides.
@@ -42,6 +43,16 @@ const N_DIRECTIONS: u32 = 64;
 
 /// How far behind a pick the cloth is looked for that it takes, in sides.
 const HOLD: [f64; 5] = [0.015, 0.025, 0.035, 0.05, 0.07];
+
+/// A flap's corner has at least this share of cloth around it, and of the flap's face between these shares.
+const INSIDE: f64 = 0.7;
+const TIP: std::ops::RangeInclusive<f64> = 0.1..=0.38;
+
+/// A pull that turns from the way to a flap's crease by more than half a right angle folds it anew; a cosine.
+const ALONG: f64 = 0.7;
+
+/// How far behind a pick the cloth's width is looked at, in sides.
+const HELD_BACK: f64 = 0.06;
 
 /// How far behind a pick another face may cover the cloth that it takes, in sides.
 const COVERING: f64 = 0.4;
@@ -59,6 +70,7 @@ const APART: f64 = 0.014;
 pub struct Cloth<'a> {
     view: &'a View,
     patches: Patches,
+    counts: Counts,
     /// Convex, pixels.
     hull: Vec<Point>,
     /// Of the hull, square pixels.
@@ -84,6 +96,26 @@ pub struct Corner {
     cloth_around: f64,
     /// The face that most of it shows.
     face: Face,
+    /// The flap whose corner it is, where it lies inside of the outline.
+    flap: Option<Flap>,
+}
+
+/// A corner with a direction to pull it in.
+pub struct Way<'c> {
+    cloth: &'c Cloth<'c>,
+    corner: &'c Corner,
+    /// Radians, clockwise from the picture's right.
+    angle: f64,
+    /// What does not depend on how far it is pulled.
+    fixed: [f64; NAMES.len() - 4],
+}
+
+/// A part of the cloth that is folded over the rest and shows its other face.
+struct Flap {
+    /// From its corner to its crease, radians clockwise from the picture's right.
+    to_crease: f64,
+    /// How far that is, in sides.
+    height: f64,
 }
 
 impl<'a> Cloth<'a> {
@@ -97,6 +129,7 @@ impl<'a> Cloth<'a> {
         Cloth {
             view,
             patches: view.patches(),
+            counts: view.counts(),
             hull_px: area(&hull),
             hull,
             middle,
@@ -111,56 +144,69 @@ impl<'a> Cloth<'a> {
 
     /// Looks at the surroundings of a corner, pixels.
     pub fn corner(&self, at: Point) -> Corner {
-        let (mut counts, mut pull) = ([0.0; 3], [0.0; 2]);
-        for (angle, radius) in circles(&NEAR) {
-            let face = self.view.at(self.beside(at, angle, radius));
-            counts[face as usize] += 1.0;
-            if face != Face::Table {
-                pull = [pull[0] + angle.cos(), pull[1] + angle.sin()];
-            }
-        }
-        let cloth: f64 = counts[Face::Top as usize] + counts[Face::Under as usize];
-        let is_cloth = |&(angle, radius): &(f64, f64)| {
-            self.view.at(self.beside(at, angle, radius)) != Face::Table
+        let faces = [Face::Top, Face::Under];
+        let [top, under] = faces.map(|face| self.around(at, &NEAR, |other| other == face));
+        let near = self.around(at, &NEAR, |face| face != Face::Table);
+        let flap = |face: Face, seen: &Around| {
+            let is_flap = near.share >= INSIDE && TIP.contains(&seen.share);
+            is_flap.then(|| self.flap(at, face, seen.way)).flatten()
         };
-        let around = circles(&[AROUND]).filter(is_cloth).count() as f64;
         Corner {
             at,
-            cloth_near: cloth / f64::from(N_DIRECTIONS) / NEAR.len() as f64,
-            one_sided: pull[0].hypot(pull[1]) / cloth.max(1.0),
-            cloth_around: around / f64::from(N_DIRECTIONS),
-            face: match counts[Face::Top as usize] >= counts[Face::Under as usize] {
+            cloth_near: near.share,
+            one_sided: near.one_sided,
+            cloth_around: self.around(at, &[AROUND], |face| face != Face::Table).share,
+            flap: flap(Face::Top, &top).or_else(|| flap(Face::Under, &under)),
+            face: match top.share >= under.share {
                 true => Face::Top,
                 false => Face::Under,
             },
         }
     }
 
+    /// Looks for something on circles around a point; radii in sides.
+    fn around(&self, at: Point, radii: &[f64], is_it: impl Fn(Face) -> bool) -> Around {
+        let (mut seen, mut sum) = (0.0_f64, [0.0_f64; 2]);
+        for (angle, radius) in circles(radii) {
+            if is_it(self.view.at(self.beside(at, angle, radius))) {
+                seen += 1.0;
+                sum = [sum[0] + angle.cos(), sum[1] + angle.sin()];
+            }
+        }
+        Around {
+            share: seen / f64::from(N_DIRECTIONS) / radii.len() as f64,
+            way: sum[1].atan2(sum[0]),
+            one_sided: sum[0].hypot(sum[1]) / seen.max(1.0),
+        }
+    }
+
+    /// Follows a face from its corner to where it ends.
+    fn flap(&self, at: Point, face: Face, to_crease: f64) -> Option<Flap> {
+        // The listed point may lie beside its corner.
+        let mut height = NEAR[0];
+        while height < 1.0 && self.view.at(self.beside(at, to_crease, height)) == face {
+            height += STEP;
+        }
+        (height > NEAR[0]).then_some(Flap { to_crease, height })
+    }
+
     /// By how much a point beyond the outline widens it, as a share of the flat cloth.
-    pub fn widened(&self, to: Point) -> f64 {
+    fn widened(&self, to: Point) -> f64 {
         let with = frame::hull(self.hull.iter().copied().chain([to]));
         (area(&with) - self.hull_px) / (self.side * self.side)
     }
 
-    /// Puts a pull into numbers, in the order of [`NAMES`]; `angle` in radians, clockwise from the picture's right.
-    pub fn pull(&self, corner: &Corner, angle: f64, to: Point) -> [f64; NAMES.len()] {
+    /// Looks at a corner with a direction; `angle` in radians, clockwise from the picture's right.
+    pub fn way<'c>(&'c self, corner: &'c Corner, angle: f64) -> Way<'c> {
         let from = corner.at;
         let square = self.side * self.side;
-        let sides = |a: Point, b: Point| frame::distance(a, b) / self.side;
-        let farthest = |from: Point| {
-            let points = self.hull.iter().map(|&point| sides(point, from));
-            points.fold(0.0, f64::max)
-        };
-        let back = self.beside(from, angle, -0.06);
+        let back = self.beside(from, angle, -HELD_BACK);
         let quarter = std::f64::consts::FRAC_PI_2;
         let [left, right] =
             [angle - quarter, angle + quarter].map(|way| self.cloth_along(back, way));
         let (hold, own) = self.held(corner, angle);
-        let shows =
-            circles(&NEAR).map(|(angle, radius)| self.view.at(self.beside(from, angle, radius)));
-        let own_near = shows.filter(|&face| face == own).count() as f64;
         let [own_behind, other_behind] = self.behind(from, angle, own);
-        [
+        let fixed = [
             self.covered,
             self.hull_px / square,
             self.covered * square / self.hull_px.max(1.0),
@@ -170,20 +216,29 @@ impl<'a> Cloth<'a> {
             corner.cloth_near,
             corner.one_sided,
             corner.cloth_around,
-            self.view.patch_px(&self.patches, hold) as f64 / square,
-            own_near / f64::from(N_DIRECTIONS) / NEAR.len() as f64,
+            frame::distance(from, self.center) / self.side,
+            frame::distance(from, self.middle) / self.side,
+            self.farthest(from),
+            f64::from(self.view.patch_px(&self.patches, hold)) / square,
+            self.around(from, &NEAR, |face| face == own).share,
             own_behind,
             other_behind,
-            sides(from, to),
-            sides(from, self.center),
-            sides(from, self.middle),
-            farthest(from),
-            farthest(to),
-            self.widened(to),
-            self.beyond_px(from, angle) / square,
+            self.counts.beyond_px(from, angle) / square,
             self.cloth_along(from, angle),
             left.max(right),
-        ]
+        ];
+        Way {
+            cloth: self,
+            corner,
+            angle,
+            fixed,
+        }
+    }
+
+    /// How far the farthest point of the outline is, in sides.
+    fn farthest(&self, from: Point) -> f64 {
+        let distances = self.hull.iter().map(|&point| frame::distance(point, from));
+        distances.fold(0.0, f64::max) / self.side
     }
 
     /// Where the cloth is seen that a pull takes, and its face; of a layer that only peeks out it is little.
@@ -194,7 +249,7 @@ impl<'a> Cloth<'a> {
         cloth.next().unwrap_or((corner.at, corner.face))
     }
 
-    /// How far back the cloth that a pull takes shows its face, in sides, and how much of what is behind shows the
+    /// How far back the cloth that a pull takes shows its face, in sides, at least [`FIRST`], and how much of what is behind shows the
     /// other one.
     fn behind(&self, from: Point, angle: f64, own: Face) -> [f64; 2] {
         let at = |way: f64| self.view.at(self.beside(from, angle, -way));
@@ -208,15 +263,7 @@ impl<'a> Cloth<'a> {
         [way, other.count() as f64 / f64::from(steps)]
     }
 
-    /// How many pixels of the cloth lie farther on than a point.
-    fn beyond_px(&self, from: Point, angle: f64) -> f64 {
-        let (sin, cos) = angle.sin_cos();
-        let is_beyond =
-            |&(at, _): &(Point, Face)| (at[0] - from[0]) * cos + (at[1] - from[1]) * sin > 0.0;
-        self.view.cloth().filter(is_beyond).count() as f64
-    }
-
-    /// How far there is cloth along a line, in sides.
+    /// How far there is cloth along a line, in sides; [`FIRST`] where there is none.
     fn cloth_along(&self, from: Point, angle: f64) -> f64 {
         let mut way = FIRST;
         while way < END && self.view.at(self.beside(from, angle, way)) != Face::Table {
@@ -233,6 +280,46 @@ impl<'a> Cloth<'a> {
             from[1] + way * self.side * sin,
         ]
     }
+}
+
+impl Way<'_> {
+    /// Puts a pull to a place into numbers, in the order of [`NAMES`].
+    pub fn pull(&self, to: Point) -> [f64; NAMES.len()] {
+        let length = frame::distance(self.corner.at, to) / self.cloth.side;
+        let of_place = [
+            self.cloth.farthest(to),
+            self.cloth.widened(to),
+            length,
+            self.turned_over(length),
+        ];
+        let mut fixed = self.fixed.iter().chain(&of_place);
+        std::array::from_fn(|_| *fixed.next().expect("there are as many numbers as names"))
+    }
+
+    /// The share of the flat cloth that comes to light where a flap's corner is carried over its crease; what then lies
+    /// beyond the crease is taken for a right-angled triangle, as at a corner of the cloth.
+    fn turned_over(&self, length: f64) -> f64 {
+        let Some(flap) = &self.corner.flap else {
+            return 0.0;
+        };
+        let cos = (self.angle - flap.to_crease).cos();
+        let beyond = (length * cos).min(2.0 * flap.height) - flap.height;
+        if cos > ALONG && beyond > 0.0 {
+            beyond * beyond
+        } else {
+            0.0
+        }
+    }
+}
+
+/// What is seen of something around a point.
+struct Around {
+    /// The share of the circles.
+    share: f64,
+    /// On which side, radians clockwise from the picture's right.
+    way: f64,
+    /// 0 where it is on all sides, up to 1.
+    one_sided: f64,
 }
 
 /// Returns how dark the cloth is, and how much its brightness varies, on average over pixels within it; 0 where none

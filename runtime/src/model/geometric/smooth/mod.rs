@@ -1,6 +1,6 @@
 //! Smoothing: answers a prompt for a pick point, a direction and a distance.
 //!
-//! In: a conversation whose opening question shows the cloth and lists its corners. Out: an answer in the asked
+//! In: a conversation whose opening question shows the cloth and may list its corners. Out: an answer in the asked
 //! form. Where the cloth lies and which way its faces show is read from the picture ([`view`]), the choices, the
 //! scale and the limits from the words ([`brief`]). What each choice looks like is put into numbers ([`features`]) and
 //! its gain estimated from them ([`estimate`]); [`pulls`] are ordered by that, and [`refused`] says which of them a
@@ -56,8 +56,8 @@ pub struct Offer {
     pub gain: f64,
 }
 
-/// Returns the pulls that a conversation's rules allow, the most promising first, so that the estimate can be fitted to what they gain; says why
-/// there are none.
+/// Returns the pulls that a conversation's rules and corrections leave, the most promising first, so that the estimate
+/// can be fitted to what they gain; says why it cannot.
 pub fn offers(messages: &[Message]) -> Result<Vec<Offer>, String> {
     let Question { brief, pulls, .. } = Question::read(messages)?;
     let offer = |pull: Pull| Offer {
@@ -71,25 +71,26 @@ pub fn offers(messages: &[Message]) -> Result<Vec<Offer>, String> {
 }
 
 /// A question that was read and looked at.
-struct Question<'a> {
+struct Question {
     /// Everything that was said up to it.
     words: String,
     brief: Brief,
-    /// The most promising first.
+    /// What its rules and the corrections after it leave, the most promising first; never empty.
     pulls: Vec<Pull>,
-    /// What was said after it.
-    later: &'a [Message],
 }
 
-impl<'a> Question<'a> {
-    /// Reads the last turn that lists corners beside a picture, or, where none does, the first with a picture.
-    fn read(messages: &'a [Message]) -> Result<Question<'a>, String> {
+impl Question {
+    /// Reads the last turn that lists corners beside a picture, or, where none does, the last with a picture.
+    fn read(messages: &[Message]) -> Result<Question, String> {
         let question = messages.iter().rposition(lists_corners);
-        let question = question.or_else(|| messages.iter().position(shows_picture));
+        let question = question.or_else(|| messages.iter().rposition(shows_picture));
         let (opening, later) = messages.split_at(question.ok_or("there is no picture")? + 1);
         let words: Vec<String> = opening.iter().map(spoken).collect();
         let words = words.join("\n");
-        let shown = opening.iter().rev().flat_map(|message| &message.parts);
+        let shown = opening
+            .last()
+            .into_iter()
+            .flat_map(|message| &message.parts);
         let mut pictures = shown.filter_map(|part| match part {
             Part::Image(png) => Some(png),
             Part::Text(_) => None,
@@ -99,30 +100,29 @@ impl<'a> Question<'a> {
         if brief.corners.is_empty() {
             brief.corners = rim::corners(&view, brief.edge_px);
         }
-        let pulls = pulls::ranked(&brief, &view);
+        let mut pulls = pulls::ranked(&brief, &view);
+        if pulls.is_empty() {
+            return Err("no pull leads outward and ends where the rules allow".to_owned());
+        }
+        pulls.retain(|pull| refused::leaves(later, &brief, pull));
+        if pulls.is_empty() {
+            return Err("every pull that the rules allow was refused".to_owned());
+        }
         Ok(Question {
             words,
             brief,
             pulls,
-            later,
         })
     }
 }
 
 fn choose(messages: &[Message]) -> Result<String, String> {
-    let Question {
-        words,
-        brief,
-        pulls,
-        later,
-    } = Question::read(messages)?;
-    let left = |pull: &&Pull| refused::leaves(later, &brief, pull);
-    let best = pulls.iter().find(left);
-    let best = best.ok_or("every pull that the rules allow was refused")?;
+    let question = Question::read(messages)?;
+    let (brief, best) = (&question.brief, &question.pulls[0]);
     Ok(format!(
         "{}\nDirection = {}\nDistance = {}\nOf the corners this one looks {}, and I expect that the pull uncovers \
          about {:.0} percent of the cloth's flat area.",
-        prompt::AnswerLine::asked_for("pick", &words).with(best.pick),
+        prompt::AnswerLine::asked_for("pick", &question.words).with(best.pick),
         brief.directions[best.direction].words,
         brief.distances[best.distance].words,
         if best.is_sharp {

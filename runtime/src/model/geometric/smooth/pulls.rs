@@ -4,7 +4,7 @@
 
 use super::super::frame;
 use super::brief::Brief;
-use super::features::{Cloth, Corner, NAMES};
+use super::features::{Cloth, NAMES};
 use super::view::View;
 use super::{estimate, middle_of, rim};
 use compiler::program::PixelPoint;
@@ -34,8 +34,8 @@ const OUTWARD_DEG: f64 = 67.0;
 /// How much nearer than the prompt says a place is kept, pixels: it is found to a pixel at either end.
 const SLACK_PX: f64 = 2.0;
 
-/// The largest share of the circles around a point that is cloth at a corner of the cloth itself.
-const SHARP: f64 = 0.38;
+/// The share of the circles around a point that is cloth at a corner of the cloth itself; less is the end of a fold.
+const SHARP: std::ops::Range<f64> = 0.08..0.38;
 
 /// Returns the pulls that a prompt's rules allow, the most promising first; those of corners that it asks to
 /// avoid come last, since a task may take one where there is no other.
@@ -56,7 +56,7 @@ pub fn ranked(brief: &Brief, view: &View) -> Vec<Pull> {
 fn of_corner(pick: PixelPoint, brief: &Brief, cloth: &Cloth<'_>) -> Vec<Pull> {
     let from = middle_of(pick);
     let center = cloth.center;
-    let corner: Corner = cloth.corner(from);
+    let corner = cloth.corner(from);
     let is_near =
         |&(point, px): &(PixelPoint, f64)| frame::distance(middle_of(point), from) <= px + SLACK_PX;
     let is_avoided = brief.avoided.iter().any(is_near);
@@ -70,6 +70,7 @@ fn of_corner(pick: PixelPoint, brief: &Brief, cloth: &Cloth<'_>) -> Vec<Pull> {
         if outward < OUTWARD_DEG.to_radians().cos() * out[0].hypot(out[1]) {
             continue;
         }
+        let way = cloth.way(&corner, angle);
         for (distance, length) in brief.distances.iter().enumerate() {
             let way_px = length.value * brief.edge_px;
             let to = [from[0] + way_px * cos, from[1] + way_px * sin];
@@ -77,12 +78,12 @@ fn of_corner(pick: PixelPoint, brief: &Brief, cloth: &Cloth<'_>) -> Vec<Pull> {
                 .bound
                 .is_none_or(|(point, px)| frame::distance(middle_of(point), to) <= px - SLACK_PX);
             if is_bound {
-                let features = cloth.pull(&corner, angle, to);
+                let features = way.pull(to);
                 pulls.push(Pull {
                     pick,
                     direction,
                     distance,
-                    is_sharp: corner.cloth_near < SHARP,
+                    is_sharp: SHARP.contains(&corner.cloth_near),
                     features,
                     gain: estimate::gain(&features),
                     is_avoided,

@@ -21,15 +21,15 @@ pub fn corners(view: &View, edge_px: f64) -> Vec<PixelPoint> {
     let (middle, _) = view.middle();
     // Half the spacing along the outline either way, so that steps of single pixels are no bends.
     let reach = SPACING / 2.0 * edge_px;
-    let bend = |at: Point| {
-        let near = hull
-            .iter()
-            .filter(|&&point| frame::distance(point, at) <= 2.0 * reach);
-        let away = near.map(|point| [point[0] - at[0], point[1] - at[1]]);
-        let sum = away.fold([0.0; 2], |sum, way| [sum[0] + way[0], sum[1] + way[1]]);
-        sum[0].hypot(sum[1])
+    let bend = |at: usize| {
+        let [before, after] = [
+            along(&hull, at, reach, hull.len() - 1),
+            along(&hull, at, reach, 1),
+        ];
+        let between = [0, 1].map(|axis| (before[axis] + after[axis]) / 2.0);
+        frame::distance(hull[at], between)
     };
-    let mut bends: Vec<(Point, f64)> = hull.iter().map(|&at| (at, bend(at))).collect();
+    let mut bends: Vec<(Point, f64)> = (0..hull.len()).map(|at| (hull[at], bend(at))).collect();
     bends.sort_by(|a, b| b.1.total_cmp(&a.1));
     let mut kept: Vec<Point> = Vec::new();
     for (at, _) in bends {
@@ -48,6 +48,22 @@ pub fn corners(view: &View, edge_px: f64) -> Vec<PixelPoint> {
         .filter(|&at| view.at(at) != Face::Table)
         .map(|[column, row]| PixelPoint::new(column as i32, row as i32))
         .collect()
+}
+
+/// Follows an outline from one of its corners for some pixels; `step` is 1, or one less than its corners for the way back.
+fn along(hull: &[Point], from: usize, mut way_px: f64, step: usize) -> Point {
+    let mut at = from;
+    for _ in 0..hull.len() {
+        let next = (at + step) % hull.len();
+        let length = frame::distance(hull[at], hull[next]);
+        if length >= way_px && length > 0.0 {
+            let share = way_px / length;
+            return [0, 1].map(|axis| hull[at][axis] + share * (hull[next][axis] - hull[at][axis]));
+        }
+        way_px -= length;
+        at = next;
+    }
+    hull[at]
 }
 
 /// Returns the middle of the upright box around the cloth, pixels.

@@ -25,9 +25,10 @@ pub struct View {
     width: usize,
     height: usize,
     faces: Vec<Face>,
-    /// How bright each pixel is, of the brightest that its face shows, 0 to 1; `None` where something is drawn
-    /// over it, and for the table.
-    light: Vec<Option<f64>>,
+    /// How bright each pixel is; 0 where something is drawn over it, and for the table.
+    levels: Vec<u8>,
+    /// How bright the upper face and the underside are where they lie flat, at least 1.
+    flat: [u8; 2],
 }
 
 const SIDE_PX: std::ops::RangeInclusive<u32> = 32..=4096;
@@ -68,7 +69,7 @@ impl View {
             .pixels()
             .map(|pixel| face_of(pixel.0, &table))
             .collect();
-        let light = light(picture, &seen);
+        let (levels, flat) = light(picture, &seen);
         let [width, height] = [picture.width(), picture.height()].map(|side| side as usize);
         let faces = without_drawings(seen, width);
         let is_seen = faces.iter().any(|&face| face != Face::Table);
@@ -76,7 +77,8 @@ impl View {
             width,
             height,
             faces,
-            light,
+            levels,
+            flat,
         })
     }
 
@@ -97,7 +99,31 @@ impl View {
 
     /// Returns how bright a point of the cloth is, of the brightest of its face; `None` where that is not seen.
     pub fn light(&self, point: Point) -> Option<f64> {
-        self.light[self.index(point)?]
+        let at = self.index(point)?;
+        let flat = match self.faces[at] {
+            Face::Top => self.flat[0],
+            Face::Under => self.flat[1],
+            Face::Table => return None,
+        };
+        let level = self.levels[at];
+        (level > 0).then(|| (f64::from(level) / f64::from(flat)).min(1.0))
+    }
+
+    /// Counts the cloth, so that any half of the picture can be asked for.
+    pub fn counts(&self) -> Counts {
+        let mut sums = Vec::with_capacity(self.height * (self.width + 1));
+        for row in self.faces.chunks(self.width) {
+            let mut sum = 0;
+            sums.push(sum);
+            sums.extend(row.iter().map(|face| {
+                sum += u32::from(*face != Face::Table);
+                sum
+            }));
+        }
+        Counts {
+            width: self.width,
+            sums,
+        }
     }
 
     /// Returns for each pixel how many pixels of its own face hang together there; 0 for the table.
@@ -110,7 +136,7 @@ impl View {
             let set = regions::Grid::from_fn(self.width as u32, self.height as u32, shows);
             for patch in regions::components(&set) {
                 for &(column, row) in &patch {
-                    sizes[row as usize * self.width + column as usize] = patch.len();
+                    sizes[row as usize * self.width + column as usize] = patch.len() as u32;
                 }
             }
         }
@@ -118,7 +144,7 @@ impl View {
     }
 
     /// Returns how many pixels hang together with the one at a point; 0 beside the cloth.
-    pub fn patch_px(&self, patches: &Patches, point: Point) -> usize {
+    pub fn patch_px(&self, patches: &Patches, point: Point) -> u32 {
         self.index(point).map_or(0, |at| patches.0[at])
     }
 
@@ -153,32 +179,68 @@ impl View {
 
 /// How large the patch of each pixel is, pixels.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Patches(Vec<usize>);
+pub struct Patches(Vec<u32>);
+
+/// How many pixels of cloth there are left of each pixel in its row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Counts {
+    width: usize,
+    /// Of each row one more than its pixels.
+    sums: Vec<u32>,
+}
+
+impl Counts {
+    /// Returns how many pixels of the cloth lie farther on than a point; `angle` in radians, clockwise from the
+    /// picture's right.
+    pub fn beyond_px(&self, from: Point, angle: f64) -> f64 {
+        let (sin, cos) = angle.sin_cos();
+        let width = self.width as f64;
+        let rows = self.sums.chunks(self.width + 1).enumerate();
+        let beyond = rows.map(|(row, sums)| {
+            let down = (row as f64 + 0.5 - from[1]) * sin;
+            let total = sums[self.width];
+            if cos.abs() < 1e-9 {
+                return if down > 0.0 { total } else { 0 };
+            }
+            // Centres of pixels lie at halves.
+            let limit = from[0] - down / cos - 0.5;
+            if cos > 0.0 {
+                total - sums[(limit.floor() + 1.0).clamp(0.0, width) as usize]
+            } else {
+                sums[limit.ceil().clamp(0.0, width) as usize]
+            }
+        });
+        beyond.map(f64::from).sum()
+    }
+}
 
 /// The share of a face's pixels that may be brighter than what counts as lying flat.
 const GLARE: usize = 20;
 
-/// Compares the brightness of each pixel with the brightest of its face, but for a twentieth.
-fn light(picture: &RgbImage, seen: &[Option<Face>]) -> Vec<Option<f64>> {
+/// Returns how bright each pixel of cloth is, and how bright its two faces are where they lie flat.
+fn light(picture: &RgbImage, seen: &[Option<Face>]) -> (Vec<u8>, [u8; 2]) {
+    let shown = || picture.pixels().zip(seen);
     let level = |rgb: [u8; 3]| rgb.into_iter().fold(0, u8::max);
-    let brightest = |wanted: Face| {
-        let shown = picture.pixels().zip(seen);
-        let shown = shown.filter(|(_, face)| **face == Some(wanted));
-        let mut levels: Vec<u8> = shown.map(|(pixel, _)| level(pixel.0)).collect();
-        levels.sort_unstable();
-        let at = levels.len().saturating_sub(1 + levels.len() / GLARE);
-        levels.get(at).map_or(1.0, |&level| f64::from(level.max(1)))
+    let flat = |wanted: Face| {
+        let mut counts = [0_usize; 256];
+        for (pixel, _) in shown().filter(|(_, face)| **face == Some(wanted)) {
+            counts[usize::from(level(pixel.0))] += 1;
+        }
+        let mut brighter = counts.iter().sum::<usize>() / GLARE;
+        let levels = (1..=255_u8).rev();
+        let mut darker = levels.skip_while(|&level| {
+            let here = counts[usize::from(level)];
+            let is_glare = here <= brighter;
+            brighter = brighter.saturating_sub(here);
+            is_glare
+        });
+        darker.next().unwrap_or(1)
     };
-    let [top, under] = [Face::Top, Face::Under].map(brightest);
-    let of_face = |(pixel, face): (&image::Rgb<u8>, &Option<Face>)| {
-        let flat = match face {
-            Some(Face::Top) => top,
-            Some(Face::Under) => under,
-            Some(Face::Table) | None => return None,
-        };
-        Some((f64::from(level(pixel.0)) / flat).min(1.0))
-    };
-    picture.pixels().zip(seen).map(of_face).collect()
+    let levels = shown().map(|(pixel, face)| match face {
+        Some(Face::Top | Face::Under) => level(pixel.0),
+        Some(Face::Table) | None => 0,
+    });
+    (levels.collect(), [Face::Top, Face::Under].map(flat))
 }
 
 /// What a colour shows; `None` for one that is drawn over the picture.

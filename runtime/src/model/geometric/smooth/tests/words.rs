@@ -119,3 +119,86 @@ fn without_a_list_it_picks_where_the_outline_bends() {
     let is_near = |[x, y]: &[i32; 2]| (u - x).abs() <= 4 && (v - y).abs() <= 4;
     assert!(corners.iter().any(is_near), "{reply}");
 }
+
+#[test]
+fn without_a_list_a_sharp_corner_is_found_beside_a_round_rim() {
+    // A disc with a corner on its right; where its rim is round no place bends more than another.
+    let mut question = narrowed();
+    question.picture = RgbImage::from_fn(SIDE, SIDE, |column, row| {
+        let [x, y] = [f64::from(column) - 160.0, f64::from(row) - 180.0];
+        let is_disc = x.hypot(y) < 60.0;
+        let is_corner = x > 0.0 && x + y.abs() < 84.0;
+        if is_disc || is_corner {
+            Rgb(ORANGE)
+        } else {
+            Rgb([213, 213, 216])
+        }
+    });
+    let bytes = question.turn().parts.remove(1);
+    let Part::Image(png) = &bytes else {
+        panic!("the second part is the picture")
+    };
+    let view = super::super::view::View::decode(png.bytes()).unwrap();
+    let found = super::super::rim::corners(&view, 110.0);
+    let tip = &found[0];
+    assert!(
+        (tip.u - 240).abs() <= 4 && (tip.v - 180).abs() <= 3,
+        "{found:?}"
+    );
+    assert!(found.len() > 4, "{found:?}");
+    let [column, row] = super::super::rim::center(&view);
+    assert!(
+        (column - 172.0).abs() < 1.0 && (row - 180.0).abs() < 1.0,
+        "({column}, {row})"
+    );
+}
+
+#[test]
+fn lengths_that_no_picture_has_are_not_taken() {
+    for wrong in ["1e-300", "1e300", "0", "-5", "nan"] {
+        let words = narrowed()
+            .words()
+            .replace("is 110 px", &format!("is {wrong} px"));
+        let reply = asked(vec![reworded(words)]);
+        assert!(reply.contains("how many px an edge is"), "{wrong}: {reply}");
+    }
+}
+
+#[test]
+fn rules_that_allow_no_pull_are_not_called_a_refusal() {
+    let words = narrowed()
+        .words()
+        .replace("farther than 104.5 px", "farther than 1 px");
+    let reply = asked(vec![reworded(words)]);
+    assert!(reply.contains("no pull leads outward"), "{reply}");
+}
+
+#[test]
+fn a_large_picture_with_many_choices_is_answered() {
+    let mut question = narrowed();
+    question.picture = RgbImage::from_fn(4096, 4096, |column, row| {
+        let is_cloth = (1000..3000).contains(&column) && (1000..3000).contains(&row);
+        if is_cloth {
+            Rgb(ORANGE)
+        } else {
+            Rgb([213, 213, 216])
+        }
+    });
+    question.corners = (0..100).map(|at| [1000 + 20 * at, 1001]).collect();
+    question.center = [2000, 2000];
+    question.edge_px = 2000.0;
+    let listed = |values: Vec<String>| values.join(" | ");
+    let directions = listed(
+        (0..64)
+            .map(|at| format!("{} deg", 60.0 + f64::from(at)))
+            .collect(),
+    );
+    let distances = listed(
+        (0..64)
+            .map(|at| format!("{} edge", 0.01 * f64::from(at + 1)))
+            .collect(),
+    );
+    question.more = format!("Direction = {directions}\nDistance = {distances}\n");
+    let reply = question.answer();
+    assert!(prompt::answered("pick", &reply).is_some(), "{reply}");
+}
