@@ -140,8 +140,9 @@ fn the_part_of_the_picture_around_the_cloth_has_the_corners_of_the_whole() {
         [60, 50, 117, 99],
         [0, 0, 61, 47],
         [99, 88, 160, 160],
-        [0, 70, 160, 75],
+        [0, 70, 160, 95],
     ];
+    let mut n_whole = 0;
     let responses = [Response::ShiTomasi, Response::Harris { k: 0.04 }];
     for (place, block_px, response) in places
         .into_iter()
@@ -166,9 +167,10 @@ fn the_part_of_the_picture_around_the_cloth_has_the_corners_of_the_whole() {
             .collect();
         let found = corners(&depth, &rgb, &mask, &search).unwrap();
         let found: Vec<PixelPoint> = found.iter().map(|corner| corner.pixel).collect();
-        assert!(!whole.is_empty(), "{place:?} {block_px} {response:?}");
+        n_whole += whole.len();
         assert_eq!(found, whole, "{place:?} {block_px} {response:?}");
     }
+    assert!(n_whole > 100, "{n_whole}");
 }
 
 #[test]
