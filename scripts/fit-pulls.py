@@ -17,7 +17,7 @@ import numpy as np
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPRegressor
 
-HIDDEN, NETWORKS, DECAY, EPOCHS = 24, 8, 1.0, 35
+HIDDEN, NETWORKS, DECAY, EPOCHS = 24, 6, 1.0, 80
 # Features farther from their mean, in deviations, are cut off.
 LIMIT = 4
 # Gains are of the order of a tenth.
@@ -34,7 +34,7 @@ class Estimate:
         scaled = self.scaled(features)
         self.networks = [
             MLPRegressor(
-                hidden_layer_sizes=(HIDDEN,), alpha=DECAY, learning_rate_init=3e-3, max_iter=EPOCHS, tol=0, n_iter_no_change=EPOCHS, random_state=seed
+                hidden_layer_sizes=(HIDDEN,), alpha=DECAY, learning_rate_init=3e-3, max_iter=EPOCHS, random_state=seed
             ).fit(
                 scaled, SCALE * gains
             )
@@ -75,7 +75,7 @@ class Estimate:
 
 
 def main(source, target, origin):
-    # The number of passes is fixed.
+    # A network that has not settled after the last pass is good enough.
     warnings.simplefilter("ignore", ConvergenceWarning)
     with open(source, encoding="utf-8") as file:
         names, *rows = csv.reader(file)

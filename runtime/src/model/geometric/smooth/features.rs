@@ -8,7 +8,7 @@ use super::super::frame::{self, Point};
 use super::view::{Counts, Face, Patches, View};
 
 /// What the numbers are, in order: of the whole cloth, of the corner, of the way it is pulled, of how far.
-pub const NAMES: [&str; 23] = [
+pub const NAMES: [&str; 22] = [
     "covered",             // area that shows cloth
     "hull",                // area of the convex outline
     "filled",              // share of it that shows cloth
@@ -31,7 +31,6 @@ pub const NAMES: [&str; 23] = [
     "farthest_from_place", // point of the outline
     "widened",             // area by which the place widens the outline
     "length",              // of the pull
-    "turned_over",         // area that a flap uncovers where it is carried over its crease
 ];
 
 /// Radii of the small circles around a corner, and of the large one, in sides.
@@ -43,13 +42,6 @@ const N_DIRECTIONS: u32 = 64;
 
 /// How far behind a pick the cloth is looked for that it takes, in sides.
 const HOLD: [f64; 5] = [0.015, 0.025, 0.035, 0.05, 0.07];
-
-/// A flap's corner has at least this share of cloth around it, and of the flap's face between these shares.
-const INSIDE: f64 = 0.7;
-const TIP: std::ops::RangeInclusive<f64> = 0.1..=0.38;
-
-/// A pull that turns from the way to a flap's crease by more than half a right angle folds it anew; a cosine.
-const ALONG: f64 = 0.7;
 
 /// How far behind a pick the cloth's width is looked at, in sides.
 const HELD_BACK: f64 = 0.06;
@@ -96,26 +88,14 @@ pub struct Corner {
     cloth_around: f64,
     /// The face that most of it shows.
     face: Face,
-    /// The flap whose corner it is, where it lies inside of the outline.
-    flap: Option<Flap>,
 }
 
 /// A corner with a direction to pull it in.
 pub struct Way<'c> {
     cloth: &'c Cloth<'c>,
     corner: &'c Corner,
-    /// Radians, clockwise from the picture's right.
-    angle: f64,
     /// What does not depend on how far it is pulled.
-    fixed: [f64; NAMES.len() - 4],
-}
-
-/// A part of the cloth that is folded over the rest and shows its other face.
-struct Flap {
-    /// From its corner to its crease, radians clockwise from the picture's right.
-    to_crease: f64,
-    /// How far that is, in sides.
-    height: f64,
+    fixed: [f64; NAMES.len() - 3],
 }
 
 impl<'a> Cloth<'a> {
@@ -147,16 +127,11 @@ impl<'a> Cloth<'a> {
         let faces = [Face::Top, Face::Under];
         let [top, under] = faces.map(|face| self.around(at, &NEAR, |other| other == face));
         let near = self.around(at, &NEAR, |face| face != Face::Table);
-        let flap = |face: Face, seen: &Around| {
-            let is_flap = near.share >= INSIDE && TIP.contains(&seen.share);
-            is_flap.then(|| self.flap(at, face, seen.way)).flatten()
-        };
         Corner {
             at,
             cloth_near: near.share,
             one_sided: near.one_sided,
             cloth_around: self.around(at, &[AROUND], |face| face != Face::Table).share,
-            flap: flap(Face::Top, &top).or_else(|| flap(Face::Under, &under)),
             face: match top.share >= under.share {
                 true => Face::Top,
                 false => Face::Under,
@@ -175,19 +150,8 @@ impl<'a> Cloth<'a> {
         }
         Around {
             share: seen / f64::from(N_DIRECTIONS) / radii.len() as f64,
-            way: sum[1].atan2(sum[0]),
             one_sided: sum[0].hypot(sum[1]) / seen.max(1.0),
         }
-    }
-
-    /// Follows a face from its corner to where it ends.
-    fn flap(&self, at: Point, face: Face, to_crease: f64) -> Option<Flap> {
-        // The listed point may lie beside its corner.
-        let mut height = NEAR[0];
-        while height < 1.0 && self.view.at(self.beside(at, to_crease, height)) == face {
-            height += STEP;
-        }
-        (height > NEAR[0]).then_some(Flap { to_crease, height })
     }
 
     /// By how much a point beyond the outline widens it, as a share of the flat cloth.
@@ -230,7 +194,6 @@ impl<'a> Cloth<'a> {
         Way {
             cloth: self,
             corner,
-            angle,
             fixed,
         }
     }
@@ -286,29 +249,9 @@ impl Way<'_> {
     /// Puts a pull to a place into numbers, in the order of [`NAMES`].
     pub fn pull(&self, to: Point) -> [f64; NAMES.len()] {
         let length = frame::distance(self.corner.at, to) / self.cloth.side;
-        let of_place = [
-            self.cloth.farthest(to),
-            self.cloth.widened(to),
-            length,
-            self.turned_over(length),
-        ];
+        let of_place = [self.cloth.farthest(to), self.cloth.widened(to), length];
         let mut fixed = self.fixed.iter().chain(&of_place);
         std::array::from_fn(|_| *fixed.next().expect("there are as many numbers as names"))
-    }
-
-    /// The share of the flat cloth that comes to light where a flap's corner is carried over its crease; what then lies
-    /// beyond the crease is taken for a right-angled triangle, as at a corner of the cloth.
-    fn turned_over(&self, length: f64) -> f64 {
-        let Some(flap) = &self.corner.flap else {
-            return 0.0;
-        };
-        let cos = (self.angle - flap.to_crease).cos();
-        let beyond = (length * cos).min(2.0 * flap.height) - flap.height;
-        if cos > ALONG && beyond > 0.0 {
-            beyond * beyond
-        } else {
-            0.0
-        }
     }
 }
 
@@ -316,8 +259,6 @@ impl Way<'_> {
 struct Around {
     /// The share of the circles.
     share: f64,
-    /// On which side, radians clockwise from the picture's right.
-    way: f64,
     /// 0 where it is on all sides, up to 1.
     one_sided: f64,
 }
