@@ -30,6 +30,7 @@ fn ask(role: ModelRole, parts: Vec<Part>) -> String {
         temperature: None,
         max_tokens: None,
         repetition: 0,
+        step: 1,
         schema: None,
     };
     Geometric.ask(&request).unwrap().text

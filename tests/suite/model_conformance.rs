@@ -58,6 +58,7 @@ fn requests() -> Vec<Request> {
         temperature: None,
         max_tokens: None,
         repetition: 0,
+        step: 1,
         schema: None,
     };
     let both = conversations.into_iter().flat_map(|messages| {
@@ -136,6 +137,7 @@ fn a_requests_key_covers_every_part_of_it() {
     change(&|request| request.temperature = Some(0.0));
     change(&|request| request.max_tokens = Some(5));
     change(&|request| request.repetition = 1);
+    change(&|request| request.step = 2);
     change(&|request| request.schema = Some(serde_json::json!({ "type": "object" })));
     change(&|request| request.messages.push(Message::text(Speaker::User, "")));
     change(&|request| {

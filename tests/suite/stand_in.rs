@@ -135,6 +135,7 @@ fn the_stand_in_refuses_actions_that_it_does_not_know() {
             top_p: None,
             max_tokens: None,
             repetition: 0,
+            step: 1,
             schema: None,
         })
     };

@@ -84,6 +84,7 @@ impl<'a> Talk<'a> {
             top_p: self.stage.top_p,
             max_tokens: self.stage.max_tokens,
             repetition: self.situation.repetition,
+            step: self.situation.step,
             schema: self.schema.clone(),
         };
         let begun = Instant::now();

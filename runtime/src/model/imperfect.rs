@@ -3,7 +3,7 @@
 //! In: a [`Request`]. Out: what `geometric` answers, or with the declared probability something wrong: a quarter
 //! of the errors each a pick near the last place point, the opposite direction (pick and place swapped where there
 //! is none), a point that is not listed, and words that cannot be read. Each question for an action draws anew,
-//! by its own content, its repetition and the seed; questions for words are passed on. It shows how much the
+//! by its own content, its step, its repetition and the seed; questions for words are passed on. It shows how much the
 //! checks catch of errors like these, and nothing about the errors that a vision-language model makes.
 
 use super::offered::{self, Field};

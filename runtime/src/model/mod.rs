@@ -68,6 +68,8 @@ pub struct Request {
     pub max_tokens: Option<u32>,
     /// Tells apart equal questions that want independent answers.
     pub repetition: u32,
+    /// The step of the rollout, from 1, so that a question that comes again after a skipped step is another one.
+    pub step: u32,
     /// The JSON Schema of the answer, with the values that the scene offers, where the stage reads the action.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schema: Option<serde_json::Value>,

@@ -1,7 +1,7 @@
 //! `random`: a stand-in that looks at nothing and draws each field of an action from what is offered.
 //!
 //! In: a [`Request`]. Out: an answer in JSON, each offered value as likely as its others. The request's own
-//! content, its repetition among it, and the seed decide the draw: equal requests get equal answers. A question for
+//! content, its step and repetition among it, and the seed decide the draw: equal requests get equal answers. A question for
 //! words is answered with words that say nothing. It is the paper's random policy, and a floor for others.
 
 use super::offered::{self, Field};

@@ -21,6 +21,7 @@ fn question(number: usize) -> Request {
         top_p: None,
         max_tokens: None,
         repetition: 0,
+        step: 1,
         schema: Some(json!({ "properties": {
             "pick": { "type": "string", "enum": values },
             "place": { "type": "string", "enum": places },
@@ -130,6 +131,20 @@ fn a_repetition_and_a_seed_draw_anew_and_equal_questions_do_not() {
     assert_eq!(ask(1, 0), ask(1, 0));
     assert_ne!(ask(1, 0), ask(1, 1));
     assert_ne!(ask(1, 0), ask(2, 0));
+}
+
+#[test]
+fn a_question_that_comes_again_in_the_next_step_draws_anew() {
+    let model = Imperfect::new(0.5, 1).unwrap();
+    let answers = (1..=20).map(|step| {
+        let request = Request {
+            step,
+            ..question(3)
+        };
+        model.ask(&request).unwrap().text
+    });
+    let answers: std::collections::BTreeSet<String> = answers.collect();
+    assert!(answers.len() > 1, "{answers:?}");
 }
 
 #[test]

@@ -159,6 +159,7 @@ fn ask(role: ModelRole, messages: Vec<Message>) -> String {
         top_p: None,
         max_tokens: None,
         repetition: 0,
+        step: 1,
         schema: None,
     };
     Geometric.ask(&request).unwrap().text

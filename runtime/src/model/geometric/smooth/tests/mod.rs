@@ -109,6 +109,7 @@ fn asked(messages: Vec<Message>) -> String {
         max_tokens: None,
         schema: None,
         repetition: 0,
+        step: 1,
     };
     Geometric.ask(&request).unwrap().text
 }
