@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Memory, TASK, messages, program};
+use common::{Memory, TASK, messages, program, programs};
 use compiler::program::{
     ClothPoint, Exhausted, Fold, KeypointShape, PROGRAM_FORMAT, Program, Subgoals,
 };
@@ -114,15 +114,9 @@ fn single_checks_are_replaced_in_their_place_and_left_out() {
         }
     "#;
     let files = Memory::of([("child.fab", child), ("base.fab", base.as_str())]);
-    let compiled = compiler::compile("child.fab", &files).unwrap();
-    let shown = compiler::diag::to_text(
-        &compiled.diagnostics,
-        &compiled.sources,
-        compiler::diag::Color::Plain,
-    );
-    assert!(!compiled.has_errors(), "{shown}");
+    let programs = programs("child.fab", &files);
     let checked = |at: usize| {
-        let verify = &compiled.programs[at].verify;
+        let verify = &programs[at].verify;
         let names: Vec<&str> = verify
             .checks
             .iter()
@@ -140,11 +134,7 @@ fn single_checks_are_replaced_in_their_place_and_left_out() {
     );
     assert_eq!(checked(1), (vec![], vec![], Exhausted::Skips));
     assert_eq!(checked(2), (vec!["near"], vec![], Exhausted::Ends));
-    let text = |at: usize, name: &str| {
-        compiled.programs[at]
-            .template(name)
-            .map(|part| part.text.clone())
-    };
+    let text = |at: usize, name: &str| programs[at].template(name).map(|part| part.text.clone());
     assert_eq!(
         text(0, "check.moves").as_deref(),
         Some("Too little would move.")
@@ -182,15 +172,8 @@ fn a_child_inherits_replaces_overrides_and_leaves_out() {
         }
     "#;
     let files = Memory::of([("child.fab", child), ("base.fab", TASK)]);
-    let compiled = compiler::compile("child.fab", &files).unwrap();
-    let shown = compiler::diag::to_text(
-        &compiled.diagnostics,
-        &compiled.sources,
-        compiler::diag::Color::Plain,
-    );
-    assert!(!compiled.has_errors(), "{shown}");
-    let names: Vec<&str> = compiled
-        .programs
+    let programs = programs("child.fab", &files);
+    let names: Vec<&str> = programs
         .iter()
         .map(|program| program.task.as_str())
         .collect();
@@ -199,7 +182,7 @@ fn a_child_inherits_replaces_overrides_and_leaves_out() {
         ["child", "bare"],
         "only tasks of the entry file become programs"
     );
-    let child = &compiled.programs[0];
+    let child = &programs[0];
     assert_eq!((child.cloth.dimx, child.cloth.dimy), (41, 41));
     assert_eq!(child.template("role").unwrap().text, "You fold towels.");
     let keypoints: Vec<&str> = child
@@ -218,7 +201,7 @@ fn a_child_inherits_replaces_overrides_and_leaves_out() {
         .map(|stage| stage.name.as_str())
         .collect();
     assert_eq!(stages, ["describe", "plan"]);
-    let bare = &compiled.programs[1];
+    let bare = &programs[1];
     assert!(
         bare.template("role").is_none() && bare.stages[1].system.is_empty(),
         "what is left out is said nowhere"

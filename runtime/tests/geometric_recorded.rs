@@ -23,16 +23,7 @@ fn ask(role: ModelRole, parts: Vec<Part>) -> String {
         speaker: Speaker::User,
         parts,
     }];
-    let request = Request {
-        top_p: None,
-        role,
-        messages,
-        temperature: None,
-        max_tokens: None,
-        repetition: 0,
-        step: 1,
-        schema: None,
-    };
+    let request = Request::new(role, messages);
     Geometric.ask(&request).unwrap().text
 }
 

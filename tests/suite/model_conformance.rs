@@ -51,16 +51,7 @@ fn requests() -> Vec<Request> {
         user(vec![text(&"(1, 2), ".repeat(20_000))]),
         vec![Message::text(Speaker::Assistant, "Pick Point = (1, 2)")],
     ];
-    let request = |(role, messages)| Request {
-        top_p: None,
-        role,
-        messages,
-        temperature: None,
-        max_tokens: None,
-        repetition: 0,
-        step: 1,
-        schema: None,
-    };
+    let request = |(role, messages)| Request::new(role, messages);
     let both = conversations.into_iter().flat_map(|messages| {
         [
             (ModelRole::Vision, messages.clone()),

@@ -128,16 +128,10 @@ fn mirrored_pictures_lead_to_the_mirrored_fold() {
 fn the_stand_in_refuses_actions_that_it_does_not_know() {
     let ask = |format: &str| {
         let prompt = format!("Cloth corners: (1, 2), (3, 4)\n{format}");
-        Geometric.ask(&Request {
-            role: ModelRole::Text,
-            messages: vec![Message::text(Speaker::User, prompt)],
-            temperature: None,
-            top_p: None,
-            max_tokens: None,
-            repetition: 0,
-            step: 1,
-            schema: None,
-        })
+        Geometric.ask(&Request::new(
+            ModelRole::Text,
+            vec![Message::text(Speaker::User, prompt)],
+        ))
     };
     let mut program = task("double_triangle");
     assert!(ask(&space::format(&program.actions)).is_ok());

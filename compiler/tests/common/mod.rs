@@ -43,17 +43,21 @@ pub fn compile(name: &str, text: &str) -> Compiled {
 
 /// Returns the only program of a file that must be right.
 pub fn program(name: &str, text: &str) -> Program {
-    let mut compiled = compile(name, text);
+    let mut programs = programs(name, &Memory::of([(name, text)]));
+    assert_eq!(programs.len(), 1);
+    programs.remove(0)
+}
+
+/// Returns the programs of a file that must be right, among others.
+pub fn programs(entry: &str, files: &Memory) -> Vec<Program> {
+    let compiled = compiler::compile(entry, files).unwrap();
     let shown = compiler::diag::to_text(
         &compiled.diagnostics,
         &compiled.sources,
         compiler::diag::Color::Plain,
     );
-    assert!(
-        !compiled.has_errors() && compiled.programs.len() == 1,
-        "{shown}"
-    );
-    compiled.programs.remove(0)
+    assert!(!compiled.has_errors(), "{shown}");
+    compiled.programs
 }
 
 /// Returns the messages of everything that is wrong with a text.

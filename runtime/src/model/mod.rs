@@ -76,6 +76,20 @@ pub struct Request {
 }
 
 impl Request {
+    /// Makes the question of a first step, for once, with no setting stated and no schema.
+    pub fn new(role: ModelRole, messages: Vec<Message>) -> Request {
+        Request {
+            role,
+            messages,
+            temperature: None,
+            top_p: None,
+            max_tokens: None,
+            repetition: 0,
+            step: 1,
+            schema: None,
+        }
+    }
+
     /// Returns the request's identity: SHA-256 over its JSON, in which an image stands as its own hash.
     pub fn key(&self) -> String {
         let bytes = serde_json::to_vec(self).expect("a request holds strings and finite numbers");

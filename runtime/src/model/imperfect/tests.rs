@@ -15,17 +15,11 @@ fn question(number: usize) -> Request {
     let mut places = values.clone();
     places.push("(110, 110)");
     Request {
-        role: ModelRole::Text,
-        messages: vec![Message::text(Speaker::User, text)],
-        temperature: None,
-        top_p: None,
-        max_tokens: None,
-        repetition: 0,
-        step: 1,
         schema: Some(json!({ "properties": {
             "pick": { "type": "string", "enum": values },
             "place": { "type": "string", "enum": places },
         } })),
+        ..Request::new(ModelRole::Text, vec![Message::text(Speaker::User, text)])
     }
 }
 

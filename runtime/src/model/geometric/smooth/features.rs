@@ -212,8 +212,8 @@ impl<'a> Cloth<'a> {
         cloth.next().unwrap_or((corner.at, corner.face))
     }
 
-    /// How far back the cloth that a pull takes shows its face, in sides, at least [`FIRST`], and how much of what is behind shows the
-    /// other one.
+    /// How far back the cloth that a pull takes shows its face, in sides, at least [`FIRST`], and how much of what is
+    /// behind shows the other one.
     fn behind(&self, from: Point, angle: f64, own: Face) -> [f64; 2] {
         let at = |way: f64| self.view.at(self.beside(from, angle, -way));
         let mut way = FIRST;

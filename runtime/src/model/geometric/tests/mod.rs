@@ -152,16 +152,7 @@ fn user(parts: Vec<Part>) -> Message {
 }
 
 fn ask(role: ModelRole, messages: Vec<Message>) -> String {
-    let request = Request {
-        role,
-        messages,
-        temperature: None,
-        top_p: None,
-        max_tokens: None,
-        repetition: 0,
-        step: 1,
-        schema: None,
-    };
+    let request = Request::new(role, messages);
     Geometric.ask(&request).unwrap().text
 }
 

@@ -101,16 +101,7 @@ impl Question {
 }
 
 fn asked(messages: Vec<Message>) -> String {
-    let request = Request {
-        role: ModelRole::Vision,
-        messages,
-        temperature: None,
-        top_p: None,
-        max_tokens: None,
-        schema: None,
-        repetition: 0,
-        step: 1,
-    };
+    let request = Request::new(ModelRole::Vision, messages);
     Geometric.ask(&request).unwrap().text
 }
 
