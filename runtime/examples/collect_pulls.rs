@@ -14,6 +14,7 @@ use compiler::{LoadError, Loader};
 use runtime::action::Action;
 use runtime::agent::{self, Decision, Models, Situation};
 use runtime::cache::Cache;
+use runtime::calls::Calls;
 use runtime::chance::Chance;
 use runtime::crumple;
 use runtime::examples::Examples;
@@ -92,9 +93,9 @@ impl Model for Overheard {
         Nature::StandIn
     }
 
-    fn ask(&self, request: &Request) -> Result<Reply, ModelError> {
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
         *self.question() = request.messages.clone();
-        Geometric.ask(request)
+        Geometric.ask(request, calls)
     }
 }
 
@@ -136,6 +137,7 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
             program: &program,
             scene: &scene,
             observation: &observation,
+            number: step,
             step,
             remark: None,
             last: last.as_ref(),

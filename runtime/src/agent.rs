@@ -142,6 +142,8 @@ pub struct Situation<'a> {
     pub scene: &'a Scene,
     /// The picture that it was found in.
     pub observation: &'a Observation,
+    /// Which action of the rollout this is, from 1; the same step may take several.
+    pub number: u32,
     /// Which step this is, from 1.
     pub step: u32,
     /// What is said of the step's result so far, where it is asked again.

@@ -16,6 +16,7 @@ pub mod bench;
 
 pub mod action;
 pub mod agent;
+pub mod calls;
 pub mod scene;
 
 pub mod model;

@@ -10,6 +10,7 @@ mod recorded;
 use compiler::program::{PixelPoint, Response};
 use image::{GrayImage, Luma};
 use recorded::recorded_data;
+use runtime::calls::Unkept;
 use runtime::model::{Geometric, Message, Model, ModelRole, Part, Png, Request, Speaker};
 use runtime::vision::{CornerSearch, DepthImage, centroid, corners, depth_mask};
 use serde_json::Value;
@@ -24,7 +25,7 @@ fn ask(role: ModelRole, parts: Vec<Part>) -> String {
         parts,
     }];
     let request = Request::new(role, messages);
-    Geometric.ask(&request).unwrap().text
+    Geometric.ask(&request, &mut Unkept).unwrap().text
 }
 
 /// Puts a step of a task's recorded subgoal pictures into words.

@@ -2,6 +2,7 @@
 
 use super::support::{self, Scripted};
 use compiler::program::ModelRole;
+use runtime::calls::Unkept;
 use runtime::model::{Geometric, Imperfect, Message, Model, Part, Png, Random, Request, Speaker};
 
 /// Fails with the name of the promise that a model breaks.
@@ -9,8 +10,8 @@ fn conforms(make: &dyn Fn() -> Box<dyn Model>) {
     let model = make();
     assert!(!model.name().is_empty());
     for request in requests() {
-        let first = make().ask(&request);
-        let again = make().ask(&request);
+        let first = make().ask(&request, &mut Unkept);
+        let again = make().ask(&request, &mut Unkept);
         match (first, again) {
             (Ok(first), Ok(again)) => assert_eq!(
                 first, again,

@@ -3,6 +3,7 @@
 use super::support::{self, Trial};
 use compiler::program::Program;
 use runtime::agent::Models;
+use runtime::calls::Calls;
 use runtime::model::{
     Geometric, Message, Model, ModelError, Nature, Part, Reply, Request, Speaker,
 };
@@ -26,9 +27,9 @@ impl Model for Careless {
         Nature::StandIn
     }
 
-    fn ask(&self, request: &Request) -> Result<Reply, ModelError> {
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
         self.asked.lock().unwrap().push(request.clone());
-        let reply = Geometric.ask(request)?;
+        let reply = Geometric.ask(request, calls)?;
         let mut wrong = self.wrong.lock().unwrap();
         let Some((pick, _)) = reply
             .text
@@ -41,9 +42,7 @@ impl Model for Careless {
         let asked = said(request);
         let (_, center) = asked.split_once("- Cloth center: ").unwrap();
         let center = center.lines().next().unwrap();
-        Ok(Reply {
-            text: format!("{pick}Place Point = {center}\n"),
-        })
+        Ok(Reply::text(format!("{pick}Place Point = {center}\n")))
     }
 }
 

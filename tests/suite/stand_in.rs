@@ -4,6 +4,7 @@ use super::support::{self, Trial, task};
 use compiler::program::{ActionField, Choices, Program};
 use compiler::space;
 use runtime::agent::Models;
+use runtime::calls::Unkept;
 use runtime::model::{Geometric, Message, Model, ModelError, ModelRole, Request, Speaker};
 use runtime::outcome::Outcome;
 use runtime::rollout::Event;
@@ -128,10 +129,8 @@ fn mirrored_pictures_lead_to_the_mirrored_fold() {
 fn the_stand_in_refuses_actions_that_it_does_not_know() {
     let ask = |format: &str| {
         let prompt = format!("Cloth corners: (1, 2), (3, 4)\n{format}");
-        Geometric.ask(&Request::new(
-            ModelRole::Text,
-            vec![Message::text(Speaker::User, prompt)],
-        ))
+        let question = vec![Message::text(Speaker::User, prompt)];
+        Geometric.ask(&Request::new(ModelRole::Text, question), &mut Unkept)
     };
     let mut program = task("double_triangle");
     assert!(ask(&space::format(&program.actions)).is_ok());

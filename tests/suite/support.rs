@@ -4,6 +4,7 @@ use compiler::program::Program;
 use compiler::{LoadError, Loader};
 use runtime::agent::Models;
 use runtime::cache::Cache;
+use runtime::calls::Calls;
 use runtime::examples::Examples;
 use runtime::interrupt::Interrupt;
 use runtime::journal::RunFolder;
@@ -208,11 +209,11 @@ impl Model for Scripted {
         Nature::StandIn
     }
 
-    fn ask(&self, request: &Request) -> Result<Reply, ModelError> {
+    fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         self.asked.lock().unwrap().push(request.clone());
         let reply = self.replies.lock().unwrap().pop_front();
         reply
-            .map(|text| Reply { text })
+            .map(Reply::text)
             .ok_or_else(|| ModelError::Unsupported {
                 model: "scripted".to_owned(),
                 why: "the script is over".to_owned(),

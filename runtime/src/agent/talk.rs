@@ -3,6 +3,7 @@
 use super::judge::judge;
 use super::{Accepted, AgentError, Attempt, Finding, Situation, conversation};
 use crate::action::Action;
+use crate::calls::Unkept;
 use crate::model::{Message, Model, Part, Png, Request, Speaker};
 use crate::outcome::Outcome;
 use crate::{picture, vision};
@@ -84,11 +85,11 @@ impl<'a> Talk<'a> {
             top_p: self.stage.top_p,
             max_tokens: self.stage.max_tokens,
             repetition: self.situation.repetition,
-            step: self.situation.step,
+            step: self.situation.number,
             schema: self.schema.clone(),
         };
         let begun = Instant::now();
-        let answered = model.ask(&request);
+        let answered = model.ask(&request, &mut Unkept);
         let took = begun.elapsed();
         let (reply, finding) = match answered {
             Ok(reply) => {

@@ -8,6 +8,7 @@
 
 use super::offered::{self, Field};
 use super::{Geometric, Model, ModelError, Nature, Part, Reply, Request, Speaker};
+use crate::calls::Calls;
 use crate::chance::Chance;
 use compiler::program::PixelPoint;
 
@@ -53,8 +54,8 @@ impl Model for Imperfect {
         Nature::StandIn
     }
 
-    fn ask(&self, request: &Request) -> Result<Reply, ModelError> {
-        let right = Geometric.ask(request)?;
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let right = Geometric.ask(request, calls)?;
         let fields = offered::fields(request);
         let mut chance = Chance::of(&format!("imperfect {} {}", self.seed, request.key()));
         if fields.is_empty() || chance.fraction() >= self.rate {
@@ -71,7 +72,7 @@ impl Model for Imperfect {
             .and_then(|answer| answer.spoilt(slip, request, &mut chance));
         // What cannot be read in the right answer cannot be spoilt either, but an error was drawn.
         let text = wrong.unwrap_or_else(|| "I would pull it a little to the side.".to_owned());
-        Ok(Reply { text })
+        Ok(Reply::text(text))
     }
 }
 

@@ -10,6 +10,7 @@ pub mod random;
 
 mod offered;
 
+use crate::calls::{CallRefused, Calls, Fault, Usage, Usd};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::sync::Arc;
@@ -38,8 +39,9 @@ pub trait Model: Send + Sync {
 
     /// Answers a request.
     ///
-    /// Fails where no answer could be had; an unhelpful answer is a [`Reply`] like any other.
-    fn ask(&self, request: &Request) -> Result<Reply, ModelError>;
+    /// Tells `calls` of everything that it sends for the answer. Fails where no answer could be had; an unhelpful
+    /// answer is a [`Reply`] like any other.
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError>;
 }
 
 /// What stands behind a model's name.
@@ -68,7 +70,7 @@ pub struct Request {
     pub max_tokens: Option<u32>,
     /// Tells apart equal questions that want independent answers.
     pub repetition: u32,
-    /// The step of the rollout, from 1, so that a question that comes again after a skipped step is another one.
+    /// The action of the rollout that is asked for, from 1, so that a question that comes again later is another one.
     pub step: u32,
     /// The JSON Schema of the answer, with the values that the scene offers, where the stage reads the action.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -177,6 +179,23 @@ impl Serialize for Png {
 pub struct Reply {
     /// What the model wrote.
     pub text: String,
+    /// What the provider says that it used.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub usage: Option<Usage>,
+    /// What that cost, billionths of a US dollar, where the price is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cost: Option<Usd>,
+}
+
+impl Reply {
+    /// Makes an answer that used nothing: one that was not bought.
+    pub fn text(text: impl Into<String>) -> Reply {
+        Reply {
+            text: text.into(),
+            usage: None,
+            cost: None,
+        }
+    }
 }
 
 /// Why no answer could be had.
@@ -190,4 +209,20 @@ pub enum ModelError {
         /// What is missing or wrong.
         why: String,
     },
+    /// Calls were made, and the last one failed as said.
+    #[error("model `{model}` gave no answer ({fault}): {why}")]
+    Failed {
+        /// The model's name.
+        model: String,
+        /// What went wrong last.
+        fault: Fault,
+        /// The same in words, and how often it was tried; without any key.
+        why: String,
+    },
+    /// A call was not sent.
+    #[error(transparent)]
+    NotSent(#[from] CallRefused),
+    /// The user stopped it.
+    #[error("interrupted")]
+    Interrupted,
 }

@@ -6,6 +6,7 @@
 
 use super::offered::{self, Field};
 use super::{Model, ModelError, Nature, Reply, Request};
+use crate::calls::Calls;
 use crate::chance::Chance;
 use crate::picture;
 use std::path::Path;
@@ -36,13 +37,11 @@ impl Model for Random {
         Nature::StandIn
     }
 
-    fn ask(&self, request: &Request) -> Result<Reply, ModelError> {
+    fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let mut chance = Chance::of(&format!("random {} {}", self.seed, request.key()));
         let fields = offered::fields(request);
         if fields.is_empty() {
-            return Ok(Reply {
-                text: idle_words(request),
-            });
+            return Ok(Reply::text(idle_words(request)));
         }
         let mut values = Vec::with_capacity(fields.len());
         for field in fields {
@@ -53,9 +52,7 @@ impl Model for Random {
                 })?;
             values.push((field.name, value));
         }
-        Ok(Reply {
-            text: offered::answer(values),
-        })
+        Ok(Reply::text(offered::answer(values)))
     }
 }
 

@@ -136,6 +136,7 @@ impl<'j> Turn<'j> {
             program: job.program,
             scene: &scene,
             observation: &observation,
+            number,
             step,
             last,
             pictures: &pictures,

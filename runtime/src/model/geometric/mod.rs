@@ -22,6 +22,7 @@ mod words;
 mod tests;
 
 use super::{Message, Model, ModelError, Nature, Part, Reply, Request, Speaker};
+use crate::calls::Calls;
 use crate::regions;
 use compiler::program::PixelPoint;
 pub use smooth::{FEATURES, Offer, offers};
@@ -49,12 +50,10 @@ impl Model for Geometric {
         false
     }
 
-    fn ask(&self, request: &Request) -> Result<Reply, ModelError> {
+    fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let asked = all_words(&request.messages);
         if smooth::is_asked(&asked) {
-            return Ok(Reply {
-                text: smooth::answer(&request.messages),
-            });
+            return Ok(Reply::text(smooth::answer(&request.messages)));
         }
         if let Some(more) = prompt::asks_for_more(&asked) {
             return Err(ModelError::Unsupported {
@@ -68,7 +67,7 @@ impl Model for Geometric {
             Some(description) => description,
             None => choose(&request.messages),
         };
-        Ok(Reply { text })
+        Ok(Reply::text(text))
     }
 }
 

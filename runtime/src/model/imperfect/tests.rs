@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
+use crate::calls::Unkept;
 use crate::model::{Message, ModelRole};
 use serde_json::json;
 
@@ -93,13 +94,14 @@ fn it_errs_as_often_as_declared() {
         let model = Imperfect::new(rate, 5).unwrap();
         let differs = |number: &usize| {
             let request = question(*number);
-            model.ask(&request).unwrap() != Geometric.ask(&request).unwrap()
+            model.ask(&request, &mut Unkept).unwrap()
+                != Geometric.ask(&request, &mut Unkept).unwrap()
         };
         (0..400).filter(differs).count()
     };
     assert!(
         Geometric
-            .ask(&question(0))
+            .ask(&question(0), &mut Unkept)
             .unwrap()
             .text
             .contains("Pick Point = (")
@@ -119,7 +121,7 @@ fn a_repetition_and_a_seed_draw_anew_and_equal_questions_do_not() {
             ..question(number)
         };
         (0..20)
-            .map(|number| model.ask(&request(number)).unwrap().text)
+            .map(|number| model.ask(&request(number), &mut Unkept).unwrap().text)
             .collect()
     };
     assert_eq!(ask(1, 0), ask(1, 0));
@@ -135,7 +137,7 @@ fn a_question_that_comes_again_in_the_next_step_draws_anew() {
             step,
             ..question(3)
         };
-        model.ask(&request).unwrap().text
+        model.ask(&request, &mut Unkept).unwrap().text
     });
     let answers: std::collections::BTreeSet<String> = answers.collect();
     assert!(answers.len() > 1, "{answers:?}");
@@ -149,8 +151,8 @@ fn questions_for_words_are_passed_on() {
     };
     let model = Imperfect::new(1.0, 1).unwrap();
     assert_eq!(
-        model.ask(&request).unwrap(),
-        Geometric.ask(&request).unwrap()
+        model.ask(&request, &mut Unkept).unwrap(),
+        Geometric.ask(&request, &mut Unkept).unwrap()
     );
 }
 

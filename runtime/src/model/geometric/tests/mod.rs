@@ -12,6 +12,7 @@ mod shortcuts;
 mod vocabulary;
 
 use super::{Geometric, prompt};
+use crate::calls::Unkept;
 use crate::model::{Message, Model, ModelRole, Part, Png, Request, Speaker};
 use crate::vision::draw_arrow;
 use compiler::program::PixelPoint;
@@ -153,7 +154,7 @@ fn user(parts: Vec<Part>) -> Message {
 
 fn ask(role: ModelRole, messages: Vec<Message>) -> String {
     let request = Request::new(role, messages);
-    Geometric.ask(&request).unwrap().text
+    Geometric.ask(&request, &mut Unkept).unwrap().text
 }
 
 /// Asks for the step between pictures in words.

@@ -7,6 +7,7 @@ mod pictures;
 mod words;
 
 use super::prompt;
+use crate::calls::Unkept;
 use crate::model::{Geometric, Message, Model, ModelRole, Part, Png, Request, Speaker};
 use compiler::program::PixelPoint;
 use image::{Rgb, RgbImage};
@@ -102,7 +103,7 @@ impl Question {
 
 fn asked(messages: Vec<Message>) -> String {
     let request = Request::new(ModelRole::Vision, messages);
-    Geometric.ask(&request).unwrap().text
+    Geometric.ask(&request, &mut Unkept).unwrap().text
 }
 
 /// Pick, direction in degrees, distance in edges.

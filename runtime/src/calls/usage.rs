@@ -1,0 +1,125 @@
+//! What a call used, and amounts of money.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::iter::Sum;
+use std::ops::Add;
+
+/// What the provider says that a call used, tokens.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Usage {
+    /// Tokens of the question, pictures and cached ones included.
+    pub input_tokens: u64,
+    /// Those of them that the provider had in its cache.
+    #[serde(default)]
+    pub cached_input_tokens: u64,
+    /// Tokens of the answer, its hidden reasoning included.
+    pub output_tokens: u64,
+}
+
+impl Add for Usage {
+    type Output = Usage;
+
+    fn add(self, other: Usage) -> Usage {
+        Usage {
+            input_tokens: self.input_tokens.saturating_add(other.input_tokens),
+            cached_input_tokens: self
+                .cached_input_tokens
+                .saturating_add(other.cached_input_tokens),
+            output_tokens: self.output_tokens.saturating_add(other.output_tokens),
+        }
+    }
+}
+
+/// An amount of money in billionths of a US dollar, so that sums are exact and caps are hard.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[serde(transparent)]
+pub struct Usd {
+    nano: u64,
+}
+
+impl Usd {
+    /// Nothing.
+    pub const ZERO: Usd = Usd { nano: 0 };
+
+    /// Makes an amount of billionths.
+    pub fn from_nano(nano: u64) -> Usd {
+        Usd { nano }
+    }
+
+    /// Makes an amount of dollars, rounded up to a billionth; None where it is negative, too large or no number.
+    pub fn from_dollars(dollars: f64) -> Option<Usd> {
+        let nano = (dollars * 1e9).ceil();
+        // Below 2^63, so that the conversion is exact.
+        (0.0..9.2e18)
+            .contains(&nano)
+            .then_some(Usd { nano: nano as u64 })
+    }
+
+    /// Returns the billionths.
+    pub fn nano(self) -> u64 {
+        self.nano
+    }
+
+    /// Returns the dollars, for reports.
+    pub fn dollars(self) -> f64 {
+        self.nano as f64 / 1e9
+    }
+
+    /// Returns the difference, nothing where `other` is more.
+    pub fn less(self, other: Usd) -> Usd {
+        Usd {
+            nano: self.nano.saturating_sub(other.nano),
+        }
+    }
+}
+
+impl Add for Usd {
+    type Output = Usd;
+
+    fn add(self, other: Usd) -> Usd {
+        Usd {
+            nano: self.nano.saturating_add(other.nano),
+        }
+    }
+}
+
+impl Sum for Usd {
+    fn sum<I: Iterator<Item = Usd>>(amounts: I) -> Usd {
+        amounts.fold(Usd::ZERO, Add::add)
+    }
+}
+
+impl fmt::Display for Usd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.4} USD", self.dollars())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_are_exact_and_never_wrap() {
+        let tenth = Usd::from_dollars(0.1).expect("an amount");
+        assert_eq!(
+            (0..10).map(|_| tenth).sum::<Usd>(),
+            Usd::from_nano(1_000_000_000)
+        );
+        let most = Usd::from_nano(u64::MAX);
+        assert_eq!(most + tenth, most);
+        assert_eq!(tenth.less(most), Usd::ZERO);
+    }
+
+    #[test]
+    fn what_is_no_amount_is_refused() {
+        for dollars in [-0.01, f64::NAN, f64::INFINITY, 1e30] {
+            assert_eq!(Usd::from_dollars(dollars), None, "{dollars}");
+        }
+        assert_eq!(Usd::from_dollars(1e-10), Some(Usd::from_nano(1)));
+        assert_eq!(Usd::from_dollars(0.0), Some(Usd::ZERO));
+    }
+}
