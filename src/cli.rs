@@ -1,13 +1,20 @@
 //! The command line.
 
 #[cfg(feature = "runtime")]
+pub mod asked;
+#[cfg(feature = "runtime")]
 pub mod bench;
 #[cfg(feature = "runtime")]
 pub mod sim;
 
+#[cfg(feature = "runtime")]
+use asked::{ModelArguments, SpendArguments, dollars};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 #[cfg(feature = "runtime")]
 use compiler::program::PixelPoint;
+#[cfg(feature = "runtime")]
+use runtime::calls::Usd;
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 const EXIT_CODES: &str = "Exit codes: 0 done (and the goal reached), 1 the .fab file is wrong, 2 the environment failed, \
@@ -47,6 +54,9 @@ pub enum Verb {
     /// Runs one rollout of a task.
     #[cfg(feature = "runtime")]
     Run(RunArguments),
+    /// Goes on with a rollout that was cut off or stopped, from its last whole step; no answer is bought twice.
+    #[cfg(feature = "runtime")]
+    Resume(ResumeArguments),
     /// Runs a suite of many rollouts, and prints its table with others' figures beside ours.
     #[cfg(feature = "runtime")]
     Bench(bench::BenchArguments),
@@ -72,6 +82,8 @@ impl Verb {
             Verb::Demos(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Run(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Resume(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Bench(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
@@ -109,7 +121,7 @@ pub struct TestArguments {
 }
 
 /// Which task of a file is meant.
-#[derive(Args)]
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct TaskArguments {
     /// The file that declares the task.
     #[arg(value_name = "FILE")]
@@ -188,7 +200,7 @@ pub enum EmitArgument {
 
 /// Where the cloth lies at first.
 #[cfg(feature = "runtime")]
-#[derive(Args)]
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct StartArguments {
     /// Particle positions (.npy), or a seed that turns the flat cloth; default: flat and straight.
     #[arg(long, value_name = "FILE.npy|SEED")]
@@ -199,7 +211,7 @@ pub struct StartArguments {
 
 /// How the numbers of a file of particle positions are to be understood.
 #[cfg(feature = "runtime")]
-#[derive(Args)]
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct FrameArguments {
     /// Grid of the .npy file, where nothing beside it says: particles along its x and its other side.
     #[arg(long, value_name = "55x44", requires = "up")]
@@ -271,13 +283,14 @@ pub struct DemosArguments {
 
 /// Arguments of `run`.
 #[cfg(feature = "runtime")]
-#[derive(Args)]
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct RunArguments {
     #[command(flatten)]
     pub task: TaskArguments,
-    /// Who answers; `geometric` is an embedded stand-in that needs no key and no network.
-    #[arg(long, value_name = "MODEL", default_value = "geometric")]
-    pub model: String,
+    #[command(flatten)]
+    pub model: ModelArguments,
+    #[command(flatten)]
+    pub spend: SpendArguments,
     /// Where actions are executed.
     #[arg(long, value_name = "WORLD", default_value = "sim", value_parser = ["sim"])]
     pub world: String,
@@ -286,6 +299,24 @@ pub struct RunArguments {
     /// The run folder; default: the next free `runs/TASK-NNNN`.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `resume`.
+#[cfg(feature = "runtime")]
+#[derive(Args)]
+pub struct ResumeArguments {
+    /// The run folder.
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+    /// Another cap on what the whole run may cost, US dollars.
+    #[arg(long, value_name = "USD", value_parser = dollars)]
+    pub max_cost: Option<Usd>,
+    /// Another cap on the calls of the whole run.
+    #[arg(long, value_name = "N")]
+    pub max_calls: Option<u64>,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,

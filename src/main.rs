@@ -22,6 +22,8 @@ mod explain;
 mod fix;
 mod render;
 #[cfg(feature = "runtime")]
+mod resume;
+#[cfg(feature = "runtime")]
 mod run;
 #[cfg(feature = "runtime")]
 mod see;
@@ -80,6 +82,8 @@ fn run(verb: Verb) -> Exit {
         Verb::Demos(arguments) => demos::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Run(arguments) => run::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Resume(arguments) => resume::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Bench(arguments) => bench::run(&arguments),
         #[cfg(feature = "runtime")]

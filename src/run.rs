@@ -1,26 +1,56 @@
 //! `fabc run`: one rollout, with a line of progress per step.
 
+mod told;
+
 use crate::cli::RunArguments;
 use crate::exit::{Exit, Failure};
+use crate::setting::models;
 use crate::{output, setting, sources};
-use compiler::program::{Goal, Metric, Program};
-use compiler::verify::Verdict;
-use runtime::agent::{Attempt, Finding, Models};
+use compiler::program::Program;
+use runtime::calls::{Spent, ledger};
 use runtime::examples::Examples;
 use runtime::expert::MakeWorld;
 use runtime::interrupt::Interrupt;
 use runtime::journal::RunFolder;
+use runtime::model::Nature;
 use runtime::outcome::Outcome;
-use runtime::rollout::{self, Event, Job, RolloutReport};
+use runtime::rollout::{self, Job};
 use runtime::start::Start;
 use runtime::subgoals::{Origin, SubgoalError, SubgoalSet};
-use runtime::world::{Grasp, WorldError};
-use std::path::Path;
+use runtime::world::WorldError;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Name of the file in a run folder that says how the run was begun.
+pub const RUN_FILE: &str = "run.json";
+
+/// How a run was begun, so that it can be gone on with.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Begun {
+    /// The folder in which the command was given.
+    pub directory: PathBuf,
+    /// What it said.
+    pub arguments: RunArguments,
+}
+
+/// Where a rollout is written.
+pub enum Into<'a> {
+    /// A new folder.
+    New,
+    /// The folder of a rollout that was cut off or stopped.
+    Again(&'a Path),
+}
 
 /// Runs one rollout and reports it.
 pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
+    play(arguments, Into::New)
+}
+
+/// Runs one rollout, from its beginning or from where it was cut off, and reports it.
+pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task)?;
-    let model = setting::model(&arguments.model)?;
+    let answering = models::models(&arguments.model)?;
+    let recorder = models::recorder(&arguments.spend)?;
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = setting::interrupt()?;
@@ -41,44 +71,48 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
     // Lengths in `edge` and the flat area are those of the cloth that lies there; subgoals show the task's own.
     let shown = program;
     let program = setting::fitted(&arguments.task, &shown, &start)?;
-    let folder = match &arguments.out {
-        Some(path) => RunFolder::create(path),
-        None => RunFolder::create_next(Path::new("runs"), &program.title().replace('/', "-")),
+    let folder = match (&into, &arguments.out) {
+        (Into::Again(path), _) => RunFolder::reopen(path),
+        (Into::New, Some(path)) => RunFolder::create(path),
+        (Into::New, None) => {
+            RunFolder::create_next(Path::new("runs"), &program.title().replace('/', "-"))
+        }
     };
     let folder = folder.map_err(Failure::environment)?;
     let make_world = || setting::world(&program);
     let subgoals = match prepare(&shown, &start, &beside, &make_world, &interrupt) {
         Ok(Some(subgoals)) => subgoals,
-        Ok(None) => {
-            folder.discard();
-            return Err(Failure::interrupted());
-        }
-        Err(failure) => {
-            folder.discard();
-            return Err(failure);
-        }
+        Ok(None) => return Err(give_up(folder, &into, Failure::interrupted())),
+        Err(failure) => return Err(give_up(folder, &into, failure)),
     };
     say_origin(subgoals.origin, &arguments.task.file);
-    let stand_in = if model.nature() == runtime::model::Nature::StandIn {
-        " (a stand-in, no vision-language model)"
-    } else {
-        ""
+    let asked = answering.models();
+    let stand_in = match asked.nature() {
+        Nature::StandIn => " (a stand-in, no vision-language model)",
+        Nature::Model => "",
     };
     output::talk(&format!(
         "{}: start {}, model {}{stand_in}",
         program.title(),
         start.name,
-        model.name()
+        asked.name()
     ));
+    let spent = ledger::read(folder.path())
+        .map_err(Failure::environment)?
+        .spent;
+    let budget = models::budget(&arguments.spend, spent);
+    keep_beginning(&folder, arguments, &into)?;
+    if let Into::Again(_) = into {
+        output::talk(&again(folder.earlier_steps(), &spent));
+    }
     let job = Job {
         program: &program,
         start: &start,
         subgoals: &subgoals,
         examples: &examples,
-        models: Models {
-            vision: model.as_ref(),
-            text: model.as_ref(),
-        },
+        models: asked,
+        budget: &budget,
+        recorder: recorder.as_ref(),
         make_world: &make_world,
         cache: &setting::cache(),
         interrupt: &interrupt,
@@ -86,15 +120,59 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
         early_stop: true,
         repetition: 0,
     };
-    let report = rollout::run(&job, folder, &mut show).map_err(Failure::environment)?;
+    let report = rollout::run(&job, folder, &mut told::show).map_err(Failure::environment)?;
     if arguments.json {
         output::json(
             &serde_json::to_value(&report).expect("a report has string keys and finite numbers"),
         );
     } else {
-        output::data(&summary(&report, program.goal.as_ref()));
+        output::data(&told::summary(&report, program.goal.as_ref()));
     }
-    Ok(exit_of(&report))
+    Ok(exit_of(report.outcome, report.goal_reached))
+}
+
+/// Takes back a folder that was made for nothing.
+fn give_up(folder: RunFolder, into: &Into<'_>, why: Failure) -> Failure {
+    if let Into::New = into {
+        folder.discard();
+    }
+    why
+}
+
+/// Writes down how the run was begun.
+fn keep_beginning(
+    folder: &RunFolder,
+    arguments: &RunArguments,
+    into: &Into<'_>,
+) -> Result<(), Failure> {
+    if let Into::Again(_) = into {
+        return Ok(());
+    }
+    let begun = Begun {
+        directory: std::env::current_dir()?,
+        arguments: arguments.clone(),
+    };
+    let text = serde_json::to_vec_pretty(&begun).map_err(Failure::environment)?;
+    let kept = folder.keep(RUN_FILE, &text);
+    kept.map(drop).map_err(Failure::environment)
+}
+
+/// Says what a run that is gone on with has already.
+fn again(steps: usize, spent: &Spent) -> String {
+    let mut text = format!("going on after step {steps}");
+    if spent.calls > 0 {
+        text.push_str(&format!(
+            ", {} calls and {} so far",
+            spent.calls, spent.cost
+        ));
+    }
+    if spent.possibly_billed > 0 {
+        text.push_str(&format!(
+            "; {} of them gave no answer and may have been billed, {} at most",
+            spent.possibly_billed, spent.possibly
+        ));
+    }
+    text
 }
 
 /// Tries the start and gets the pictures; `None` where the user stopped it.
@@ -128,149 +206,11 @@ fn say_origin(origin: Origin, file: &str) {
     }
 }
 
-/// Shows one event on stderr.
-fn show(event: Event<'_>) {
-    match event {
-        Event::Asked { step, attempt } => {
-            if let Some(refusal) = refusal(attempt) {
-                output::talk(&format!(
-                    "  step {step}, {} attempt {}: {refusal}",
-                    attempt.stage, attempt.number
-                ));
-            }
-        }
-        Event::Stepped {
-            step,
-            horizon,
-            action,
-            grasp,
-            seconds,
-        } => {
-            let moved = if action.pick_px == action.pick_on_cloth_px {
-                String::new()
-            } else {
-                format!(", taken at {} on the cloth", action.pick_on_cloth_px)
-            };
-            let missed = if grasp == Grasp::Missed {
-                ", nothing grasped"
-            } else {
-                ""
-            };
-            output::talk(&format!(
-                "step {step}/{horizon}: pick {}{moved}, place {}{missed}   {seconds:.1} s",
-                action.pick_px, action.place_px
-            ));
-        }
-        Event::Skipped { step, horizon, why } => {
-            output::talk(&format!("step {step}/{horizon}: skipped ({})", why.name()));
-        }
-        Event::SimulatingExperts { missing, total } => {
-            output::talk(&format!(
-                "simulating {missing} of {total} expert results to score against; they are kept for the next run"
-            ));
-        }
-        Event::Note(note) => output::talk(&format!("note: {note}")),
-    }
-}
-
-/// Returns why an attempt led to nothing, where it did.
-fn refusal(attempt: &Attempt) -> Option<String> {
-    match &attempt.finding {
-        Finding::Action {
-            verdict: Verdict::Reject { check, message, .. },
-            ..
-        } => Some(format!("refused by `{check}`: {message}")),
-        Finding::Malformed { message, .. } => Some(format!("not readable: {message}")),
-        Finding::Failed { why } => Some(why.clone()),
-        Finding::Text { .. }
-        | Finding::Action {
-            verdict: Verdict::Accept,
-            ..
-        } => None,
-    }
-}
-
-fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
-    let mut lines = vec![format!("outcome: {}", report.outcome.name())];
-    if let Some(mm) = report.mean_particle_distance_mm {
-        let goal = goal
-            .filter(|goal| goal.metric == Metric::ParticleDistance)
-            .map_or(String::new(), |goal| {
-                format!(" (goal: below {:.0} mm)", goal.limit * 1000.0)
-            });
-        lines.push(format!(
-            "mean particle distance to the nearest expert result: {mm:.1} mm{goal}"
-        ));
-    }
-    if let Some(coverage) = report.coverage
-        && goal.is_some_and(|goal| goal.metric.is_judged_each_step())
-    {
-        let both = |source: f64, truly: Option<f64>| {
-            let truly = truly.map_or(String::new(), |truly| format!(", {truly:.3} (true)"));
-            format!("{source:.3} (source){truly}")
-        };
-        let gained = report.normalized_improvement;
-        let gained = gained.map_or(String::new(), |gained| {
-            let truly = report.normalized_improvement_true;
-            format!("; normalized improvement {}", both(gained, truly))
-        });
-        lines.push(format!(
-            "coverage {}{gained}",
-            both(coverage, report.coverage_true)
-        ));
-    }
-    let stand_in = if report.model_is_stand_in {
-        ", a stand-in and no vision-language model"
-    } else {
-        ""
-    };
-    lines.push(format!("model: {}{stand_in}", report.model));
-    lines.push(questions(report));
-    let seconds = report
-        .seconds
-        .iter()
-        .filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
-    lines.push(format!(
-        "seconds: {}, in all {:.1}",
-        seconds.collect::<Vec<_>>().join(", "),
-        report.wall_s
-    ));
-    if report.experts_simulated > 0 {
-        lines.push(format!(
-            "of that, {} expert results were simulated for the first time",
-            report.experts_simulated
-        ));
-    }
-    lines.push(format!(
-        "run folder: {} (contact sheet: sheet.png)",
-        report.run_dir
-    ));
-    lines.join("\n")
-}
-
-/// Says what came of the questions, with what went wrong by name.
-fn questions(report: &RolloutReport) -> String {
-    let mut counts = vec![format!("questions: {}", report.queries)];
-    let refusals = report.refusals.iter();
-    counts.extend(refusals.map(|(check, count)| format!("refused by `{check}`: {count}")));
-    if report.malformed_replies > 0 {
-        counts.push(format!("not readable: {}", report.malformed_replies));
-    }
-    let skipped = report.skipped.iter();
-    counts.extend(skipped.map(|(why, count)| format!("steps skipped ({why}): {count}")));
-    if let Some(planning_s) = report.planning_s {
-        counts.push(format!(
-            "{:.0} ms of planning per action",
-            planning_s * 1000.0
-        ));
-    }
-    counts.join(", ")
-}
-
-fn exit_of(report: &RolloutReport) -> Exit {
-    match report.outcome {
+/// Returns the exit code of a rollout that ended so; `goal_reached` is null without a goal.
+pub fn exit_of(outcome: Outcome, goal_reached: Option<bool>) -> Exit {
+    match outcome {
         Outcome::GoalReached => Exit::Done,
-        Outcome::HorizonReached if report.goal_reached.is_none() => Exit::Done,
+        Outcome::HorizonReached if goal_reached.is_none() => Exit::Done,
         Outcome::ModelFailed | Outcome::WorldFailed => Exit::Environment,
         Outcome::Interrupted => Exit::Interrupted,
         Outcome::HorizonReached

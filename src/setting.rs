@@ -1,5 +1,7 @@
 //! What a verb needs around a program: a world, a start, a cache, a way to be stopped.
 
+pub mod models;
+
 use crate::cli::{FrameArguments, StartArguments, TaskArguments};
 use crate::exit::Failure;
 use crate::{output, sources};
@@ -8,15 +10,11 @@ use runtime::cache::Cache;
 use runtime::crumple;
 use runtime::files;
 use runtime::interrupt::Interrupt;
-use runtime::model::{Geometric, Imperfect, Model, Random};
 use runtime::start::{Grid, Start, StartFrame, Up};
 use runtime::world::{SimulatedWorld, World, WorldError};
 use std::path::{Path, PathBuf};
 
-/// The models that this build knows.
-const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SEED` (draws from what is offered), and `imperfect:RATE` or `imperfect:RATE:SEED` (geometric with that share of wrong answers)";
-
-/// The seed of a crumpled cloth or a model where the command line names none.
+/// The seed of a crumpled cloth where the command line names none.
 const DEFAULT_SEED: u64 = 0;
 
 /// Makes a simulated world for a program.
@@ -25,34 +23,6 @@ pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
         &program.camera,
         program.picker,
     )?))
-}
-
-/// Finds the model of that name.
-pub fn model(name: &str) -> Result<Box<dyn Model>, Failure> {
-    let mut parts = name.split(':');
-    let parts = [parts.next(), parts.next(), parts.next(), parts.next()];
-    let found: Option<Box<dyn Model>> = match parts {
-        [Some("geometric"), None, ..] => Some(Box::new(Geometric)),
-        [Some("random"), seed, None, _] => {
-            seed_of(seed).map(|seed| Box::new(Random::seeded(seed)) as Box<dyn Model>)
-        }
-        [Some("imperfect"), Some(rate), seed, None] => rate
-            .parse()
-            .ok()
-            .zip(seed_of(seed))
-            .and_then(|(rate, seed)| Imperfect::new(rate, seed))
-            .map(|model| Box::new(model) as Box<dyn Model>),
-        _ => None,
-    };
-    found.ok_or_else(|| {
-        Failure::usage(format!(
-            "there is no model `{name}`; there is {MODELS}; SEED is a whole number, RATE from 0 to 1"
-        ))
-    })
-}
-
-fn seed_of(text: Option<&str>) -> Option<u64> {
-    text.map_or(Some(DEFAULT_SEED), |text| text.parse().ok())
 }
 
 /// Lays the cloth as the command line says, else as the task does; `folder` holds the task's file.

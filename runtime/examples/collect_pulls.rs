@@ -149,7 +149,9 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
             vision: &heard,
             text: &heard,
         };
-        let decision = agent::decide(situation, models, &mut |_| Ok::<_, std::io::Error>(()))?;
+        let decision = agent::decide(situation, models, &mut Asking::unkept(), &mut |_| {
+            Ok::<_, std::io::Error>(())
+        })?;
         let Decision::Act { proposal: own, .. } = decision else {
             break;
         };

@@ -4,15 +4,18 @@
 //! a [`Decision`]. The number of questions is bounded by the program's `attempts` per stage. Nothing
 //! here moves anything.
 
+mod asking;
 mod judge;
 mod talk;
 
+use crate::calls::Fault;
 use crate::examples::Told;
-use crate::model::{Message, Model, ModelRole, Part, Png, Reply, Request, Speaker};
+use crate::model::{Message, Model, ModelRole, Nature, Part, Png, Reply, Request, Speaker};
 use crate::observation::Observation;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
 use crate::scene::Scene;
+pub use asking::Asking;
 use compiler::facts::{Done, Facts};
 use compiler::program::{Exhausted, Program, Stage, Value};
 use compiler::render::{self, PromptPicture, PromptSpeaker, RenderError, Values};
@@ -39,6 +42,27 @@ impl<'a> Models<'a> {
             ModelRole::Vision => self.vision,
             ModelRole::Text => self.text,
         }
+    }
+
+    /// Returns the name for reports; both names where the roles differ.
+    pub fn name(&self) -> String {
+        match self.vision.name() == self.text.name() {
+            true => self.vision.name().to_owned(),
+            false => format!("{}, {}", self.vision.name(), self.text.name()),
+        }
+    }
+
+    /// Returns what stands behind them: a stand-in where one of them is one.
+    pub fn nature(&self) -> Nature {
+        match [self.vision.nature(), self.text.nature()].contains(&Nature::StandIn) {
+            true => Nature::StandIn,
+            false => Nature::Model,
+        }
+    }
+
+    /// Returns whether equal questions may be answered otherwise at another repetition.
+    pub fn varies(&self) -> bool {
+        self.vision.varies() || self.text.varies()
     }
 }
 
@@ -90,6 +114,11 @@ pub enum Finding {
     },
     /// There was no answer.
     Failed {
+        /// What the rollout ends with.
+        outcome: Outcome,
+        /// What went wrong with the last call, where one was made.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        fault: Option<Fault>,
         /// Why.
         why: String,
     },
@@ -174,6 +203,7 @@ impl<'a> Situation<'a> {
 pub fn decide<E: std::error::Error>(
     situation: Situation<'_>,
     models: Models<'_>,
+    asking: &mut Asking<'_>,
     record: &mut dyn FnMut(&Attempt) -> Result<(), E>,
 ) -> Result<Decision, AgentError<E>> {
     let program = situation.program;
@@ -182,7 +212,7 @@ pub fn decide<E: std::error::Error>(
     for stage in &program.stages {
         let mut talk = Talk::begin(situation, stage, &texts)?;
         let answer = loop {
-            let attempt = talk.ask(models.of(stage.model), &texts)?;
+            let attempt = talk.ask(models.of(stage.model), asking, &texts)?;
             record(&attempt).map_err(AgentError::Record)?;
             match talk.conclude(attempt, &texts)? {
                 Next::AskAgain => {}

@@ -2,20 +2,26 @@
 //!
 //! In: facts as they happen. Out: `rollout.jsonl` (one whole, synced line per step, so that a crash
 //! loses at most the step under way) and the files that its lines name. A journal without an `end`
-//! line is of a rollout that did not end by itself.
+//! line is of a rollout that did not end by itself. The same rollout writes the same bytes each time: what it took,
+//! which differs, stands in `spent.jsonl`. So a rollout that was cut off is gone on with by doing it again: lines that
+//! are there already are compared and not written.
+
+mod earlier;
 
 use crate::action::Action;
 use crate::agent::{Accepted, Attempt};
+use crate::calls::LedgerError;
 use crate::model::{Part, Request, Speaker};
 use crate::outcome::Outcome;
 use crate::result::StepResult;
 use crate::rollout::Measures;
-use crate::store;
 use crate::world::Executed;
+use crate::{bounded, store};
+use earlier::Earlier;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -23,6 +29,10 @@ use std::path::{Path, PathBuf};
 pub const JOURNAL_SCHEMA: u32 = 1;
 /// Name of the journal in a run folder.
 pub const JOURNAL_FILE: &str = "rollout.jsonl";
+/// Name of the file beside it that says what the rollout took.
+pub const SPENT_FILE: &str = "spent.jsonl";
+/// The longest such file that is read.
+pub const MAX_SPENT_BYTES: u64 = 64 << 20;
 
 /// A run folder that is being written.
 #[derive(Debug)]
@@ -32,6 +42,10 @@ pub struct RunFolder {
     /// Whether the folder was there before.
     found: bool,
     images: BTreeSet<String>,
+    /// What an earlier part of the rollout wrote.
+    earlier: Earlier,
+    /// Whether the journal may hold more than stays of it.
+    is_cut: bool,
 }
 
 /// Why a run cannot be kept.
@@ -45,6 +59,33 @@ pub enum JournalError {
         /// What the system said.
         why: String,
     },
+    /// A journal that is to be gone on with cannot be read.
+    #[error("cannot read `{path}`: {why}")]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+    /// Another process writes into the folder.
+    #[error("another fabc is writing into the run folder `{path}`")]
+    InUse {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// Done again, the rollout does not come out as it did.
+    #[error(
+        "the rollout in `{path}` cannot be gone on with, since it does not come out the same: {why}"
+    )]
+    Differs {
+        /// The folder.
+        path: PathBuf,
+        /// What differs.
+        why: String,
+    },
+    /// The calls of an earlier part cannot be read.
+    #[error(transparent)]
+    Ledger(#[from] LedgerError),
     /// The folder holds something already.
     #[error("the run folder `{path}` is not empty; name a new one, nothing is overwritten")]
     NotEmpty {
@@ -90,14 +131,10 @@ pub struct StepLine {
     pub result: Option<StepResult>,
     /// What the rollout would have ended with, where the step was skipped instead.
     pub skipped: Option<Outcome>,
-    /// Time of render, vision, prompt, parse and verify, seconds; null where no action was asked for.
-    pub planning_s: Option<f64>,
     /// Why the step ended the rollout, in words.
     pub stopped: Option<String>,
     /// Pictures and positions by what they show.
     pub files: serde_json::Map<String, Value>,
-    /// Wall time by what it was spent on, seconds.
-    pub seconds: serde_json::Map<String, Value>,
 }
 
 impl RunFolder {
@@ -121,12 +158,41 @@ impl RunFolder {
             .append(true)
             .open(&file)
             .map_err(|error| unwritable(&file, error))?;
+        locked(&journal, path)?;
         Ok(RunFolder {
             path: path.to_owned(),
             journal,
             found,
             images: BTreeSet::new(),
+            earlier: Earlier::default(),
+            is_cut: true,
         })
+    }
+
+    /// Opens the folder of a rollout that was cut off or stopped, to go on with it.
+    ///
+    /// Nothing in it changes until a line is appended that is not there yet.
+    pub fn reopen(path: &Path) -> Result<RunFolder, JournalError> {
+        let file = path.join(JOURNAL_FILE);
+        let journal = OpenOptions::new().append(true).open(&file);
+        let journal = journal.map_err(|error| JournalError::Unreadable {
+            path: file.clone(),
+            why: error.to_string(),
+        })?;
+        locked(&journal, path)?;
+        Ok(RunFolder {
+            path: path.to_owned(),
+            journal,
+            found: true,
+            images: BTreeSet::new(),
+            earlier: Earlier::read(&file)?,
+            is_cut: false,
+        })
+    }
+
+    /// Returns how many steps an earlier part of the rollout took.
+    pub fn earlier_steps(&self) -> usize {
+        self.earlier.steps()
     }
 
     /// Makes the first free folder `NAME-0001`, `NAME-0002`, … in `parent`.
@@ -173,14 +239,43 @@ impl RunFolder {
     }
 
     /// Appends one line and waits until it is on disk.
+    ///
+    /// A line that is there already must be the same, and stays. The first new one replaces whatever followed those.
     pub fn append(&mut self, line: &Line<'_>) -> Result<(), JournalError> {
         let mut text = serde_json::to_string(line).expect("journal lines have string keys");
+        let is_known = self.earlier.take(&text);
+        if is_known.map_err(|why| JournalError::Differs {
+            path: self.path.clone(),
+            why,
+        })? {
+            return Ok(());
+        }
+        let cut = match self.is_cut {
+            true => Ok(()),
+            false => self.journal.set_len(self.earlier.bytes()),
+        };
+        self.is_cut = true;
         text.push('\n');
-        let written = self
-            .journal
-            .write_all(text.as_bytes())
+        let written = cut
+            .and_then(|()| self.journal.write_all(text.as_bytes()))
             .and_then(|()| self.journal.sync_data());
         written.map_err(|error| self.unwritable(JOURNAL_FILE, &error))
+    }
+
+    /// Adds a line to what the rollout took; it is for information, and not waited for.
+    pub fn spend(&self, line: &Value) -> Result<(), JournalError> {
+        let path = self.path.join(SPENT_FILE);
+        let file = OpenOptions::new().create(true).append(true).open(path);
+        let written = file.and_then(|mut file| file.write_all(format!("{line}\n").as_bytes()));
+        written.map_err(|error| self.unwritable(SPENT_FILE, &error))
+    }
+
+    /// Returns the run's identity, where an earlier part of it has begun.
+    pub fn run_id(&self) -> Option<String> {
+        let bytes = bounded::read(&self.path.join(SPENT_FILE), MAX_SPENT_BYTES).ok()?;
+        let first = bytes.split(|byte| *byte == b'\n').next()?;
+        let line: Value = serde_json::from_slice(first).ok()?;
+        line["run_id"].as_str().map(str::to_owned)
     }
 
     /// Writes a file of the run, whole or not at all, and returns its name for the journal.
@@ -215,7 +310,7 @@ impl RunFolder {
             "prompt": prompt_file,
             "reply": reply_file,
             "result": attempt.finding,
-            "seconds": attempt.took.as_secs_f64(),
+            "usage": attempt.reply.as_ref().and_then(|reply| reply.usage),
         }))
     }
 
@@ -236,6 +331,17 @@ impl RunFolder {
             path: self.path.join(name),
             why: error.to_string(),
         }
+    }
+}
+
+/// Makes sure that no other process writes the journal; the system gives the lock back when this one ends.
+fn locked(journal: &File, folder: &Path) -> Result<(), JournalError> {
+    match journal.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(JournalError::InUse {
+            path: folder.to_owned(),
+        }),
+        // Not every file system has locks; without them the user takes care.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(()),
     }
 }
 

@@ -13,13 +13,14 @@ mod timer;
 mod turn;
 
 use crate::action::Action;
-use crate::agent::{AgentError, Attempt, Models};
+use crate::agent::{AgentError, Asking, Attempt, Models};
 use crate::cache::Cache;
+use crate::calls::Budget;
 use crate::examples::Examples;
 use crate::expert::MakeWorld;
 use crate::interrupt::Interrupt;
 use crate::journal::{JournalError, Line, RunFolder};
-use crate::model::ModelRole;
+use crate::model::recording::Recorder;
 use crate::outcome::Outcome;
 use crate::result::StepResult;
 use crate::sheet::Sheet;
@@ -51,6 +52,10 @@ pub struct Job<'a> {
     pub examples: &'a Examples,
     /// Who answers.
     pub models: Models<'a>,
+    /// Caps on what the models may be asked, shared with other rollouts of the same run.
+    pub budget: &'a Budget,
+    /// Where questions and answers are recorded, where that is wanted.
+    pub recorder: Option<&'a Recorder>,
     /// Makes the world of the rollout, and more of them for expert results.
     pub make_world: &'a MakeWorld<'a>,
     /// Where expert results are kept.
@@ -153,7 +158,9 @@ pub fn run(
     let begun = Instant::now();
     let mut world = (job.make_world)()?;
     world.reset(job.start)?;
-    let mut keeper = Keeper::open(job, folder, world.as_ref())?;
+    let asking = Asking::in_folder(folder.path(), job.budget, job.recorder);
+    let asking = asking.map_err(JournalError::from)?;
+    let mut keeper = Keeper::open(job, folder, asking, world.as_ref())?;
     let mut sheet = Sheet::new();
     let mut memory = Memory::default();
     let mut covered = Covered::at_start(job, world.as_ref());
@@ -176,9 +183,8 @@ pub fn run(
                 stopped = Some(Outcome::GoalReached);
             }
         }
-        turn.timer.write(&mut turn.line.seconds);
         keeper.folder.append(&Line::Step(&turn.line))?;
-        keeper.count(&turn.line, &turn.timer);
+        keeper.count(&turn)?;
         if tries.before.is_some() && turn.line.executed.is_some() {
             keeper.tally.retries += 1;
         }
@@ -244,9 +250,4 @@ impl Tries {
             self.retries = 0;
         }
     }
-}
-
-/// Returns the name of the model that answers a role, for headers and reports.
-fn model_name<'a>(job: &Job<'a>, role: ModelRole) -> &'a str {
-    job.models.of(role).name()
 }

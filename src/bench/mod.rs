@@ -9,10 +9,12 @@ mod suites;
 
 use crate::cli::bench::BenchArguments;
 use crate::exit::{Exit, Failure};
+use crate::setting::models;
 use crate::{output, setting};
-use runtime::bench::play::{self, Phase, Results};
+use runtime::bench::play::{self, Phase, Results, Stop};
 use runtime::bench::{Bench, BenchError, rows};
 use runtime::cache::Cache;
+use runtime::calls::{Budget, Spent};
 use runtime::outcome::Outcome;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -25,7 +27,9 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
     let found = suites::find(&arguments.suite)?;
     let suite = suites::narrowed(found.suite, arguments.variant.as_deref());
     let interrupt = setting::interrupt()?;
-    let models = prepare::models(&suite, &arguments.model)?;
+    let answering = prepare::answering(&suite, &arguments.model)?;
+    let recorder = models::recorder(&arguments.spend)?;
+    let budget = models::budget(&arguments.spend, Spent::default());
     let threads = arguments.jobs.map_or_else(
         || thread::available_parallelism().map_or(1, NonZero::get),
         usize::from,
@@ -33,7 +37,8 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
     let prepared = prepare::prepare(&suite, &found.folder, arguments, threads)?;
     let out = out_folder(arguments.out.as_deref(), &found.name)?;
     let cache = cache(&out);
-    let Some(entries) = prepare::entries(&suite, &prepared, &models, arguments, &interrupt)? else {
+    let Some(entries) = prepare::entries(&suite, &prepared, &answering, arguments, &interrupt)?
+    else {
         return Err(Failure::interrupted());
     };
     let bench = Bench {
@@ -44,10 +49,12 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         out: out.clone(),
         threads,
         cache: &cache,
+        budget: &budget,
+        recorder: recorder.as_ref(),
         interrupt: &interrupt,
     };
     output::talk(&report::plan(&found.name, &bench, arguments.shard));
-    let results = play::play(&bench, &show);
+    let results = play::play(&bench, &|phase, done, of| show(phase, done, of, &budget));
     output::progress("");
     let results = results.map_err(failure)?;
     let rows = rows::rows(&bench, &results);
@@ -108,21 +115,28 @@ fn cache(out: &Path) -> Cache {
     }
 }
 
-fn show(phase: Phase, done: usize, of: usize) {
+fn show(phase: Phase, done: usize, of: usize, budget: &Budget) {
     let what = match phase {
         Phase::Starts => "starts laid",
         Phase::Experts => "expert ends known",
         Phase::Rollouts => "rollouts finished",
     };
-    output::progress(&format!("{done} of {of} {what}"));
+    let spent = budget.spent();
+    let spent = match spent.calls {
+        0 => String::new(),
+        calls => format!(", {calls} calls, {}", spent.cost),
+    };
+    output::progress(&format!("{done} of {of} {what}{spent}"));
 }
 
 /// A suite is done when its rollouts have ended, however they did; only where none could even be played has
 /// the environment failed.
 fn exit_of(results: &Results) -> Exit {
     let failed = |outcome: Outcome| matches!(outcome, Outcome::ModelFailed | Outcome::WorldFailed);
-    if results.interrupted {
-        return Exit::Interrupted;
+    match results.stopped {
+        Some(Stop::Interrupted) => return Exit::Interrupted,
+        Some(Stop::Capped) => return Exit::Unreached,
+        None => {}
     }
     let mut outcomes = results.rollouts.iter().map(|played| played.record.outcome);
     if !results.rollouts.is_empty() && outcomes.all(failed) {

@@ -1,14 +1,15 @@
 //! Compiles a suite's tasks, finds its starts and models.
 
+use crate::cli::asked::ModelArguments;
 use crate::cli::bench::{BenchArguments, Shard};
 use crate::exit::Failure;
+use crate::setting::models::{self, Answering};
 use crate::{output, setting, sources};
 use compiler::program::Program;
 use runtime::bench::suite::{Method, Suite};
 use runtime::bench::{Entry, Task, starts};
 use runtime::examples::Examples;
 use runtime::interrupt::Interrupt;
-use runtime::model::Model;
 use runtime::parallel::in_parallel;
 use runtime::subgoals::{SubgoalError, SubgoalSet};
 use runtime::world::WorldError;
@@ -27,20 +28,28 @@ pub struct Prepared {
     by_grid: BTreeMap<[u32; 2], Vec<Program>>,
 }
 
-/// Finds every model that a suite asks for, by name.
-pub fn models(suite: &Suite, named: &str) -> Result<BTreeMap<String, Box<dyn Model>>, Failure> {
-    let mut models = BTreeMap::new();
-    let methods = suite.methods.iter().map(|method| model_of(method, named));
-    for name in methods {
-        if !models.contains_key(name) {
-            models.insert(name.to_owned(), setting::model(name)?);
+/// Who answers for each method, by the model that the method names; none: those of the command line.
+pub type AnsweringBy = BTreeMap<Option<String>, Answering>;
+
+/// Finds every model that a suite asks for.
+pub fn answering(suite: &Suite, named: &ModelArguments) -> Result<AnsweringBy, Failure> {
+    let mut answering = AnsweringBy::new();
+    for method in &suite.methods {
+        if !answering.contains_key(&method.model) {
+            let own = method.model.iter().cloned().collect::<Vec<_>>();
+            let model = if own.is_empty() {
+                named.model.clone()
+            } else {
+                own
+            };
+            let arguments = ModelArguments {
+                model,
+                ..named.clone()
+            };
+            answering.insert(method.model.clone(), models::models(&arguments)?);
         }
     }
-    Ok(models)
-}
-
-fn model_of<'m>(method: &'m Method, named: &'m str) -> &'m str {
-    method.model.as_deref().unwrap_or(named)
+    Ok(answering)
 }
 
 /// Compiles the tasks and lists their starts; tasks without recorded starts are left out aloud.
@@ -141,7 +150,7 @@ fn programs_for(prepared: &Prepared, grid: [u32; 2]) -> Result<Vec<Program>, Fai
 pub fn entries<'a>(
     suite: &'a Suite,
     prepared: &[Prepared],
-    models: &'a BTreeMap<String, Box<dyn Model>>,
+    answering: &'a AnsweringBy,
     arguments: &BenchArguments,
     interrupt: &Interrupt,
 ) -> Result<Option<Vec<Entry<'a>>>, Failure> {
@@ -158,18 +167,19 @@ pub fn entries<'a>(
             let programs = prepared.by_grid.iter().filter_map(|(grid, programs)| {
                 Some((*grid, variant_of(programs, method)?.clone()))
             });
-            let Some(model) = models.get(model_of(method, &arguments.model)) else {
+            let Some(answering) = answering.get(&method.model) else {
                 continue;
             };
+            let models = answering.models();
             let examples = Examples::load(shown, &prepared.folder);
             entries.push(Entry {
                 task: number,
                 method,
-                model: model.as_ref(),
+                models,
                 programs: programs.collect(),
                 subgoals,
                 examples: examples.map_err(Failure::environment)?,
-                repeats: match model.varies() {
+                repeats: match models.varies() {
                     true => arguments
                         .repeats
                         .or(method.repeats)

@@ -4,7 +4,7 @@ use crate::cli::bench::Shard;
 use crate::exit::Failure;
 use crate::store;
 use runtime::bench::Bench;
-use runtime::bench::play::Results;
+use runtime::bench::play::{Results, Stop};
 use runtime::bench::rows::Row;
 use runtime::bench::{statistics, table};
 use runtime::model::Nature;
@@ -36,12 +36,12 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
     let models: BTreeSet<String> = bench
         .entries
         .iter()
-        .map(|entry| match entry.model.nature() {
+        .map(|entry| match entry.models.nature() {
             Nature::StandIn => format!(
                 "{} (a stand-in, no vision-language model)",
-                entry.model.name()
+                entry.models.name()
             ),
-            Nature::Model => entry.model.name().to_owned(),
+            Nature::Model => entry.models.name(),
         })
         .collect();
     let models: Vec<String> = models.into_iter().collect();
@@ -72,7 +72,9 @@ impl Report<'_> {
             "wall_s": self.wall_s,
             "params": self.results.params,
             "out": self.bench.out.display().to_string(),
-            "interrupted": self.results.interrupted,
+            "interrupted": self.results.stopped == Some(Stop::Interrupted),
+            "capped": self.results.stopped == Some(Stop::Capped),
+            "calls": self.bench.budget.spent(),
             "rollouts": {
                 "planned": self.results.planned,
                 "finished": self.results.rollouts.len(),
@@ -117,9 +119,13 @@ impl Report<'_> {
     pub fn told(&self) -> String {
         let spent = &self.results.spent;
         let mut lines = Vec::new();
-        if self.results.interrupted {
+        if let Some(stop) = self.results.stopped {
+            let why = match stop {
+                Stop::Interrupted => "interrupted",
+                Stop::Capped => "stopped by a cap",
+            };
             lines.push(format!(
-                "interrupted: {} of {} rollouts have ended; the same `--out` goes on from there",
+                "{why}: {} of {} rollouts have ended; the same `--out` goes on from there",
                 self.results.rollouts.len(),
                 self.results.planned
             ));
@@ -127,6 +133,13 @@ impl Report<'_> {
             lines.push(format!(
                 "{} of {} rollouts had ended before and were not run again",
                 self.results.found, self.results.planned
+            ));
+        }
+        let calls = self.bench.budget.spent();
+        if calls.calls > 0 {
+            lines.push(format!(
+                "calls: {}, {}; {} gave no answer and may have been billed, {} at most",
+                calls.calls, calls.cost, calls.possibly_billed, calls.possibly
             ));
         }
         if spent.experts > 0 {

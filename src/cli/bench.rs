@@ -1,5 +1,6 @@
 //! The command line of `fabc bench`.
 
+use super::asked::{ModelArguments, SpendArguments};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -12,9 +13,11 @@ pub struct BenchArguments {
     /// A suite of tasks/suites by its name, or the path of a .toml file.
     #[arg(value_name = "SUITE")]
     pub suite: String,
-    /// Who answers, where a method of the suite does not say itself: `geometric`, `random[:SEED]`, `imperfect:RATE[:SEED]`.
-    #[arg(long, value_name = "MODEL", default_value = "geometric")]
-    pub model: String,
+    /// Who answers, where a method of the suite does not say itself.
+    #[command(flatten)]
+    pub model: ModelArguments,
+    #[command(flatten)]
+    pub spend: SpendArguments,
     /// Only this variant of the tasks.
     #[arg(long, value_name = "NAME")]
     pub variant: Option<String>,

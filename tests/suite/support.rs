@@ -4,10 +4,11 @@ use compiler::program::Program;
 use compiler::{LoadError, Loader};
 use runtime::agent::Models;
 use runtime::cache::Cache;
-use runtime::calls::Calls;
+use runtime::calls::{Budget, Calls};
 use runtime::examples::Examples;
 use runtime::interrupt::Interrupt;
-use runtime::journal::RunFolder;
+use runtime::journal::{JOURNAL_FILE, RunFolder};
+use runtime::model::recording::Recorder;
 use runtime::model::{Geometric, Model, ModelError, Nature, Part, Reply, Request};
 use runtime::rollout::{self, Event, Job, RolloutReport};
 use runtime::start::Start;
@@ -123,6 +124,8 @@ pub struct Trial<'p> {
     pub horizon: Option<u32>,
     pub early_stop: bool,
     pub repetition: u32,
+    pub budget: Budget,
+    pub recorder: Option<Recorder>,
 }
 
 impl<'p> Trial<'p> {
@@ -145,6 +148,8 @@ impl<'p> Trial<'p> {
             horizon: None,
             early_stop: true,
             repetition: 0,
+            budget: Budget::default(),
+            recorder: None,
         }
     }
 
@@ -157,7 +162,7 @@ impl<'p> Trial<'p> {
         self.run(models, run, &mut |_| {})
     }
 
-    /// Runs it, into the new folder `run`.
+    /// Runs it into the new folder `run`, or goes on with what that holds.
     pub fn run(
         &self,
         models: Models<'_>,
@@ -174,6 +179,8 @@ impl<'p> Trial<'p> {
             subgoals: &self.subgoals,
             examples: &self.examples,
             models,
+            budget: &self.budget,
+            recorder: self.recorder.as_ref(),
             make_world: &make_world,
             cache: &self.cache,
             interrupt: &self.interrupt,
@@ -181,7 +188,11 @@ impl<'p> Trial<'p> {
             early_stop: self.early_stop,
             repetition: self.repetition,
         };
-        rollout::run(&job, RunFolder::create(run).unwrap(), watch).unwrap()
+        let folder = match run.join(JOURNAL_FILE).exists() {
+            true => RunFolder::reopen(run),
+            false => RunFolder::create(run),
+        };
+        rollout::run(&job, folder.unwrap(), watch).unwrap()
     }
 }
 

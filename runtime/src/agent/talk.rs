@@ -1,10 +1,10 @@
 //! The conversation of one stage in one step: asks, and asks again with the reason of the refusal.
 
 use super::judge::judge;
-use super::{Accepted, AgentError, Attempt, Finding, Situation, conversation};
+use super::{Accepted, AgentError, Asking, Attempt, Finding, Situation, conversation};
 use crate::action::Action;
-use crate::calls::Unkept;
-use crate::model::{Message, Model, Part, Png, Request, Speaker};
+use crate::calls::CallRefused;
+use crate::model::{Message, Model, ModelError, Part, Png, Request, Speaker};
 use crate::outcome::Outcome;
 use crate::{picture, vision};
 use compiler::program::{Layers, ModelRole, Picture, Read, Stage};
@@ -75,6 +75,7 @@ impl<'a> Talk<'a> {
     pub(super) fn ask<E>(
         &mut self,
         model: &dyn Model,
+        asking: &mut Asking<'_>,
         texts: &BTreeMap<String, String>,
     ) -> Result<Attempt, AgentError<E>> {
         self.asked += 1;
@@ -89,7 +90,7 @@ impl<'a> Talk<'a> {
             schema: self.schema.clone(),
         };
         let begun = Instant::now();
-        let answered = model.ask(&request, &mut Unkept);
+        let answered = asking.ask(model, &request);
         let took = begun.elapsed();
         let (reply, finding) = match answered {
             Ok(reply) => {
@@ -97,12 +98,7 @@ impl<'a> Talk<'a> {
                 let finding = judge(self.situation.program, self.stage, facts, &reply.text)?;
                 (Some(reply), finding)
             }
-            Err(error) => (
-                None,
-                Finding::Failed {
-                    why: error.to_string(),
-                },
-            ),
+            Err(error) => (None, failed(&error)),
         };
         Ok(Attempt {
             stage: self.stage.name.clone(),
@@ -132,7 +128,7 @@ impl<'a> Talk<'a> {
                 let proposal = Proposal { fields };
                 return Ok(Next::Done(self.accept(proposal, attempt.number, &[])));
             }
-            Finding::Failed { .. } => return Ok(Next::Done(Answer::None(Outcome::ModelFailed))),
+            Finding::Failed { outcome, .. } => return Ok(Next::Done(Answer::None(outcome))),
             Finding::Action {
                 fields,
                 verdict: Verdict::Reject { message, .. },
@@ -212,6 +208,23 @@ impl<'a> Talk<'a> {
             without: without.to_owned(),
         };
         Answer::Action { proposal, accepted }
+    }
+}
+
+/// Says what a question without an answer means for the rollout.
+fn failed(error: &ModelError) -> Finding {
+    let (outcome, fault) = match error {
+        ModelError::Failed { fault, .. } => (Outcome::ModelFailed, Some(*fault)),
+        ModelError::Unsupported { .. } | ModelError::NotSent(CallRefused::NotNoted(_)) => {
+            (Outcome::ModelFailed, None)
+        }
+        ModelError::NotSent(CallRefused::Budget(_)) => (Outcome::BudgetExhausted, None),
+        ModelError::Interrupted => (Outcome::Interrupted, None),
+    };
+    Finding::Failed {
+        outcome,
+        fault,
+        why: error.to_string(),
     }
 }
 

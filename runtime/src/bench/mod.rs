@@ -20,10 +20,13 @@ pub mod table;
 
 mod experts;
 
+use crate::agent::Models;
 use crate::cache::Cache;
+use crate::calls::{Budget, LedgerError};
 use crate::examples::Examples;
 use crate::interrupt::Interrupt;
-use crate::model::{Model, Nature};
+use crate::model::Nature;
+use crate::model::recording::Recorder;
 use crate::rollout::RunError;
 use crate::subgoals::SubgoalSet;
 use crate::world::{World, WorldError};
@@ -50,6 +53,10 @@ pub struct Bench<'a> {
     pub threads: usize,
     /// Where crumpled starts and expert ends are kept.
     pub cache: &'a Cache,
+    /// Caps on what models may be asked, for the suite as a whole.
+    pub budget: &'a Budget,
+    /// Where questions and answers are recorded, where that is wanted.
+    pub recorder: Option<&'a Recorder>,
     /// A request to stop early.
     pub interrupt: &'a Interrupt,
 }
@@ -74,7 +81,7 @@ pub struct Entry<'a> {
     /// The method.
     pub method: &'a Method,
     /// Who answers.
-    pub model: &'a dyn Model,
+    pub models: Models<'a>,
     /// The variant's program for every grid that a start has.
     pub programs: BTreeMap<[u32; 2], Program>,
     /// The subgoal pictures, those of the declared cloth.
@@ -114,14 +121,9 @@ pub enum BenchError {
         /// What differs.
         why: String,
     },
-    /// A folder cannot be cleared of a rollout that was cut off.
-    #[error("cannot clear `{}` of a rollout that was cut off: {why}", folder.display())]
-    NotCleared {
-        /// The run folder.
-        folder: PathBuf,
-        /// What the system said.
-        why: String,
-    },
+    /// The calls of an earlier part of the suite cannot be read.
+    #[error(transparent)]
+    Ledger(#[from] LedgerError),
     /// No program was compiled for the grid of a start.
     #[error("{place}: no program is compiled for a cloth of {} by {} particles", grid[0], grid[1])]
     NoProgram {
@@ -153,7 +155,7 @@ impl Entry<'_> {
     /// Returns whether rollouts end at their goal: a free model goes on where a column needs that, and the figures
     /// with the stop are taken from the same rollouts.
     pub fn stops_early(&self, metrics: &[Metric]) -> bool {
-        let is_free = self.model.nature() == Nature::StandIn;
+        let is_free = self.models.nature() == Nature::StandIn;
         !(is_free && metrics.iter().any(|metric| metric.is_without_stop()))
     }
 

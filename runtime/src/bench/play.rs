@@ -6,15 +6,14 @@
 
 use super::record::{self, Found, Identity, Record};
 use super::{Bench, BenchError, Entry, experts};
-use crate::agent::Models;
-use crate::journal::RunFolder;
+use crate::calls::ledger;
+use crate::journal::{JOURNAL_FILE, RunFolder};
 use crate::outcome::Outcome;
 use crate::parallel::in_parallel;
 use crate::rollout::{self, Job, RunError};
 use crate::start::Start;
 use crate::world::{World, WorldError};
 use compiler::program::Program;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -41,12 +40,21 @@ pub struct Results {
     pub planned: usize,
     /// How many were found finished.
     pub found: usize,
-    /// Whether the user stopped it.
-    pub interrupted: bool,
+    /// Why rollouts are missing, where some are.
+    pub stopped: Option<Stop>,
     /// Hash of the world's parameters.
     pub params: String,
     /// What the work took.
     pub spent: Spent,
+}
+
+/// Why a suite was not carried out to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The user stopped it.
+    Interrupted,
+    /// A cap on calls or cost was reached.
+    Capped,
 }
 
 /// Wall times, seconds.
@@ -99,6 +107,12 @@ pub fn play(
     let begun = Instant::now();
     let jobs = rollouts(bench);
     results.planned = jobs.len();
+    // What earlier calls of this suite did counts towards its caps.
+    for which in &jobs {
+        bench
+            .budget
+            .restore(&ledger::read(&folder_of(bench, *which))?.spent);
+    }
     progress(Phase::Rollouts, 0, jobs.len());
     let done = in_parallel(
         jobs.len(),
@@ -111,7 +125,12 @@ pub fn play(
         results.rollouts.push(played);
     }
     results.spent.rollouts_s = begun.elapsed().as_secs_f64();
-    results.interrupted = results.rollouts.len() < results.planned;
+    if results.rollouts.len() < results.planned {
+        results.stopped = Some(match bench.interrupt.is_raised() {
+            true => Stop::Interrupted,
+            false => Stop::Capped,
+        });
+    }
     Ok(results)
 }
 
@@ -134,7 +153,7 @@ fn refuse_examples(bench: &Bench<'_>, laid: &Laid) -> Result<(), BenchError> {
 
 fn interrupted(results: Results) -> Results {
     Results {
-        interrupted: true,
+        stopped: Some(Stop::Interrupted),
         ..results
     }
 }
@@ -239,7 +258,7 @@ fn folder_of(bench: &Bench<'_>, (entry, start, repetition): Which) -> PathBuf {
         .join(name)
 }
 
-/// Finds or runs a rollout, and scores its last state; None where it was interrupted.
+/// Finds or runs a rollout, and scores its last state; None where it was stopped.
 fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Option<(Played, bool)>, BenchError> {
     let (number, start, repetition) = which;
     let entry = &bench.entries[number];
@@ -252,10 +271,9 @@ fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Option<(Played, b
         start: start_at,
         subgoals: &entry.subgoals,
         examples: &entry.examples,
-        models: Models {
-            vision: entry.model,
-            text: entry.model,
-        },
+        models: entry.models,
+        budget: bench.budget,
+        recorder: bench.recorder,
         make_world: &make_world,
         cache: bench.cache,
         interrupt: bench.interrupt,
@@ -293,14 +311,14 @@ fn identity(job: &Job<'_>, world: &dyn World) -> Identity {
         params: world.parameters(),
         code: world.code(),
         start: job.start.digest(),
-        model: job.models.vision.name().to_owned(),
+        models: [job.models.vision, job.models.text].map(|model| model.name().to_owned()),
         horizon: job.horizon(),
         early_stop: job.early_stop,
         repetition: job.repetition,
     }
 }
 
-/// Runs a rollout into its folder, which is cleared of one that was cut off; None where it is interrupted.
+/// Runs a rollout into its folder, or goes on with one that was cut off; None where it is stopped.
 fn run(job: &Job<'_>, folder: &Path, identity: &Identity) -> Result<Option<Record>, BenchError> {
     if job.interrupt.is_raised() {
         return Ok(None);
@@ -309,16 +327,13 @@ fn run(job: &Job<'_>, folder: &Path, identity: &Identity) -> Result<Option<Recor
         place: folder.display().to_string(),
         error,
     };
-    // Only what a rollout wrote is cleared away; a folder of something else is refused by the next line.
-    if folder.join(crate::journal::JOURNAL_FILE).is_file() {
-        fs::remove_dir_all(folder).map_err(|error| BenchError::NotCleared {
-            folder: folder.to_owned(),
-            why: error.to_string(),
-        })?;
-    }
-    let open = RunFolder::create(folder).map_err(|error| failed(error.into()))?;
+    let open = match folder.join(JOURNAL_FILE).is_file() {
+        true => RunFolder::reopen(folder),
+        false => RunFolder::create(folder),
+    };
+    let open = open.map_err(|error| failed(error.into()))?;
     let report = rollout::run(job, open, &mut |_| {}).map_err(failed)?;
-    if report.outcome == Outcome::Interrupted {
+    if let Outcome::Interrupted | Outcome::BudgetExhausted = report.outcome {
         return Ok(None);
     }
     match record::find(folder, identity) {

@@ -3,12 +3,13 @@
 //! In: a run folder. Out: a [`Record`], or that no rollout has ended there. Tables are made of records alone,
 //! whether a rollout was run just now or found finished, so that both give the same figures.
 
-use crate::journal::JOURNAL_FILE;
+use crate::journal::{JOURNAL_FILE, MAX_SPENT_BYTES, SPENT_FILE};
 use crate::outcome::Outcome;
 use crate::{bounded, npy};
 use compiler::program::{Goal, Metric as GoalMetric};
 use serde::Deserialize;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The largest journal and positions that are read.
@@ -42,6 +43,8 @@ pub struct Step {
     pub seconds: f64,
     /// Wall time of render, vision, prompt, parse and verify, seconds.
     pub planning_s: Option<f64>,
+    /// What its answers cost, US dollars; none where a price is not known.
+    pub cost_usd: Option<f64>,
 }
 
 /// What a rollout is a rollout of; two with the same identity have the same figures.
@@ -55,8 +58,8 @@ pub struct Identity {
     pub code: String,
     /// Digest of the start.
     pub start: String,
-    /// The model.
-    pub model: String,
+    /// The models of vision and of text.
+    pub models: [String; 2],
     /// The most actions.
     pub horizon: u32,
     /// Whether a goal that is judged after each step ends it.
@@ -68,7 +71,7 @@ pub struct Identity {
 /// What a folder holds.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
-    /// Nothing, or a rollout that was cut off or interrupted.
+    /// Nothing, or a rollout that was cut off, interrupted, or stopped by a cap.
     Unfinished,
     /// A rollout of something else; the text says what differs.
     Other(String),
@@ -99,9 +102,10 @@ pub fn find(folder: &Path, wanted: &Identity) -> Found {
         return Found::Other(difference);
     }
     let mut steps = Vec::new();
+    let mut spent = Spent::read(folder);
     for line in lines {
         match line["type"].as_str() {
-            Some("step") => steps.push(step(&line)),
+            Some("step") => steps.push(step(&line, &mut spent)),
             Some("end") => return ended(folder, &line, steps),
             _ => {}
         }
@@ -119,7 +123,8 @@ fn ended(folder: &Path, end: &Value, steps: Vec<Step>) -> Found {
             .map(Some),
     };
     match (outcome, last) {
-        (Ok(outcome), Some(last)) if outcome != Outcome::Interrupted => Found::Finished(Record {
+        (Ok(Outcome::Interrupted | Outcome::BudgetExhausted), _) => Found::Unfinished,
+        (Ok(outcome), Some(last)) => Found::Finished(Record {
             outcome,
             steps,
             last,
@@ -128,10 +133,45 @@ fn ended(folder: &Path, end: &Value, steps: Vec<Step>) -> Found {
     }
 }
 
-fn step(line: &Value) -> Step {
+/// What the steps took, by their number.
+#[derive(Default)]
+struct Spent {
+    steps: BTreeMap<u64, Value>,
+    cost_usd_so_far: f64,
+}
+
+impl Spent {
+    /// Reads what a run folder says; of a step that was done again, the first time counts.
+    fn read(folder: &Path) -> Spent {
+        let bytes = bounded::read(&folder.join(SPENT_FILE), MAX_SPENT_BYTES).unwrap_or_default();
+        let text = String::from_utf8_lossy(&bytes);
+        let mut spent = Spent::default();
+        let lines = text
+            .lines()
+            .filter_map(|line| serde_json::from_str::<Value>(line).ok());
+        for line in lines.filter(|line| line["type"] == "step") {
+            if let Some(step) = line["step"].as_u64() {
+                spent.steps.entry(step).or_insert(line);
+            }
+        }
+        spent
+    }
+
+    /// Returns what a step cost, which comes after those that were asked for before.
+    fn cost_usd(&mut self, line: &Value) -> Option<f64> {
+        let so_far = line["cost_usd_so_far"].as_f64()?;
+        Some(so_far - std::mem::replace(&mut self.cost_usd_so_far, so_far))
+    }
+}
+
+fn step(line: &Value, spent: &mut Spent) -> Step {
+    let took = line["step"]
+        .as_u64()
+        .and_then(|step| spent.steps.remove(&step))
+        .unwrap_or_default();
     let measured = Measured::deserialize(line).ok();
     let of = |get: fn(&Measured) -> Option<f64>| measured.as_ref().and_then(get);
-    let seconds = line["seconds"].as_object().into_iter().flatten();
+    let seconds = took["seconds"].as_object().into_iter().flatten();
     Step {
         is_taken: !line["executed"].is_null() || !line["skipped"].is_null(),
         queries: line["attempts"]
@@ -141,7 +181,8 @@ fn step(line: &Value) -> Step {
         improvement: of(|it| it.normalized_improvement),
         improvement_true: of(|it| it.normalized_improvement_true),
         seconds: seconds.filter_map(|(_, spent)| spent.as_f64()).sum(),
-        planning_s: line["planning_s"].as_f64(),
+        planning_s: took["planning_s"].as_f64(),
+        cost_usd: spent.cost_usd(&took),
     }
 }
 
@@ -163,8 +204,8 @@ impl Identity {
                 text(&header["start"]["digest"]),
                 self.start.clone(),
             ),
-            ("vision model", model("vision"), self.model.clone()),
-            ("text model", model("text"), self.model.clone()),
+            ("vision model", model("vision"), self.models[0].clone()),
+            ("text model", model("text"), self.models[1].clone()),
             (
                 "horizon",
                 text(&header["horizon"]),

@@ -249,8 +249,10 @@ impl<'b> Shown<'b> {
             .flat_map(|played| played.record.steps_to(cut, self.stop(metric)))
             .collect();
         let per_action = |sum: f64| (!steps.is_empty()).then(|| sum / steps.len() as f64);
+        let costs = steps.iter().map(|step| step.cost_usd);
+        let cost = costs.sum::<Option<f64>>();
         let planning: Vec<f64> = steps.iter().filter_map(|step| step.planning_s).collect();
-        let is_stand_in = self.entry.model.nature() == Nature::StandIn;
+        let is_stand_in = self.entry.models.nature() == Nature::StandIn;
         let own = self
             .entry
             .method
@@ -277,10 +279,10 @@ impl<'b> Shown<'b> {
             data_size: Some(self.entry.data_size()),
             queries: per_action(steps.iter().map(|step| f64::from(step.queries)).sum()),
             s_per_action: per_action(steps.iter().map(|step| step.seconds).sum()),
-            cost: is_stand_in.then_some(0.0),
+            cost: cost.and_then(per_action),
             outcomes,
             planning_s: statistics::mean(&planning),
-            model: Some(self.entry.model.name().to_owned()),
+            model: Some(self.entry.models.name()),
             model_is_stand_in: is_stand_in,
             note: (!notes.is_empty()).then(|| notes.join("; ")),
         }

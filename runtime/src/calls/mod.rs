@@ -3,10 +3,15 @@
 //! In: what a model is about to send, and what came of it. Out: permission, or a refusal because of a cap. A model
 //! that sends nothing tells nothing. How a call is made, and which failures are tried again, is left to the model.
 
+pub mod ledger;
+
+mod budget;
 mod fault;
 mod usage;
 
+pub use budget::{Budget, Caps, Spent};
 pub use fault::{Billing, Fault};
+pub use ledger::{Ledger, LedgerError};
 pub use usage::{Usage, Usd};
 
 use crate::model::Reply;

@@ -7,6 +7,7 @@
 pub mod geometric;
 pub mod imperfect;
 pub mod random;
+pub mod recording;
 
 mod offered;
 

@@ -4,8 +4,10 @@ use super::covered::{Covered, Measures};
 use super::report::{Progress, Report, Score};
 use super::tally::Tally;
 use super::timer::Timer;
-use super::{Job, RunError, model_name};
+use super::turn::Turn;
+use super::{Job, RunError};
 use crate::action::Action;
+use crate::agent::Asking;
 use crate::expert::ExpertEnd;
 use crate::journal::{JOURNAL_SCHEMA, JournalError, Line, RunFolder, StepLine};
 use crate::model::{ModelRole, Nature};
@@ -20,9 +22,10 @@ use sha2::{Digest, Sha256};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// Writes a rollout into its folder.
-pub(super) struct Keeper {
+pub(super) struct Keeper<'j> {
     pub(super) folder: RunFolder,
     pub(super) timer: Timer,
+    pub(super) asking: Asking<'j>,
     run_id: String,
     params: String,
     pub(super) tally: Tally,
@@ -32,25 +35,25 @@ pub(super) struct Keeper {
     final_positions: Option<String>,
 }
 
-impl Keeper {
+impl<'j> Keeper<'j> {
     /// Writes program, start and header.
     pub(super) fn open(
         job: &Job<'_>,
         mut folder: RunFolder,
+        asking: Asking<'j>,
         world: &dyn World,
-    ) -> Result<Keeper, RunError> {
+    ) -> Result<Keeper<'j>, RunError> {
         let program = serde_json::to_vec_pretty(job.program)
             .expect("a program has string keys and finite numbers");
         let program_file = folder.keep("program.json", &program)?;
         let start_file = folder.keep("start.npy", &npy::encode(&job.start.positions))?;
-        let run_id = new_run_id(job, &folder);
+        let run_id = folder.run_id().unwrap_or_else(|| new_run_id(job, &folder));
         let model = |role| {
             let model = job.models.of(role);
             json!({ "name": model.name(), "nature": model.nature() })
         };
         let header = json!({
             "schema": JOURNAL_SCHEMA,
-            "run_id": run_id,
             "fabc": env!("CARGO_PKG_VERSION"),
             "task": job.program.task,
             "variant": job.program.variant,
@@ -76,8 +79,10 @@ impl Keeper {
             "goal": job.program.goal,
         });
         folder.append(&Line::Header(&header))?;
+        folder.spend(&json!({ "type": "begin", "run_id": run_id }))?;
         Ok(Keeper {
             folder,
+            asking,
             timer: Timer::default(),
             run_id,
             params: world.parameters(),
@@ -140,13 +145,25 @@ impl Keeper {
         )
     }
 
-    pub(super) fn count(&mut self, line: &StepLine, timer: &Timer) {
+    /// Counts a step, and notes what it took.
+    pub(super) fn count(&mut self, turn: &Turn<'_>) -> Result<(), JournalError> {
+        let line = &turn.line;
+        let mut seconds = Map::new();
+        turn.timer.write(&mut seconds);
+        let spent = self.asking.spent();
+        self.folder.spend(&json!({
+            "type": "step",
+            "step": line.step,
+            "planning_s": turn.planning_s(),
+            "seconds": seconds,
+            "cost_usd_so_far": (spent.unpriced == 0).then(|| spent.cost.dollars()),
+        }))?;
         self.steps += u32::from(line.executed.is_some());
         if let Some(skipped) = line.skipped {
             self.tally.skip(skipped);
             self.last_skip = Some(skipped);
         }
-        if let Some(planning_s) = line.planning_s {
+        if let Some(planning_s) = turn.planning_s() {
             self.tally.planned(planning_s);
         }
         if line.executed.is_some() || line.skipped.is_some() {
@@ -155,7 +172,8 @@ impl Keeper {
                 measures: line.measures,
             });
         }
-        self.timer.absorb(timer);
+        self.timer.absorb(&turn.timer);
+        Ok(())
     }
 
     /// Returns how a rollout ends whose every step was taken.
@@ -181,13 +199,7 @@ impl Keeper {
     ) -> Result<Report, RunError> {
         let mut seconds = Map::new();
         self.timer.write(&mut seconds);
-        let (vision, text) = (
-            model_name(job, ModelRole::Vision),
-            model_name(job, ModelRole::Text),
-        );
-        let stand_in = [ModelRole::Vision, ModelRole::Text]
-            .iter()
-            .any(|role| job.models.of(*role).nature() == Nature::StandIn);
+        let spent = self.asking.spent();
         let Measures {
             coverage,
             coverage_true,
@@ -219,12 +231,14 @@ impl Keeper {
             refusals: self.tally.refusals.clone(),
             malformed_replies: self.tally.malformed,
             planning_s: self.tally.planning_s(),
-            model: if vision == text {
-                vision.to_owned()
-            } else {
-                format!("{vision}, {text}")
-            },
-            model_is_stand_in: stand_in,
+            calls: spent.calls,
+            possibly_billed: spent.possibly_billed,
+            faults: self.asking.faults(),
+            usage: spent.usage,
+            cost_usd: (spent.unpriced == 0).then(|| spent.cost.dollars()),
+            cost_usd_at_most: (spent.unpriced == 0).then(|| spent.at_most().dollars()),
+            model: job.models.name(),
+            model_is_stand_in: job.models.nature() == Nature::StandIn,
             seed: job.start.seed,
             program: job.program.hash(),
             params: self.params.clone(),
@@ -246,13 +260,15 @@ impl Keeper {
             score.distances.iter().map(entry).collect::<Vec<_>>()
         });
         let end = json!({
-            "report": report,
+            "report": report.lasting(),
             "final": self.final_positions,
             "nearest_expert": score.map(|score| score.sequence + 1),
             "experts": experts,
             "sheet": sheet,
         });
         self.folder.append(&Line::End(&end))?;
+        self.folder
+            .spend(&json!({ "type": "end", "report": report.passing() }))?;
         Ok(report)
     }
 }

@@ -1,6 +1,7 @@
 //! What a rollout comes to, as `fabc run --json` and the journal's last line say it.
 
 use super::covered::Measures;
+use crate::calls::Usage;
 use crate::outcome::Outcome;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -50,6 +51,18 @@ pub struct Report {
     /// Mean time per action of render, vision, prompt, parse and verify, seconds: all but the model, the
     /// motion, and the writing of files. Null where no action was asked for.
     pub planning_s: Option<f64>,
+    /// Calls sent to models over the network, each further try included.
+    pub calls: u64,
+    /// Those of them that gave no answer and may have been billed.
+    pub possibly_billed: u64,
+    /// Calls that failed, by what went wrong.
+    pub faults: BTreeMap<String, u32>,
+    /// Tokens that the providers say were used.
+    pub usage: Usage,
+    /// What the answers cost, US dollars; null where a price is not known.
+    pub cost_usd: Option<f64>,
+    /// The same with all that may have been billed.
+    pub cost_usd_at_most: Option<f64>,
     /// The model that answered; both names where the roles differ.
     pub model: String,
     /// Whether that model is an embedded stand-in and no vision-language model.
@@ -70,6 +83,45 @@ pub struct Report {
     pub seconds: Map<String, Value>,
     /// Wall time of the whole run, seconds.
     pub wall_s: f64,
+}
+
+/// The fields that differ between two runs of the same rollout.
+const PASSING: [&str; 12] = [
+    "planning_s",
+    "calls",
+    "possibly_billed",
+    "faults",
+    "usage",
+    "cost_usd",
+    "cost_usd_at_most",
+    "run_dir",
+    "run_id",
+    "experts_simulated",
+    "seconds",
+    "wall_s",
+];
+
+impl Report {
+    /// Returns what is the same in each run of the same rollout, for the journal.
+    pub fn lasting(&self) -> Value {
+        self.part(|name| !PASSING.contains(&name))
+    }
+
+    /// Returns what it took this time.
+    pub fn passing(&self) -> Value {
+        self.part(|name| PASSING.contains(&name))
+    }
+
+    fn part(&self, wanted: impl Fn(&str) -> bool) -> Value {
+        let whole = serde_json::to_value(self).expect("a report has string keys");
+        let fields = whole.as_object().into_iter().flatten();
+        let chosen = fields.filter(|(name, _)| wanted(name));
+        Value::Object(
+            chosen
+                .map(|(name, value)| (name.clone(), value.clone()))
+                .collect(),
+        )
+    }
 }
 
 /// The measures after one step.

@@ -40,6 +40,8 @@ pub(super) struct Turn<'j> {
     pub timer: Timer,
     /// Spent on the way to an action, without the model and the writing of files.
     planning: Duration,
+    /// Whether models were asked.
+    is_planned: bool,
 }
 
 impl<'j> Turn<'j> {
@@ -61,7 +63,13 @@ impl<'j> Turn<'j> {
             },
             timer: Timer::default(),
             planning: Duration::ZERO,
+            is_planned: false,
         }
+    }
+
+    /// Returns the time of render, vision, prompt, parse and verify, seconds; none where no action was asked for.
+    pub(super) fn planning_s(&self) -> Option<f64> {
+        self.is_planned.then(|| self.planning.as_secs_f64())
     }
 
     /// Takes the step; returns an outcome where the rollout ends with it.
@@ -117,12 +125,18 @@ impl<'j> Turn<'j> {
         let remark = self.remark(&scene, last)?;
         let asking = Instant::now();
         let mut aside = Duration::ZERO;
+        let Keeper {
+            folder,
+            asking: line,
+            tally,
+            ..
+        } = keeper;
         let mut record = |attempt: &Attempt| {
             let keeping = Instant::now();
-            keeper.tally.attempt(attempt);
+            tally.attempt(attempt);
             self.line
                 .attempts
-                .push(keeper.folder.keep_attempt(number, attempt)?);
+                .push(folder.keep_attempt(number, attempt)?);
             self.timer.add(&attempt.stage, attempt.took);
             progress(Event::Asked {
                 step: number,
@@ -142,11 +156,11 @@ impl<'j> Turn<'j> {
             pictures: &pictures,
             repetition: job.repetition,
         };
-        let decision = agent::decide(situation, job.models, &mut record)?;
+        let decision = agent::decide(situation, job.models, line, &mut record)?;
         let deciding = asking.elapsed().saturating_sub(aside);
         self.timer.add("prompt and verify", deciding);
         self.planning += deciding;
-        self.line.planning_s = Some(self.planning.as_secs_f64());
+        self.is_planned = true;
         let proposal = match decision {
             Decision::Act { proposal, accepted } => {
                 self.line.accepted = Some(accepted);

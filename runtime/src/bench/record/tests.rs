@@ -95,7 +95,7 @@ fn identity() -> Identity {
         params: "w".to_owned(),
         code: "c".to_owned(),
         start: "s".to_owned(),
-        model: "m".to_owned(),
+        models: ["m", "m"].map(str::to_owned),
         horizon: 3,
         early_stop: true,
         repetition: 1,
@@ -143,10 +143,14 @@ fn folders_are_read_for_what_they_hold() {
         super::find(folder.path(), &identity())
     };
     let step = json!({
-        "type": "step", "attempts": [{}, {}], "executed": {}, "normalized_improvement": 0.25,
-        "normalized_improvement_true": 0.5, "coverage": 0.7, "seconds": { "act": 0.5, "observe": 0.25 },
-        "planning_s": 0.125,
+        "type": "step", "step": 1, "attempts": [{}, {}], "executed": {}, "normalized_improvement": 0.25,
+        "normalized_improvement_true": 0.5, "coverage": 0.7,
     });
+    // Of a step that was done again when the rollout was gone on with, the first time counts.
+    let spent = "{\"type\":\"begin\",\"run_id\":\"r\"}\n\
+        {\"type\":\"step\",\"step\":1,\"seconds\":{\"act\":0.5,\"observe\":0.25},\"planning_s\":0.125,\"cost_usd_so_far\":0.5}\n\
+        {\"type\":\"step\",\"step\":1,\"seconds\":{\"act\":9.0},\"planning_s\":9.0,\"cost_usd_so_far\":0.75}\n";
+    std::fs::write(folder.path().join(SPENT_FILE), spent).unwrap();
     let end = json!({ "type": "end", "report": { "outcome": "horizon_reached" }, "final": null });
     assert_eq!(
         super::find(&folder.path().join("none"), &identity()),
@@ -165,11 +169,13 @@ fn folders_are_read_for_what_they_hold() {
         improvement_true: Some(0.5),
         seconds: 0.75,
         planning_s: Some(0.125),
+        cost_usd: Some(0.5),
     };
     assert_eq!((record.steps, record.last), (vec![expected], None));
-    let interrupted =
-        json!({ "type": "end", "report": { "outcome": "interrupted" }, "final": null });
-    assert_eq!(find(&[header(), interrupted]), Found::Unfinished);
+    for stopped in ["interrupted", "budget_exhausted"] {
+        let end = json!({ "type": "end", "report": { "outcome": stopped }, "final": null });
+        assert_eq!(find(&[header(), end]), Found::Unfinished, "{stopped}");
+    }
     let lost =
         json!({ "type": "end", "report": { "outcome": "horizon_reached" }, "final": "gone.npy" });
     assert_eq!(find(&[header(), step, lost]), Found::Unfinished);

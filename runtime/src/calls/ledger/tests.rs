@@ -1,0 +1,144 @@
+//! What a ledger remembers after a process that died at any byte of it.
+#![allow(clippy::unwrap_used)]
+
+use super::*;
+use crate::calls::{Caps, Usage};
+
+fn usd(dollars: f64) -> Option<Usd> {
+    Some(Usd::from_dollars(dollars).unwrap())
+}
+
+fn call(key: &str, number: u32) -> Call<'_> {
+    Call {
+        model: "openai:some",
+        key,
+        number,
+        at_most: usd(0.5),
+    }
+}
+
+fn bought(text: &str) -> Reply {
+    Reply {
+        usage: Some(Usage {
+            input_tokens: 700,
+            cached_input_tokens: 0,
+            output_tokens: 30,
+        }),
+        cost: usd(0.25),
+        ..Reply::text(text)
+    }
+}
+
+/// One answer after a failed try, a second answer, and a call that never ended.
+fn eventful(folder: &Path) -> Budget {
+    let budget = Budget::default();
+    let mut ledger = Ledger::open(folder, &budget).unwrap();
+    ledger.begin(&call("a", 1)).unwrap();
+    let failed = CallEnd::Failed {
+        fault: Fault::RateLimited,
+        why: "wait",
+        billing: Billing::No,
+        cost: None,
+    };
+    ledger.end(&failed).unwrap();
+    ledger.begin(&call("a", 2)).unwrap();
+    ledger.end(&CallEnd::Answered(&bought("first"))).unwrap();
+    ledger.keep("b", &Reply::text("cached")).unwrap();
+    ledger.begin(&call("c", 1)).unwrap();
+    ledger.end(&CallEnd::Answered(&bought("third"))).unwrap();
+    ledger.begin(&call("d", 1)).unwrap();
+    drop(ledger);
+    budget
+}
+
+#[test]
+fn answers_are_remembered_and_an_open_call_counts_as_possibly_billed() {
+    let folder = tempfile::tempdir().unwrap();
+    let budget = eventful(folder.path());
+    let noted = read(folder.path()).unwrap();
+    let texts: Vec<_> = noted
+        .answered
+        .iter()
+        .map(|(key, reply)| (key.as_str(), reply.text.as_str()))
+        .collect();
+    assert_eq!(texts, [("a", "first"), ("b", "cached"), ("c", "third")]);
+    assert_eq!(noted.spent.calls, 4);
+    assert_eq!(noted.spent.possibly_billed, 1);
+    assert_eq!(Some(noted.spent.cost), usd(0.5));
+    assert_eq!(Some(noted.spent.possibly), usd(0.5));
+    assert_eq!(noted.spent.usage.input_tokens, 1400);
+    assert_eq!(noted.faults, BTreeMap::from([(Fault::RateLimited, 1)]));
+    // In the process that made them the call is still under way.
+    assert_eq!(budget.spent().calls, 3);
+}
+
+#[test]
+fn a_ledger_cut_off_at_any_byte_goes_on_and_loses_no_whole_line() {
+    let folder = tempfile::tempdir().unwrap();
+    eventful(folder.path());
+    let path = folder.path().join(LEDGER_FILE);
+    let whole = std::fs::read(&path).unwrap();
+    for length in 0..=whole.len() {
+        std::fs::write(&path, &whole[..length]).unwrap();
+        let before = read(folder.path()).unwrap();
+        let budget = Budget::new(Caps::default(), before.spent);
+        let mut ledger = Ledger::open(folder.path(), &budget).unwrap();
+        ledger.begin(&call("e", 1)).unwrap();
+        ledger.end(&CallEnd::Answered(&bought("later"))).unwrap();
+        drop(ledger);
+        let after = read(folder.path()).unwrap();
+        let mut expected = before.answered.clone();
+        expected.insert("e".to_owned(), bought("later"));
+        assert_eq!(after.answered, expected, "cut at {length}");
+        assert_eq!(after.spent.calls, before.spent.calls + 1, "cut at {length}");
+        assert_eq!(after.spent, budget.spent(), "cut at {length}");
+    }
+}
+
+#[test]
+fn a_damaged_line_is_named_and_nothing_is_written_behind_it() {
+    let folder = tempfile::tempdir().unwrap();
+    eventful(folder.path());
+    let path = folder.path().join(LEDGER_FILE);
+    let text = std::fs::read_to_string(&path)
+        .unwrap()
+        .replacen("\"answered\"", "\"answred\"", 1);
+    std::fs::write(&path, text).unwrap();
+    let budget = Budget::default();
+    let why = Ledger::open(folder.path(), &budget)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        why.contains("calls.jsonl") && why.contains("line 4"),
+        "{why}"
+    );
+}
+
+#[test]
+fn a_call_that_a_cap_forbids_is_not_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    let caps = Caps {
+        cost: None,
+        calls: Some(0),
+    };
+    let budget = Budget::new(caps, Spent::default());
+    let mut ledger = Ledger::open(folder.path(), &budget).unwrap();
+    assert!(matches!(
+        ledger.begin(&call("a", 1)),
+        Err(CallRefused::Budget(_))
+    ));
+    assert!(!folder.path().join(LEDGER_FILE).exists());
+}
+
+#[test]
+fn a_ledger_that_cannot_be_written_lets_nothing_be_sent() {
+    let folder = tempfile::tempdir().unwrap();
+    let budget = Budget::default();
+    let mut ledger = Ledger::open(&folder.path().join("absent"), &budget).unwrap();
+    assert!(matches!(
+        ledger.begin(&call("a", 1)),
+        Err(CallRefused::NotNoted(_))
+    ));
+    ledger.end(&CallEnd::Answered(&bought("x"))).unwrap();
+    assert_eq!(budget.spent().cost, Usd::ZERO);
+}

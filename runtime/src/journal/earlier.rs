@@ -1,0 +1,112 @@
+//! What an earlier part of the same rollout wrote, line by line.
+//!
+//! In: a journal. Out: its whole lines up to where the rollout goes on: the header, and every step that was taken. What
+//! follows (a step that ended the rollout, its end, a line that was cut off) is written anew.
+
+use super::JournalError;
+use serde_json::Value;
+use std::collections::VecDeque;
+use std::path::Path;
+
+/// The largest journal that is gone on with.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// Lines that are known already, oldest first.
+#[derive(Debug, Default)]
+pub(super) struct Earlier {
+    lines: VecDeque<String>,
+    /// How many there were.
+    count: usize,
+    /// Bytes up to the end of the last of them.
+    bytes: u64,
+}
+
+impl Earlier {
+    /// Reads a journal.
+    pub(super) fn read(path: &Path) -> Result<Earlier, JournalError> {
+        let bytes =
+            crate::bounded::read(path, MAX_BYTES).map_err(|why| JournalError::Unreadable {
+                path: path.to_owned(),
+                why,
+            })?;
+        let mut earlier = Earlier::default();
+        for line in bytes.split_inclusive(|byte| *byte == b'\n') {
+            let text = line
+                .strip_suffix(b"\n")
+                .and_then(|line| std::str::from_utf8(line).ok());
+            let Some(text) = text.filter(|text| is_taken(text, earlier.count)) else {
+                break;
+            };
+            earlier.lines.push_back(text.to_owned());
+            earlier.count += 1;
+            earlier.bytes += line.len() as u64;
+        }
+        Ok(earlier)
+    }
+
+    /// Returns how many bytes of the journal stay as they are.
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Returns how many steps stay as they are.
+    pub(super) fn steps(&self) -> usize {
+        self.count.saturating_sub(1)
+    }
+
+    /// Takes a line that comes again; returns whether it was known.
+    ///
+    /// Fails where another one stood there: the rollout would not be the same.
+    pub(super) fn take(&mut self, line: &str) -> Result<bool, String> {
+        let Some(known) = self.lines.pop_front() else {
+            return Ok(false);
+        };
+        match known == line {
+            true => Ok(true),
+            false => Err(difference(&known, line)),
+        }
+    }
+}
+
+/// Returns whether a line stays: the first if it is a header, others if they are steps that did not end the rollout.
+fn is_taken(line: &str, number: usize) -> bool {
+    let Ok(line) = serde_json::from_str::<Value>(line) else {
+        return false;
+    };
+    match number {
+        0 => line["type"] == "header",
+        _ => line["type"] == "step" && line["stopped"].is_null(),
+    }
+}
+
+/// Says in which field two lines differ.
+fn difference(then: &str, now: &str) -> String {
+    let object = |line: &str| serde_json::from_str::<Value>(line).unwrap_or_default();
+    let (then, now) = (object(then), object(now));
+    let what = match then["type"].as_str() {
+        Some("step") => format!("step {}", then["step"]),
+        _ => "the first line".to_owned(),
+    };
+    let fields = now.as_object().cloned().unwrap_or_default();
+    let mut changed = fields
+        .iter()
+        .filter(|(name, value)| then[name.as_str()] != **value);
+    match changed.next() {
+        Some((name, value)) => format!(
+            "{what} had `{name}` {} and would now have {}",
+            shortened(&then[name.as_str()]),
+            shortened(value)
+        ),
+        None => format!("{what} lacks something that it had"),
+    }
+}
+
+fn shortened(value: &Value) -> String {
+    const MOST: usize = 60;
+    let text = value.to_string();
+    let short: String = text.chars().take(MOST).collect();
+    match short.len() < text.len() {
+        true => format!("{short}…"),
+        false => short,
+    }
+}

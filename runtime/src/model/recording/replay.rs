@@ -1,0 +1,96 @@
+//! `replay:FILE`: answers from a recording, byte for byte, and sends nothing.
+
+use super::{Exchange, Outcome, RecordingError, difference, read};
+use crate::calls::Calls;
+use crate::model::{Model, ModelError, Nature, Reply, Request};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// A recording in a model's place.
+#[derive(Debug)]
+pub struct Replay {
+    name: String,
+    path: PathBuf,
+    nature: Nature,
+    exchanges: Vec<Exchange>,
+    /// Index of the exchange that answers a question.
+    by_key: BTreeMap<String, usize>,
+}
+
+impl Replay {
+    /// Reads a recording; its name is `replay(MODEL)`, with the models that were recorded.
+    ///
+    /// Fails where the file is no recording, or holds no exchange.
+    pub fn load(path: &Path) -> Result<Replay, RecordingError> {
+        let exchanges = read(path)?.exchanges;
+        if exchanges.is_empty() {
+            return Err(RecordingError {
+                path: path.to_owned(),
+                why: "it holds no exchange".to_owned(),
+            });
+        }
+        let models: BTreeSet<&str> = exchanges.iter().map(|it| it.model.as_str()).collect();
+        let models: Vec<&str> = models.into_iter().collect();
+        let is_stand_in = exchanges.iter().any(|it| it.nature == Nature::StandIn);
+        let mut by_key = BTreeMap::new();
+        for (index, exchange) in exchanges.iter().enumerate() {
+            // Of a question that was put again after a failure, the last answer counts.
+            let is_failure = matches!(exchange.outcome, Outcome::Failure { .. });
+            if !is_failure || !by_key.contains_key(&exchange.key) {
+                by_key.insert(exchange.key.clone(), index);
+            }
+        }
+        Ok(Replay {
+            name: format!("replay({})", models.join(", ")),
+            path: path.to_owned(),
+            nature: match is_stand_in {
+                true => Nature::StandIn,
+                false => Nature::Model,
+            },
+            by_key,
+            exchanges,
+        })
+    }
+}
+
+impl Model for Replay {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn nature(&self) -> Nature {
+        self.nature
+    }
+
+    fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let Some(index) = self.by_key.get(&request.key()) else {
+            return Err(ModelError::Unsupported {
+                model: self.name.clone(),
+                why: format!(
+                    "`{}` holds no answer to it: {}",
+                    self.path.display(),
+                    difference::nearest(&self.exchanges, request)
+                ),
+            });
+        };
+        match &self.exchanges[*index].outcome {
+            // A replay buys nothing, so what the answer cost then is not said.
+            Outcome::Reply(reply) => Ok(Reply {
+                cost: None,
+                ..reply.clone()
+            }),
+            Outcome::Failure {
+                fault: Some(fault),
+                why,
+            } => Err(ModelError::Failed {
+                model: self.name.clone(),
+                fault: *fault,
+                why: why.clone(),
+            }),
+            Outcome::Failure { fault: None, why } => Err(ModelError::Unsupported {
+                model: self.name.clone(),
+                why: why.clone(),
+            }),
+        }
+    }
+}

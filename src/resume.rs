@@ -1,0 +1,90 @@
+//! `fabc resume`: goes on with a rollout that was cut off or stopped.
+//!
+//! The rollout is done again from its start, with the answers that its folder holds, and must come out the same; from
+//! the first step that is not there yet it is asked for and carried out anew. So nothing is asked twice, and a task or a
+//! simulator that changed since is noticed.
+
+use crate::cli::ResumeArguments;
+use crate::exit::{Exit, Failure};
+use crate::run::{self, Begun, Into, RUN_FILE};
+use crate::{output, sources};
+use runtime::journal::JOURNAL_FILE;
+use runtime::outcome::Outcome;
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Goes on with a rollout and reports it.
+pub fn run(arguments: &ResumeArguments) -> Result<Exit, Failure> {
+    let folder = fs::canonicalize(&arguments.run).map_err(|error| {
+        Failure::environment(format!(
+            "there is no run folder `{}`: {error}",
+            arguments.run.display()
+        ))
+    })?;
+    let begun = begun(&folder, &arguments.run)?;
+    if let Some(report) = ended(&folder) {
+        return Ok(said(&report, arguments));
+    }
+    let Begun {
+        directory,
+        arguments: mut wanted,
+    } = begun;
+    // Paths of the command line are relative to where it was given.
+    std::env::set_current_dir(&directory).map_err(|error| {
+        Failure::environment(format!(
+            "the run was begun in `{}`, which cannot be entered: {error}",
+            directory.display()
+        ))
+    })?;
+    wanted.json = arguments.json;
+    wanted.spend.max_cost = arguments.max_cost.or(wanted.spend.max_cost);
+    wanted.spend.max_calls = arguments.max_calls.or(wanted.spend.max_calls);
+    run::play(&wanted, Into::Again(&folder))
+}
+
+/// Reads how the run was begun.
+fn begun(folder: &Path, named: &Path) -> Result<Begun, Failure> {
+    let path: PathBuf = folder.join(RUN_FILE);
+    let wrong = |why: String| {
+        Failure::environment(format!(
+            "`{}` cannot be gone on with: {why}; rollouts of a suite are gone on with by `fabc bench SUITE --out DIR`",
+            named.display()
+        ))
+    };
+    let bytes = sources::read_bounded(&path);
+    let bytes = bytes.map_err(|why| wrong(format!("its {RUN_FILE} cannot be read ({why})")))?;
+    let begun = serde_json::from_slice(&bytes);
+    begun.map_err(|error| wrong(format!("its {RUN_FILE} is damaged ({error})")))
+}
+
+/// Returns the report of a rollout that ended for good: not by the user, a cap, or a model that could not be had.
+fn ended(folder: &Path) -> Option<Value> {
+    let text = fs::read_to_string(folder.join(JOURNAL_FILE)).ok()?;
+    let last: Value = serde_json::from_str(text.lines().last()?).ok()?;
+    let report = (last["type"] == "end").then(|| last["report"].clone())?;
+    match outcome(&report)? {
+        Outcome::Interrupted | Outcome::BudgetExhausted | Outcome::ModelFailed => None,
+        _ => Some(report),
+    }
+}
+
+fn outcome(report: &Value) -> Option<Outcome> {
+    serde_json::from_value(report["outcome"].clone()).ok()
+}
+
+/// Says how the rollout had ended; the exit code is that of the run.
+fn said(report: &Value, arguments: &ResumeArguments) -> Exit {
+    let name = report["outcome"].as_str().unwrap_or_default();
+    output::talk(&format!(
+        "the rollout in `{}` has ended ({name}); there is nothing to go on with",
+        arguments.run.display()
+    ));
+    if arguments.json {
+        output::json(report);
+    }
+    match outcome(report) {
+        Some(outcome) => run::exit_of(outcome, report["goal_reached"].as_bool()),
+        None => Exit::Environment,
+    }
+}

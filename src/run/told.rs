@@ -1,0 +1,178 @@
+//! What `fabc run` says: a line per step while it runs, and a summary.
+
+use crate::output;
+use compiler::program::{Goal, Metric};
+use compiler::verify::Verdict;
+use runtime::agent::{Attempt, Finding};
+use runtime::rollout::{Event, RolloutReport};
+use runtime::world::Grasp;
+
+/// Shows one event on stderr.
+pub fn show(event: Event<'_>) {
+    match event {
+        Event::Asked { step, attempt } => {
+            if let Some(refusal) = refusal(attempt) {
+                output::talk(&format!(
+                    "  step {step}, {} attempt {}: {refusal}",
+                    attempt.stage, attempt.number
+                ));
+            }
+        }
+        Event::Stepped {
+            step,
+            horizon,
+            action,
+            grasp,
+            seconds,
+        } => {
+            let moved = if action.pick_px == action.pick_on_cloth_px {
+                String::new()
+            } else {
+                format!(", taken at {} on the cloth", action.pick_on_cloth_px)
+            };
+            let missed = if grasp == Grasp::Missed {
+                ", nothing grasped"
+            } else {
+                ""
+            };
+            output::talk(&format!(
+                "step {step}/{horizon}: pick {}{moved}, place {}{missed}   {seconds:.1} s",
+                action.pick_px, action.place_px
+            ));
+        }
+        Event::Skipped { step, horizon, why } => {
+            output::talk(&format!("step {step}/{horizon}: skipped ({})", why.name()));
+        }
+        Event::SimulatingExperts { missing, total } => {
+            output::talk(&format!(
+                "simulating {missing} of {total} expert results to score against; they are kept for the next run"
+            ));
+        }
+        Event::Note(note) => output::talk(&format!("note: {note}")),
+    }
+}
+
+/// Returns why an attempt led to nothing, where it did.
+fn refusal(attempt: &Attempt) -> Option<String> {
+    match &attempt.finding {
+        Finding::Action {
+            verdict: Verdict::Reject { check, message, .. },
+            ..
+        } => Some(format!("refused by `{check}`: {message}")),
+        Finding::Malformed { message, .. } => Some(format!("not readable: {message}")),
+        Finding::Failed { why, .. } => Some(why.clone()),
+        Finding::Text { .. }
+        | Finding::Action {
+            verdict: Verdict::Accept,
+            ..
+        } => None,
+    }
+}
+
+/// Sums up a rollout.
+pub fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
+    let mut lines = vec![format!("outcome: {}", report.outcome.name())];
+    if let Some(mm) = report.mean_particle_distance_mm {
+        let goal = goal
+            .filter(|goal| goal.metric == Metric::ParticleDistance)
+            .map_or(String::new(), |goal| {
+                format!(" (goal: below {:.0} mm)", goal.limit * 1000.0)
+            });
+        lines.push(format!(
+            "mean particle distance to the nearest expert result: {mm:.1} mm{goal}"
+        ));
+    }
+    if let Some(coverage) = report.coverage
+        && goal.is_some_and(|goal| goal.metric.is_judged_each_step())
+    {
+        let both = |source: f64, truly: Option<f64>| {
+            let truly = truly.map_or(String::new(), |truly| format!(", {truly:.3} (true)"));
+            format!("{source:.3} (source){truly}")
+        };
+        let gained = report.normalized_improvement;
+        let gained = gained.map_or(String::new(), |gained| {
+            let truly = report.normalized_improvement_true;
+            format!("; normalized improvement {}", both(gained, truly))
+        });
+        lines.push(format!(
+            "coverage {}{gained}",
+            both(coverage, report.coverage_true)
+        ));
+    }
+    let stand_in = if report.model_is_stand_in {
+        ", a stand-in and no vision-language model"
+    } else {
+        ""
+    };
+    lines.push(format!("model: {}{stand_in}", report.model));
+    lines.push(questions(report));
+    lines.extend(spent(report));
+    let seconds = report
+        .seconds
+        .iter()
+        .filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
+    lines.push(format!(
+        "seconds: {}, in all {:.1}",
+        seconds.collect::<Vec<_>>().join(", "),
+        report.wall_s
+    ));
+    if report.experts_simulated > 0 {
+        lines.push(format!(
+            "of that, {} expert results were simulated for the first time",
+            report.experts_simulated
+        ));
+    }
+    lines.push(format!(
+        "run folder: {} (contact sheet: sheet.png)",
+        report.run_dir
+    ));
+    lines.join("\n")
+}
+
+/// Says what models were paid for, where calls were made.
+fn spent(report: &RolloutReport) -> Option<String> {
+    if report.calls == 0 {
+        return None;
+    }
+    let mut text = format!(
+        "calls: {}, tokens {} in, {} out",
+        report.calls, report.usage.input_tokens, report.usage.output_tokens
+    );
+    match report.cost_usd {
+        Some(cost) => text.push_str(&format!(", {cost:.4} USD")),
+        None => text.push_str(", cost not known"),
+    }
+    if report.possibly_billed > 0 {
+        text.push_str(&format!(
+            "; {} gave no answer and may have been billed",
+            report.possibly_billed
+        ));
+    }
+    let faults = report.faults.iter();
+    let faults: Vec<String> = faults
+        .map(|(fault, count)| format!("{fault} {count}"))
+        .collect();
+    if !faults.is_empty() {
+        text.push_str(&format!(" ({})", faults.join(", ")));
+    }
+    Some(text)
+}
+
+/// Says what came of the questions, with what went wrong by name.
+fn questions(report: &RolloutReport) -> String {
+    let mut counts = vec![format!("questions: {}", report.queries)];
+    let refusals = report.refusals.iter();
+    counts.extend(refusals.map(|(check, count)| format!("refused by `{check}`: {count}")));
+    if report.malformed_replies > 0 {
+        counts.push(format!("not readable: {}", report.malformed_replies));
+    }
+    let skipped = report.skipped.iter();
+    counts.extend(skipped.map(|(why, count)| format!("steps skipped ({why}): {count}")));
+    if let Some(planning_s) = report.planning_s {
+        counts.push(format!(
+            "{:.0} ms of planning per action",
+            planning_s * 1000.0
+        ));
+    }
+    counts.join(", ")
+}

@@ -1,0 +1,135 @@
+//! Who answers: models by their names on the command line.
+
+use crate::cli::asked::{ModelArguments, SpendArguments};
+use crate::exit::Failure;
+use runtime::agent::Models;
+use runtime::calls::{Budget, Caps, Spent};
+use runtime::model::recording::{Recorder, Replay};
+use runtime::model::{Geometric, Imperfect, Model, Random};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The models that this build knows.
+const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SEED` (draws from what is offered), `imperfect:RATE` or `imperfect:RATE:SEED` (geometric with that share of wrong answers), and `replay:FILE` (a recording)";
+
+/// The seed of a model where the command line names none.
+const DEFAULT_SEED: u64 = 0;
+
+/// The models of both roles.
+pub struct Answering {
+    vision: Arc<dyn Model>,
+    text: Arc<dyn Model>,
+}
+
+impl Answering {
+    /// Returns who answers which role.
+    pub fn models(&self) -> Models<'_> {
+        Models {
+            vision: self.vision.as_ref(),
+            text: self.text.as_ref(),
+        }
+    }
+}
+
+/// Finds the models that the command line names.
+pub fn models(arguments: &ModelArguments) -> Result<Answering, Failure> {
+    let roles = by_role("--model", &arguments.model)?;
+    match roles {
+        ByRole::Both(name) => {
+            let model: Arc<dyn Model> = Arc::from(model(&name)?);
+            Ok(Answering {
+                vision: Arc::clone(&model),
+                text: model,
+            })
+        }
+        ByRole::Each { vision, text } => Ok(Answering {
+            vision: Arc::from(model(&vision)?),
+            text: Arc::from(model(&text)?),
+        }),
+    }
+}
+
+/// Something that may be said for both roles or for each.
+enum ByRole {
+    Both(String),
+    Each { vision: String, text: String },
+}
+
+/// Reads `X`, or `vision=X` and `text=Y`.
+fn by_role(flag: &str, values: &[String]) -> Result<ByRole, Failure> {
+    let wrong = |why: &str| {
+        Failure::usage(format!(
+            "{why}; write `{flag} X` for both roles, or `{flag} vision=X {flag} text=Y`"
+        ))
+    };
+    let (mut both, mut vision, mut text) = (None, None, None);
+    for value in values {
+        let (place, value) = match value.split_once('=') {
+            Some(("vision", value)) => (&mut vision, value),
+            Some(("text", value)) => (&mut text, value),
+            _ => (&mut both, value.as_str()),
+        };
+        if place.replace(value.to_owned()).is_some() {
+            return Err(wrong(&format!("`{flag}` says the same role twice")));
+        }
+    }
+    match (both, vision, text) {
+        (Some(both), None, None) => Ok(ByRole::Both(both)),
+        (None, Some(vision), Some(text)) => Ok(ByRole::Each { vision, text }),
+        (Some(both), Some(vision), None) => Ok(ByRole::Each { vision, text: both }),
+        (Some(both), None, Some(text)) => Ok(ByRole::Each { vision: both, text }),
+        (Some(_), Some(_), Some(_)) => Err(wrong(&format!(
+            "`{flag}` names both roles and a third for neither"
+        ))),
+        (None, Some(_), None) => Err(wrong(&format!("`{flag}` names nothing for `text`"))),
+        (None, None, Some(_)) => Err(wrong(&format!("`{flag}` names nothing for `vision`"))),
+        (None, None, None) => Err(wrong(&format!("`{flag}` says nothing"))),
+    }
+}
+
+/// Finds the model of that name.
+pub fn model(name: &str) -> Result<Box<dyn Model>, Failure> {
+    if let Some(file) = name.strip_prefix("replay:") {
+        let replay = Replay::load(Path::new(file)).map_err(Failure::environment)?;
+        return Ok(Box::new(replay));
+    }
+    let mut parts = name.split(':');
+    let parts = [parts.next(), parts.next(), parts.next(), parts.next()];
+    let found: Option<Box<dyn Model>> = match parts {
+        [Some("geometric"), None, ..] => Some(Box::new(Geometric)),
+        [Some("random"), seed, None, _] => {
+            seed_of(seed).map(|seed| Box::new(Random::seeded(seed)) as Box<dyn Model>)
+        }
+        [Some("imperfect"), Some(rate), seed, None] => rate
+            .parse()
+            .ok()
+            .zip(seed_of(seed))
+            .and_then(|(rate, seed)| Imperfect::new(rate, seed))
+            .map(|model| Box::new(model) as Box<dyn Model>),
+        _ => None,
+    };
+    found.ok_or_else(|| {
+        Failure::usage(format!(
+            "there is no model `{name}`; there is {MODELS}; SEED is a whole number, RATE from 0 to 1"
+        ))
+    })
+}
+
+fn seed_of(text: Option<&str>) -> Option<u64> {
+    text.map_or(Some(DEFAULT_SEED), |text| text.parse().ok())
+}
+
+/// Makes the budget that the command line states, of which `spent` is used up.
+pub fn budget(arguments: &SpendArguments, spent: Spent) -> Budget {
+    let caps = Caps {
+        cost: arguments.max_cost,
+        calls: arguments.max_calls,
+    };
+    Budget::new(caps, spent)
+}
+
+/// Opens the recording that the command line names.
+pub fn recorder(arguments: &SpendArguments) -> Result<Option<Recorder>, Failure> {
+    let opened = arguments.record.as_deref().map(Recorder::open);
+    opened.transpose().map_err(Failure::environment)
+}
