@@ -102,8 +102,9 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         .spent;
     let budget = models::budget(&arguments.spend, spent);
     keep_beginning(&folder, arguments, &into)?;
+    let earlier = folder.earlier_steps();
     if let Into::Again(_) = into {
-        output::talk(&again(folder.earlier_steps(), &spent));
+        output::talk(&again(earlier, &spent));
     }
     let job = Job {
         program: &program,
@@ -120,7 +121,8 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         early_stop: true,
         repetition: 0,
     };
-    let report = rollout::run(&job, folder, &mut told::show).map_err(Failure::environment)?;
+    let report = rollout::run(&job, folder, &mut |event| told::show(event, earlier))
+        .map_err(Failure::environment)?;
     if arguments.json {
         output::json(
             &serde_json::to_value(&report).expect("a report has string keys and finite numbers"),
@@ -158,7 +160,7 @@ fn keep_beginning(
 }
 
 /// Says what a run that is gone on with has already.
-fn again(steps: usize, spent: &Spent) -> String {
+fn again(steps: u32, spent: &Spent) -> String {
     let mut text = format!("going on after step {steps}");
     if spent.calls > 0 {
         text.push_str(&format!(

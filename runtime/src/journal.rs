@@ -191,7 +191,7 @@ impl RunFolder {
     }
 
     /// Returns how many steps an earlier part of the rollout took.
-    pub fn earlier_steps(&self) -> usize {
+    pub fn earlier_steps(&self) -> u32 {
         self.earlier.steps()
     }
 

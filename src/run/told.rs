@@ -7,9 +7,11 @@ use runtime::agent::{Attempt, Finding};
 use runtime::rollout::{Event, RolloutReport};
 use runtime::world::Grasp;
 
-/// Shows one event on stderr.
-pub fn show(event: Event<'_>) {
+/// Shows one event on stderr, unless it is of one of the `earlier` steps, which were shown when they were new.
+pub fn show(event: Event<'_>, earlier: u32) {
     match event {
+        Event::Asked { step, .. } | Event::Stepped { step, .. } | Event::Skipped { step, .. }
+            if step <= earlier => {}
         Event::Asked { step, attempt } => {
             if let Some(refusal) = refusal(attempt) {
                 output::talk(&format!(

@@ -5,6 +5,7 @@ use compiler::program::{Extractor, Program, Response};
 use compiler::verify::Verdict;
 use runtime::agent::{Finding, Models};
 use runtime::cache::Cache;
+use runtime::calls::Budget;
 use runtime::interrupt::Interrupt;
 use runtime::model::{Part, Request, Speaker};
 use runtime::outcome::Outcome;
@@ -59,6 +60,8 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
         interrupt: interrupt.clone(),
         horizon: None,
         early_stop: true,
+        budget: Budget::default(),
+        recorder: None,
         repetition: 0,
     };
     let mut findings = Vec::new();

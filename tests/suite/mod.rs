@@ -21,6 +21,7 @@ mod peers;
 mod prompts;
 mod readme;
 mod recorded_starts;
+mod resumed;
 mod retried_steps;
 mod see;
 mod sim_outlines;

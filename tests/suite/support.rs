@@ -82,14 +82,13 @@ pub fn task(name: &str) -> Program {
     compiled.programs.into_iter().next().unwrap()
 }
 
-/// Puts the shipped library for folds beside a test's own task.
+/// Puts the shipped libraries beside a test's own task.
 pub fn bring_library(folder: &Path) {
     std::fs::create_dir_all(folder.join("lib")).unwrap();
-    std::fs::copy(
-        root().join("tasks/lib/folding.fab"),
-        folder.join("lib/folding.fab"),
-    )
-    .unwrap();
+    for entry in std::fs::read_dir(root().join("tasks/lib")).unwrap() {
+        let entry = entry.unwrap();
+        std::fs::copy(entry.path(), folder.join("lib").join(entry.file_name())).unwrap();
+    }
 }
 
 /// A shipped task on a cloth so small that a rollout takes a moment; scored against nothing, and its results not

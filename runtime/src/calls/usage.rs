@@ -45,7 +45,7 @@ impl Usd {
     pub const ZERO: Usd = Usd { nano: 0 };
 
     /// Makes an amount of billionths.
-    pub fn from_nano(nano: u64) -> Usd {
+    pub const fn from_nano(nano: u64) -> Usd {
         Usd { nano }
     }
 

@@ -50,8 +50,9 @@ impl Earlier {
     }
 
     /// Returns how many steps stay as they are.
-    pub(super) fn steps(&self) -> usize {
-        self.count.saturating_sub(1)
+    pub(super) fn steps(&self) -> u32 {
+        // A journal that is read has far fewer lines.
+        u32::try_from(self.count.saturating_sub(1)).unwrap_or(u32::MAX)
     }
 
     /// Takes a line that comes again; returns whether it was known.

@@ -1,0 +1,301 @@
+//! Rollouts that were cut off, stopped by a cap, or changed since, and are gone on with.
+
+use super::support::{self, Trial, bring_library, fabc, finish, project};
+use runtime::agent::Models;
+use runtime::calls::{Budget, Call, CallEnd, Calls, Caps, Spent, Usage, Usd, ledger};
+use runtime::journal::{JOURNAL_FILE, JournalError, RunFolder};
+use runtime::model::{Geometric, Model, ModelError, Nature, Reply, Request};
+use runtime::outcome::Outcome;
+use runtime::rollout::RolloutReport;
+use runtime::world::Look;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::sync::Mutex;
+
+/// What each answer costs.
+const PRICE: Usd = Usd::from_nano(1_000_000);
+
+/// The stand-in as if it were bought: each question is a call.
+#[derive(Default)]
+struct Bought {
+    sent: Mutex<Vec<String>>,
+}
+
+impl Model for Bought {
+    fn name(&self) -> &str {
+        "shop:geometric"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Model
+    }
+
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let key = request.key();
+        calls.begin(&Call {
+            model: self.name(),
+            key: &key,
+            number: 1,
+            at_most: Some(PRICE),
+        })?;
+        self.sent.lock().unwrap().push(key);
+        let reply = Reply {
+            usage: Some(Usage {
+                input_tokens: 1000,
+                cached_input_tokens: 0,
+                output_tokens: 10,
+            }),
+            cost: Some(PRICE),
+            ..Geometric.ask(request, calls)?
+        };
+        calls.end(&CallEnd::Answered(&reply))?;
+        Ok(reply)
+    }
+}
+
+impl Bought {
+    fn both(&self) -> Models<'_> {
+        Models {
+            vision: self,
+            text: self,
+        }
+    }
+
+    fn sent(&self) -> Vec<String> {
+        self.sent.lock().unwrap().clone()
+    }
+}
+
+fn journal(run: &Path) -> String {
+    fs::read_to_string(run.join(JOURNAL_FILE)).unwrap()
+}
+
+fn play(trial: &Trial<'_>, model: &Bought, run: &Path) -> RolloutReport {
+    trial.run(model.both(), run, &mut |_| {})
+}
+
+/// Copies the files at the top of a run folder; all others are written anew.
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        if entry.path().is_file() {
+            fs::copy(entry.path(), to.join(entry.file_name())).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_rollout_cut_off_anywhere_comes_out_the_same_and_asks_nothing_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = support::small_task();
+    let trial = Trial::new(&program, folder.path(), Look::default());
+    let whole = folder.path().join("whole");
+    let model = Bought::default();
+    let report = play(&trial, &model, &whole);
+    assert_eq!(report.calls, 4);
+    assert_eq!(report.cost_usd, Some(0.004));
+    let sent = model.sent();
+    let lines = journal(&whole);
+    let ends: Vec<usize> = lines.match_indices('\n').map(|(at, _)| at + 1).collect();
+    // Within the header, at each line's end, within each line, and whole.
+    let mut cuts = vec![0, 30];
+    cuts.extend(ends.iter().flat_map(|end| [*end, end + 40]));
+    let calls = fs::read_to_string(whole.join(ledger::LEDGER_FILE)).unwrap();
+    let noted: Vec<usize> = calls.match_indices('\n').map(|(at, _)| at + 1).collect();
+    for (number, cut) in cuts
+        .into_iter()
+        .filter(|cut| *cut <= lines.len())
+        .enumerate()
+    {
+        let run = folder.path().join(format!("cut-{number}"));
+        copy(&whole, &run);
+        fs::write(run.join(JOURNAL_FILE), &lines[..cut]).unwrap();
+        // Two answers of each step come before its line; the third call was under way.
+        let steps = ends
+            .iter()
+            .filter(|end| **end <= cut)
+            .count()
+            .saturating_sub(1)
+            .min(2);
+        let kept = (noted[(4 * steps).min(7)]).min(calls.len());
+        fs::write(run.join(ledger::LEDGER_FILE), &calls[..kept]).unwrap();
+        let answered = ledger::read(&run).unwrap().answered;
+        let model = Bought::default();
+        play(&trial, &model, &run);
+        assert_eq!(journal(&run), lines, "cut at {cut}");
+        let before: BTreeSet<String> = answered.into_keys().collect();
+        let now: BTreeSet<String> = model.sent().into_iter().collect();
+        assert!(
+            before.is_disjoint(&now),
+            "a question was asked again, cut at {cut}"
+        );
+        assert_eq!(before.len() + now.len(), sent.len(), "cut at {cut}");
+        assert_eq!(model.sent().len(), now.len(), "cut at {cut}");
+    }
+}
+
+#[test]
+fn a_cap_ends_a_rollout_and_a_higher_one_goes_on_with_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = support::small_task();
+    let run = folder.path().join("run");
+    let mut trial = Trial::new(&program, folder.path(), Look::default());
+    let cost = Usd::from_dollars(0.0035);
+    for (caps, calls) in [
+        (
+            Caps {
+                cost: None,
+                calls: Some(1),
+            },
+            1,
+        ),
+        (Caps { cost, calls: None }, 3),
+    ] {
+        trial.budget = Budget::new(caps, spent(&run));
+        let report = play(&trial, &Bought::default(), &run);
+        assert_eq!(report.outcome, Outcome::BudgetExhausted);
+        assert_eq!(spent(&run).calls, calls);
+        let ended = journal(&run);
+        assert!(
+            ended.contains("cap of"),
+            "the journal names the cap: {ended}"
+        );
+    }
+    trial.budget = Budget::new(Caps::default(), spent(&run));
+    let model = Bought::default();
+    let report = play(&trial, &model, &run);
+    assert_eq!(report.outcome, Outcome::HorizonReached);
+    assert_eq!((model.sent().len(), report.calls), (1, 4));
+    assert_eq!(report.usage.input_tokens, 4000);
+}
+
+fn spent(run: &Path) -> Spent {
+    ledger::read(run).unwrap().spent
+}
+
+#[test]
+fn a_run_that_is_being_written_is_not_gone_on_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let open = RunFolder::create(&run).unwrap();
+    assert!(matches!(
+        RunFolder::reopen(&run),
+        Err(JournalError::InUse { .. })
+    ));
+    drop(open);
+    assert!(RunFolder::reopen(&run).is_ok());
+}
+
+#[test]
+fn the_command_goes_on_with_a_run_and_notices_a_changed_task() {
+    let folder = tempfile::tempdir().unwrap();
+    bring_library(folder.path());
+    let task = fs::read_to_string(project("tasks/double_triangle.fab")).unwrap();
+    fs::write(folder.path().join("mine.fab"), &task).unwrap();
+    let begun = finish(fabc(folder.path()).args(["run", "mine.fab", "--out", "run"]));
+    assert_eq!(begun.code, 0, "{}", begun.stderr);
+    let run = folder.path().join("run");
+    let whole = journal(&run);
+    let first_two: String = whole.split_inclusive('\n').take(2).collect();
+    fs::write(run.join(JOURNAL_FILE), &first_two).unwrap();
+
+    // From another folder, since paths are those of the place where the run was begun.
+    let elsewhere = folder.path().join("elsewhere");
+    fs::create_dir(&elsewhere).unwrap();
+    let resumed = finish(fabc(&elsewhere).args(["resume", "../run", "--json"]));
+    assert_eq!(resumed.code, 0, "{}", resumed.stderr);
+    assert!(
+        resumed.stderr.contains("going on after step 1"),
+        "{}",
+        resumed.stderr
+    );
+    assert_eq!(journal(&run), whole);
+
+    let ended = finish(fabc(&elsewhere).args(["resume", "../run"]));
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("has ended (goal_reached)"),
+        "{}",
+        ended.stderr
+    );
+
+    fs::write(run.join(JOURNAL_FILE), &first_two).unwrap();
+    let changed = task.replace("< 40mm", "< 41mm");
+    assert_ne!(changed, task);
+    fs::write(folder.path().join("mine.fab"), changed).unwrap();
+    let refused = finish(fabc(&elsewhere).args(["resume", "../run"]));
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("`program`"), "{}", refused.stderr);
+    assert_eq!(journal(&run), first_two, "what was there is still there");
+}
+
+#[test]
+fn what_cannot_be_gone_on_with_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let resume = |name: &str| {
+        let said = finish(fabc(folder.path()).args(["resume", name]));
+        assert_eq!(said.code, 2, "{}", said.stderr);
+        said.stderr
+    };
+    assert!(resume("absent").contains("there is no run folder `absent`"));
+    fs::create_dir(folder.path().join("empty")).unwrap();
+    assert!(resume("empty").contains("run.json cannot be read"));
+    fs::create_dir(folder.path().join("odd")).unwrap();
+    fs::write(folder.path().join("odd/run.json"), "{}").unwrap();
+    assert!(resume("odd").contains("run.json is damaged"));
+}
+
+#[test]
+fn two_runs_on_one_recording_write_the_same_journal() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = project("tasks/double_triangle.fab");
+    let run = |more: &[&str]| {
+        let said = finish(fabc(folder.path()).args(["run", &task]).args(more));
+        assert_eq!(said.code, 0, "{}", said.stderr);
+    };
+    run(&["--out", "first", "--record", "recording.jsonl"]);
+    run(&["--out", "second", "--model", "replay:recording.jsonl"]);
+    run(&["--out", "third", "--model", "replay:recording.jsonl"]);
+    let journal = |name: &str| journal(&folder.path().join(name));
+    assert_eq!(journal("second"), journal("third"));
+    assert_eq!(
+        journal("first").replace("\"geometric\"", "\"replay(geometric)\""),
+        journal("second")
+    );
+}
+
+#[test]
+fn a_replay_of_another_prompt_says_which_part_changed() {
+    let folder = tempfile::tempdir().unwrap();
+    bring_library(folder.path());
+    let task = fs::read_to_string(project("tasks/double_triangle.fab")).unwrap();
+    fs::write(folder.path().join("mine.fab"), &task).unwrap();
+    let first = [
+        "run",
+        "mine.fab",
+        "--out",
+        "first",
+        "--record",
+        "recording.jsonl",
+    ];
+    assert_eq!(finish(fabc(folder.path()).args(first)).code, 0);
+    let library = folder.path().join("lib/folding.fab");
+    let text = fs::read_to_string(&library).unwrap();
+    let changed = text.replace("Answer in two lines:", "Answer in exactly two lines:");
+    assert_ne!(changed, text);
+    fs::write(&library, changed).unwrap();
+    let second = [
+        "run",
+        "mine.fab",
+        "--out",
+        "second",
+        "--model",
+        "replay:recording.jsonl",
+    ];
+    let said = finish(fabc(folder.path()).args(second));
+    assert_eq!(said.code, 2, "{}", said.stderr);
+    let named = "(recorded `Answer in two lines:`, now `Answer in exactly two lines:`)";
+    assert!(said.stderr.contains(named), "{}", said.stderr);
+}
