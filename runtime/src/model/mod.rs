@@ -4,6 +4,7 @@
 //! simulator's state. Out: a [`Reply`]. Reading the answer is `compiler::reply`, judging it
 //! `compiler::verify`, asking again `crate::agent`.
 
+pub mod catalogue;
 pub mod geometric;
 pub mod imperfect;
 pub mod random;
