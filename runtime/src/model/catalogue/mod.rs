@@ -5,27 +5,31 @@
 //! anything, and what day it is, is left to others.
 
 mod date;
+mod error;
 mod facts;
 mod file;
 mod habit;
 mod names;
 mod notice;
 mod price;
+mod provider;
 #[cfg(test)]
 mod tests;
 pub mod tokens;
 
 pub use date::{Date, NoDate};
+pub use error::CatalogueError;
 pub use facts::{Accepted, Facts, Flat, ImageTokens, MaxTokensField, Patches, Tiles};
 pub use habit::{Habit, Order, Unit};
 pub use notice::Notice;
 pub use price::{Price, Priced, SAFETY};
+pub use provider::{KeyNeed, Provider, RunsOn, Source, Wire};
 pub use tokens::Tokens;
 
 use crate::bounded;
 use compiler::diag::{among, nearest};
 use file::{At, ModelEntry, ProviderForm, Subject};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::path::Path;
 
 const BUILTIN: &str = include_str!("models.toml");
@@ -35,70 +39,6 @@ const BUILTIN: &str = include_str!("models.toml");
 pub struct Catalogue {
     providers: Vec<Provider>,
     models: Vec<ModelEntry>,
-}
-
-/// Where models are to be had.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Provider {
-    /// What stands before the colon of `--model PROVIDER:NAME`.
-    pub name: String,
-    /// The form of its messages.
-    pub wire: Wire,
-    /// What the paths of its interface are appended to; None: the user has to say.
-    pub base_url: Option<String>,
-    /// The names that a key is looked for under; the first one found counts.
-    pub key_env: Vec<String>,
-    /// Whether it needs a key.
-    pub key: KeyNeed,
-    /// Whose machine answers; None: unknown.
-    pub runs_on: Option<RunsOn>,
-    /// Another provider that has the same models.
-    pub models_of: Option<String>,
-    /// Where this is from, newest layer first.
-    pub sources: Vec<Source>,
-}
-
-/// The form of a provider's messages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Wire {
-    /// OpenAI's Responses.
-    OpenaiResponses,
-    /// OpenAI's Chat Completions, which many others speak too.
-    OpenaiChat,
-    /// Anthropic's Messages.
-    Anthropic,
-    /// Google's generateContent.
-    Gemini,
-}
-
-/// Whether a provider needs a key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum KeyNeed {
-    /// It does not answer without.
-    Required,
-    /// It was perhaps set up to want one.
-    Optional,
-}
-
-/// Whose machine answers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RunsOn {
-    /// The vendor's, who bills each call.
-    Vendor,
-    /// The user's; no call is billed.
-    Own,
-}
-
-/// Where facts are from.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Source {
-    /// When they were gathered.
-    pub as_of: Date,
-    /// From where.
-    pub source: String,
 }
 
 /// All that is known of one model at one provider.
@@ -131,54 +71,6 @@ pub enum Listed {
         /// A known id that looks like it.
         near: Option<String>,
     },
-}
-
-/// Why facts cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum CatalogueError {
-    /// The file cannot be read.
-    #[error("cannot read `{file}`: {why}")]
-    Unreadable {
-        /// The file.
-        file: String,
-        /// What the system said.
-        why: String,
-    },
-    /// It is no TOML, or of another form; the text names line and column.
-    #[error("`{file}` holds no facts about models: {why}")]
-    Shape {
-        /// The file.
-        file: String,
-        /// What the reader said.
-        why: String,
-    },
-    /// An entry is wrong.
-    #[error("`{file}`, the entry on line {line}: {why}")]
-    Entry {
-        /// The file.
-        file: String,
-        /// Where the entry begins, from 1.
-        line: usize,
-        /// What is wrong, and what would be right.
-        why: String,
-    },
-    /// A model was named in another way than PROVIDER:NAME.
-    #[error("`{0}` is no model; write PROVIDER:NAME, with a name of at most {max} bytes on one line", max = file::MAX_NAME)]
-    NoModel(String),
-    /// There is no such provider.
-    #[error("there is no provider `{name}`{near}; there is {among}", near = meant(near.as_deref()))]
-    NoProvider {
-        /// What was asked for.
-        name: String,
-        /// The one that was probably meant.
-        near: Option<String>,
-        /// All there are.
-        among: String,
-    },
-}
-
-fn meant(near: Option<&str>) -> String {
-    near.map_or(String::new(), |near| format!("; did you mean `{near}`?"))
 }
 
 impl Catalogue {
