@@ -93,6 +93,13 @@ fn read(path: &Path) -> Result<Vec<u8>, PictureError> {
     })
 }
 
+/// Returns the width and height, pixels, that the head of a PNG file states; None where it is no such file.
+pub fn size(bytes: &[u8]) -> Option<[u32; 2]> {
+    let reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
+    let (width, height) = reader.into_dimensions().ok()?;
+    Some([width, height])
+}
+
 /// Decodes the bytes of a PNG file; `path` names them in errors.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<RgbImage, PictureError> {
     Ok(decoded(bytes, path)?.into_rgb8())

@@ -12,7 +12,7 @@ pub use codes::{CODES, Code, CodeEntry};
 pub use json::to_json;
 pub use text::{Color, to_text};
 
-pub(crate) use suggest::{among, nearest};
+pub use suggest::{among, nearest};
 
 use crate::source::{FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};

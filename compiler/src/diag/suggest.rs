@@ -4,10 +4,7 @@
 ///
 /// The first of equally near ones wins, so the order of the candidates decides. Words and lists far beyond
 /// what people write are not searched: time would grow with the square of the file.
-pub(crate) fn nearest<'c>(
-    word: &str,
-    candidates: impl IntoIterator<Item = &'c str>,
-) -> Option<&'c str> {
+pub fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
     const MOST: usize = 200;
     const LONGEST: usize = 40;
     if word.len() > LONGEST {
@@ -38,7 +35,7 @@ fn lower_case(word: &str) -> Vec<char> {
 }
 
 /// Writes names as `a`, `b` or `c`, at most twelve of them.
-pub(crate) fn among<'c>(names: impl IntoIterator<Item = &'c str>) -> String {
+pub fn among<'c>(names: impl IntoIterator<Item = &'c str>) -> String {
     const MOST: usize = 12;
     let mut all = names.into_iter();
     let names: Vec<String> = all

@@ -3,6 +3,7 @@
 //! In: what a model is about to send, and what came of it. Out: permission, or a refusal because of a cap. A model
 //! that sends nothing tells nothing. How a call is made, and which failures are tried again, is left to the model.
 
+pub mod estimate;
 pub mod ledger;
 
 mod budget;

@@ -4,8 +4,10 @@
 //! simulator's state. Out: a [`Reply`]. Reading the answer is `compiler::reply`, judging it
 //! `compiler::verify`, asking again `crate::agent`.
 
+pub mod catalogue;
 pub mod geometric;
 pub mod imperfect;
+pub mod probe;
 pub mod random;
 pub mod recording;
 

@@ -1,0 +1,108 @@
+//! Compares what models are called.
+//!
+//! In: ids and names. Out: whether one means the other. Letters' case and the signs between words do not count, so
+//! that `Qwen/Qwen3-VL-8B` has the words of `qwen3-vl`.
+
+/// Returns the words of an id: runs of letters and digits, in lower case.
+fn words(name: &str) -> Vec<String> {
+    name.split(|c: char| !c.is_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .map(str::to_lowercase)
+        .collect()
+}
+
+/// Returns whether an id holds the words of a family's name, one after the other.
+pub(super) fn holds(id: &str, part: &str) -> bool {
+    let (id, part) = (words(id), words(part));
+    !part.is_empty() && id.windows(part.len()).any(|window| window == part)
+}
+
+/// Returns whether an id is a name with its words joined, as in `claude-opus-5-5` and Claude Opus 5.5, a date after it
+/// or not.
+pub(super) fn spells(id: &str, name: &str) -> bool {
+    let (id, name) = (words(id), words(name));
+    id.strip_prefix(name.as_slice()).is_some_and(|rest| {
+        rest.iter().all(|word| is_number(word)) && (rest.is_empty() || has_date(rest))
+    })
+}
+
+/// Returns whether an id names a day, a month or a year: some word of it is a number of four digits or more.
+pub(super) fn is_dated(id: &str) -> bool {
+    has_date(&words(id))
+}
+
+fn has_date(words: &[String]) -> bool {
+    words.iter().any(|word| word.len() >= 4 && is_number(word))
+}
+
+fn is_number(word: &str) -> bool {
+    word.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// Returns whether an id is an alias, which may end in `*` for "and whatever follows".
+pub(super) fn is_alias(id: &str, alias: &str) -> bool {
+    match alias.strip_suffix('*') {
+        Some(start) => id.starts_with(start),
+        None => id == alias,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_family_is_found_by_whole_words() {
+        for id in [
+            "qwen3-vl:8b",
+            "Qwen/Qwen3-VL-8B-Instruct",
+            "unsloth/qwen3_vl",
+        ] {
+            assert!(holds(id, "qwen3-vl"), "{id}");
+        }
+        assert!(holds("qwen2.5vl:7b", "qwen2.5vl"));
+        for (id, part) in [
+            ("qwen2.5-vl", "qwen2-vl"),
+            ("molmo2-8b", "molmo"),
+            ("qwen3", "qwen3-vl"),
+            ("x", ""),
+        ] {
+            assert!(!holds(id, part), "{id} {part}");
+        }
+    }
+
+    #[test]
+    fn a_name_may_be_spelt_as_ids_are_with_a_date_after_it() {
+        for id in [
+            "claude-opus-5-5",
+            "Claude-Opus-5.5",
+            "claude-opus-5-5-20260901",
+        ] {
+            assert!(spells(id, "Claude Opus 5.5"), "{id}");
+        }
+        for id in [
+            "claude-opus-5",
+            "claude-opus-5-5-1",
+            "claude-opus-5-5-fast",
+            "",
+            "opus-5-5",
+        ] {
+            assert!(!spells(id, "Claude Opus 5.5"), "{id}");
+        }
+    }
+
+    #[test]
+    fn dates_are_seen_in_ids_as_vendors_write_them() {
+        for id in [
+            "gpt-4o-2024-08-06",
+            "claude-3-5-sonnet-20241022",
+            "gpt-4-0613",
+            "gemini-2.5-flash-preview-09-2025",
+        ] {
+            assert!(is_dated(id), "{id}");
+        }
+        for id in ["gpt-6.2-sol", "gpt-4o", "gemini-4-argon", ""] {
+            assert!(!is_dated(id), "{id}");
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! What a user should know of a model before using it.
+//!
+//! In: a [`Profile`] and the day. Out: notices as data; printing them is the command's.
+
+use super::date::Date;
+use super::{Listed, Profile, names};
+use serde::Serialize;
+use std::fmt;
+
+/// A shutdown is told from so many days before it on.
+const SOON_DAYS: i64 = 90;
+
+/// Something that a user should know of a model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "notice", rename_all = "snake_case")]
+pub enum Notice {
+    /// It does not answer any more.
+    Retired {
+        /// Since when.
+        on: Date,
+    },
+    /// It will soon not answer any more.
+    RetiresSoon {
+        /// From when on.
+        on: Date,
+        /// In how many days.
+        days: i64,
+    },
+    /// The vendor may put another model behind its id.
+    Undated,
+    /// It will cost something else.
+    PriceChanges {
+        /// From when on.
+        on: Date,
+    },
+    /// What it costs is not known.
+    PriceUnknown,
+    /// How it says where something is in a picture is not known.
+    CoordinatesUnknown,
+    /// Nothing is known of an id such as this one.
+    Unlisted {
+        /// A known id that looks like it.
+        near: Option<String>,
+    },
+    /// It is known by the name that its vendor gives it, and the id was found by that.
+    ByName {
+        /// The name.
+        name: String,
+    },
+}
+
+impl Notice {
+    /// Returns whether a run with the model is likely to fail or to mislead; the others are good to know.
+    pub fn is_warning(&self) -> bool {
+        !matches!(
+            self,
+            Notice::Undated | Notice::ByName { .. } | Notice::PriceChanges { .. }
+        )
+    }
+}
+
+impl Profile {
+    /// Returns what a user should know of the model on a day, what weighs most first.
+    pub fn notices(&self, today: Date) -> Vec<Notice> {
+        let mut notices = Vec::new();
+        if let Some(on) = self.facts.shutdown {
+            match today.days_until(on) {
+                ..=0 => notices.push(Notice::Retired { on }),
+                days @ ..=SOON_DAYS => notices.push(Notice::RetiresSoon { on, days }),
+                _ => {}
+            }
+        }
+        match &self.listed {
+            Listed::Not { near } => notices.push(Notice::Unlisted { near: near.clone() }),
+            Listed::ByName(name) => notices.push(Notice::ByName { name: name.clone() }),
+            Listed::ById | Listed::ByFamily => {}
+        }
+        if self.price_on(today).is_none() {
+            notices.push(Notice::PriceUnknown);
+        }
+        if self.facts.coordinates.is_none() {
+            notices.push(Notice::CoordinatesUnknown);
+        }
+        let prices = self
+            .facts
+            .price
+            .iter()
+            .flatten()
+            .filter(|_| !self.is_free());
+        let next = prices
+            .filter_map(|price| price.from)
+            .find(|from| today.days_until(*from) > 0);
+        notices.extend(next.map(|on| Notice::PriceChanges { on }));
+        if self.is_moving() {
+            notices.push(Notice::Undated);
+        }
+        notices
+    }
+
+    /// Returns whether the vendor may put another model behind the id: where no entry says so, if it holds no date.
+    pub fn is_moving(&self) -> bool {
+        let own = self.provider.runs_on == Some(super::RunsOn::Own);
+        self.facts
+            .moving
+            .unwrap_or(!own && !names::is_dated(&self.id))
+    }
+}
+
+impl fmt::Display for Notice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Notice::Retired { on } => write!(f, "it was shut down on {on}"),
+            Notice::RetiresSoon { on, days: 1 } => write!(f, "it will be shut down on {on}, tomorrow"),
+            Notice::RetiresSoon { on, days } => write!(f, "it will be shut down on {on}, in {days} days"),
+            Notice::Undated => f.write_str(
+                "its id holds no date: the vendor may put another model behind it, and results may change",
+            ),
+            Notice::PriceChanges { on } => write!(f, "its price changes on {on}"),
+            Notice::PriceUnknown => f.write_str("its price is not known"),
+            Notice::CoordinatesUnknown => f.write_str(
+                "it is not known how it says where something is in a picture: `fabc probe` finds out",
+            ),
+            Notice::Unlisted { near: Some(near) } => {
+                write!(f, "no entry fits its id; did you mean `{near}`?")
+            }
+            Notice::Unlisted { near: None } => f.write_str("no entry fits its id"),
+            Notice::ByName { name } => write!(f, "its id was taken for that of {name}, whose id is not known"),
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Where models are to be had, as data.
+//!
+//! In: an entry of a file. Out: a [`Provider`]. Sending to it is left to the models that do.
+
+use super::date::Date;
+use serde::{Deserialize, Serialize};
+
+/// Where models are to be had.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Provider {
+    /// What stands before the colon of `--model PROVIDER:NAME`.
+    pub name: String,
+    /// The form of its messages.
+    pub wire: Wire,
+    /// What the paths of its interface are appended to; None: the user has to say.
+    pub base_url: Option<String>,
+    /// The names that a key is looked for under; the first one found counts.
+    pub key_env: Vec<String>,
+    /// Whether it needs a key.
+    pub key: KeyNeed,
+    /// Whose machine answers; None: unknown.
+    pub runs_on: Option<RunsOn>,
+    /// Another provider that has the same models.
+    pub models_of: Option<String>,
+    /// Where this is from, newest layer first.
+    pub sources: Vec<Source>,
+}
+
+/// The form of a provider's messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Wire {
+    /// OpenAI's Responses.
+    OpenaiResponses,
+    /// OpenAI's Chat Completions, which many others speak too.
+    OpenaiChat,
+    /// Anthropic's Messages.
+    Anthropic,
+    /// Google's generateContent.
+    Gemini,
+}
+
+/// Whether a provider needs a key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum KeyNeed {
+    /// It does not answer without.
+    Required,
+    /// It was perhaps set up to want one.
+    Optional,
+}
+
+/// Whose machine answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RunsOn {
+    /// The vendor's, who bills each call.
+    Vendor,
+    /// The user's; no call is billed.
+    Own,
+}
+
+/// Where facts are from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Source {
+    /// When they were gathered.
+    pub as_of: Date,
+    /// From where.
+    pub source: String,
+}

@@ -1,0 +1,187 @@
+//! Users' files: what they replace, and what is refused.
+
+use super::super::*;
+use super::find;
+
+fn with(text: &str) -> Result<Catalogue, CatalogueError> {
+    Catalogue::builtin().overlaid(text, "mine.toml")
+}
+
+#[test]
+fn a_users_file_replaces_what_it_gives_and_keeps_the_rest() {
+    let mine = r#"
+        [[model]]
+        provider = "openai"
+        id = "gpt-6.2-sol"
+        price = [{ input = 1.5, output = 7.5 }]
+        as_of = "2027-01-05"
+        source = "our contract"
+
+        [[model]]
+        part = "internvl"
+        coordinates = { unit = "per_mille", order = "xy" }
+        as_of = "2027-01-05"
+        source = "fabc probe"
+
+        [[provider]]
+        name = "ollama"
+        base_url = "http://gpu.example:11434/v1"
+        as_of = "2027-01-05"
+        source = "our machine"
+
+        [[provider]]
+        name = "house"
+        wire = "openai_chat"
+        key = "optional"
+        runs_on = "own"
+        as_of = "2027-01-05"
+        source = "our machine"
+    "#;
+    let catalogue = with(mine).expect("right");
+    let before = find("openai:gpt-6.2-sol");
+    let after = catalogue.find("openai:gpt-6.2-sol").expect("known");
+    let expected = Facts {
+        price: Some(vec![Price {
+            from: None,
+            input: 1.5,
+            cached_input: None,
+            output: 7.5,
+        }]),
+        ..before.facts
+    };
+    assert_eq!(after.facts, expected);
+    assert_eq!(after.sources[0].source, "our contract");
+    assert_eq!(after.sources[1..], before.sources);
+    assert!(
+        catalogue
+            .find("vllm:OpenGVLab/InternVL-8B")
+            .expect("known")
+            .facts
+            .coordinates
+            .is_some()
+    );
+    let ollama = catalogue.provider("ollama").expect("known");
+    assert_eq!(
+        ollama.base_url.as_deref(),
+        Some("http://gpu.example:11434/v1")
+    );
+    assert_eq!(
+        (ollama.runs_on, ollama.key_env.len()),
+        (Some(RunsOn::Own), 1)
+    );
+    assert!(catalogue.find("house:anything").expect("new").is_free());
+}
+
+#[test]
+fn what_is_wrong_in_a_file_is_told_with_its_line() {
+    let entry = |fields: &str| {
+        format!(
+            "# mine\n\n[[model]]\nprovider = \"openai\"\nid = \"x\"\n{fields}\nas_of = \"2027-01-05\"\nsource = \"s\"\n"
+        )
+    };
+    let provider = |fields: &str| {
+        format!("\n[[provider]]\nname = \"p\"\nas_of = \"2027-01-05\"\nsource = \"s\"\n{fields}\n")
+    };
+    for (text, expected) in [
+        ("[[model]]\nid = 3", "line 2"),
+        (
+            "[[model]]\nprovider = \"openai\"\nid = \"x\"\nsource = \"s\"",
+            "as_of",
+        ),
+        (
+            "[[model]]\nprovider = \"openai\"\nid = \"x\"\nas_of = \"2027-01-05\"",
+            "source",
+        ),
+        ("[[modle]]\n", "unknown field `modle`"),
+        (&entry("visoin = true"), "line 6"),
+        (&entry("shutdown = \"soon\""), "`soon` is no date"),
+        (
+            &entry("temperature = { only = [] }"),
+            "line 3: `temperature` needs finite numbers",
+        ),
+        (
+            &entry("top_p = { range = [1, 0] }"),
+            "line 3: `top_p` needs finite numbers",
+        ),
+        (
+            &entry("top_p = { only = [nan] }"),
+            "line 3: `top_p` needs finite numbers",
+        ),
+        (
+            &entry("price = [{ input = -1, output = 1 }]"),
+            "line 3: the price -1 is not from 0",
+        ),
+        (
+            &entry("price = [{ input = inf, output = 1 }]"),
+            "line 3: the price inf is not from 0",
+        ),
+        (
+            &entry("price = [{ input = 1, output = 1 }, { input = 2, output = 1 }]"),
+            "line 3: two prices count from no day",
+        ),
+        (
+            &entry("image_tokens = { patches = { side_px = 0 } }"),
+            "line 3: `side_px = 0` is not from 1",
+        ),
+        (
+            &entry("image_tokens = { flat = { at_least = 2, at_most = 1 } }"),
+            "more tokens at least (2)",
+        ),
+        (
+            &entry("coordinates = { unit = \"pixels\", order = \"xy\", multiples_of_px = 0 }"),
+            "`multiples_of_px = 0`",
+        ),
+        (
+            &entry("coordinates = { unit = \"inches\", order = \"xy\" }"),
+            "unknown variant `inches`",
+        ),
+        (
+            &entry("name = \"X\""),
+            "line 3: a model needs one of `id`, `name` and `part`",
+        ),
+        (
+            &entry("aliases = [\"\"]"),
+            "line 3: `aliases` is not 1 to 200 bytes",
+        ),
+        (
+            &(entry("") + &entry("")),
+            "line 11: the id `x` is there twice",
+        ),
+        (
+            &entry("").replace("\"openai\"", "\"opnai\""),
+            "line 3: there is no provider `opnai`",
+        ),
+        (
+            &entry("").replace("provider = \"openai\"", ""),
+            "a model without `provider` needs `part`",
+        ),
+        (&entry("").replace("\"s\"", "\" \""), "`source` is empty"),
+        (
+            &provider(""),
+            "line 2: the new provider `p` needs `wire` and `key`",
+        ),
+        (
+            &provider("key_env = [\"sk-canary-0123\"]"),
+            "`key_env` lists names of variables",
+        ),
+        (&provider("base_url = \"ftp://x\""), "begins with neither"),
+        (
+            &provider("wire = \"openai_chat\"\nkey = \"optional\"\nmodels_of = \"q\""),
+            "has the models of `q`",
+        ),
+        (
+            &provider("").replace("\"p\"", "\"A b\""),
+            "is not 1 to 40 small letters",
+        ),
+    ] {
+        let error = with(text).expect_err(text).to_string();
+        assert!(
+            error.contains(expected),
+            "expected {expected:?} in: {error}"
+        );
+        assert!(error.contains("`mine.toml`"), "{error}");
+        assert!(!error.contains("canary"), "{error}");
+    }
+    assert!(with(&"#".repeat((1 << 20) + 1)).is_err());
+    assert!(with("").is_ok());
+}
