@@ -7,6 +7,7 @@
 pub mod geometric;
 pub mod imperfect;
 pub mod random;
+pub mod remote;
 
 mod offered;
 
@@ -19,6 +20,7 @@ pub use compiler::program::ModelRole;
 pub use geometric::Geometric;
 pub use imperfect::Imperfect;
 pub use random::Random;
+pub use remote::Remote;
 
 /// Answers one request at a time.
 ///
