@@ -10,6 +10,7 @@ pub mod imperfect;
 pub mod probe;
 pub mod random;
 pub mod recording;
+pub mod remote;
 
 mod offered;
 
@@ -22,6 +23,7 @@ pub use compiler::program::ModelRole;
 pub use geometric::Geometric;
 pub use imperfect::Imperfect;
 pub use random::Random;
+pub use remote::Remote;
 
 /// Answers one request at a time.
 ///

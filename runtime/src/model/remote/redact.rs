@@ -1,0 +1,142 @@
+//! Hides keys in whatever comes back from the network.
+//!
+//! In: every key that is known, and bytes or text. Out: the same with `[key]` in each key's place, also where the key
+//! stands percent-encoded, JSON-escaped, in base64, or in a mixture of such escapes. What is shorter than eight
+//! characters is no secret worth the words that would vanish with it, and stays.
+
+use super::Key;
+use base64::Engine;
+use base64::engine::general_purpose::{STANDARD_NO_PAD, URL_SAFE_NO_PAD};
+use secrecy::{ExposeSecret, SecretBox};
+use std::fmt;
+
+/// What stands in a key's place.
+const HIDDEN: &[u8] = b"[key]";
+
+/// The shortest key that is hidden, characters.
+const SHORTEST: usize = 8;
+
+/// Replaces known keys; its `Debug` form says only how many.
+#[derive(Default)]
+pub struct Redactor {
+    /// Keys as they are, longest first; any of their characters may be found escaped.
+    plain: Vec<SecretBox<Vec<u8>>>,
+    /// The stretches of base64 that a key leaves wherever it begins in a group of three bytes.
+    encoded: Vec<SecretBox<Vec<u8>>>,
+}
+
+impl Redactor {
+    /// Makes one that hides the given keys.
+    pub fn of<'k>(keys: impl IntoIterator<Item = &'k Key>) -> Redactor {
+        let mut keys: Vec<&[u8]> = keys
+            .into_iter()
+            .map(|key| key.expose().as_bytes())
+            .filter(|key| key.len() >= SHORTEST)
+            .collect();
+        // A key that begins like a shorter one must not be hidden in part.
+        keys.sort_by_key(|key| std::cmp::Reverse(key.len()));
+        let secret = |bytes: Vec<u8>| SecretBox::new(Box::new(bytes));
+        Redactor {
+            encoded: keys
+                .iter()
+                .flat_map(|key| encoded(key))
+                .map(secret)
+                .collect(),
+            plain: keys.into_iter().map(|key| secret(key.to_vec())).collect(),
+        }
+    }
+
+    /// Returns the bytes without any key.
+    pub fn bytes(&self, bytes: &[u8]) -> Vec<u8> {
+        let mut out = Vec::with_capacity(bytes.len());
+        let mut at = 0;
+        while at < bytes.len() {
+            match self.length_at(&bytes[at..]) {
+                Some(length) => {
+                    out.extend_from_slice(HIDDEN);
+                    at += length;
+                }
+                None => {
+                    out.push(bytes[at]);
+                    at += 1;
+                }
+            }
+        }
+        out
+    }
+
+    /// Returns the text without any key.
+    pub fn text(&self, text: &str) -> String {
+        // Keys are ASCII, so that what is cut out begins and ends between letters.
+        String::from_utf8_lossy(&self.bytes(text.as_bytes())).into_owned()
+    }
+
+    /// Returns how many bytes at the beginning stand for a key.
+    fn length_at(&self, bytes: &[u8]) -> Option<usize> {
+        let plain = self.plain.iter();
+        let plain = plain.filter_map(|key| length_of_key(bytes, key.expose_secret()));
+        let encoded = self.encoded.iter().filter_map(|stretch| {
+            let stretch = stretch.expose_secret();
+            bytes.starts_with(stretch).then_some(stretch.len())
+        });
+        plain.chain(encoded).max()
+    }
+}
+
+impl fmt::Debug for Redactor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Redactor({} keys)", self.plain.len())
+    }
+}
+
+/// Returns how many bytes at the beginning stand for the whole key.
+fn length_of_key(bytes: &[u8], key: &[u8]) -> Option<usize> {
+    let mut at = 0;
+    for wanted in key {
+        at += length_of_letter(&bytes[at..], *wanted)?;
+    }
+    Some(at)
+}
+
+/// Returns how many bytes at the beginning stand for one letter: itself, `%41`, `\u0041`, or `\/`.
+fn length_of_letter(bytes: &[u8], wanted: u8) -> Option<usize> {
+    if bytes.first() == Some(&wanted) {
+        return Some(1);
+    }
+    let hex = |digits: Option<&[u8]>| -> Option<u8> {
+        let text = std::str::from_utf8(digits?).ok()?;
+        u8::from_str_radix(text, 16).ok()
+    };
+    if bytes.first() == Some(&b'%') && hex(bytes.get(1..3)) == Some(wanted) {
+        return Some(3);
+    }
+    // JSON within JSON doubles its backslashes.
+    let slashes = bytes.iter().take_while(|byte| **byte == b'\\').count();
+    let rest = &bytes[slashes..];
+    if slashes > 0 && rest.first() == Some(&wanted) {
+        return Some(slashes + 1);
+    }
+    let escaped = slashes > 0 && rest.starts_with(b"u00") && hex(rest.get(3..5)) == Some(wanted);
+    escaped.then_some(slashes + 5)
+}
+
+/// Returns what of the key's base64 does not depend on its neighbours, for the three places where it can begin.
+fn encoded(key: &[u8]) -> Vec<Vec<u8>> {
+    let mut stretches = Vec::new();
+    for before in 0..3usize {
+        let mut bytes = vec![0; before];
+        bytes.extend_from_slice(key);
+        let whole = bytes.len() / 3 * 4;
+        // The first group holds bits of what comes before, unless the key begins it.
+        let first = if before == 0 { 0 } else { 4 };
+        for alphabet in [&STANDARD_NO_PAD, &URL_SAFE_NO_PAD] {
+            let text = alphabet.encode(&bytes).into_bytes();
+            stretches.push(text[first..whole].to_vec());
+        }
+    }
+    stretches
+}
+
+#[cfg(test)]
+#[path = "tests/hidden.rs"]
+mod tests;
