@@ -49,11 +49,11 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
 /// Runs one rollout, from its beginning or from where it was cut off, and reports it.
 pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task)?;
-    let answering = models::models(&arguments.model)?;
     let recorder = models::recorder(&arguments.spend)?;
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = setting::interrupt()?;
+    let answering = models::models(&arguments.model, &interrupt)?;
     let first = setting::world(&program).map_err(Failure::environment)?;
     let start = setting::start(
         &program,

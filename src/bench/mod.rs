@@ -27,7 +27,7 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
     let found = suites::find(&arguments.suite)?;
     let suite = suites::narrowed(found.suite, arguments.variant.as_deref());
     let interrupt = setting::interrupt()?;
-    let answering = prepare::answering(&suite, &arguments.model)?;
+    let answering = prepare::answering(&suite, &arguments.model, &interrupt)?;
     let recorder = models::recorder(&arguments.spend)?;
     let budget = models::budget(&arguments.spend, Spent::default());
     let threads = arguments.jobs.map_or_else(

@@ -32,7 +32,11 @@ pub struct Prepared {
 pub type AnsweringBy = BTreeMap<Option<String>, Answering>;
 
 /// Finds every model that a suite asks for.
-pub fn answering(suite: &Suite, named: &ModelArguments) -> Result<AnsweringBy, Failure> {
+pub fn answering(
+    suite: &Suite,
+    named: &ModelArguments,
+    interrupt: &Interrupt,
+) -> Result<AnsweringBy, Failure> {
     let mut answering = AnsweringBy::new();
     for method in &suite.methods {
         if !answering.contains_key(&method.model) {
@@ -46,7 +50,7 @@ pub fn answering(suite: &Suite, named: &ModelArguments) -> Result<AnsweringBy, F
                 model,
                 ..named.clone()
             };
-            answering.insert(method.model.clone(), models::models(&arguments)?);
+            answering.insert(method.model.clone(), models::models(&arguments, interrupt)?);
         }
     }
     Ok(answering)

@@ -1,6 +1,6 @@
 //! The part of the command line that says who answers, and what that may cost; `run` and `bench` share it.
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use runtime::calls::Usd;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -9,14 +9,49 @@ use std::path::PathBuf;
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct ModelArguments {
     /// Who answers: `geometric` (an embedded stand-in without key and network), `random[:SEED]`, `imperfect:RATE[:SEED]`,
-    /// `replay:FILE`, or `PROVIDER:NAME`; `vision=MODEL` and `text=MODEL` name one for a role.
+    /// `replay:FILE`, or `PROVIDER:NAME` (see `fabc models`); `vision=MODEL` and `text=MODEL` name one for a role.
     #[arg(long, value_name = "[ROLE=]MODEL", default_value = "geometric")]
     pub model: Vec<String>,
+    /// Where the provider is reached, in place of its usual address; `vision=URL` and `text=URL` for a role.
+    #[arg(long, value_name = "[ROLE=]URL")]
+    pub base_url: Vec<String>,
+    /// Facts about models of your own, laid over those that are built in [default: FABC_MODELS, else models.toml in
+    /// the configuration folder].
+    #[arg(long, value_name = "FILE")]
+    pub models: Option<PathBuf>,
+    /// Leave out settings that stages state and the model does not take.
+    #[arg(long, value_name = "SETTING", value_delimiter = ',')]
+    pub omit: Vec<OmitArgument>,
+    /// How long one call may take, seconds.
+    #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=3600))]
+    pub timeout: u32,
+    /// Buy every answer anew, also those that are kept from earlier runs.
+    #[arg(long)]
+    pub no_cache: bool,
+    /// Ask models whose price is not known.
+    #[arg(long)]
+    pub allow_unknown_price: bool,
+}
+
+/// A setting that a stage may state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OmitArgument {
+    /// The sampling temperature.
+    Temperature,
+    /// Nucleus sampling.
+    #[value(name = "top_p")]
+    TopP,
+    /// The longest answer.
+    Tokens,
 }
 
 /// What may be asked, and what is kept of it.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct SpendArguments {
+    /// Say what would be asked and what that costs, and send nothing.
+    #[arg(long)]
+    pub estimate: bool,
     /// Add every question with its answer to this recording, for `--model replay:FILE`.
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,

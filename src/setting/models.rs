@@ -1,16 +1,18 @@
 //! Who answers: models by their names on the command line.
 
+use super::remote::Providers;
 use crate::cli::asked::{ModelArguments, SpendArguments};
 use crate::exit::Failure;
 use runtime::agent::Models;
 use runtime::calls::{Budget, Caps, Spent};
+use runtime::interrupt::Interrupt;
 use runtime::model::recording::{Recorder, Replay};
 use runtime::model::{Geometric, Imperfect, Model, Random};
 use std::path::Path;
 use std::sync::Arc;
 
 /// The models that this build knows.
-const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SEED` (draws from what is offered), `imperfect:RATE` or `imperfect:RATE:SEED` (geometric with that share of wrong answers), and `replay:FILE` (a recording)";
+const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SEED` (draws from what is offered), `imperfect:RATE` or `imperfect:RATE:SEED` (geometric with that share of wrong answers), `replay:FILE` (a recording), and `PROVIDER:NAME` (`fabc models` lists them)";
 
 /// The seed of a model where the command line names none.
 const DEFAULT_SEED: u64 = 0;
@@ -32,20 +34,61 @@ impl Answering {
 }
 
 /// Finds the models that the command line names.
-pub fn models(arguments: &ModelArguments) -> Result<Answering, Failure> {
-    let roles = by_role("--model", &arguments.model)?;
-    match roles {
-        ByRole::Both(name) => {
-            let model: Arc<dyn Model> = Arc::from(model(&name)?);
+///
+/// - `interrupt`: ends calls under way.
+pub fn models(arguments: &ModelArguments, interrupt: &Interrupt) -> Result<Answering, Failure> {
+    let mut finder = Finder {
+        arguments,
+        interrupt,
+        providers: None,
+    };
+    let models = by_role("--model", &arguments.model)?;
+    let urls = match arguments.base_url.is_empty() {
+        true => None,
+        false => Some(by_role("--base-url", &arguments.base_url)?),
+    };
+    match (models, urls) {
+        (ByRole::Both(name), None) => finder.both(&name, None),
+        (ByRole::Both(name), Some(ByRole::Both(url))) => finder.both(&name, Some(&url)),
+        (models, urls) => {
+            let [vision, text] = models.each();
+            let [vision_url, text_url] = match urls {
+                Some(urls) => urls.each().map(Some),
+                None => [None, None],
+            };
             Ok(Answering {
-                vision: Arc::clone(&model),
-                text: model,
+                vision: finder.model(&vision, vision_url.as_deref())?,
+                text: finder.model(&text, text_url.as_deref())?,
             })
         }
-        ByRole::Each { vision, text } => Ok(Answering {
-            vision: Arc::from(model(&vision)?),
-            text: Arc::from(model(&text)?),
-        }),
+    }
+}
+
+/// Finds models one by one; what is known of providers is read when the first of them is named.
+struct Finder<'a> {
+    arguments: &'a ModelArguments,
+    interrupt: &'a Interrupt,
+    providers: Option<Providers>,
+}
+
+impl Finder<'_> {
+    fn both(&mut self, name: &str, base_url: Option<&str>) -> Result<Answering, Failure> {
+        let model = self.model(name, base_url)?;
+        Ok(Answering {
+            vision: Arc::clone(&model),
+            text: model,
+        })
+    }
+
+    fn model(&mut self, name: &str, base_url: Option<&str>) -> Result<Arc<dyn Model>, Failure> {
+        if let Some(model) = embedded(name)? {
+            return Ok(Arc::from(model));
+        }
+        let providers = match &mut self.providers {
+            Some(providers) => providers,
+            absent => absent.insert(Providers::new(self.arguments, self.interrupt)?),
+        };
+        Ok(Arc::new(providers.model(name, base_url)?))
     }
 }
 
@@ -53,6 +96,16 @@ pub fn models(arguments: &ModelArguments) -> Result<Answering, Failure> {
 enum ByRole {
     Both(String),
     Each { vision: String, text: String },
+}
+
+impl ByRole {
+    /// Returns what is said for vision, and for text.
+    fn each(self) -> [String; 2] {
+        match self {
+            ByRole::Both(both) => [both.clone(), both],
+            ByRole::Each { vision, text } => [vision, text],
+        }
+    }
 }
 
 /// Reads `X`, or `vision=X` and `text=Y`.
@@ -87,11 +140,11 @@ fn by_role(flag: &str, values: &[String]) -> Result<ByRole, Failure> {
     }
 }
 
-/// Finds the model of that name.
-pub fn model(name: &str) -> Result<Box<dyn Model>, Failure> {
+/// Finds a model that needs no provider; None where the name is of another kind.
+fn embedded(name: &str) -> Result<Option<Box<dyn Model>>, Failure> {
     if let Some(file) = name.strip_prefix("replay:") {
         let replay = Replay::load(Path::new(file)).map_err(Failure::environment)?;
-        return Ok(Box::new(replay));
+        return Ok(Some(Box::new(replay)));
     }
     let mut parts = name.split(':');
     let parts = [parts.next(), parts.next(), parts.next(), parts.next()];
@@ -106,9 +159,10 @@ pub fn model(name: &str) -> Result<Box<dyn Model>, Failure> {
             .zip(seed_of(seed))
             .and_then(|(rate, seed)| Imperfect::new(rate, seed))
             .map(|model| Box::new(model) as Box<dyn Model>),
-        _ => None,
+        [Some("geometric" | "random" | "imperfect"), ..] | [_, None, ..] => None,
+        _ => return Ok(None),
     };
-    found.ok_or_else(|| {
+    found.map(Some).ok_or_else(|| {
         Failure::usage(format!(
             "there is no model `{name}`; there is {MODELS}; SEED is a whole number, RATE from 0 to 1"
         ))

@@ -13,6 +13,7 @@ mod base_url;
 mod gate;
 mod hints;
 mod key;
+mod known;
 mod redact;
 mod retry;
 mod status;

@@ -1,0 +1,175 @@
+//! Models of providers: facts, keys and addresses, gathered from files and the environment.
+
+use crate::cli::asked::{ModelArguments, OmitArgument};
+use crate::exit::Failure;
+use crate::{output, setting};
+use runtime::interrupt::Interrupt;
+use runtime::model::catalogue::{Catalogue, Date, KeyNeed, Profile};
+use runtime::model::remote::settings::Parameter;
+use runtime::model::remote::{Answers, BaseUrl, Gate, Key, Remote, Settings, Shared};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+/// The most calls to one provider at once; the gate narrows where the provider wants fewer.
+const MOST_CALLS_AT_ONCE: usize = 16;
+
+/// What the models of one command have in common.
+pub struct Providers {
+    arguments: ModelArguments,
+    catalogue: Catalogue,
+    answers: Arc<Answers>,
+    gates: BTreeMap<String, Arc<Gate>>,
+    interrupt: Interrupt,
+    keys: Vec<Key>,
+}
+
+impl Providers {
+    /// Reads what is known of models, and every key that is set.
+    pub fn new(arguments: &ModelArguments, interrupt: &Interrupt) -> Result<Providers, Failure> {
+        let catalogue = catalogue(arguments.models.as_deref())?;
+        let mut keys = Vec::new();
+        for provider in catalogue.providers() {
+            // A key that cannot be used matters only to who wants to use it.
+            keys.extend(key(&provider.key_env).ok().flatten());
+        }
+        let answers = match arguments.no_cache {
+            true => Answers::none(),
+            false => Answers::kept_in(setting::cache_of("answers")),
+        };
+        Ok(Providers {
+            arguments: arguments.clone(),
+            catalogue,
+            answers: Arc::new(answers),
+            gates: BTreeMap::new(),
+            interrupt: interrupt.clone(),
+            keys,
+        })
+    }
+
+    /// Makes the model of a `PROVIDER:NAME`; nothing is sent.
+    ///
+    /// - `base_url`: where the provider is reached, if not at its usual address.
+    pub fn model(&mut self, name: &str, base_url: Option<&str>) -> Result<Remote, Failure> {
+        let profile = self.profile(name)?;
+        self.refuse_unknown_price(&profile)?;
+        let address = base_url.or(profile.provider.base_url.as_deref());
+        let Some(address) = address else {
+            return Err(Failure::usage(format!(
+                "`{}` has no address of its own; say where it is reached with `--base-url URL`",
+                profile.provider.name
+            )));
+        };
+        let address = BaseUrl::parse(address).map_err(|error| Failure::usage(error.to_string()))?;
+        let arguments = &self.arguments;
+        let settings = Settings {
+            key: self.key_of(&profile)?,
+            omit: arguments.omit.iter().copied().map(parameter).collect(),
+            timeout: Duration::from_secs(arguments.timeout.into()),
+            ..Settings::of(&profile, address, today())
+        };
+        let gates = &mut self.gates;
+        let gate = gates.entry(profile.provider.name.clone());
+        let shared = Shared {
+            gate: Arc::clone(gate.or_insert_with(|| Arc::new(Gate::new(MOST_CALLS_AT_ONCE)))),
+            answers: Arc::clone(&self.answers),
+            interrupt: self.interrupt.clone(),
+            hidden: self.keys.clone(),
+        };
+        Remote::new(settings, shared).map_err(Failure::environment)
+    }
+
+    /// Finds what is known of a `PROVIDER:NAME`, and says aloud what a user should know of it.
+    pub fn profile(&self, name: &str) -> Result<Profile, Failure> {
+        let profile = self.catalogue.find(name);
+        let profile = profile.map_err(|error| Failure::usage(error.to_string()))?;
+        for notice in profile.notices(today()) {
+            let weight = match notice.is_warning() {
+                true => "warning",
+                false => "note",
+            };
+            output::talk(&format!("{weight}: {name}: {notice}"));
+        }
+        Ok(profile)
+    }
+
+    fn refuse_unknown_price(&self, profile: &Profile) -> Result<(), Failure> {
+        if self.arguments.allow_unknown_price || profile.price_on(today()).is_some() {
+            return Ok(());
+        }
+        Err(Failure::environment(format!(
+            "what `{}:{}` costs is not known; `--allow-unknown-price` asks it all the same, and a `price` in a file of your own (`--models FILE`) makes it known",
+            profile.provider.name, profile.id
+        )))
+    }
+
+    fn key_of(&self, profile: &Profile) -> Result<Option<Key>, Failure> {
+        let provider = &profile.provider;
+        let found = key(&provider.key_env)?;
+        if found.is_none() && provider.key == KeyNeed::Required {
+            return Err(Failure::environment(format!(
+                "there is no key for `{}`: set {} in the environment, or write it into a file of keys that others cannot read ({})",
+                provider.name,
+                provider.key_env.join(" or "),
+                key_file().map_or("FABC_KEYS names it".to_owned(), |path| format!(
+                    "`{}`",
+                    path.display()
+                ))
+            )));
+        }
+        Ok(found)
+    }
+}
+
+/// Reads the built-in facts, with the user's laid over them.
+pub fn catalogue(named: Option<&Path>) -> Result<Catalogue, Failure> {
+    let builtin = Catalogue::builtin();
+    let usual = || config_folder().map(|folder| folder.join("models.toml"));
+    let path = match named {
+        Some(path) => Some(path.to_owned()),
+        None => environment("FABC_MODELS")
+            .map(PathBuf::from)
+            .or_else(|| usual().filter(|path| path.is_file())),
+    };
+    match path {
+        Some(path) => builtin.overlaid_by(&path).map_err(Failure::environment),
+        None => Ok(builtin),
+    }
+}
+
+/// Returns today's date, UTC.
+pub fn today() -> Date {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    Date::from_unix_days(since.map_or(0, |since| since.as_secs() / 86_400))
+}
+
+/// Finds the first key of these names, in the environment or else in the file of keys.
+fn key(names: &[String]) -> Result<Option<Key>, Failure> {
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    Key::find(&names, &environment, key_file().as_deref()).map_err(Failure::environment)
+}
+
+/// Returns the file of keys, where there is one: what `FABC_KEYS` names, or `keys.toml` in the configuration folder.
+pub fn key_file() -> Option<PathBuf> {
+    let usual = || config_folder().map(|folder| folder.join("keys.toml"));
+    environment("FABC_KEYS")
+        .map(PathBuf::from)
+        .or_else(|| usual().filter(|path| path.is_file()))
+}
+
+fn config_folder() -> Option<PathBuf> {
+    dirs::config_dir().map(|folder| folder.join("fabc"))
+}
+
+fn environment(name: &str) -> Option<String> {
+    std::env::var(name).ok().filter(|value| !value.is_empty())
+}
+
+fn parameter(omitted: OmitArgument) -> Parameter {
+    match omitted {
+        OmitArgument::Temperature => Parameter::Temperature,
+        OmitArgument::TopP => Parameter::TopP,
+        OmitArgument::Tokens => Parameter::MaxTokens,
+    }
+}
