@@ -152,10 +152,14 @@ fn key(names: &[String]) -> Result<Option<Key>, Failure> {
 
 /// Returns the file of keys, where there is one: what `FABC_KEYS` names, or `keys.toml` in the configuration folder.
 pub fn key_file() -> Option<PathBuf> {
-    let usual = || config_folder().map(|folder| folder.join("keys.toml"));
-    environment("FABC_KEYS")
-        .map(PathBuf::from)
-        .or_else(|| usual().filter(|path| path.is_file()))
+    let place = key_place();
+    (environment("FABC_KEYS").is_some() || place.is_file()).then_some(place)
+}
+
+/// Returns where keys are looked for.
+fn key_place() -> PathBuf {
+    let usual = || config_folder().unwrap_or_default().join("keys.toml");
+    environment("FABC_KEYS").map_or_else(usual, PathBuf::from)
 }
 
 fn config_folder() -> Option<PathBuf> {
