@@ -39,6 +39,7 @@ pub mod picture;
 pub mod pictures;
 pub mod result;
 pub mod see;
+pub mod serve;
 pub mod start;
 pub mod subgoals;
 

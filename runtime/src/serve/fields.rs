@@ -1,0 +1,157 @@
+//! Takes the fields of a request one by one, so that what is left over is known.
+//!
+//! In: a JSON object. Out: typed values, or a refusal that names the field. `null` is the same as no field.
+
+use super::refusal::Refusal;
+use serde_json::{Map, Value, json};
+
+/// The fields that nobody has looked at yet.
+pub(super) struct Fields {
+    /// What stands before their names in messages, such as `messages[2].`.
+    path: String,
+    left: Map<String, Value>,
+}
+
+impl Fields {
+    pub(super) fn new(path: impl Into<String>, left: Map<String, Value>) -> Fields {
+        Fields {
+            path: path.into(),
+            left,
+        }
+    }
+
+    /// Makes the fields of a value that has to be an object.
+    pub(super) fn of(path: impl Into<String>, value: Value) -> Result<Fields, Refusal> {
+        let path = path.into();
+        match value {
+            Value::Object(left) => Ok(Fields::new(format!("{path}."), left)),
+            _ => Err(Refusal::of(path.as_str(), format!("`{path}` is no object"))),
+        }
+    }
+
+    pub(super) fn path(&self, name: &str) -> String {
+        format!("{}{name}", self.path)
+    }
+
+    pub(super) fn take(&mut self, name: &str) -> Option<Value> {
+        self.left.remove(name).filter(|value| !value.is_null())
+    }
+
+    pub(super) fn required(&mut self, name: &str) -> Result<Value, Refusal> {
+        self.take(name).ok_or_else(|| {
+            let path = self.path(name);
+            Refusal::of(path.as_str(), format!("`{path}` is missing"))
+        })
+    }
+
+    pub(super) fn text(&mut self, name: &str) -> Result<String, Refusal> {
+        match self.required(name)? {
+            Value::String(text) => Ok(text),
+            _ => Err(self.wrong(name, "is no string")),
+        }
+    }
+
+    /// Takes a number from `least` to `most`.
+    pub(super) fn number(
+        &mut self,
+        name: &str,
+        least: f64,
+        most: f64,
+    ) -> Result<Option<f64>, Refusal> {
+        let Some(value) = self.take(name) else {
+            return Ok(None);
+        };
+        let number = value
+            .as_f64()
+            .filter(|number| (least..=most).contains(number));
+        number
+            .map(Some)
+            .ok_or_else(|| self.wrong(name, &format!("is no number from {least} to {most}")))
+    }
+
+    /// Takes a whole number from `least` up.
+    pub(super) fn whole(&mut self, name: &str, least: u32) -> Result<Option<u32>, Refusal> {
+        let Some(value) = self.take(name) else {
+            return Ok(None);
+        };
+        let number = value.as_u64().and_then(|number| u32::try_from(number).ok());
+        let number = number.filter(|number| *number >= least);
+        let rule = format!("is no whole number from {least} to {}", u32::MAX);
+        number.map(Some).ok_or_else(|| self.wrong(name, &rule))
+    }
+
+    /// Refuses a field unless it has the one value that changes nothing.
+    pub(super) fn only(&mut self, name: &str, allowed: Value) -> Result<(), Refusal> {
+        match self.take(name) {
+            Some(value) if value != allowed && !is_same_number(&value, &allowed) => {
+                let path = self.path(name);
+                let message =
+                    format!("`{path}` cannot be honoured here; leave it out, or say {allowed}");
+                Err(Refusal::unsupported(&path, message))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Passes over fields that change no answer, and refuses all that are left.
+    pub(super) fn finish(mut self, harmless: &[&str]) -> Result<(), Refusal> {
+        for name in harmless {
+            self.left.remove(*name);
+        }
+        match self.left.iter().find(|(_, value)| !value.is_null()) {
+            None => Ok(()),
+            Some((name, _)) => {
+                let path = self.path(&name.chars().take(80).collect::<String>());
+                let message =
+                    format!("`{path}` is not known here, and is not ignored either: leave it out");
+                Err(Refusal::unsupported(&path, message))
+            }
+        }
+    }
+
+    pub(super) fn wrong(&self, name: &str, rule: &str) -> Refusal {
+        let path = self.path(name);
+        Refusal::of(path.as_str(), format!("`{path}` {rule}"))
+    }
+}
+
+fn is_same_number(value: &Value, allowed: &Value) -> bool {
+    value
+        .as_f64()
+        .zip(allowed.as_f64())
+        .is_some_and(|(one, other)| one == other)
+}
+
+/// Takes the schema of the answer out of `{"type": "json_schema", …}`; `inner` is where Chat Completions have it.
+pub(super) fn schema(mut format: Fields, inner: Option<&str>) -> Result<Option<Value>, Refusal> {
+    let kind = format.text("type")?;
+    match kind.as_str() {
+        "text" => format.finish(&[]).map(|()| None),
+        "json_schema" => {
+            let mut described = match inner {
+                Some(name) => {
+                    let value = format.required(name)?;
+                    let described = Fields::of(format.path(name), value)?;
+                    format.finish(&[])?;
+                    described
+                }
+                None => format,
+            };
+            let schema = described.required("schema")?;
+            if !schema.is_object() {
+                return Err(described.wrong("schema", "is no object"));
+            }
+            // Whether it is strict changes nothing: no answer here is held to it by force.
+            described.finish(&["name", "description", "strict"])?;
+            Ok(Some(schema))
+        }
+        _ => {
+            let path = format.path("type");
+            let message = format!(
+                "`{path}` is {}; here it is `text` or `json_schema`",
+                json!(kind)
+            );
+            Err(Refusal::unsupported(&path, message))
+        }
+    }
+}
