@@ -8,7 +8,15 @@ use reqwest::Url;
 use std::fmt;
 
 /// Parts of a query parameter's name that make its value look like a secret.
-const SECRET_NAMES: [&str; 7] = ["key", "token", "secret", "password", "auth", "sig", "credential"];
+const SECRET_NAMES: [&str; 7] = [
+    "key",
+    "token",
+    "secret",
+    "password",
+    "auth",
+    "sig",
+    "credential",
+];
 
 /// The address up to the version, such as `https://api.openai.com/v1`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -101,12 +109,32 @@ mod tests {
     #[test]
     fn addresses_follow_the_base_and_a_bare_host_gets_the_usual_version() {
         for (base, wire, expected) in [
-            ("http://localhost:8000", Wire::OpenaiChat, "http://localhost:8000/v1/chat/completions"),
-            ("http://localhost:8000/", Wire::OpenaiChat, "http://localhost:8000/v1/chat/completions"),
-            ("https://h/a/v9/", Wire::OpenaiResponses, "https://h/a/v9/responses"),
-            ("https://h?api-version=2", Wire::OpenaiChat, "https://h/v1/chat/completions?api-version=2"),
+            (
+                "http://localhost:8000",
+                Wire::OpenaiChat,
+                "http://localhost:8000/v1/chat/completions",
+            ),
+            (
+                "http://localhost:8000/",
+                Wire::OpenaiChat,
+                "http://localhost:8000/v1/chat/completions",
+            ),
+            (
+                "https://h/a/v9/",
+                Wire::OpenaiResponses,
+                "https://h/a/v9/responses",
+            ),
+            (
+                "https://h?api-version=2",
+                Wire::OpenaiChat,
+                "https://h/v1/chat/completions?api-version=2",
+            ),
             ("https://h", Wire::Anthropic, "https://h/v1/messages"),
-            ("https://h", Wire::Gemini, "https://h/v1beta/models/gemini%2Fx%20y:generateContent"),
+            (
+                "https://h",
+                Wire::Gemini,
+                "https://h/v1beta/models/gemini%2Fx%20y:generateContent",
+            ),
         ] {
             assert_eq!(endpoint(base, wire), expected);
         }
@@ -115,10 +143,22 @@ mod tests {
     #[test]
     fn urls_that_carry_secrets_are_refused_without_repeating_them() {
         for (text, expected) in [
-            ("https://me:canary-secret@host/v1", BaseUrlError::UserInformation),
-            ("https://canary-secret@host/v1", BaseUrlError::UserInformation),
-            ("https://host/v1?key=canary-secret", BaseUrlError::KeyInQuery),
-            ("https://host/v1?x=1&Access_Token=canary-secret", BaseUrlError::KeyInQuery),
+            (
+                "https://me:canary-secret@host/v1",
+                BaseUrlError::UserInformation,
+            ),
+            (
+                "https://canary-secret@host/v1",
+                BaseUrlError::UserInformation,
+            ),
+            (
+                "https://host/v1?key=canary-secret",
+                BaseUrlError::KeyInQuery,
+            ),
+            (
+                "https://host/v1?x=1&Access_Token=canary-secret",
+                BaseUrlError::KeyInQuery,
+            ),
             ("canary-secret", BaseUrlError::NoUrl),
             ("file:///canary-secret", BaseUrlError::NoUrl),
             ("", BaseUrlError::NoUrl),
@@ -138,7 +178,11 @@ mod tests {
             ("http://10.0.0.1", false),
             ("http://localhost.example", false),
         ] {
-            assert_eq!(BaseUrl::parse(text).map(|url| url.is_loopback()), Ok(expected), "{text}");
+            assert_eq!(
+                BaseUrl::parse(text).map(|url| url.is_loopback()),
+                Ok(expected),
+                "{text}"
+            );
         }
     }
 }

@@ -19,7 +19,9 @@ pub(super) fn wait(headers: &HeaderMap, now: SystemTime) -> Option<Duration> {
     let asked = text("retry-after-ms")
         .and_then(|text| seconds(text).map(|wait| wait / 1000))
         .or_else(|| text("retry-after").and_then(|text| seconds_or_date(text, now)));
-    asked.or_else(|| reset(headers, now)).map(|wait| wait.min(LONGEST))
+    asked
+        .or_else(|| reset(headers, now))
+        .map(|wait| wait.min(LONGEST))
 }
 
 /// Returns when what is used up comes back; where nothing is said to be used up, what comes back first.
@@ -30,7 +32,11 @@ fn reset(headers: &HeaderMap, now: SystemTime) -> Option<Duration> {
         let Some(what) = name.as_str().strip_prefix("x-ratelimit-reset-") else {
             continue;
         };
-        let Some(wait) = value.to_str().ok().and_then(|text| seconds_or_date(text, now)) else {
+        let Some(wait) = value
+            .to_str()
+            .ok()
+            .and_then(|text| seconds_or_date(text, now))
+        else {
             continue;
         };
         first = Some(first.map_or(wait, |first| first.min(wait)));
@@ -88,7 +94,10 @@ mod tests {
     fn read(lines: &[(&'static str, &'static str)]) -> Option<f64> {
         let mut headers = HeaderMap::new();
         for (name, value) in lines {
-            headers.insert(HeaderName::from_static(name), HeaderValue::from_static(value));
+            headers.insert(
+                HeaderName::from_static(name),
+                HeaderValue::from_static(value),
+            );
         }
         // 1994-11-06 08:49:37, of the standard's own example.
         let now = SystemTime::UNIX_EPOCH + Duration::from_secs(784_111_777);
@@ -100,9 +109,18 @@ mod tests {
         for (lines, expected) in [
             (&[("retry-after", "2")][..], Some(2.0)),
             (&[("retry-after", "0.5")], Some(0.5)),
-            (&[("retry-after", "20"), ("retry-after-ms", "250")], Some(0.25)),
-            (&[("retry-after", "Sun, 06 Nov 1994 08:50:07 GMT")], Some(30.0)),
-            (&[("retry-after", "Sun, 06 Nov 1994 08:49:07 GMT")], Some(0.0)),
+            (
+                &[("retry-after", "20"), ("retry-after-ms", "250")],
+                Some(0.25),
+            ),
+            (
+                &[("retry-after", "Sun, 06 Nov 1994 08:50:07 GMT")],
+                Some(30.0),
+            ),
+            (
+                &[("retry-after", "Sun, 06 Nov 1994 08:49:07 GMT")],
+                Some(0.0),
+            ),
             (
                 &[
                     ("retry-after", "Sun, 06 Nov 1994 08:50:07 GMT"),
@@ -122,7 +140,10 @@ mod tests {
                 Some(61.5),
             ),
             (
-                &[("x-ratelimit-reset-requests", "9s"), ("x-ratelimit-reset-tokens", "3s")],
+                &[
+                    ("x-ratelimit-reset-requests", "9s"),
+                    ("x-ratelimit-reset-tokens", "3s"),
+                ],
                 Some(3.0),
             ),
             (&[("retry-after", "1e9")], Some(86_400.0)),

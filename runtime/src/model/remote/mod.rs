@@ -87,10 +87,18 @@ impl Remote {
     /// Makes the model; its name is `PROVIDER:NAME`. Nothing is sent.
     ///
     /// A host that is this computer is reached without a proxy. Fails where the system's certificates or sockets
-    /// cannot be had.
+    /// cannot be had, and where a key stands in the name or the base URL, since both are shown.
     pub fn new(settings: Settings, shared: Shared) -> Result<Remote, SetupError> {
-        let name = format!("{}:{}", settings.provider, settings.model);
         let redactor = Redactor::of(settings.key.iter().chain(&shared.hidden));
+        let endpoint = settings.base_url.endpoint(settings.wire, &settings.model);
+        let named = format!("{}:{}", settings.provider, settings.model);
+        let name = redactor.text(&named);
+        if name != named || redactor.text(endpoint.as_str()) != endpoint.as_str() {
+            return Err(SetupError {
+                model: name,
+                why: "a key stands in its name or its base URL; leave it out there".to_owned(),
+            });
+        }
         let proxy = if settings.base_url.is_loopback() {
             Proxy::None
         } else {
@@ -101,7 +109,6 @@ impl Remote {
             model: name.clone(),
             why,
         })?;
-        let endpoint = settings.base_url.endpoint(settings.wire, &settings.model);
         Ok(Remote {
             name,
             settings,
@@ -146,7 +153,9 @@ impl Remote {
                 at_most,
             })?;
             let body = &encoded.body;
-            let came = self.transport.post(&self.endpoint, &headers, body, interrupt);
+            let came = self
+                .transport
+                .post(&self.endpoint, &headers, body, interrupt);
             let ended = match came {
                 Ok(incoming) => match self.read(&incoming) {
                     Ok(answer) => {
@@ -162,7 +171,11 @@ impl Remote {
                     }
                     Err(ended) => ended,
                 },
-                Err(Lost::Failed { fault, billing, why }) => Ended {
+                Err(Lost::Failed {
+                    fault,
+                    billing,
+                    why,
+                }) => Ended {
                     fault,
                     billing,
                     why,
@@ -239,7 +252,10 @@ impl Remote {
         let mut headers = HeaderMap::new();
         headers.insert(CONTENT_TYPE, HeaderValue::from_static("application/json"));
         for (name, value) in &encoded.headers {
-            headers.insert(HeaderName::from_static(name), HeaderValue::from_static(value));
+            headers.insert(
+                HeaderName::from_static(name),
+                HeaderValue::from_static(value),
+            );
         }
         if let Some(key) = &self.settings.key {
             let (name, before) = self.settings.wire.key_header();
@@ -262,7 +278,12 @@ impl Remote {
             request.repetition.to_string(),
             request.step.to_string(),
         ];
-        parts.extend(encoded.headers.iter().map(|(name, value)| format!("{name}: {value}")));
+        parts.extend(
+            encoded
+                .headers
+                .iter()
+                .map(|(name, value)| format!("{name}: {value}")),
+        );
         Cache::key(parts.iter().map(String::as_str).chain([body.as_ref()]))
     }
 }

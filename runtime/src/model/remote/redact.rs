@@ -37,7 +37,11 @@ impl Redactor {
         keys.sort_by_key(|key| std::cmp::Reverse(key.len()));
         let secret = |bytes: Vec<u8>| SecretBox::new(Box::new(bytes));
         Redactor {
-            encoded: keys.iter().flat_map(|key| encoded(key)).map(secret).collect(),
+            encoded: keys
+                .iter()
+                .flat_map(|key| encoded(key))
+                .map(secret)
+                .collect(),
             plain: keys.into_iter().map(|key| secret(key.to_vec())).collect(),
         }
     }

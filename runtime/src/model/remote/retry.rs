@@ -166,7 +166,11 @@ mod tests {
     #[test]
     fn each_fault_has_its_bound_and_all_together_have_one() {
         for fault in Fault::ALL {
-            assert_eq!(calls_until_given_up(|_| fault), most_calls(fault), "{fault}");
+            assert_eq!(
+                calls_until_given_up(|_| fault),
+                most_calls(fault),
+                "{fault}"
+            );
         }
         let faults = [Fault::RateLimited, Fault::ServerFailed, Fault::Unreachable];
         let mixed = calls_until_given_up(|number| faults[number as usize % 3]);
@@ -196,7 +200,10 @@ mod tests {
         let mut tries = Tries::new(&retry);
         tries.begin();
         let asked = Duration::from_secs(40);
-        assert_eq!(tries.after(Fault::RateLimited, Some(asked)), Next::After(asked));
+        assert_eq!(
+            tries.after(Fault::RateLimited, Some(asked)),
+            Next::After(asked)
+        );
         tries.begin();
         let Next::After(wait) = tries.after(Fault::RateLimited, Some(Duration::ZERO)) else {
             panic!("gave up");

@@ -24,13 +24,18 @@ pub(super) fn judge(status: u16, body: &[u8]) -> Refusal {
         401 => Fault::NotAuthorised,
         402 => Fault::QuotaExhausted,
         408 => Fault::TimedOut,
-        403 => among(&error, &[Fault::QuotaExhausted, Fault::ContentFiltered]).unwrap_or(Fault::NotAuthorised),
+        403 => among(&error, &[Fault::QuotaExhausted, Fault::ContentFiltered])
+            .unwrap_or(Fault::NotAuthorised),
         429 => among(&error, &[Fault::QuotaExhausted]).unwrap_or(Fault::RateLimited),
         504 => Fault::TimedOut,
         500..=599 => Fault::ServerFailed,
         409 => Fault::ServerFailed,
         _ => {
-            let meant = [Fault::QuotaExhausted, Fault::ContentFiltered, Fault::NotAuthorised];
+            let meant = [
+                Fault::QuotaExhausted,
+                Fault::ContentFiltered,
+                Fault::NotAuthorised,
+            ];
             among(&error, &meant).unwrap_or(Fault::BadRequest)
         }
     };

@@ -92,7 +92,9 @@ impl Transport {
             Proxy::OfTheSystem => builder,
             Proxy::None => builder.no_proxy(),
         };
-        let client = builder.build().map_err(|error| chain(error.without_url()))?;
+        let client = builder
+            .build()
+            .map_err(|error| chain(error.without_url()))?;
         Ok(Transport {
             client,
             runtime,

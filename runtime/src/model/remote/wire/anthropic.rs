@@ -100,7 +100,10 @@ pub(super) fn body<'a>(
 fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
     if message.speaker == Speaker::Assistant {
         let content = Content::Text(words(message)?);
-        return Ok(Turn { role: "assistant", content });
+        return Ok(Turn {
+            role: "assistant",
+            content,
+        });
     }
     let blocks = message.parts.iter().map(|part| match part {
         Part::Text(text) => Block::Text { text },

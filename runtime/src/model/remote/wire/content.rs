@@ -33,7 +33,9 @@ pub(super) fn words(message: &Message) -> Result<String, Unfit> {
             Speaker::User => "the user",
             Speaker::Assistant => "the model",
         };
-        Unfit(format!("a picture stands in a turn of {speaker}, and only the user's can hold one"))
+        Unfit(format!(
+            "a picture stands in a turn of {speaker}, and only the user's can hold one"
+        ))
     })?;
     Ok(texts.join(BETWEEN))
 }

@@ -95,7 +95,10 @@ impl ErrorBody {
             Some(Fault::RateLimited)
         } else if named("content_filter") || named("policy") || named("moderation") {
             Some(Fault::ContentFiltered)
-        } else if named("api_key_invalid") || named("invalid_api_key") || named("authentication_error") {
+        } else if named("api_key_invalid")
+            || named("invalid_api_key")
+            || named("authentication_error")
+        {
             Some(Fault::NotAuthorised)
         } else if named("overloaded") || named("server_error") || named("api_error") {
             Some(Fault::ServerFailed)

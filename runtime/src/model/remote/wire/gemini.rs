@@ -198,8 +198,16 @@ fn ended_badly(reason: Option<&str>) -> Option<Fault> {
         Some("STOP") | None => None,
         Some("MAX_TOKENS" | "CONTINUATION") => Some(Fault::Truncated),
         Some(
-            "SAFETY" | "RECITATION" | "LANGUAGE" | "BLOCKLIST" | "PROHIBITED_CONTENT" | "SPII"
-            | "IMAGE_SAFETY" | "IMAGE_PROHIBITED_CONTENT" | "IMAGE_RECITATION" | "ESCALATION"
+            "SAFETY"
+            | "RECITATION"
+            | "LANGUAGE"
+            | "BLOCKLIST"
+            | "PROHIBITED_CONTENT"
+            | "SPII"
+            | "IMAGE_SAFETY"
+            | "IMAGE_PROHIBITED_CONTENT"
+            | "IMAGE_RECITATION"
+            | "ESCALATION"
             | "MODEL_ARMOR",
         ) => Some(Fault::ContentFiltered),
         Some("PUP_LIMITED_DISABLED") => Some(Fault::NotAuthorised),

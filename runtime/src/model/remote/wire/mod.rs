@@ -199,7 +199,9 @@ impl Failure {
     fn invalid(error: &serde_json::Error) -> Failure {
         // The parser's own message may quote what it read at any length.
         let (line, column) = (error.line(), error.column());
-        let why = format!("the reply is not what the interface promises, at line {line}, column {column}");
+        let why = format!(
+            "the reply is not what the interface promises, at line {line}, column {column}"
+        );
         Failure::new(Fault::InvalidReply, why, None)
     }
 }
@@ -207,7 +209,11 @@ impl Failure {
 /// Makes an answer of words; none are a failure.
 fn answer(text: String, usage: Option<Usage>) -> Result<Answer, Failure> {
     if text.trim().is_empty() {
-        return Err(Failure::new(Fault::InvalidReply, "the answer is empty", usage));
+        return Err(Failure::new(
+            Fault::InvalidReply,
+            "the answer is empty",
+            usage,
+        ));
     }
     Ok(Answer { text, usage })
 }

@@ -203,7 +203,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     }
     let is_tool_call = said.tool_calls.is_some_and(|calls| !calls.is_empty())
         || said.function_call.is_some()
-        || matches!(finish_reason.as_deref(), Some("tool_calls" | "function_call"));
+        || matches!(
+            finish_reason.as_deref(),
+            Some("tool_calls" | "function_call")
+        );
     if is_tool_call {
         return Err(tool_called(usage));
     }

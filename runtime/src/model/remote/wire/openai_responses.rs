@@ -92,7 +92,10 @@ fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
     let (role, content) = match message.speaker {
         Speaker::System => ("system", Content::Text(words(message)?)),
         Speaker::Assistant => ("assistant", Content::Text(words(message)?)),
-        Speaker::User => ("user", Content::Parts(message.parts.iter().map(piece).collect())),
+        Speaker::User => (
+            "user",
+            Content::Parts(message.parts.iter().map(piece).collect()),
+        ),
     };
     Ok(Turn { role, content })
 }
@@ -168,7 +171,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
     if let Some(error) = response.error {
         return Err(ErrorBody::of(&error).failure(usage));
     }
-    let reason = response.incomplete_details.and_then(|details| details.reason);
+    let reason = response
+        .incomplete_details
+        .and_then(|details| details.reason);
     match (response.status.as_deref(), reason.as_deref()) {
         (Some("completed") | None, _) => {}
         (Some("incomplete"), Some("max_output_tokens")) => return Err(truncated(usage)),
