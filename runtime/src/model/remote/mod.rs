@@ -88,10 +88,18 @@ impl Remote {
     /// Makes the model; its name is `PROVIDER:NAME`. Nothing is sent.
     ///
     /// A host that is this computer is reached without a proxy. Fails where the system's certificates or sockets
-    /// cannot be had.
+    /// cannot be had, and where a key stands in the name or the base URL, since both are shown.
     pub fn new(settings: Settings, shared: Shared) -> Result<Remote, SetupError> {
-        let name = format!("{}:{}", settings.provider, settings.model);
         let redactor = Redactor::of(settings.key.iter().chain(&shared.hidden));
+        let endpoint = settings.base_url.endpoint(settings.wire, &settings.model);
+        let named = format!("{}:{}", settings.provider, settings.model);
+        let name = redactor.text(&named);
+        if name != named || redactor.text(endpoint.as_str()) != endpoint.as_str() {
+            return Err(SetupError {
+                model: name,
+                why: "a key stands in its name or its base URL; leave it out there".to_owned(),
+            });
+        }
         let proxy = if settings.base_url.is_loopback() {
             Proxy::None
         } else {
@@ -102,7 +110,6 @@ impl Remote {
             model: name.clone(),
             why,
         })?;
-        let endpoint = settings.base_url.endpoint(settings.wire, &settings.model);
         Ok(Remote {
             name,
             settings,

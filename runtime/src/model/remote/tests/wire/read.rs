@@ -1,0 +1,311 @@
+//! What comes back: answers with their usage, and every named failure.
+
+use super::*;
+use proptest::prelude::*;
+
+/// Replies with an answer `fold it`: 30 tokens of a question, 10 of them cached, and 12 of an answer.
+const ANSWERS: &[(Wire, &str)] = &[
+    (
+        Wire::OpenaiChat,
+        r#"{"choices":[{"finish_reason":"stop","message":{"role":"assistant","content":"fold it","refusal":null,"tool_calls":null}}],
+        "usage":{"prompt_tokens":30,"completion_tokens":12,"prompt_tokens_details":{"cached_tokens":10},"completion_tokens_details":{"reasoning_tokens":5}}}"#,
+    ),
+    (
+        Wire::OpenaiChat,
+        r#"{"choices":[{"message":{"content":[{"type":"text","text":"fold "},{"type":"text","text":"it"}]}}],
+        "usage":{"prompt_tokens":30,"completion_tokens":12,"prompt_tokens_details":{"cached_tokens":10}}}"#,
+    ),
+    (
+        Wire::OpenaiResponses,
+        r#"{"status":"completed","error":null,"output":[{"type":"reasoning","summary":[]},{"type":"message","content":[
+        {"type":"output_text","text":"fold "},{"type":"something_new"},{"type":"output_text","text":"it"}]}],
+        "usage":{"input_tokens":30,"input_tokens_details":{"cached_tokens":10},"output_tokens":12,"output_tokens_details":{"reasoning_tokens":5}}}"#,
+    ),
+    (
+        Wire::Anthropic,
+        r#"{"content":[{"type":"thinking","thinking":"hm","signature":""},{"type":"text","text":"fold it"}],"stop_reason":"end_turn",
+        "usage":{"input_tokens":15,"cache_creation_input_tokens":5,"cache_read_input_tokens":10,"output_tokens":12}}"#,
+    ),
+    (
+        Wire::Gemini,
+        r#"{"candidates":[{"content":{"role":"model","parts":[{"text":"hm","thought":true},{"text":"fold it"}]},"finishReason":"STOP"}],
+        "usageMetadata":{"promptTokenCount":30,"cachedContentTokenCount":10,"candidatesTokenCount":7,"thoughtsTokenCount":5}}"#,
+    ),
+];
+
+#[test]
+fn answers_are_read_with_what_they_used() {
+    let usage = Usage {
+        input_tokens: 30,
+        cached_input_tokens: 10,
+        output_tokens: 12,
+    };
+    for (wire, reply) in ANSWERS {
+        let expected = Answer {
+            text: "fold it".to_owned(),
+            usage: Some(usage),
+        };
+        assert_eq!(wire.decode(reply.as_bytes()), Ok(expected), "{reply}");
+    }
+}
+
+#[test]
+fn an_answer_is_not_lost_because_its_bill_cannot_be_read() {
+    for (wire, reply) in ANSWERS {
+        let reply = reply.replace(":30", ":-30").replace(":15", ":\"fifteen\"");
+        let answer = wire.decode(reply.as_bytes()).expect("an answer");
+        assert_eq!(
+            (answer.text.as_str(), answer.usage),
+            ("fold it", None),
+            "{reply}"
+        );
+    }
+}
+
+#[test]
+fn every_end_that_is_no_answer_has_a_name() {
+    use Fault::*;
+    use Wire::*;
+    for (wire, reply, fault) in [
+        (
+            OpenaiChat,
+            r#"{"choices":[{"finish_reason":"length","message":{"content":"fol"}}]}"#,
+            Truncated,
+        ),
+        (
+            OpenaiChat,
+            r#"{"choices":[{"finish_reason":"content_filter","message":{"content":""}}]}"#,
+            ContentFiltered,
+        ),
+        (
+            OpenaiChat,
+            r#"{"choices":[{"finish_reason":"stop","message":{"content":null,"refusal":"no"}}]}"#,
+            Refused,
+        ),
+        (
+            OpenaiChat,
+            r#"{"choices":[{"finish_reason":"tool_calls","message":{"content":null,"tool_calls":[{"id":"1"}]}}]}"#,
+            InvalidReply,
+        ),
+        (
+            OpenaiChat,
+            r#"{"choices":[{"finish_reason":"stop","message":{"content":"x","function_call":{"name":"f"}}}]}"#,
+            InvalidReply,
+        ),
+        (
+            OpenaiChat,
+            r#"{"choices":[{"finish_reason":"error","message":{"content":"x"}}]}"#,
+            ServerFailed,
+        ),
+        (
+            OpenaiChat,
+            r#"{"choices":[{"finish_reason":"stop","message":{"content":" \n"}}]}"#,
+            InvalidReply,
+        ),
+        (
+            OpenaiChat,
+            r#"{"choices":[{"finish_reason":"stop","message":{}}]}"#,
+            InvalidReply,
+        ),
+        (OpenaiChat, r#"{"choices":[]}"#, InvalidReply),
+        (OpenaiChat, r#"{"choices":null}"#, InvalidReply),
+        (
+            OpenaiChat,
+            r#"{"error":{"message":"slow","code":"rate_limit_exceeded"}}"#,
+            RateLimited,
+        ),
+        (OpenaiChat, r#"{"error":"out of memory"}"#, ServerFailed),
+        (
+            OpenaiResponses,
+            r#"{"status":"incomplete","incomplete_details":{"reason":"max_output_tokens"},"output":[]}"#,
+            Truncated,
+        ),
+        (
+            OpenaiResponses,
+            r#"{"status":"incomplete","incomplete_details":{"reason":"content_filter"},"output":[]}"#,
+            ContentFiltered,
+        ),
+        (
+            OpenaiResponses,
+            r#"{"status":"incomplete","incomplete_details":{"reason":"steered"},"output":[]}"#,
+            InvalidReply,
+        ),
+        (
+            OpenaiResponses,
+            r#"{"status":"queued","output":[]}"#,
+            InvalidReply,
+        ),
+        (
+            OpenaiResponses,
+            r#"{"status":"failed","error":{"code":"server_error","message":"x"}}"#,
+            ServerFailed,
+        ),
+        (
+            OpenaiResponses,
+            r#"{"status":"failed","error":{"code":"rate_limit_exceeded","message":"x"}}"#,
+            RateLimited,
+        ),
+        (
+            OpenaiResponses,
+            r#"{"status":"failed","error":{"code":"image_content_policy_violation","message":"x"}}"#,
+            ContentFiltered,
+        ),
+        (
+            OpenaiResponses,
+            r#"{"status":"failed","error":{"code":"invalid_image","message":"x"}}"#,
+            BadRequest,
+        ),
+        (OpenaiResponses, r#"{"status":"failed"}"#, ServerFailed),
+        (
+            OpenaiResponses,
+            r#"{"status":"completed","output":[{"type":"message","content":[{"type":"refusal","refusal":"no"}]}]}"#,
+            Refused,
+        ),
+        (
+            OpenaiResponses,
+            r#"{"status":"completed","output":[{"type":"function_call","name":"f"}]}"#,
+            InvalidReply,
+        ),
+        (
+            OpenaiResponses,
+            r#"{"status":"completed","output":[]}"#,
+            InvalidReply,
+        ),
+        (
+            Anthropic,
+            r#"{"content":[{"type":"text","text":"fol"}],"stop_reason":"max_tokens"}"#,
+            Truncated,
+        ),
+        (
+            Anthropic,
+            r#"{"content":[],"stop_reason":"model_context_window_exceeded"}"#,
+            Truncated,
+        ),
+        (
+            Anthropic,
+            r#"{"content":[],"stop_reason":"refusal","stop_details":{"explanation":"no"}}"#,
+            Refused,
+        ),
+        (
+            Anthropic,
+            r#"{"content":[{"type":"tool_use","id":"1","name":"f","input":{}}],"stop_reason":"tool_use"}"#,
+            InvalidReply,
+        ),
+        (
+            Anthropic,
+            r#"{"content":[{"type":"tool_use","id":"1","name":"f","input":{}}],"stop_reason":"end_turn"}"#,
+            InvalidReply,
+        ),
+        (
+            Anthropic,
+            r#"{"content":[{"type":"text","text":"x"}],"stop_reason":"pause_turn"}"#,
+            InvalidReply,
+        ),
+        (
+            Anthropic,
+            r#"{"content":[],"stop_reason":"end_turn"}"#,
+            InvalidReply,
+        ),
+        (
+            Anthropic,
+            r#"{"type":"error","error":{"type":"overloaded_error","message":"busy"}}"#,
+            ServerFailed,
+        ),
+        (
+            Gemini,
+            r#"{"candidates":[{"content":{"parts":[{"text":"fol"}]},"finishReason":"MAX_TOKENS"}]}"#,
+            Truncated,
+        ),
+        (
+            Gemini,
+            r#"{"candidates":[{"finishReason":"SAFETY"}]}"#,
+            ContentFiltered,
+        ),
+        (
+            Gemini,
+            r#"{"candidates":[{"finishReason":"RECITATION","finishMessage":"quoted"}]}"#,
+            ContentFiltered,
+        ),
+        (
+            Gemini,
+            r#"{"promptFeedback":{"blockReason":"PROHIBITED_CONTENT"}}"#,
+            ContentFiltered,
+        ),
+        (
+            Gemini,
+            r#"{"candidates":[{"finishReason":"PUP_LIMITED_DISABLED"}]}"#,
+            NotAuthorised,
+        ),
+        (
+            Gemini,
+            r#"{"candidates":[{"finishReason":"UNEXPECTED_TOOL_CALL"}]}"#,
+            InvalidReply,
+        ),
+        (
+            Gemini,
+            r#"{"candidates":[{"content":{"parts":[{"functionCall":{"name":"f"}}]},"finishReason":"STOP"}]}"#,
+            InvalidReply,
+        ),
+        (
+            Gemini,
+            r#"{"candidates":[{"content":{"parts":[{"text":"hm","thought":true}]},"finishReason":"STOP"}]}"#,
+            InvalidReply,
+        ),
+        (Gemini, r#"{"candidates":[]}"#, InvalidReply),
+        (Gemini, r#"{}"#, InvalidReply),
+    ] {
+        let failure = wire.decode(reply.as_bytes()).expect_err("no answer");
+        assert_eq!(failure.fault, fault, "{reply}: {failure:?}");
+        assert!(!failure.why.is_empty(), "{reply}");
+    }
+}
+
+#[test]
+fn a_failure_says_what_it_used_all_the_same() {
+    let reply = r#"{"choices":[{"finish_reason":"length","message":{"content":""}}],"usage":{"prompt_tokens":3,"completion_tokens":4}}"#;
+    let failure = Wire::OpenaiChat
+        .decode(reply.as_bytes())
+        .expect_err("no answer");
+    assert_eq!(failure.usage.map(|usage| usage.output_tokens), Some(4));
+}
+
+#[test]
+fn what_is_no_json_is_an_invalid_reply_that_is_not_quoted() {
+    for bytes in [
+        &b""[..],
+        b"<html>canary</html>",
+        b"{\"choices\": \"canary\"}",
+        b"[1]",
+        b"\xff\xfe",
+        &[b'['; 100_000],
+    ] {
+        for wire in Wire::ALL {
+            if let Err(failure) = wire.decode(bytes) {
+                assert_eq!(failure.fault, Fault::InvalidReply, "{}", wire.name());
+                assert!(!failure.why.contains("canary"), "{}", failure.why);
+            }
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_an_answer_or_a_failure(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+        for wire in Wire::ALL {
+            let _ = wire.decode(&bytes);
+        }
+    }
+
+    #[test]
+    fn a_reply_with_any_byte_changed_is_an_answer_or_a_failure(
+        which in 0..ANSWERS.len(), at in 0usize..1000, byte in any::<u8>(), end in 0usize..1000,
+    ) {
+        let (wire, reply) = ANSWERS[which];
+        let mut bytes = reply.as_bytes().to_vec();
+        let at = at % bytes.len();
+        bytes[at] = byte;
+        let _ = wire.decode(&bytes);
+        bytes.truncate(end);
+        let _ = wire.decode(&bytes);
+    }
+}

@@ -1,0 +1,167 @@
+//! A key that the server gives back in every form is never seen again.
+
+use crate::support::*;
+use base64::Engine;
+use runtime::calls::{Unkept, Usd};
+use runtime::model::remote::{Key, Wire};
+use runtime::model::{Model, Reply};
+use wiremock::ResponseTemplate;
+
+const OTHER: &str = "another-canary-key-0123";
+
+/// What no text may hold: the keys, and pieces of them that no escape would leave.
+fn check(text: &str) {
+    let engine = base64::engine::general_purpose::STANDARD;
+    let encoded = engine.encode(CANARY);
+    for part in [
+        CANARY,
+        OTHER,
+        "0123456789",
+        "canary",
+        &encoded[..20],
+        "\\u0073k",
+        "%73%6b",
+    ] {
+        assert!(!text.contains(part), "`{part}` in: {text}");
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.bytes().map(|byte| format!("\\u{byte:04x}")).collect()
+}
+
+/// Bodies in which the server repeats the keys.
+fn bodies() -> Vec<String> {
+    let engine = base64::engine::general_purpose::STANDARD;
+    let encoded = engine.encode(format!("user:{CANARY}"));
+    let percent: String = CANARY.bytes().map(|byte| format!("%{byte:02X}")).collect();
+    let forms = [
+        CANARY.to_owned(),
+        CANARY.replace('/', "\\/"),
+        escaped(CANARY),
+        percent,
+        encoded,
+        OTHER.to_owned(),
+    ];
+    let chat = |text: &str, end: &str| {
+        format!(
+            r#"{{"choices":[{{"finish_reason":"{end}","message":{{"content":"{text}","refusal":null}}}}]}}"#
+        )
+    };
+    let of = |text: &String| {
+        [
+            format!(
+                r#"{{"error":{{"message":"wrong key {text}","code":"{text}","type":"{text}"}}}}"#
+            ),
+            format!("<p>{text}</p>"),
+            chat(&format!("your key is {text}"), "stop"),
+            chat(text, "length"),
+            format!(r#"{{"choices":[{{"message":{{"refusal":"{text}"}}}}]}}"#),
+            format!(
+                r#"{{"status":"{text}","output":[{{"type":"message","content":[{{"type":"refusal","refusal":"{text}"}}]}}]}}"#
+            ),
+            format!(r#"{{"content":[{{"type":"text","text":"{text}"}}],"stop_reason":"{text}"}}"#),
+            format!(
+                r#"{{"content":[{{"type":"text","text":"{text}"}}],"stop_reason":"end_turn"}}"#
+            ),
+            format!(r#"{{"candidates":[{{"finishReason":"{text}","finishMessage":"{text}"}}]}}"#),
+            format!(r#"{{"candidates":[{{"content":{{"parts":[{{"text":"{text}"}}]}}}}]}}"#),
+        ]
+    };
+    forms.iter().flat_map(of).collect()
+}
+
+#[test]
+fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
+    let mut replies = 0;
+    for body in bodies() {
+        for code in [200, 302, 400, 401, 429, 500] {
+            let template = ResponseTemplate::new(code)
+                .set_body_raw(body.clone(), "application/json")
+                .insert_header("x-echo", CANARY)
+                .insert_header("retry-after", CANARY)
+                .insert_header("location", format!("http://127.0.0.1:1/{CANARY}"));
+            let provider = Provider::playing(vec![template]);
+            for wire in Wire::ALL {
+                let mut trial = Trial::of(&provider.url());
+                trial.settings.wire = wire;
+                trial.settings.retry.calls = 1;
+                trial.shared.hidden = vec![Key::new("OTHER", OTHER).unwrap()];
+                let model = trial.model();
+                let mut notes = Notes::new();
+                match model.ask(&request(), &mut notes) {
+                    Ok(reply) => {
+                        replies += 1;
+                        assert!(reply.text.contains("[key]"), "{reply:?}");
+                        check(&format!("{reply:?}"));
+                    }
+                    Err(error) => check(&format!("{error} {error:?}")),
+                }
+                check(&format!("{:?} {model:?} {:?}", notes.told, trial.shared));
+            }
+        }
+    }
+    assert!(replies > 10, "the server was not understood: {replies}");
+}
+
+#[test]
+fn no_kept_answer_holds_a_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let provider = Provider::playing(vec![good(&format!("it is {CANARY}"))]);
+    let mut trial = Trial::of(&provider.url());
+    let cache = runtime::cache::Cache::at(folder.path().to_owned());
+    trial.shared.answers = std::sync::Arc::new(runtime::model::remote::Answers::kept_in(cache));
+    let reply: Reply = trial.model().ask(&request(), &mut Unkept).unwrap();
+    assert_eq!(
+        (reply.text.as_str(), reply.cost),
+        ("it is [key]", Some(Usd::from_nano(150)))
+    );
+    for entry in std::fs::read_dir(folder.path()).unwrap() {
+        check(&std::fs::read_to_string(entry.unwrap().path()).unwrap());
+    }
+}
+
+#[test]
+fn no_panic_message_holds_a_key() {
+    /// Panics with all that it can see of a call.
+    struct Panics;
+    impl runtime::calls::Calls for Panics {
+        fn begin(
+            &mut self,
+            call: &runtime::calls::Call<'_>,
+        ) -> Result<(), runtime::calls::CallRefused> {
+            panic!("{call:?}");
+        }
+        fn end(
+            &mut self,
+            _: &runtime::calls::CallEnd<'_>,
+        ) -> Result<(), runtime::calls::CallRefused> {
+            Ok(())
+        }
+    }
+    let provider = Provider::playing(vec![good("there")]);
+    let trial = Trial::of(&provider.url());
+    let model = trial.model();
+    let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        let _ = model.ask(&request(), &mut Panics);
+    }));
+    let message = caught.unwrap_err();
+    let text = message
+        .downcast_ref::<String>()
+        .cloned()
+        .unwrap_or_default();
+    assert!(text.contains("a-model"), "{text}");
+    check(&text);
+    // The gate and the claim were given back all the same.
+    assert!(model.ask(&request(), &mut Unkept).is_ok());
+}
+
+#[test]
+fn a_key_within_the_base_url_is_refused_before_anything_is_sent() {
+    let trial = Trial::of(&format!("http://127.0.0.1:1/{OTHER}/v1"));
+    let mut shared = trial.shared.clone();
+    shared.hidden = vec![Key::new("OTHER", OTHER).unwrap()];
+    let error = runtime::model::remote::Remote::new(trial.settings, shared).unwrap_err();
+    check(&format!("{error} {error:?}"));
+    assert!(error.to_string().contains("key"), "{error}");
+}

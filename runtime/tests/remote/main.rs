@@ -1,0 +1,8 @@
+//! Plays every failure of a provider against `model::remote`, and counts what the provider got.
+
+mod canary;
+mod faults;
+mod kept;
+mod lost;
+mod stopped;
+mod support;
