@@ -139,7 +139,7 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
             observation: &observation,
             number: step,
             step,
-            remark: None,
+            before: None,
             last: last.as_ref(),
             pictures: &pictures,
             repetition: 0,

@@ -15,11 +15,12 @@ mod turn;
 use crate::action::Action;
 use crate::agent::{AgentError, Attempt, Models};
 use crate::cache::Cache;
+use crate::demos::DemosError;
 use crate::examples::Examples;
 use crate::expert::MakeWorld;
 use crate::interrupt::Interrupt;
 use crate::journal::{JournalError, Line, RunFolder};
-use crate::model::ModelRole;
+use crate::model::{ModelRole, lowering};
 use crate::outcome::Outcome;
 use crate::result::StepResult;
 use crate::sheet::Sheet;
@@ -124,9 +125,12 @@ pub enum RunError {
     /// The world cannot be set up.
     #[error(transparent)]
     World(#[from] WorldError),
-    /// The program does not fit itself; only one edited by hand can do that.
+    /// The task cannot be asked of a model that is told of points in its own way, or the program does not fit itself.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The demonstrations cannot be told to a model.
+    #[error(transparent)]
+    Demos(#[from] DemosError),
     /// A picture cannot be drawn on.
     #[error(transparent)]
     Vision(#[from] VisionError),
@@ -136,6 +140,7 @@ impl From<AgentError<JournalError>> for RunError {
     fn from(error: AgentError<JournalError>) -> Self {
         match error {
             AgentError::Render(error) => RunError::Render(error),
+            AgentError::Demos(error) => RunError::Demos(error),
             AgentError::Record(error) => RunError::Journal(error),
         }
     }
@@ -151,6 +156,10 @@ pub fn run(
     progress: &mut dyn FnMut(Event<'_>),
 ) -> Result<Report, RunError> {
     let begun = Instant::now();
+    lowering::check(job.program, job.models).map_err(RenderError::from)?;
+    if let Some(note) = lowering::note(job.program, job.models) {
+        progress(Event::Note(note));
+    }
     let mut world = (job.make_world)()?;
     world.reset(job.start)?;
     let mut keeper = Keeper::open(job, folder, world.as_ref())?;

@@ -12,7 +12,7 @@ pub(crate) use show::constant;
 
 use crate::eval::{Eval, Notes};
 use crate::facts::{Facts, Missing};
-use crate::pointing::{Pointing, PointingError};
+use crate::pointing::{Notation, Pointing, PointingError};
 use crate::program::{ActionField, Check, FileRef, Picture, Program, Read, Shown, Stage, Template};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Value;
@@ -43,6 +43,23 @@ pub enum Values<'a> {
 }
 
 impl Values<'_> {
+    /// Returns the same for a model that writes points so; placeholders of [`Values::Typed`] stay as they are.
+    pub fn with_pointing(self, pointing: Pointing) -> Self {
+        match self {
+            Values::Known(facts) => Values::Known(Facts { pointing, ..facts }),
+            Values::Partly(facts) => Values::Partly(Facts { pointing, ..facts }),
+            Values::Typed => Values::Typed,
+        }
+    }
+
+    /// Returns how the points of the scene are written.
+    pub fn notation(&self, program: &Program) -> Notation {
+        match self {
+            Values::Known(facts) | Values::Partly(facts) => facts.notation(program),
+            Values::Typed => Notation::pixels(),
+        }
+    }
+
     fn pointing(&self, program: &Program) -> Pointing {
         match self {
             Values::Known(facts) | Values::Partly(facts) => facts.pointing,

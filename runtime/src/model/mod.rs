@@ -6,6 +6,7 @@
 
 pub mod geometric;
 pub mod imperfect;
+pub mod lowering;
 pub mod random;
 
 mod offered;
@@ -18,6 +19,7 @@ use std::sync::Arc;
 pub use compiler::program::ModelRole;
 pub use geometric::Geometric;
 pub use imperfect::Imperfect;
+pub use lowering::Lowering;
 pub use random::Random;
 
 /// Answers one request at a time.
@@ -35,6 +37,13 @@ pub trait Model: Send + Sync {
     /// A suite repeats the rollouts of such a model, and runs others once.
     fn varies(&self) -> bool {
         true
+    }
+
+    /// Returns how the model is told of places in a picture, and in which size it gets pictures.
+    ///
+    /// One that passes questions on to another model passes on that model's lowering too.
+    fn lowering(&self) -> Lowering {
+        Lowering::PIXELS
     }
 
     /// Answers a request.
