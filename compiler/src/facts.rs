@@ -1,6 +1,7 @@
 //! What is known when a question is asked or an answer judged.
 
 use crate::eval::Eval;
+use crate::pointing::{Notation, Pointing};
 use crate::program::{PixelPoint, Point, Program, Value};
 use crate::reply::Proposal;
 use std::collections::BTreeMap;
@@ -48,6 +49,8 @@ pub struct Facts<'a> {
     pub last: Option<&'a Done>,
     /// The action that is judged, where there is one.
     pub proposal: Option<&'a Proposal>,
+    /// How the model that is asked or judged writes points.
+    pub pointing: Pointing,
 }
 
 impl<'a> Facts<'a> {
@@ -57,6 +60,11 @@ impl<'a> Facts<'a> {
             proposal: Some(proposal),
             ..self
         }
+    }
+
+    /// Returns how points of this scene are written.
+    pub fn notation(&self, program: &Program) -> Notation {
+        Notation::of(self.pointing, &program.actions, self.scene)
     }
 
     /// Returns a point as a whole pixel.

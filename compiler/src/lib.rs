@@ -47,6 +47,7 @@ mod form;
 mod load;
 mod merge;
 mod path;
+pub mod pointing;
 pub mod program;
 pub mod proof;
 pub mod render;

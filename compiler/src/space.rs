@@ -6,6 +6,7 @@
 
 use crate::exact::written;
 use crate::facts::SceneView;
+use crate::pointing::Notation;
 use crate::program::{ActionField, Choices, PixelPoint, Program, Value};
 use crate::reply::Proposal;
 
@@ -69,7 +70,7 @@ pub fn declared(field: &ActionField) -> Vec<Value> {
     }
 }
 
-/// Writes a value as prompts list it and answers state it.
+/// Writes a value as prompts list it and answers state it; a point in pixels, see [`Notation`] for other frames.
 pub fn text(field: &ActionField, value: &Value) -> String {
     match value {
         Value::Point(point) => point.to_string(),
@@ -91,8 +92,8 @@ pub fn listed(field: &ActionField, values: &[Value]) -> String {
 }
 
 /// Writes as many values as a message to a model can list, and how many more there are.
-pub(crate) fn shortened(field: &ActionField, values: &[Value]) -> String {
-    let mut text = listed(field, &values[..values.len().min(MAX_LISTED)]);
+pub(crate) fn shortened(notation: &Notation, field: &ActionField, values: &[Value]) -> String {
+    let mut text = notation.listed(field, &values[..values.len().min(MAX_LISTED)]);
     if values.len() > MAX_LISTED {
         text.push_str(&format!(" and {} more", values.len() - MAX_LISTED));
     }
@@ -116,15 +117,22 @@ pub fn statement(field: &ActionField, value: &str) -> String {
     )
 }
 
-/// Returns the lines in which an answer states an action; what `{{ actions.format }}` becomes.
+/// Returns the lines in which an answer states an action, points in pixels.
 pub fn format(actions: &[ActionField]) -> String {
+    format_with("(x, y)", actions)
+}
+
+/// Returns the lines in which an answer states an action; what `{{ actions.format }}` becomes.
+///
+/// - `point`: what stands in the place of a point, see [`crate::pointing::Pointing::form`].
+pub(crate) fn format_with(point: &str, actions: &[ActionField]) -> String {
     let line = |field: &ActionField| {
         let values: Vec<String> = declared(field)
             .iter()
             .map(|value| text(field, value))
             .collect();
         let values = if field.is_point() {
-            "(x, y)".to_owned()
+            point.to_owned()
         } else {
             values.join(" | ")
         };

@@ -3,6 +3,7 @@
 //! In: a program and one of its tests. Out: what came of the answer, and whether that was expected.
 
 use crate::facts::{Done, Facts, SceneView};
+use crate::pointing::Pointing;
 use crate::program::{Expect, Given, PixelPoint, Program, Read, Test, Value};
 use crate::render::RenderError;
 use crate::reply::{self, Proposal, Reading};
@@ -154,6 +155,7 @@ fn judged(program: &Program, given: &Given, proposal: &Proposal) -> Result<Verdi
         step: given.step,
         last: last.as_ref(),
         proposal: None,
+        pointing: Pointing::of_camera(&program.camera),
     };
     verify::verdict(program, facts, proposal, Strictness::Full)
 }

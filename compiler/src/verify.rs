@@ -5,6 +5,7 @@
 
 use crate::eval::{Eval, Notes};
 use crate::facts::{Facts, SceneView};
+use crate::pointing::Notation;
 use crate::program::{ActionField, Check, Choices, Program, Value};
 use crate::render::{self, RenderError};
 use crate::reply::Proposal;
@@ -51,7 +52,8 @@ pub fn verdict(
     strictness: Strictness,
 ) -> Result<Verdict, RenderError> {
     let facts = facts.judging(proposal);
-    if let Some(refused) = unoffered(program, facts.scene, proposal)? {
+    let notation = || facts.notation(program);
+    if let Some(refused) = unoffered(program, facts.scene, proposal, &notation)? {
         return Ok(refused);
     }
     let relaxed = |check: &&Check| {
@@ -71,11 +73,14 @@ pub fn verdict(
 
 /// Returns the rejection of the first field that is none of the values that the scene offers.
 ///
+/// - `notation`: how its message writes points; asked only where there is one.
+///
 /// Fails where the proposal lacks a field.
 pub(crate) fn unoffered(
     program: &Program,
     scene: &dyn SceneView,
     proposal: &Proposal,
+    notation: &dyn Fn() -> Notation,
 ) -> Result<Option<Verdict>, RenderError> {
     for field in &program.actions {
         let Some(value) = proposal.get(&field.name) else {
@@ -85,7 +90,7 @@ pub(crate) fn unoffered(
         };
         if !space::is_offered(field, value, scene) {
             let choices = space::choices(field, scene);
-            return Ok(Some(not_offered(field, value, &choices)));
+            return Ok(Some(not_offered(&notation(), field, value, &choices)));
         }
     }
     Ok(None)
@@ -137,13 +142,18 @@ pub fn keypoints(program: &Program) -> BTreeSet<String> {
     names
 }
 
-fn not_offered(field: &ActionField, value: &Value, choices: &[Value]) -> Verdict {
+fn not_offered(
+    notation: &Notation,
+    field: &ActionField,
+    value: &Value,
+    choices: &[Value],
+) -> Verdict {
     let listed = match &field.choices {
         Choices::Region { mask } => space::any_of(mask),
-        _ => space::shortened(field, choices),
+        _ => space::shortened(notation, field, choices),
     };
     let name = space::spoken(field);
-    let text = space::text(field, value);
+    let text = notation.value(field, value);
     let message = match (&field.choices, value) {
         (Choices::Region { mask }, _) => format!(
             "The {name} point {text} is not on the {}. Choose {listed}.",

@@ -12,7 +12,7 @@ use compiler::program::{Program, Value};
 use compiler::reply::Proposal;
 use compiler::{LoadError, Loader};
 use runtime::action::Action;
-use runtime::agent::{self, Decision, Models, Situation};
+use runtime::agent::{self, Asking, Decision, Models, Situation};
 use runtime::cache::Cache;
 use runtime::calls::Calls;
 use runtime::chance::Chance;
@@ -139,7 +139,7 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
             observation: &observation,
             number: step,
             step,
-            remark: None,
+            before: None,
             last: last.as_ref(),
             pictures: &pictures,
             repetition: 0,

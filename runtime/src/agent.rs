@@ -9,16 +9,19 @@ mod judge;
 mod talk;
 
 use crate::calls::Fault;
+use crate::demos::DemosError;
 use crate::examples::Told;
-use crate::model::{Message, Model, ModelRole, Nature, Part, Png, Reply, Request, Speaker};
+use crate::model::{Lowering, Message, Model, ModelRole, Nature, Part, Reply, Request, Speaker};
 use crate::observation::Observation;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
+use crate::result::StepResult;
 use crate::scene::Scene;
 pub use asking::Asking;
 use compiler::facts::{Done, Facts};
-use compiler::program::{Exhausted, Program, Stage, Value};
-use compiler::render::{self, PromptPicture, PromptSpeaker, RenderError, Values};
+use compiler::pointing::Pointing;
+use compiler::program::{Exhausted, Picture, Program, Stage, Value};
+use compiler::render::{self, NUMBERED_POINTS, PromptPicture, PromptSpeaker, RenderError, Values};
 use compiler::reply::Proposal;
 use compiler::verify::Verdict;
 use serde::Serialize;
@@ -157,6 +160,9 @@ pub enum AgentError<E> {
     /// A template and its values do not fit; only a program edited by hand can do that.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The demonstrations cannot be told.
+    #[error(transparent)]
+    Demos(#[from] DemosError),
     /// The caller could not keep an attempt.
     #[error(transparent)]
     Record(E),
@@ -175,8 +181,8 @@ pub struct Situation<'a> {
     pub number: u32,
     /// Which step this is, from 1.
     pub step: u32,
-    /// What is said of the step's result so far, where it is asked again.
-    pub remark: Option<&'a str>,
+    /// What the action before came to, where it was for the same step.
+    pub before: Option<StepResult>,
     /// The action before.
     pub last: Option<&'a Done>,
     /// What can be shown.
@@ -186,13 +192,34 @@ pub struct Situation<'a> {
 }
 
 impl<'a> Situation<'a> {
-    fn facts(self, texts: &'a BTreeMap<String, String>) -> Facts<'a> {
+    fn facts(self, texts: &'a BTreeMap<String, String>, pointing: Pointing) -> Facts<'a> {
         Facts {
             scene: self.scene,
             texts,
             step: self.step,
             last: self.last,
             proposal: None,
+            pointing,
+        }
+    }
+}
+
+/// Why the messages of a stage cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum PromptError {
+    /// A template and its values do not fit, or the stage cannot be asked of a model that writes points so.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The demonstrations cannot be told.
+    #[error(transparent)]
+    Demos(#[from] DemosError),
+}
+
+impl<E> From<PromptError> for AgentError<E> {
+    fn from(error: PromptError) -> Self {
+        match error {
+            PromptError::Render(error) => AgentError::Render(error),
+            PromptError::Demos(error) => AgentError::Demos(error),
         }
     }
 }
@@ -210,9 +237,10 @@ pub fn decide<E: std::error::Error>(
     let mut texts = BTreeMap::new();
     let mut decision = Decision::Stop(Outcome::MalformedReply);
     for stage in &program.stages {
-        let mut talk = Talk::begin(situation, stage, &texts)?;
+        let model = models.of(stage.model);
+        let mut talk = Talk::begin(situation, stage, &texts, model.lowering())?;
         let answer = loop {
-            let attempt = talk.ask(models.of(stage.model), asking, &texts)?;
+            let attempt = talk.ask(model, asking, &texts)?;
             record(&attempt).map_err(AgentError::Record)?;
             match talk.conclude(attempt, &texts)? {
                 Next::AskAgain => {}
@@ -242,17 +270,22 @@ fn without_answer(program: &Program, outcome: Outcome) -> Decision {
     }
 }
 
-/// Renders the opening messages of a stage; `fabc render` shows what this returns.
+/// Renders the opening messages of a stage as a model with this lowering is sent them; `fabc render` shows what this
+/// returns.
 ///
-/// - `told`: demonstrations, which stand just before the question.
-/// - `png` gives the encoded picture for each picture of the prompt, in order.
+/// - `values`: what is known; points are written as the lowering says, whatever `values` says of them.
+/// - `step`: from 1; chooses the demonstrations, which stand just before the question.
 pub fn conversation(
     program: &Program,
     stage: &Stage,
     values: Values<'_>,
-    told: &[Told],
-    png: impl Fn(&PromptPicture) -> Option<Png>,
-) -> Result<Vec<Message>, RenderError> {
+    pictures: &Pictures,
+    step: u32,
+    lowering: &Lowering,
+) -> Result<Vec<Message>, PromptError> {
+    let pointing = lowering.pointing(pictures.size());
+    let values = values.with_pointing(pointing);
+    let notation = values.notation(program);
     let mut messages = Vec::new();
     for prompt in render::messages(program, stage, values)? {
         let speaker = match prompt.speaker {
@@ -262,14 +295,24 @@ pub fn conversation(
         };
         let mut parts = vec![Part::Text(prompt.text)];
         for picture in &prompt.pictures {
-            let found = png(picture).ok_or_else(|| RenderError::MissingFact {
+            let found = pictures.png(picture, lowering, &notation);
+            let found = found.ok_or_else(|| RenderError::MissingFact {
                 name: format!("{picture:?}"),
             })?;
             parts.push(Part::Image(found));
         }
+        let is_scene = |picture: &PromptPicture| {
+            matches!(picture, PromptPicture::Drawn(Picture::Scene { .. }))
+        };
+        if !notation.marks().is_empty() && prompt.pictures.iter().any(is_scene) {
+            parts.push(Part::Text(NUMBERED_POINTS.to_owned()));
+        }
         messages.push(Message { speaker, parts });
     }
     let question = messages.len().saturating_sub(1);
+    let told = pictures
+        .examples
+        .told(program, &stage.name, step, pointing)?;
     let told = told.iter().flat_map(|Told { question, answer }| {
         [
             Message::text(Speaker::User, question),

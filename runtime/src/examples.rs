@@ -9,6 +9,7 @@ use crate::files::{self, FileError};
 use crate::model::Png;
 use crate::picture;
 use crate::start::Start;
+use compiler::pointing::Pointing;
 use compiler::program::{FileRef, Program};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -65,11 +66,20 @@ impl Examples {
         self.pictures.get(&file.path)
     }
 
-    /// Returns the demonstrations that a stage is told in a step, which is counted from 1.
-    pub fn told(&self, stage: &str, step: u32) -> &[Told] {
+    /// Writes the demonstrations that a stage is told in a step, which is counted from 1, to a model that writes points
+    /// so.
+    ///
+    /// Fails as [`Demonstrations::told`] does.
+    pub fn told(
+        &self,
+        program: &Program,
+        stage: &str,
+        step: u32,
+        pointing: Pointing,
+    ) -> Result<Vec<Told>, DemosError> {
         match &self.demonstrations {
-            Some(demonstrations) => demonstrations.told(stage, step),
-            None => &[],
+            Some(demonstrations) => demonstrations.told(program, stage, step, pointing),
+            None => Ok(Vec::new()),
         }
     }
 

@@ -1,12 +1,18 @@
 //! The pictures that one step can show a model.
+//!
+//! In: what was drawn and taken, in the camera's size. Out: PNG files in the size that the model works on, the offered
+//! points numbered on pictures of the scene where it is told of points so.
 
 use crate::examples::Examples;
-use crate::model::Png;
-use crate::picture;
+use crate::model::{Lowering, Png};
 use crate::subgoals::StepPictures;
+use crate::{picture, vision};
+use compiler::pointing::Notation;
 use compiler::program::{Layers, Picture};
 use compiler::render::PromptPicture;
-use image::RgbImage;
+use image::imageops::{self, FilterType};
+use image::{ImageFormat, RgbImage};
+use std::borrow::Cow;
 
 /// The pictures of one step.
 #[derive(Clone, Debug)]
@@ -22,20 +28,68 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Returns a picture of a prompt, encoded; None where there is none such, which only a program edited by
-    /// hand asks for.
-    pub fn png(&self, picture: &PromptPicture) -> Option<Png> {
-        let encoded = |picture: &RgbImage| Png::new(picture::encode(picture));
+    /// Returns the size of the camera's picture, `[width, height]`.
+    pub fn size(&self) -> [u32; 2] {
+        self.scene.dimensions().into()
+    }
+
+    /// Returns a picture of a prompt as a model is sent it; None where there is none such, which only a program edited
+    /// by hand asks for.
+    pub fn png(
+        &self,
+        picture: &PromptPicture,
+        lowering: &Lowering,
+        notation: &Notation,
+    ) -> Option<Png> {
+        let encoded = |picture: &RgbImage| Png::new(picture::encode(&resized(picture, lowering)));
         match picture {
-            PromptPicture::File(file) => self.examples.picture(file).cloned(),
+            PromptPicture::File(file) => {
+                let png = self.examples.picture(file)?;
+                if *lowering == Lowering::PIXELS {
+                    return Some(png.clone());
+                }
+                let decoded = image::load_from_memory_with_format(png.bytes(), ImageFormat::Png);
+                decoded.ok().map(|picture| encoded(&picture.into_rgb8()))
+            }
             PromptPicture::Drawn(Picture::Subgoal { which, arrow }) => {
                 let subgoals = self.subgoals.as_ref()?;
                 Some(encoded(subgoals.picture(*which, *arrow)))
             }
-            PromptPicture::Drawn(Picture::Scene { layers }) => Some(match layers {
-                Layers::Drawn => encoded(&self.annotated),
-                Layers::Absent => encoded(&self.scene),
-            }),
+            PromptPicture::Drawn(Picture::Scene { layers }) => {
+                let scene = match layers {
+                    Layers::Drawn => &self.annotated,
+                    Layers::Absent => &self.scene,
+                };
+                Some(scene_png(scene, lowering, notation))
+            }
         }
     }
+}
+
+/// Encodes a picture of the scene as a model is sent it: in its size, and with the numbers of the offered points where
+/// they are numbered.
+pub fn scene_png(picture: &RgbImage, lowering: &Lowering, notation: &Notation) -> Png {
+    let mut sent = resized(picture, lowering).into_owned();
+    let frame = notation.pointing().frame();
+    let places: Vec<[f64; 2]> = notation
+        .marks()
+        .iter()
+        .map(|point| frame.in_sent_picture(*point))
+        .collect();
+    vision::draw_numbers(&mut sent, &places);
+    Png::new(picture::encode(&sent))
+}
+
+fn resized<'p>(picture: &'p RgbImage, lowering: &Lowering) -> Cow<'p, RgbImage> {
+    let size: [u32; 2] = picture.dimensions().into();
+    let [width, height] = lowering.sent(size);
+    if [width, height] == size {
+        return Cow::Borrowed(picture);
+    }
+    Cow::Owned(imageops::resize(
+        picture,
+        width,
+        height,
+        FilterType::Triangle,
+    ))
 }

@@ -16,10 +16,12 @@ use crate::action::Action;
 use crate::agent::{AgentError, Asking, Attempt, Models};
 use crate::cache::Cache;
 use crate::calls::Budget;
+use crate::demos::DemosError;
 use crate::examples::Examples;
 use crate::expert::MakeWorld;
 use crate::interrupt::Interrupt;
 use crate::journal::{JournalError, Line, RunFolder};
+use crate::model::lowering;
 use crate::model::recording::Recorder;
 use crate::outcome::Outcome;
 use crate::result::StepResult;
@@ -129,9 +131,12 @@ pub enum RunError {
     /// The world cannot be set up.
     #[error(transparent)]
     World(#[from] WorldError),
-    /// The program does not fit itself; only one edited by hand can do that.
+    /// The task cannot be asked of a model that is told of points in its own way, or the program does not fit itself.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The demonstrations cannot be told to a model.
+    #[error(transparent)]
+    Demos(#[from] DemosError),
     /// A picture cannot be drawn on.
     #[error(transparent)]
     Vision(#[from] VisionError),
@@ -141,6 +146,7 @@ impl From<AgentError<JournalError>> for RunError {
     fn from(error: AgentError<JournalError>) -> Self {
         match error {
             AgentError::Render(error) => RunError::Render(error),
+            AgentError::Demos(error) => RunError::Demos(error),
             AgentError::Record(error) => RunError::Journal(error),
         }
     }
@@ -156,6 +162,10 @@ pub fn run(
     progress: &mut dyn FnMut(Event<'_>),
 ) -> Result<Report, RunError> {
     let begun = Instant::now();
+    lowering::check(job.program, job.models).map_err(RenderError::from)?;
+    if let Some(note) = lowering::note(job.program, job.models) {
+        progress(Event::Note(note));
+    }
     let mut world = (job.make_world)()?;
     world.reset(job.start)?;
     let asking = Asking::in_folder(folder.path(), job.budget, job.recorder);

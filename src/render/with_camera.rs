@@ -6,19 +6,18 @@ use crate::exit::Failure;
 use crate::{setting, sources};
 use compiler::facts::{Done, Facts, SceneView};
 use compiler::program::{ClothStart, PixelPoint, Program, Stage, Subgoals, Value};
-use compiler::render::{PromptPicture, RenderError, Values};
+use compiler::render::{PromptPicture, Values};
 use compiler::reply::Proposal;
-use runtime::agent;
+use runtime::agent::{self, PromptError};
 use runtime::examples::Examples;
 use runtime::expert;
 use runtime::interrupt::Interrupt;
-use runtime::model::{Message, Part, Speaker};
+use runtime::model::{Lowering, Message, Part, Speaker};
 use runtime::pictures::Pictures;
 use runtime::scene::Scene;
 use runtime::start::Start;
 use runtime::subgoals::SubgoalSet;
 use runtime::world::World;
-use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 /// Returns the task for the cloth of the start file that is named, where one is; else the task as it is.
@@ -100,13 +99,24 @@ impl View {
         })
     }
 
-    /// Renders one stage by the function that a rollout uses.
+    /// Renders one stage as a model is sent it that answers in the task's pixels.
     pub fn messages(
         &self,
         program: &Program,
         stage: &Stage,
         listed: Option<&Listed>,
-    ) -> Result<Vec<Shown>, RenderError> {
+    ) -> Result<Vec<Shown>, PromptError> {
+        self.messages_for(program, stage, listed, &Lowering::PIXELS)
+    }
+
+    /// Renders one stage as a model with this lowering is sent it, by the function that a rollout uses.
+    pub fn messages_for(
+        &self,
+        program: &Program,
+        stage: &Stage,
+        listed: Option<&Listed>,
+        lowering: &Lowering,
+    ) -> Result<Vec<Shown>, PromptError> {
         let texts = BTreeMap::new();
         let scene: &dyn SceneView = match listed {
             Some(listed) => listed,
@@ -118,15 +128,14 @@ impl View {
             step: self.step,
             last: self.last.as_ref(),
             proposal: None,
+            pointing: lowering.pointing(self.pictures.size()),
         });
-        let titles = RefCell::new(Vec::new());
-        let told = self.pictures.examples.told(&stage.name, self.step);
-        let messages =
-            agent::conversation(program, stage, values, told, |picture: &PromptPicture| {
-                titles.borrow_mut().push(title(picture, self.step));
-                self.pictures.png(picture)
-            })?;
-        let mut titles = titles.into_inner().into_iter();
+        let step = self.step;
+        let messages = agent::conversation(program, stage, values, &self.pictures, step, lowering)?;
+        let files = stage.examples.iter().flat_map(|example| &example.images);
+        let files = files.cloned().map(PromptPicture::File);
+        let drawn = stage.show.iter().copied().map(PromptPicture::Drawn);
+        let mut titles = files.chain(drawn).map(|picture| title(&picture, step));
         Ok(messages
             .into_iter()
             .map(|message| shown(message, &mut titles))

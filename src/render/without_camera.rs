@@ -5,6 +5,7 @@ use crate::cli::RenderArguments;
 use crate::exit::Failure;
 use crate::output;
 use compiler::facts::Facts;
+use compiler::pointing::Pointing;
 use compiler::program::{Program, Stage};
 use compiler::render::{self, PromptSpeaker, RenderError, Values};
 use std::collections::BTreeMap;
@@ -52,6 +53,7 @@ impl View {
                 step: self.step,
                 last: None,
                 proposal: None,
+                pointing: Pointing::of_camera(&program.camera),
             }),
         };
         let shown = |message: render::PromptMessage| {

@@ -5,6 +5,7 @@ use super::files;
 use crate::ast::{self, Reply, Saying, Sayings, Stage, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::once;
+use crate::pointing::Notation;
 use crate::program::{ActionField, Example, ModelRole, Read, Value};
 use crate::reply;
 use crate::space;
@@ -146,7 +147,7 @@ fn unreadable_action(said: &str, context: &Context<'_>) -> Option<String> {
         .cloth
         .as_ref()
         .map_or(f64::NAN, |cloth| cloth.edge_m());
-    let reading = match reply::read_fields(&context.actions, edge_m, said) {
+    let reading = match reply::read_fields(&context.actions, edge_m, &Notation::pixels(), said) {
         Ok(reading) => reading,
         Err(malformed) => return Some(malformed.message),
     };

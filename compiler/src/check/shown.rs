@@ -16,8 +16,11 @@ use crate::program::{
 };
 use crate::space;
 
-/// The name of the constant that spells the answer's format.
+/// The placeholder that spells the answer's format.
 pub(super) const FORMAT: &str = "actions.format";
+
+/// The placeholder that says how a point is written.
+pub(super) const POINTS: &str = "actions.points";
 
 /// What a placeholder becomes.
 pub(crate) enum Placed {
@@ -170,14 +173,17 @@ fn unknown(name: &Ident, place: Place, context: &mut Context<'_>) {
         .collect();
     candidates.extend(constants);
     candidates.extend(layers.iter().map(String::as_str));
-    candidates.push(FORMAT);
+    candidates.extend([FORMAT, POINTS]);
     context.unknown("value", name, candidates);
 }
 
 /// Builds `actions.format`, `FIELD.choices`, `last.pick` and the like.
 fn dotted(path: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> {
     if path == FORMAT {
-        return Some(Placed::Literal(space::format(&context.actions)));
+        return Some(later(Shown::Format));
+    }
+    if path == POINTS {
+        return Some(later(Shown::PointForm));
     }
     if let Some(name) = path.strip_suffix(".choices")
         && let Some(field) = context.actions.iter().find(|field| field.name == name)
@@ -215,6 +221,7 @@ fn dotted(path: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> 
     };
     let mut candidates = vec![
         FORMAT.to_owned(),
+        POINTS.to_owned(),
         "last.pick".to_owned(),
         "last.place".to_owned(),
     ];
@@ -299,7 +306,10 @@ fn length(length: &FramedLength, context: &Context<'_>) -> Option<Placed> {
         unit: format!(" {}", length.unit),
     };
     Some(match lowered(&length.native, length.frame, context)? {
-        Length::Constant { value } => Placed::Literal(number(value, &written)),
+        // Pixels are those of the picture that a model is sent, which is known later.
+        Length::Constant { value } if length.unit != "px" => {
+            Placed::Literal(number(value, &written))
+        }
         length => later(Shown::Length { length, written }),
     })
 }

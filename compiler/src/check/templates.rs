@@ -8,6 +8,7 @@ use super::shown::{self, Placed};
 use crate::ast::{Piece, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::program::{Condition, Shown, Template, Variable};
+use crate::render::Jinja;
 use crate::source::Span;
 use std::collections::BTreeMap;
 
@@ -149,7 +150,7 @@ fn single_braces(literal: &str, text: &Text, context: &mut Context<'_>) {
         let is_value = context.names.get(name).is_some()
             || context.constants.contains_key(name)
             || context.layers.iter().any(|layer| layer.name == name)
-            || name == shown::FORMAT;
+            || [shown::FORMAT, shown::POINTS].contains(&name);
         // Two braces are meant as they stand: behind wrong quotes, or for a model that is to read them.
         let is_double = literal[..at].ends_with('{') || rest[length + 1..].starts_with('}');
         if !is_value || is_double {
@@ -167,46 +168,5 @@ fn single_braces(literal: &str, text: &Text, context: &mut Context<'_>) {
             Diagnostic::new(Code::SingleBraces, span, message)
                 .help(format!("write `{{{{ {name} }}}}` for the value")),
         );
-    }
-}
-
-/// Writes Jinja source.
-#[derive(Default)]
-struct Jinja {
-    text: String,
-    /// Whether a literal `{` waits to learn what follows it.
-    has_brace: bool,
-}
-
-impl Jinja {
-    fn literal(&mut self, literal: &str) {
-        for character in literal.chars() {
-            self.settle(matches!(character, '{' | '%' | '#'));
-            if character == '{' {
-                self.has_brace = true;
-            } else {
-                self.text.push(character);
-            }
-        }
-    }
-
-    fn variable(&mut self, path: &str) {
-        self.settle(true);
-        self.text.push_str("{{ ");
-        self.text.push_str(path);
-        self.text.push_str(" }}");
-    }
-
-    /// Writes a waiting brace, escaped where Jinja would join it with what follows.
-    fn settle(&mut self, would_join: bool) {
-        if std::mem::take(&mut self.has_brace) {
-            self.text
-                .push_str(if would_join { "{{ \"{\" }}" } else { "{" });
-        }
-    }
-
-    fn finish(mut self) -> String {
-        self.settle(false);
-        self.text
     }
 }

@@ -84,6 +84,8 @@ impl Uses {
     pub fn of_shown(shown: &Shown) -> Uses {
         match shown {
             Shown::Text { .. }
+            | Shown::Format
+            | Shown::PointForm
             | Shown::Points { .. }
             | Shown::Number { .. }
             | Shown::Choices { .. } => Uses::default(),

@@ -7,16 +7,14 @@
 use super::{Artifact, EmitError, plain_name};
 use crate::eval::{Eval, Notes};
 use crate::facts::Facts;
-use crate::program::{Program, Template};
-use crate::render::{self, RenderError};
+use crate::pointing::Pointing;
+use crate::program::{Program, Template, Variable};
+use crate::render::{self, BETWEEN, RenderError};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// The variable that holds the guards, by template name.
 const GUARDS: &str = "when";
-
-/// What stands between two parts.
-const BETWEEN: &str = "\n\n";
 
 /// Writes every prompt; examples are literal and stay in the program.
 pub(super) fn emit(program: &Program) -> Result<Vec<Artifact>, EmitError> {
@@ -37,13 +35,11 @@ pub(super) fn emit(program: &Program) -> Result<Vec<Artifact>, EmitError> {
     for check in &program.verify.checks {
         let template = find(program, &check.message)?;
         let name = plain_name(&check.name)?;
-        add(format!("check.{name}"), template.text.clone());
+        add(format!("check.{name}"), source(program, template));
     }
     if let Some(result) = &program.verify.result {
-        add(
-            result.message.clone(),
-            find(program, &result.message)?.text.clone(),
-        );
+        let template = find(program, &result.message)?;
+        add(result.message.clone(), source(program, template));
     }
     Ok(artifacts)
 }
@@ -64,6 +60,26 @@ fn find<'p>(program: &'p Program, name: &str) -> Result<&'p Template, EmitError>
     Ok(template)
 }
 
+/// Returns the words of a variable that is none in an emitted prompt: points there are pixels, so it never changes.
+fn constant(program: &Program, variable: &Variable) -> Option<String> {
+    let pointing = Pointing::of_camera(&program.camera);
+    render::constant(program, &pointing, &variable.value)
+}
+
+/// Returns a template's source with the words of its constants.
+fn source(program: &Program, template: &Template) -> String {
+    let mut text = template.text.clone();
+    for variable in &template.variables {
+        if let Some(words) = constant(program, variable) {
+            text = text.replace(
+                &render::placeholder(&variable.name),
+                &render::escaped(&words),
+            );
+        }
+    }
+    text
+}
+
 /// Joins templates by a blank line, those that are not said left out.
 fn joined(program: &Program, names: &[String]) -> Result<String, EmitError> {
     let parts = names
@@ -79,7 +95,7 @@ fn joined(program: &Program, names: &[String]) -> Result<String, EmitError> {
     for (index, part) in parts.iter().enumerate() {
         let follows = first_certain.is_some_and(|certain| index > certain);
         let is_first_certain = first_certain == Some(index);
-        let body = closed(&part.text);
+        let body = closed(&source(program, part));
         if part.when.is_none() {
             // The parts before the first certain one bring their own separators.
             text.push_str(if is_first_certain { "" } else { BETWEEN });
@@ -153,11 +169,17 @@ pub fn guards_and_values(
             guards.insert(name.clone(), Value::from(guard));
         }
         if is_said {
-            values.extend(render::values(
-                program,
-                template,
-                render::Values::Known(facts),
-            )?);
+            let known = render::values(program, template, render::Values::Known(facts))?;
+            let constants = template
+                .variables
+                .iter()
+                .filter(|variable| constant(program, variable).is_some());
+            let constants: Vec<&str> = constants.map(|it| it.name.as_str()).collect();
+            values.extend(
+                known
+                    .into_iter()
+                    .filter(|(name, _)| !constants.contains(&name.as_str())),
+            );
         }
     }
     let mut context = Map::new();

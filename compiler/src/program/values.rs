@@ -329,6 +329,10 @@ pub enum Shown {
         /// Its name.
         name: String,
     },
+    /// The lines in which an answer states the action.
+    Format,
+    /// How a point is written, e.g. `(x, y) in pixels`.
+    PointForm,
     /// A keypoint's points, `(x, y), (x, y)`.
     Points {
         /// The keypoint.

@@ -9,6 +9,7 @@ mod memory;
 mod others;
 mod scene;
 
+use crate::pointing::Notation;
 use crate::program::{ActionField, Choices, Program, Value};
 use crate::reply::{self, Proposal};
 use crate::space;
@@ -220,7 +221,7 @@ impl<'a> Proof<'a> {
 
     /// Returns the first field that the verifier refuses as not offered, and its value's text.
     fn unoffered(&self, proposal: &Proposal) -> Option<(&'a ActionField, String)> {
-        let refused = verify::unoffered(self.program, self.scene, proposal);
+        let refused = verify::unoffered(self.program, self.scene, proposal, &Notation::pixels);
         let Ok(Some(Verdict::Reject { values, .. })) = refused else {
             return None;
         };
@@ -265,19 +266,22 @@ impl<'a> Proof<'a> {
                 let is_told = names_both(&malformed.message, choice);
                 (malformed.field, is_told)
             }
-            Ok(reading) => match verify::unoffered(self.program, self.scene, &reading.value) {
-                Ok(Some(Verdict::Reject {
-                    values, message, ..
-                })) => {
-                    let name = values.into_iter().next().map(|(name, _)| name);
-                    (name.unwrap_or_default(), names_both(&message, first))
+            Ok(reading) => {
+                match verify::unoffered(self.program, self.scene, &reading.value, &Notation::pixels)
+                {
+                    Ok(Some(Verdict::Reject {
+                        values, message, ..
+                    })) => {
+                        let name = values.into_iter().next().map(|(name, _)| name);
+                        (name.unwrap_or_default(), names_both(&message, first))
+                    }
+                    _ => {
+                        let read = reading.value.get(&field.name);
+                        let read = read.map_or(String::new(), |read| space::text(field, read));
+                        return Err(format!("read as `{read}`"));
+                    }
                 }
-                _ => {
-                    let read = reading.value.get(&field.name);
-                    let read = read.map_or(String::new(), |read| space::text(field, read));
-                    return Err(format!("read as `{read}`"));
-                }
-            },
+            }
         };
         if refused != field.name {
             Err(format!("`{refused}` is refused instead"))

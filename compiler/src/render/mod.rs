@@ -4,11 +4,16 @@
 //! templates keep to a subset of Jinja that minijinja and Python's jinja2 render byte for byte alike;
 //! a missing value is an error, nothing is escaped, and rendering is bounded.
 
+mod jinja;
 mod show;
+
+pub(crate) use jinja::{Jinja, escaped, placeholder};
+pub(crate) use show::constant;
 
 use crate::eval::{Eval, Notes};
 use crate::facts::{Facts, Missing};
-use crate::program::{Check, FileRef, Picture, Program, Stage, Template};
+use crate::pointing::{Notation, Pointing, PointingError};
+use crate::program::{ActionField, Check, FileRef, Picture, Program, Read, Shown, Stage, Template};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Value;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior};
@@ -21,6 +26,9 @@ const FUEL: u64 = 1_000_000;
 /// The longest text that a template may become, bytes.
 const MAX_BYTES: usize = 1 << 20;
 
+/// What stands between two texts of a message.
+pub(crate) const BETWEEN: &str = "\n\n";
+
 /// Where the values of a text come from.
 #[derive(Clone, Copy)]
 pub enum Values<'a> {
@@ -32,6 +40,32 @@ pub enum Values<'a> {
     ///
     /// Texts that stand under a condition are shown, since some scene would show them.
     Typed,
+}
+
+impl Values<'_> {
+    /// Returns the same for a model that writes points so; placeholders of [`Values::Typed`] stay as they are.
+    pub fn with_pointing(self, pointing: Pointing) -> Self {
+        match self {
+            Values::Known(facts) => Values::Known(Facts { pointing, ..facts }),
+            Values::Partly(facts) => Values::Partly(Facts { pointing, ..facts }),
+            Values::Typed => Values::Typed,
+        }
+    }
+
+    /// Returns how the points of the scene are written.
+    pub fn notation(&self, program: &Program) -> Notation {
+        match self {
+            Values::Known(facts) | Values::Partly(facts) => facts.notation(program),
+            Values::Typed => Notation::pixels(),
+        }
+    }
+
+    fn pointing(&self, program: &Program) -> Pointing {
+        match self {
+            Values::Known(facts) | Values::Partly(facts) => facts.pointing,
+            Values::Typed => Pointing::of_camera(&program.camera),
+        }
+    }
 }
 
 /// Who speaks.
@@ -67,12 +101,16 @@ pub enum PromptPicture {
 
 /// Renders the messages of a stage: the system message, if it has one, its examples, and the question.
 ///
-/// Fails where a value is missing or the program was edited by hand.
+/// A question that shows points and does not say how they are written says so at its end, unless they are pixels
+/// of the camera's picture, which the task's own words are for. Fails where a value is missing, the stage cannot be
+/// asked in this frame, or the program was edited by hand.
 pub fn messages(
     program: &Program,
     stage: &Stage,
     values: Values<'_>,
 ) -> Result<Vec<PromptMessage>, RenderError> {
+    let pointing = values.pointing(program);
+    pointing.check(program, stage)?;
     let mut messages = Vec::with_capacity(2 + 2 * stage.examples.len());
     let mut say = |speaker, text, pictures| {
         messages.push(PromptMessage {
@@ -91,10 +129,40 @@ pub fn messages(
         say(PromptSpeaker::Assistant, example.reply.clone(), Vec::new());
     }
     let pictures = stage.show.iter().copied().map(PromptPicture::Drawn);
-    let text = joined(program, &stage.say, values)?;
+    let mut text = joined(program, &stage.say, values)?;
+    if leaves_frame_open(program, stage, &pointing) {
+        text.push_str(BETWEEN);
+        text.push_str(&pointing.sentence());
+    }
     say(PromptSpeaker::User, text, pictures.collect());
     Ok(messages)
 }
+
+/// Returns whether a stage shows or asks for points and none of its texts says how they are written, though they are
+/// no pixels of the camera's picture; [`messages`] then says it.
+pub fn leaves_frame_open(program: &Program, stage: &Stage, pointing: &Pointing) -> bool {
+    if pointing.is_native() {
+        return false;
+    }
+    let templates = stage.system.iter().chain(&stage.say);
+    let templates: Vec<&Template> = templates
+        .filter_map(|name| program.template(name))
+        .collect();
+    // A part under a condition may be left out.
+    let says_so = templates
+        .iter()
+        .filter(|template| template.when.is_none())
+        .flat_map(|template| &template.variables)
+        .any(|variable| variable.value == Shown::PointForm);
+    let asks =
+        matches!(stage.read, Read::Action) && program.actions.iter().any(ActionField::is_point);
+    let mut shown = templates.iter().flat_map(|template| &template.variables);
+    !says_so && (asks || shown.any(|variable| show::has_points(program, &variable.value)))
+}
+
+/// What is said of pictures of the scene, where points are numbered.
+pub const NUMBERED_POINTS: &str =
+    "The numbers in the picture of the scene are those of the listed points.";
 
 /// What a correction says of the picture beside it, where the task corrects `with picture`.
 ///
@@ -169,7 +237,7 @@ fn joined(program: &Program, names: &[String], values: Values<'_>) -> Result<Str
     for name in names {
         texts.extend(one(program, name, values)?);
     }
-    Ok(texts.join("\n\n"))
+    Ok(texts.join(BETWEEN))
 }
 
 /// Fills Jinja source; says why where that is impossible.
@@ -221,6 +289,8 @@ pub enum RenderError {
         /// What the template engine said.
         why: String,
     },
+    /// The stage cannot be asked of a model that is told of points in this way.
+    Pointing(PointingError),
 }
 
 impl fmt::Display for RenderError {
@@ -233,11 +303,18 @@ impl fmt::Display for RenderError {
             RenderError::BadTemplate { template, why } => {
                 write!(f, "the template `{template}` cannot be rendered: {why}")
             }
+            RenderError::Pointing(error) => error.fmt(f),
         }
     }
 }
 
 impl std::error::Error for RenderError {}
+
+impl From<PointingError> for RenderError {
+    fn from(error: PointingError) -> Self {
+        RenderError::Pointing(error)
+    }
+}
 
 impl From<Missing> for RenderError {
     fn from(missing: Missing) -> Self {

@@ -7,21 +7,34 @@
 use super::names::{Named, named};
 use super::statement::{Firmness, Statement, statement_at};
 use super::{Malformed, Proposal, Reading, bounded, quoted};
+use crate::pointing::{Notation, Pointing};
 use crate::program::{ActionField, Program, Value};
 use crate::space;
 
-/// Reads every field of the action.
+/// Reads every field of the action, points being pixels of the camera's picture.
 ///
 /// Fails where a field is not stated, is stated in two ways, or the answer is longer than
 /// [`super::MAX_REPLY_BYTES`].
 pub fn read_action(program: &Program, reply: &str) -> Result<Reading<Proposal>, Malformed> {
-    read_fields(&program.actions, program.cloth.edge_m(), reply)
+    read_action_in(program, &Notation::pixels(), reply)
 }
 
-/// Reads every field of an action, as [`read_action`] does; `edge_m` is the cloth's longer side, metres.
+/// Reads every field of the action, points being written as this scene's are.
+///
+/// Fails as [`read_action`] does.
+pub fn read_action_in(
+    program: &Program,
+    notation: &Notation,
+    reply: &str,
+) -> Result<Reading<Proposal>, Malformed> {
+    read_fields(&program.actions, program.cloth.edge_m(), notation, reply)
+}
+
+/// Reads every field of an action, as [`read_action_in`] does; `edge_m` is the cloth's longer side, metres.
 pub(crate) fn read_fields(
     actions: &[ActionField],
     edge_m: f64,
+    notation: &Notation,
     reply: &str,
 ) -> Result<Reading<Proposal>, Malformed> {
     bounded("action", reply)?;
@@ -31,9 +44,10 @@ pub(crate) fn read_fields(
     };
     let mut repairs = Vec::new();
     for (declared, places) in actions.iter().zip(&places) {
-        let found = field(edge_m, declared, reply, places).map_err(|why| Malformed {
+        let scale = Scale { edge_m, notation };
+        let found = field(scale, declared, reply, places).map_err(|why| Malformed {
             field: declared.name.clone(),
-            message: complaint(&why, actions, declared),
+            message: complaint(&why, actions, declared, notation),
         })?;
         repairs.extend(found.repairs);
         proposal.fields.push((declared.name.clone(), found.value));
@@ -44,31 +58,55 @@ pub(crate) fn read_fields(
     })
 }
 
-fn complaint(why: &str, actions: &[ActionField], field: &ActionField) -> String {
+/// What lengths and points of an answer are measured by.
+#[derive(Clone, Copy)]
+pub(super) struct Scale<'a> {
+    /// The cloth's longer side, metres.
+    pub edge_m: f64,
+    /// How the scene's points are written.
+    pub notation: &'a Notation,
+}
+
+fn complaint(
+    why: &str,
+    actions: &[ActionField],
+    field: &ActionField,
+    notation: &Notation,
+) -> String {
     let choose = if field.is_point() {
         String::new()
     } else {
         format!(
             " Choose one of these: {}.",
-            space::shortened(field, &space::declared(field))
+            space::shortened(notation, field, &space::declared(field))
         )
     };
     let n_points = actions.iter().filter(|field| field.is_point()).count();
+    let pointing = notation.pointing();
+    let points = match pointing {
+        Pointing::Frame(_) => "numbers for x and y",
+        Pointing::Marks(_) => "the number of a listed point",
+    };
     let with = if n_points == actions.len() {
-        ", with numbers for x and y"
+        format!(", with {points}")
     } else if n_points > 0 {
-        ", with numbers for x and y and one of the values between the bars"
+        format!(", with {points} and one of the values between the bars")
     } else {
-        ", with one of the values between the bars"
+        ", with one of the values between the bars".to_owned()
+    };
+    let counted = if notation.is_native() || n_points == 0 {
+        String::new()
+    } else {
+        format!(" A point is written {}.", pointing.phrase())
     };
     format!(
-        "{why}{choose} Answer again and state the action in exactly this format{with}:\n{}",
-        space::format(actions)
+        "{why}{choose}{counted} Answer again and state the action in exactly this format{with}:\n{}",
+        space::format_with(pointing.form(), actions)
     )
 }
 
 fn field(
-    edge_m: f64,
+    scale: Scale<'_>,
     declared: &ActionField,
     reply: &str,
     places: &[Named],
@@ -77,7 +115,7 @@ fn field(
     let mut statements: Vec<Statement<'_>> = Vec::new();
     let mut bad: Option<String> = None;
     for named in places {
-        match statement_at(edge_m, declared, reply, *named) {
+        match statement_at(scale, declared, reply, *named) {
             Some(Ok(statement)) => statements.push(statement),
             Some(Err(why)) => {
                 bad.get_or_insert(why);
@@ -97,7 +135,8 @@ fn field(
             None => format!("Your answer states no {noun}."),
         });
     };
-    let written = space::text(declared, &first.value);
+    let notation = scale.notation;
+    let written = notation.stated_value(declared, &first.value);
     if let Some(other) = statements
         .iter()
         .find(|statement| statement.value != first.value)
@@ -105,12 +144,12 @@ fn field(
         return Err(format!(
             "Your answer states two different {}, {written} and {}. State only the one that you choose.",
             plural(declared),
-            space::text(declared, &other.value)
+            notation.stated_value(declared, &other.value)
         ));
     }
     let mut repairs = Vec::new();
-    if let (Value::Point(_), Some(rounding)) = (&first.value, &first.note) {
-        repairs.push(format!("{}: {rounding}", declared.name));
+    if let (Value::Point(_), Some(taken)) = (&first.value, &first.note) {
+        repairs.push(format!("{}: {taken}", declared.name));
     } else if first.text != space::statement(declared, &written) {
         let taking = first.note.as_ref().map(|note| format!(", taking {note}"));
         repairs.push(format!(

@@ -9,6 +9,7 @@ mod around;
 mod choice;
 mod cursor;
 mod expression;
+mod mark;
 mod names;
 mod number;
 mod pixel;
@@ -18,9 +19,9 @@ mod text;
 mod value;
 mod words;
 
-pub use action::read_action;
 pub(crate) use action::read_fields;
-pub use schema::{schema, static_schema};
+pub use action::{read_action, read_action_in};
+pub use schema::{schema, schema_in, static_schema};
 pub use text::read_text;
 
 use crate::program::{PixelPoint, Program, Value};
@@ -75,7 +76,7 @@ pub struct Malformed {
     pub message: String,
 }
 
-/// Returns the lines in which an answer states an action; what `{{ actions.format }}` becomes.
+/// Returns the lines in which an answer states an action, points in pixels.
 pub fn answer_format(program: &Program) -> String {
     space::format(&program.actions)
 }

@@ -3,12 +3,15 @@
 //! In: an answer and a place where a field is named. Out: the value that is stated there and how firmly, or
 //! nothing. Markdown, JSON, other signs and words between are understood.
 
+use super::action::Scale;
 use super::around;
 use super::choice::{Asked, End};
 use super::cursor::{Cursor, decorates, head};
+use super::mark;
 use super::names::{Named, TURNING, is_turned, turns};
 use super::pixel::{self, Brackets};
 use super::value;
+use crate::pointing::Notation;
 use crate::program::{ActionField, PixelPoint, Value};
 
 /// The most characters between a field's name and its point.
@@ -63,7 +66,7 @@ pub(super) struct Statement<'t> {
 
 /// Reads the statement that begins with a field's name; None where there is none, and why not where it is a wrong one.
 pub(super) fn statement_at<'t>(
-    edge_m: f64,
+    scale: Scale<'_>,
     field: &ActionField,
     reply: &'t str,
     named: Named,
@@ -96,7 +99,10 @@ pub(super) fn statement_at<'t>(
         Sign::None => Firmness::Loose,
     };
     let found = if is_point {
-        point(&mut cursor, firmness)
+        match scale.notation.is_of_marks() {
+            true => mark::read(&mut cursor, scale.notation, firmness),
+            false => point(&mut cursor, scale.notation, firmness),
+        }
     } else {
         if firmness < Firmness::Spoken {
             cursor.eat_word("of");
@@ -108,7 +114,7 @@ pub(super) fn statement_at<'t>(
         };
         let asked = Asked {
             field,
-            edge_m,
+            edge_m: scale.edge_m,
             hint,
             end,
         };
@@ -126,21 +132,21 @@ pub(super) fn statement_at<'t>(
     }
 }
 
-fn point(cursor: &mut Cursor<'_>, firmness: Firmness) -> Found {
+fn point(cursor: &mut Cursor<'_>, notation: &Notation, firmness: Firmness) -> Found {
     let brackets = match firmness {
         Firmness::Assigned => Brackets::Optional,
         Firmness::Spoken | Firmness::Loose => Brackets::Needed,
     };
     cursor.skip(|character| character.is_whitespace() || decorates(character));
-    let mut found = pixel::read(cursor, brackets);
+    let mut found = pixel::read(cursor, notation, brackets);
     if matches!(found, pixel::Found::Nothing)
         && firmness == Firmness::Assigned
         && skip_words(cursor)
     {
-        found = pixel::read(cursor, Brackets::Needed);
+        found = pixel::read(cursor, notation, Brackets::Needed);
     }
     match found {
-        pixel::Found::Pixel(point, _) if leaves_open(*cursor, point) => {
+        pixel::Found::Pixel(point, _) if leaves_open(*cursor, notation, point) => {
             if firmness == Firmness::Assigned {
                 Found::Bad("it leaves more than one point open".to_owned())
             } else {
@@ -155,25 +161,25 @@ fn point(cursor: &mut Cursor<'_>, firmness: Firmness) -> Found {
 }
 
 /// Returns whether another point follows as an alternative: `(1, 2) or (3, 4)`.
-fn leaves_open(mut cursor: Cursor<'_>, point: PixelPoint) -> bool {
+fn leaves_open(mut cursor: Cursor<'_>, notation: &Notation, point: PixelPoint) -> bool {
     let blank = |character: char| matches!(character, ' ' | '\t' | ',') || decorates(character);
     cursor.skip(blank);
     if !cursor.eat_word("or") && !cursor.eat('/') && !cursor.eat('|') {
         return false;
     }
     cursor.skip(blank);
-    match pixel::read(&mut cursor, Brackets::Needed) {
+    match pixel::read(&mut cursor, notation, Brackets::Needed) {
         pixel::Found::Pixel(other, _) => other != point,
         pixel::Found::Bad(_) => true,
         pixel::Found::Nothing => false,
     }
 }
 
-/// Skips `(x, y)` between the name and the sign, a repetition of the format.
+/// Skips `(x, y)` or `[y, x]` between the name and the sign, a repetition of the format.
 fn skip_echo(cursor: &mut Cursor<'_>) {
     let start = *cursor;
     cursor.skip(|character| character == ' ' || decorates(character));
-    for echo in ["(x, y)", "(x,y)", "[x, y]", "[x,y]"] {
+    for echo in ["(x, y)", "(x,y)", "[x, y]", "[x,y]", "[y, x]", "[y,x]"] {
         if cursor
             .rest()
             .get(..echo.len())

@@ -5,6 +5,7 @@
 pub mod jinja2;
 
 use compiler::facts::{Done, Facts, SceneView};
+use compiler::pointing::Pointing;
 use compiler::program::{PixelPoint, Program, Value};
 use compiler::reply::Proposal;
 use compiler::{Compiled, LoadError, Loader};
@@ -95,6 +96,7 @@ impl Known {
             step: if self.last.is_some() { 2 } else { 1 },
             last: self.last.as_ref(),
             proposal: None,
+            pointing: Pointing::pixels([224, 224]),
         }
     }
 }

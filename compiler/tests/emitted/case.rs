@@ -1,6 +1,7 @@
 //! One case of a table: what is known, an action, and how both are told to the emitted verifiers.
 
 use compiler::facts::{Done, Facts, SceneView};
+use compiler::pointing::Pointing;
 use compiler::program::{Choices, PixelPoint, Program, Value};
 use compiler::render::RenderError;
 use compiler::reply::Proposal;
@@ -53,6 +54,7 @@ impl Case {
             step: self.step,
             last: self.last.as_ref(),
             proposal: None,
+            pointing: Pointing::pixels([224, 224]),
         };
         [Strictness::Full, Strictness::Relaxed].map(|strictness| {
             match verify::verdict(program, facts, &self.proposal, strictness) {

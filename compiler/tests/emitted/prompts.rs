@@ -5,6 +5,7 @@ use super::programs;
 use super::table::Chance;
 use compiler::emit::{self, Artifact};
 use compiler::facts::{Done, Facts};
+use compiler::pointing::Pointing;
 use compiler::program::{
     Comparison, Extractor, Keypoint, Moment, Number, PixelPoint, Program, Shown, Stage, Template,
     Value, Variable,
@@ -138,6 +139,7 @@ fn filled(program: &Program, holding: [bool; 4], chance: &mut Chance) -> Vec<Fil
         step: 2,
         last: Some(&last),
         proposal: Some(&proposal),
+        pointing: Pointing::pixels([224, 224]),
     };
     let mut all = Vec::new();
     let mut fill = |path: String, templates: &[String], expected: String| {

@@ -28,7 +28,7 @@ pub(super) fn judge(
             },
             Err(error) => malformed(error),
         }),
-        Read::Action => match reply::read_action(program, text) {
+        Read::Action => match reply::read_action_in(program, &facts.notation(program), text) {
             Ok(Reading { value, repairs }) => {
                 let verdict = verify::verdict(program, facts, &value, Strictness::Full)?;
                 Ok(Finding::Action {

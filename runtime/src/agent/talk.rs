@@ -1,14 +1,17 @@
 //! The conversation of one stage in one step: asks, and asks again with the reason of the refusal.
 
 use super::judge::judge;
-use super::{Accepted, AgentError, Asking, Attempt, Finding, Situation, conversation};
+use super::{Accepted, AgentError, Asking, Attempt, Finding, PromptError, Situation, conversation};
 use crate::action::Action;
 use crate::calls::CallRefused;
-use crate::model::{Message, Model, ModelError, Part, Png, Request, Speaker};
+use crate::model::{Lowering, Message, Model, ModelError, Part, Png, Request, Speaker};
 use crate::outcome::Outcome;
-use crate::{picture, vision};
-use compiler::program::{Layers, ModelRole, Picture, Read, Stage};
-use compiler::render::{PromptPicture, REFUSED_ACTION, RenderError, Values};
+use crate::pictures::scene_png;
+use crate::vision;
+use compiler::facts::Facts;
+use compiler::pointing::Notation;
+use compiler::program::{Layers, ModelRole, OVERLAP, Picture, Read, Stage};
+use compiler::render::{self, REFUSED_ACTION, RenderError, Values};
 use compiler::reply::{self, Proposal};
 use compiler::space;
 use compiler::verify::{self, Strictness, Verdict};
@@ -38,6 +41,9 @@ pub(super) enum Next {
 pub(super) struct Talk<'a> {
     situation: Situation<'a>,
     stage: &'a Stage,
+    lowering: Lowering,
+    /// How the scene's points are written for the model.
+    notation: Notation,
     messages: Vec<Message>,
     /// What the scene's answers look like, where the stage reads the action.
     schema: Option<Value>,
@@ -51,22 +57,29 @@ impl<'a> Talk<'a> {
         situation: Situation<'a>,
         stage: &'a Stage,
         texts: &BTreeMap<String, String>,
-    ) -> Result<Self, RenderError> {
-        let values = Values::Known(situation.facts(texts));
-        let png = |picture: &PromptPicture| situation.pictures.png(picture);
-        let told = situation
-            .pictures
-            .examples
-            .told(&stage.name, situation.step);
-        let mut messages = conversation(situation.program, stage, values, told, png)?;
-        if let (Some(remark), Some(question)) = (situation.remark, messages.last_mut()) {
-            question.parts.push(Part::Text(remark.to_owned()));
+        lowering: Lowering,
+    ) -> Result<Self, PromptError> {
+        let Situation {
+            program,
+            pictures,
+            step,
+            ..
+        } = situation;
+        let facts = situation.facts(texts, lowering.pointing(pictures.size()));
+        let values = Values::Known(facts);
+        let mut messages = conversation(program, stage, values, pictures, step, &lowering)?;
+        if let (Some(remark), Some(question)) = (remark(situation, facts)?, messages.last_mut()) {
+            question.parts.push(Part::Text(remark));
         }
+        let notation = facts.notation(program);
+        let reads_action = matches!(stage.read, Read::Action);
         Ok(Talk {
             situation,
             stage,
+            lowering,
             messages,
-            schema: matches!(stage.read, Read::Action).then(|| schema(situation)),
+            schema: reads_action.then(|| schema(situation, &notation)),
+            notation,
             asked: 0,
             refused: Vec::new(),
         })
@@ -94,7 +107,7 @@ impl<'a> Talk<'a> {
         let took = begun.elapsed();
         let (reply, finding) = match answered {
             Ok(reply) => {
-                let facts = self.situation.facts(texts);
+                let facts = self.facts(texts);
                 let finding = judge(self.situation.program, self.stage, facts, &reply.text)?;
                 (Some(reply), finding)
             }
@@ -160,6 +173,10 @@ impl<'a> Talk<'a> {
         Ok(Next::AskAgain)
     }
 
+    fn facts(&self, texts: &'a BTreeMap<String, String>) -> Facts<'a> {
+        self.situation.facts(texts, *self.notation.pointing())
+    }
+
     /// Draws a refused action on the picture that the stage shows, where the task corrects so.
     ///
     /// None also where the answer leads nowhere, as one with a distance that was never offered.
@@ -184,7 +201,7 @@ impl<'a> Talk<'a> {
             pictures.scene.clone()
         };
         vision::draw_action(&mut drawn, action.pick_px, action.place_px).ok()?;
-        Some(Png::new(picture::encode(&drawn)))
+        Some(scene_png(&drawn, &self.lowering, &self.notation))
     }
 
     /// Judges the answers in hand once more, newest first, without the checks that the task then leaves out.
@@ -192,7 +209,7 @@ impl<'a> Talk<'a> {
         let program = self.situation.program;
         let without = &program.verify.relaxed;
         for (number, proposal) in self.refused.iter().rev().filter(|_| !without.is_empty()) {
-            let facts = self.situation.facts(texts);
+            let facts = self.facts(texts);
             let verdict = verify::verdict(program, facts, proposal, Strictness::Relaxed)?;
             if verdict == Verdict::Accept {
                 return Ok(Some(self.accept(proposal.clone(), *number, without)));
@@ -229,10 +246,25 @@ fn failed(error: &ModelError) -> Finding {
 }
 
 /// Returns the JSON Schema of the answers that name what the scene offers.
-fn schema(situation: Situation<'_>) -> Value {
+fn schema(situation: Situation<'_>, notation: &Notation) -> Value {
     let fields = situation.program.actions.iter();
     let offered: Vec<_> = fields
         .map(|field| (field.name.clone(), space::choices(field, situation.scene)))
         .collect();
-    reply::schema(situation.program, &offered)
+    reply::schema_in(situation.program, notation, &offered)
+}
+
+/// Returns what a model is told of the action before, where the step is tried again.
+fn remark(situation: Situation<'_>, facts: Facts<'_>) -> Result<Option<String>, RenderError> {
+    let program = situation.program;
+    let (Some(before), Some(check)) = (situation.before, &program.verify.result) else {
+        return Ok(None);
+    };
+    let overlap = format!("{:.0}%", before.overlap * 100.0);
+    let texts = BTreeMap::from([(OVERLAP.to_owned(), overlap)]);
+    let facts = Facts {
+        texts: &texts,
+        ..facts
+    };
+    render::one(program, &check.message, Values::Known(facts))
 }

@@ -14,6 +14,7 @@ use crate::scene::Scene;
 use crate::start::{RESTING_HEIGHT_M, Start};
 use crate::world::{Grasp, World, WorldError, WorldPoint};
 use compiler::facts::{Done, Facts, SceneView};
+use compiler::pointing::Pointing;
 use compiler::program::{Choices, Fold, PixelPoint, Program, Read, Subgoals, Value};
 use compiler::reply::Proposal;
 use compiler::verify::{self, Strictness, Verdict};
@@ -287,6 +288,7 @@ impl Expert<'_> {
             step: number,
             last: last.as_ref(),
             proposal: None,
+            pointing: Pointing::of_camera(&program.camera),
         };
         match verify::verdict(program, facts, &proposal, Strictness::Full) {
             Ok(Verdict::Accept) => {}

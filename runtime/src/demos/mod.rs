@@ -14,6 +14,7 @@ use crate::files::{self, FileError};
 use crate::metrics;
 use crate::start::Start;
 use compiler::facts::{Facts, SceneView};
+use compiler::pointing::Pointing;
 use compiler::program::{self, Cloth, ClothStart, PixelPoint, Program, Value};
 use compiler::render::{self, RenderError, Values};
 use compiler::reply::{self, Proposal};
@@ -97,6 +98,12 @@ pub enum DemosError {
         /// What is wrong.
         why: String,
     },
+    /// They cannot be written as the model that is asked writes points.
+    #[error("the demonstrations cannot be told to this model: {why}")]
+    Frame {
+        /// What is wrong.
+        why: String,
+    },
 }
 
 /// The demonstrations of one stage, ready to be told.
@@ -104,11 +111,11 @@ pub enum DemosError {
 pub struct Demonstrations {
     stage: String,
     starts: Vec<Start>,
-    by_step: Vec<Vec<Told>>,
+    by_step: Vec<Vec<DemoStep>>,
 }
 
 impl Demonstrations {
-    /// Reads the file that a program names, and writes every question and answer in the program's own words.
+    /// Reads the file that a program names, and tries every question and answer in the program's own words.
     ///
     /// Fails where the file cannot be read, is of another format or stage, lacks what a question shows, or
     /// holds an answer that the program's own reader would not read.
@@ -164,23 +171,36 @@ impl Demonstrations {
 
     fn add(&mut self, program: &Program, demo: &Demo) -> Result<(), String> {
         self.starts.push(start_of(program, demo)?);
+        let pointing = Pointing::of_camera(&program.camera);
         for (step, at) in demo.steps.iter().zip(0..) {
-            let example = told(program, &self.stage, step, at as u32 + 1)?;
+            told(program, &self.stage, step, at as u32 + 1, pointing)?;
             if self.by_step.len() <= at {
                 self.by_step.push(Vec::new());
             }
-            self.by_step[at].push(example);
+            self.by_step[at].push(step.clone());
         }
         Ok(())
     }
 
-    /// Returns what a stage is told in a step, which is counted from 1.
-    pub fn told(&self, stage: &str, step: u32) -> &[Told] {
-        let step = step.saturating_sub(1) as usize;
-        match self.by_step.get(step) {
-            Some(examples) if stage == self.stage => examples,
+    /// Writes what a stage is told in a step, which is counted from 1, to a model that writes points so.
+    ///
+    /// Fails where a question cannot be written so, or an answer would not read as what was chosen.
+    pub fn told(
+        &self,
+        program: &Program,
+        stage: &str,
+        step: u32,
+        pointing: Pointing,
+    ) -> Result<Vec<Told>, DemosError> {
+        let steps = match self.by_step.get(step.saturating_sub(1) as usize) {
+            Some(steps) if stage == self.stage => steps.as_slice(),
             _ => &[],
-        }
+        };
+        steps
+            .iter()
+            .map(|demo| told(program, stage, demo, step, pointing))
+            .collect::<Result<_, _>>()
+            .map_err(|why| DemosError::Frame { why })
     }
 
     /// Returns how many actions are demonstrated, over all steps.
@@ -219,7 +239,13 @@ fn start_of(program: &Program, demo: &Demo) -> Result<Start, String> {
 }
 
 /// Writes one step as question and answer.
-fn told(program: &Program, stage: &str, step: &DemoStep, number: u32) -> Result<Told, String> {
+fn told(
+    program: &Program,
+    stage: &str,
+    step: &DemoStep,
+    number: u32,
+    pointing: Pointing,
+) -> Result<Told, String> {
     let Some(stage) = program.stages.iter().find(|known| known.name == stage) else {
         return Err(format!("the task has no stage `{stage}`"));
     };
@@ -230,7 +256,9 @@ fn told(program: &Program, stage: &str, step: &DemoStep, number: u32) -> Result<
         step: number,
         last: None,
         proposal: None,
+        pointing,
     };
+    let notation = facts.notation(program);
     let mut messages = render::messages(program, stage, Values::Known(facts))
         .map_err(|error: RenderError| format!("the question cannot be written: {error}"))?;
     let question = messages.pop().map(|message| message.text);
@@ -240,13 +268,17 @@ fn told(program: &Program, stage: &str, step: &DemoStep, number: u32) -> Result<
         let Some(value) = step.chosen.get(&field.name) else {
             return Err(format!("step {number} chooses no `{}`", field.name));
         };
-        lines.push(space::statement(field, &space::text(field, value)));
+        lines.push(space::statement(
+            field,
+            &notation.stated_value(field, value),
+        ));
         fields.push((field.name.clone(), value.clone()));
     }
-    lines.push(step.reason.clone());
+    let points: Vec<PixelPoint> = step.points.values().flatten().copied().collect();
+    lines.push(notation.retold(&step.reason, &points));
     let answer = lines.join("\n");
     let proposal = Proposal { fields };
-    match reply::read_action(program, &answer) {
+    match reply::read_action_in(program, &notation, &answer) {
         Ok(reading) if reading.value == proposal => Ok(Told {
             question: question.unwrap_or_default(),
             answer,

@@ -7,6 +7,7 @@
 pub mod catalogue;
 pub mod geometric;
 pub mod imperfect;
+pub mod lowering;
 pub mod probe;
 pub mod random;
 pub mod recording;
@@ -22,6 +23,7 @@ use std::sync::Arc;
 pub use compiler::program::ModelRole;
 pub use geometric::Geometric;
 pub use imperfect::Imperfect;
+pub use lowering::Lowering;
 pub use random::Random;
 pub use remote::Remote;
 
@@ -40,6 +42,13 @@ pub trait Model: Send + Sync {
     /// A suite repeats the rollouts of such a model, and runs others once.
     fn varies(&self) -> bool {
         true
+    }
+
+    /// Returns how the model is told of places in a picture, and in which size it gets pictures.
+    ///
+    /// One that passes questions on to another model passes on that model's lowering too.
+    fn lowering(&self) -> Lowering {
+        Lowering::PIXELS
     }
 
     /// Answers a request.

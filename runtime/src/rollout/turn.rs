@@ -14,10 +14,8 @@ use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
 use crate::world::{World, WorldError};
-use compiler::facts::{Done, Facts};
-use compiler::program::{Arrow, OVERLAP, Which};
-use compiler::render::{self, RenderError, Values};
-use std::collections::BTreeMap;
+use compiler::facts::Done;
+use compiler::program::{Arrow, Which};
 use std::time::{Duration, Instant};
 
 /// What one step leaves to the next.
@@ -122,7 +120,6 @@ impl<'j> Turn<'j> {
             scene: observation.rgb.clone(),
             examples: job.examples.clone(),
         };
-        let remark = self.remark(&scene, last)?;
         let asking = Instant::now();
         let mut aside = Duration::ZERO;
         let Keeper {
@@ -146,7 +143,7 @@ impl<'j> Turn<'j> {
             Ok(())
         };
         let situation = Situation {
-            remark: remark.as_deref(),
+            before: self.before,
             program: job.program,
             scene: &scene,
             observation: &observation,
@@ -230,23 +227,6 @@ impl<'j> Turn<'j> {
         self.line.action = Some(action);
         self.line.executed = Some(executed);
         Ok(None)
-    }
-
-    /// Returns what a model is told of the action before, where the step is tried again.
-    fn remark(&self, scene: &Scene, last: Option<&Done>) -> Result<Option<String>, RenderError> {
-        let program = self.job.program;
-        let (Some(before), Some(check)) = (self.before, &program.verify.result) else {
-            return Ok(None);
-        };
-        let overlap = format!("{:.0}%", before.overlap * 100.0);
-        let facts = Facts {
-            scene,
-            texts: &BTreeMap::from([(OVERLAP.to_owned(), overlap)]),
-            step: self.step,
-            last,
-            proposal: None,
-        };
-        render::one(program, &check.message, Values::Known(facts))
     }
 
     /// Does a part of planning and adds its time.

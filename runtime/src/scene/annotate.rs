@@ -3,6 +3,7 @@
 use super::{Scene, SceneError};
 use crate::vision::{self, DrawnLayer, DrawnShape};
 use compiler::facts::{Done, Facts, Missing, SceneView};
+use compiler::pointing::Pointing;
 use compiler::program::{Layer, Mark, PixelPoint, Point, Program, Spot};
 use image::RgbImage;
 use std::collections::BTreeMap;
@@ -36,6 +37,7 @@ impl Scene {
             step: 1,
             last,
             proposal: None,
+            pointing: Pointing::of_camera(&program.camera),
         };
         let mut drawn = Vec::with_capacity(layers.len());
         for layer in layers {

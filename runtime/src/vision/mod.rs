@@ -12,6 +12,7 @@ mod draw;
 mod layers;
 mod located;
 mod mask;
+mod numbers;
 mod outline;
 mod rectangle;
 mod sight;
@@ -25,6 +26,7 @@ pub use draw::{draw_action, draw_arrow, draw_label, draw_points};
 pub use layers::{DrawnLayer, DrawnShape, draw_layers};
 pub use located::Located;
 pub use mask::{Mask, centroid, depth_mask, mask_picture};
+pub use numbers::draw_numbers;
 pub use outline::{MAX_ALONG, along, contour, edge_middles};
 pub use rectangle::{Rectangle, rectangle_around};
 
