@@ -22,6 +22,9 @@ pub struct ModelArguments {
     /// Leave out settings that stages state and the model does not take.
     #[arg(long, value_name = "SETTING", value_delimiter = ',')]
     pub omit: Vec<OmitArgument>,
+    /// Let the model choose numbered points instead of writing coordinates.
+    #[arg(long)]
+    pub marks: bool,
     /// How long one call may take, seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=3600))]
     pub timeout: u32,

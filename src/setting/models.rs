@@ -7,12 +7,15 @@ use runtime::agent::Models;
 use runtime::calls::{Budget, Caps, Spent};
 use runtime::interrupt::Interrupt;
 use runtime::model::recording::{Recorder, Replay};
-use runtime::model::{Geometric, Imperfect, Model, Random};
+use runtime::model::{Geometric, Imperfect, Model, ModelRole, Random};
 use std::path::Path;
 use std::sync::Arc;
 
 /// The models that this build knows.
 const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SEED` (draws from what is offered), `imperfect:RATE` or `imperfect:RATE:SEED` (geometric with that share of wrong answers), `replay:FILE` (a recording), and `PROVIDER:NAME` (`fabc models` lists them)";
+
+/// What the name of a recording begins with.
+const REPLAY: &str = "replay:";
 
 /// The seed of a model where the command line names none.
 const DEFAULT_SEED: u64 = 0;
@@ -57,8 +60,8 @@ pub fn models(arguments: &ModelArguments, interrupt: &Interrupt) -> Result<Answe
                 None => [None, None],
             };
             Ok(Answering {
-                vision: finder.model(&vision, vision_url.as_deref())?,
-                text: finder.model(&text, text_url.as_deref())?,
+                vision: finder.model(&vision, vision_url.as_deref(), ModelRole::Vision)?,
+                text: finder.model(&text, text_url.as_deref(), ModelRole::Text)?,
             })
         }
     }
@@ -73,15 +76,26 @@ struct Finder<'a> {
 
 impl Finder<'_> {
     fn both(&mut self, name: &str, base_url: Option<&str>) -> Result<Answering, Failure> {
-        let model = self.model(name, base_url)?;
+        if name.starts_with(REPLAY) {
+            return Ok(Answering {
+                vision: self.model(name, base_url, ModelRole::Vision)?,
+                text: self.model(name, base_url, ModelRole::Text)?,
+            });
+        }
+        let model = self.model(name, base_url, ModelRole::Vision)?;
         Ok(Answering {
             vision: Arc::clone(&model),
             text: model,
         })
     }
 
-    fn model(&mut self, name: &str, base_url: Option<&str>) -> Result<Arc<dyn Model>, Failure> {
-        if let Some(model) = embedded(name)? {
+    fn model(
+        &mut self,
+        name: &str,
+        base_url: Option<&str>,
+        role: ModelRole,
+    ) -> Result<Arc<dyn Model>, Failure> {
+        if let Some(model) = embedded(name, role)? {
             return Ok(Arc::from(model));
         }
         let providers = match &mut self.providers {
@@ -141,9 +155,9 @@ fn by_role(flag: &str, values: &[String]) -> Result<ByRole, Failure> {
 }
 
 /// Finds a model that needs no provider; None where the name is of another kind.
-fn embedded(name: &str) -> Result<Option<Box<dyn Model>>, Failure> {
-    if let Some(file) = name.strip_prefix("replay:") {
-        let replay = Replay::load(Path::new(file)).map_err(Failure::environment)?;
+fn embedded(name: &str, role: ModelRole) -> Result<Option<Box<dyn Model>>, Failure> {
+    if let Some(file) = name.strip_prefix(REPLAY) {
+        let replay = Replay::load(Path::new(file), role).map_err(Failure::environment)?;
         return Ok(Some(Box::new(replay)));
     }
     let mut parts = name.split(':');

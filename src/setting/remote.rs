@@ -5,8 +5,9 @@ use crate::exit::Failure;
 use crate::{output, setting};
 use runtime::interrupt::Interrupt;
 use runtime::model::catalogue::{Catalogue, Date, KeyNeed, Profile};
+use runtime::model::lowering::{Lowering, Points};
 use runtime::model::remote::settings::Parameter;
-use runtime::model::remote::{Answers, BaseUrl, Gate, Key, Remote, Settings, Shared};
+use runtime::model::remote::{self, Answers, BaseUrl, Gate, Key, Remote, Settings, Shared};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -64,6 +65,7 @@ impl Providers {
         let address = BaseUrl::parse(address).map_err(|error| Failure::usage(error.to_string()))?;
         let arguments = &self.arguments;
         let settings = Settings {
+            lowering: self.lowering(&profile),
             key: self.key_of(&profile)?,
             omit: arguments.omit.iter().copied().map(parameter).collect(),
             timeout: Duration::from_secs(arguments.timeout.into()),
@@ -92,6 +94,16 @@ impl Providers {
             output::talk(&format!("{weight}: {name}: {notice}"));
         }
         Ok(profile)
+    }
+
+    /// Returns how points are written for a model.
+    pub fn lowering(&self, profile: &Profile) -> Lowering {
+        let known = remote::lowering(profile);
+        let points = match self.arguments.marks {
+            true => Points::Marks,
+            false => known.points,
+        };
+        Lowering { points, ..known }
     }
 
     fn refuse_unknown_price(&self, profile: &Profile) -> Result<(), Failure> {

@@ -8,6 +8,7 @@ use super::record::{self, Found, Identity, Record};
 use super::{Bench, BenchError, Entry, experts};
 use crate::calls::ledger;
 use crate::journal::{JOURNAL_FILE, RunFolder};
+use crate::model::described;
 use crate::outcome::Outcome;
 use crate::parallel::in_parallel;
 use crate::rollout::{self, Job, RunError};
@@ -311,7 +312,7 @@ fn identity(job: &Job<'_>, world: &dyn World) -> Identity {
         params: world.parameters(),
         code: world.code(),
         start: job.start.digest(),
-        models: [job.models.vision, job.models.text].map(|model| model.name().to_owned()),
+        models: [job.models.vision, job.models.text].map(described),
         horizon: job.horizon(),
         early_stop: job.early_stop,
         repetition: job.repetition,

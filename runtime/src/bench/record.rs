@@ -58,8 +58,8 @@ pub struct Identity {
     pub code: String,
     /// Digest of the start.
     pub start: String,
-    /// The models of vision and of text.
-    pub models: [String; 2],
+    /// The models of vision and of text, as the header describes them.
+    pub models: [Value; 2],
     /// The most actions.
     pub horizon: u32,
     /// Whether a goal that is judged after each step ends it.
@@ -194,7 +194,7 @@ impl Identity {
                 .as_str()
                 .map_or_else(|| value.to_string(), str::to_owned)
         };
-        let model = |role: &str| text(&header["models"][role]["name"]);
+        let model = |role: &str| text(&header["models"][role]);
         let pairs = [
             ("program", text(&header["program"]), self.program.clone()),
             ("params", text(&header["params"]), self.params.clone()),
@@ -204,8 +204,8 @@ impl Identity {
                 text(&header["start"]["digest"]),
                 self.start.clone(),
             ),
-            ("vision model", model("vision"), self.models[0].clone()),
-            ("text model", model("text"), self.models[1].clone()),
+            ("vision model", model("vision"), text(&self.models[0])),
+            ("text model", model("text"), text(&self.models[1])),
             (
                 "horizon",
                 text(&header["horizon"]),

@@ -58,6 +58,15 @@ pub trait Model: Send + Sync {
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError>;
 }
 
+/// Describes a model in journals: its name, what stands behind it, and how it is told of places in pictures.
+pub(crate) fn described(model: &dyn Model) -> serde_json::Value {
+    serde_json::json!({
+        "name": model.name(),
+        "nature": model.nature(),
+        "lowering": model.lowering(),
+    })
+}
+
 /// What stands behind a model's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

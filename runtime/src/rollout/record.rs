@@ -10,7 +10,7 @@ use crate::action::Action;
 use crate::agent::Asking;
 use crate::expert::ExpertEnd;
 use crate::journal::{JOURNAL_SCHEMA, JournalError, Line, RunFolder, StepLine};
-use crate::model::{ModelRole, Nature};
+use crate::model::{ModelRole, Nature, described};
 use crate::outcome::Outcome;
 use crate::sheet::Sheet;
 use crate::vision;
@@ -48,10 +48,7 @@ impl<'j> Keeper<'j> {
         let program_file = folder.keep("program.json", &program)?;
         let start_file = folder.keep("start.npy", &npy::encode(&job.start.positions))?;
         let run_id = folder.run_id().unwrap_or_else(|| new_run_id(job, &folder));
-        let model = |role| {
-            let model = job.models.of(role);
-            json!({ "name": model.name(), "nature": model.nature() })
-        };
+        let model = |role| described(job.models.of(role));
         let header = json!({
             "schema": JOURNAL_SCHEMA,
             "fabc": env!("CARGO_PKG_VERSION"),

@@ -95,7 +95,7 @@ fn identity() -> Identity {
         params: "w".to_owned(),
         code: "c".to_owned(),
         start: "s".to_owned(),
-        models: ["m", "m"].map(str::to_owned),
+        models: ["m", "m"].map(|name| json!(name)),
         horizon: 3,
         early_stop: true,
         repetition: 1,
@@ -105,7 +105,7 @@ fn identity() -> Identity {
 fn header() -> Value {
     json!({
         "type": "header", "program": "p", "params": "w", "code": "c", "start": { "digest": "s" },
-        "models": { "vision": { "name": "m" }, "text": { "name": "m" } },
+        "models": { "vision": "m", "text": "m" },
         "horizon": 3, "early_stop": true, "repetition": 1,
     })
 }
@@ -118,8 +118,8 @@ fn every_part_of_an_identity_tells_rollouts_apart() {
         ("/params", "params"),
         ("/code", "code"),
         ("/start/digest", "start"),
-        ("/models/vision/name", "vision model"),
-        ("/models/text/name", "text model"),
+        ("/models/vision", "vision model"),
+        ("/models/text", "text model"),
         ("/horizon", "horizon"),
         ("/early_stop", "early_stop"),
         ("/repetition", "repetition"),

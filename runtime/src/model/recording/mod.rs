@@ -10,7 +10,7 @@ mod replay;
 pub use recorder::Recorder;
 pub use replay::Replay;
 
-use super::{Nature, Reply};
+use super::{Lowering, Nature, Reply};
 use crate::calls::Fault;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -41,6 +41,7 @@ struct Exchange {
     key: String,
     model: String,
     nature: Nature,
+    lowering: Lowering,
     /// The request as JSON, each picture as the SHA-256 of its bytes.
     request: Value,
     #[serde(flatten)]

@@ -93,6 +93,7 @@ impl Recorder {
             key: key.clone(),
             model: model.name().to_owned(),
             nature: model.nature(),
+            lowering: model.lowering(),
             request: serde_json::to_value(request)
                 .expect("a request holds strings and finite numbers"),
             outcome,

@@ -2,26 +2,27 @@
 
 use super::{Exchange, Outcome, RecordingError, difference, read};
 use crate::calls::Calls;
-use crate::model::{Model, ModelError, Nature, Reply, Request};
+use crate::model::{Lowering, Model, ModelError, ModelRole, Nature, Reply, Request};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// A recording in a model's place.
+/// A recording in the place of the model of one role.
 #[derive(Debug)]
 pub struct Replay {
     name: String,
     path: PathBuf,
     nature: Nature,
+    lowering: Lowering,
     exchanges: Vec<Exchange>,
     /// Index of the exchange that answers a question.
     by_key: BTreeMap<String, usize>,
 }
 
 impl Replay {
-    /// Reads a recording; its name is `replay(MODEL)`, with the models that were recorded.
+    /// Reads a recording for a role; its name is `replay(MODEL)`, with the model that was recorded in that role.
     ///
     /// Fails where the file is no recording, or holds no exchange.
-    pub fn load(path: &Path) -> Result<Replay, RecordingError> {
+    pub fn load(path: &Path, role: ModelRole) -> Result<Replay, RecordingError> {
         let exchanges = read(path)?.exchanges;
         if exchanges.is_empty() {
             return Err(RecordingError {
@@ -29,9 +30,19 @@ impl Replay {
                 why: "it holds no exchange".to_owned(),
             });
         }
-        let models: BTreeSet<&str> = exchanges.iter().map(|it| it.model.as_str()).collect();
+        let role = serde_json::json!(role);
+        let mut own: Vec<&Exchange> = exchanges
+            .iter()
+            .filter(|it| it.request["role"] == role)
+            .collect();
+        if own.is_empty() {
+            own.extend(&exchanges);
+        }
+        let models: BTreeSet<&str> = own.iter().map(|it| it.model.as_str()).collect();
         let models: Vec<&str> = models.into_iter().collect();
-        let is_stand_in = exchanges.iter().any(|it| it.nature == Nature::StandIn);
+        let is_stand_in = own.iter().any(|it| it.nature == Nature::StandIn);
+        // One model has one lowering; of several the first decides, and the others' questions differ by name.
+        let lowering = own.first().map_or(Lowering::PIXELS, |it| it.lowering);
         let mut by_key = BTreeMap::new();
         for (index, exchange) in exchanges.iter().enumerate() {
             // Of a question that was put again after a failure, the last answer counts.
@@ -47,6 +58,7 @@ impl Replay {
                 true => Nature::StandIn,
                 false => Nature::Model,
             },
+            lowering,
             by_key,
             exchanges,
         })
@@ -60,6 +72,10 @@ impl Model for Replay {
 
     fn nature(&self) -> Nature {
         self.nature
+    }
+
+    fn lowering(&self) -> Lowering {
+        self.lowering
     }
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {

@@ -67,7 +67,7 @@ fn recorded(folder: &Path) -> PathBuf {
 #[test]
 fn a_replay_answers_byte_for_byte_and_costs_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let replay = Replay::load(&recorded(folder.path())).unwrap();
+    let replay = Replay::load(&recorded(folder.path()), ModelRole::Vision).unwrap();
     assert_eq!(replay.name(), "replay(geometric)");
     assert_eq!(replay.nature(), Nature::StandIn);
     for text in TEXTS {
@@ -161,7 +161,7 @@ fn what_is_no_recording_is_refused_and_stays_as_it_is() {
         std::fs::write(&path, &text).unwrap();
         for error in [
             Recorder::open(&path).unwrap_err(),
-            Replay::load(&path).unwrap_err(),
+            Replay::load(&path, ModelRole::Text).unwrap_err(),
         ] {
             let said = error.to_string();
             assert!(said.contains("notes.txt") && said.contains(why), "{said}");
@@ -169,10 +169,12 @@ fn what_is_no_recording_is_refused_and_stays_as_it_is() {
         assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
     }
     std::fs::write(&path, first).unwrap();
-    let said = Replay::load(&path).unwrap_err().to_string();
+    let said = Replay::load(&path, ModelRole::Text)
+        .unwrap_err()
+        .to_string();
     assert!(said.contains("holds no exchange"), "{said}");
-    assert!(Replay::load(folder.path()).is_err());
-    assert!(Replay::load(&folder.path().join("absent")).is_err());
+    assert!(Replay::load(folder.path(), ModelRole::Text).is_err());
+    assert!(Replay::load(&folder.path().join("absent"), ModelRole::Text).is_err());
 }
 
 #[test]
@@ -181,7 +183,7 @@ fn a_question_that_was_not_recorded_names_what_changed() {
     let path = folder.path().join("one.jsonl");
     let recorder = Recorder::open(&path).unwrap();
     keep(&recorder, "second line", Ok(bought("yes")));
-    let replay = Replay::load(&path).unwrap();
+    let replay = Replay::load(&path, ModelRole::Text).unwrap();
     let differs = |change: &dyn Fn(&mut Request)| {
         let mut changed = request("second line");
         change(&mut changed);

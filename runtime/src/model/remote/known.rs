@@ -8,6 +8,9 @@ use super::{BaseUrl, Pricing, Settings, Wire};
 use crate::calls::{Usage, Usd};
 use crate::model::Request;
 use crate::model::catalogue::{self, Accepted, Date, Priced, Profile};
+use crate::model::lowering::{Lowering, Points, Resize};
+use compiler::pointing::{Order, Unit};
+use std::num::NonZeroU32;
 use std::sync::Arc;
 
 impl Settings {
@@ -23,6 +26,7 @@ impl Settings {
         Settings {
             pictures: support(facts.vision),
             structured_output: support(facts.structured_output),
+            lowering: lowering(profile),
             temperature: accepts(facts.temperature.as_ref()),
             top_p: accepts(facts.top_p.as_ref()),
             max_tokens_field: match facts.max_tokens_field {
@@ -44,6 +48,34 @@ impl Pricing for Priced {
 
     fn cost(&self, usage: Usage) -> Option<Usd> {
         Priced::cost(self, usage)
+    }
+}
+
+/// Returns how points are written for a model; in pixels of the picture that is sent where its habit is not known.
+pub fn lowering(profile: &Profile) -> Lowering {
+    let facts = &profile.facts;
+    let within = facts.largest_side_px.and_then(NonZeroU32::new);
+    let resize = within.map_or(Resize::Never, |side_px| Resize::Within { side_px });
+    let Some(habit) = facts.coordinates else {
+        return Lowering {
+            resize,
+            ..Lowering::PIXELS
+        };
+    };
+    let multiples = habit.multiples_of_px.and_then(NonZeroU32::new);
+    Lowering {
+        points: Points::Coordinates,
+        unit: match habit.unit {
+            catalogue::Unit::Pixels => Unit::Pixels,
+            catalogue::Unit::Fraction => Unit::Fraction,
+            catalogue::Unit::Percent => Unit::Percent,
+            catalogue::Unit::PerMille => Unit::PerMille,
+        },
+        order: match habit.order {
+            catalogue::Order::Xy => Order::Xy,
+            catalogue::Order::Yx => Order::Yx,
+        },
+        resize: multiples.map_or(resize, |of_px| Resize::Multiples { of_px }),
     }
 }
 

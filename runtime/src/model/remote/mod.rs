@@ -23,12 +23,13 @@ pub use answers::Answers;
 pub use base_url::{BaseUrl, BaseUrlError};
 pub use gate::Gate;
 pub use key::{Key, KeyError};
+pub use known::lowering;
 pub use redact::Redactor;
 pub use retry::{Pause, RealTime, Retry, most_calls};
 pub use settings::{Pricing, Settings};
 pub use wire::Wire;
 
-use super::{Model, ModelError, Nature, Reply, Request};
+use super::{Lowering, Model, ModelError, Nature, Reply, Request};
 use crate::cache::Cache;
 use crate::calls::{Billing, Call, CallEnd, Calls, Fault, Usd};
 use crate::interrupt::Interrupt;
@@ -296,6 +297,10 @@ impl Model for Remote {
 
     fn nature(&self) -> Nature {
         Nature::Model
+    }
+
+    fn lowering(&self) -> Lowering {
+        self.settings.lowering
     }
 
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {

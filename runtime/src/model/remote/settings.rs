@@ -5,7 +5,7 @@
 
 use super::{BaseUrl, Key, Retry, Wire};
 use crate::calls::{Usage, Usd};
-use crate::model::Request;
+use crate::model::{Lowering, Request};
 use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
@@ -27,6 +27,8 @@ pub struct Settings {
     pub pictures: Support,
     /// Whether it takes a JSON Schema of its answer; only where it does, the schema is sent.
     pub structured_output: Support,
+    /// How points are written for it, and what becomes of pictures.
+    pub lowering: Lowering,
     /// The sampling temperatures that it takes.
     pub temperature: Accepts,
     /// The `top_p` that it takes.
@@ -56,6 +58,7 @@ impl Settings {
             key: None,
             pictures: Support::Unknown,
             structured_output: Support::Unknown,
+            lowering: Lowering::PIXELS,
             temperature: Accepts::Unknown,
             top_p: Accepts::Unknown,
             max_tokens_field: MaxTokensField::MaxTokens,
