@@ -1,0 +1,99 @@
+//! Rollouts with a provider of whose calls one in ten fails, in every way: each ends in a named outcome, every call is
+//! accounted for, and what failed is gone on with.
+
+use super::provider::{Fate, Provider};
+use super::support::{self, Trial};
+use runtime::agent::Models;
+use runtime::calls::{Fault, ledger};
+use runtime::interrupt::Interrupt;
+use runtime::model::Remote;
+use runtime::model::remote::{Answers, BaseUrl, Gate, Retry, Settings, Shared, Wire};
+use runtime::outcome::Outcome;
+use runtime::world::Look;
+use std::collections::BTreeSet;
+use std::fs;
+use std::sync::Arc;
+use std::time::Duration;
+
+const ROLLOUTS: u32 = 24;
+
+/// Numbers that look drawn by chance, and are the same each time (Steele, Lea, Flood 2014: SplitMix64).
+fn drawn(number: usize) -> u64 {
+    let mut bits = (number as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    bits ^ (bits >> 31)
+}
+
+fn one_in_ten(number: usize) -> Fate {
+    let drawn = drawn(number);
+    match drawn % 10 {
+        0 => Fate::FAILURES[(drawn / 10 % 10) as usize],
+        _ => Fate::Answer,
+    }
+}
+
+/// The provider's model, with waits a thousand times shorter than usual.
+fn remote(provider: &Provider) -> Remote {
+    let address = BaseUrl::parse(provider.base_url()).unwrap();
+    let settings = Settings {
+        timeout: Duration::from_millis(700),
+        retry: Retry {
+            first_wait: Duration::from_millis(1),
+            longest_wait: Duration::from_millis(60),
+            waits_in_all: Duration::from_millis(600),
+            ..Retry::default()
+        },
+        ..Settings::new("test", "geometric", Wire::OpenaiChat, address)
+    };
+    let shared = Shared {
+        gate: Arc::new(Gate::new(4)),
+        answers: Arc::new(Answers::none()),
+        interrupt: Interrupt::default(),
+        hidden: Vec::new(),
+    };
+    Remote::new(settings, shared).unwrap()
+}
+
+#[test]
+fn every_rollout_ends_in_a_named_outcome_and_every_call_is_accounted_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = support::small_task();
+    let provider = Provider::start(one_in_ten);
+    let model = remote(&provider);
+    let models = Models {
+        vision: &model,
+        text: &model,
+    };
+    let mut trial = Trial::new(&program, folder.path(), Look::default());
+    let (mut failed, mut faults, mut calls) = (Vec::new(), BTreeSet::new(), 0);
+    for repetition in 0..ROLLOUTS {
+        trial.repetition = repetition;
+        let run = folder.path().join(format!("run-{repetition}"));
+        let report = trial.run(models, &run, &mut |_| {});
+        match report.outcome {
+            Outcome::HorizonReached => {}
+            Outcome::ModelFailed => {
+                let journal = fs::read_to_string(run.join("rollout.jsonl")).unwrap();
+                let named = Fault::ALL.iter().any(|fault| journal.contains(&format!("\"fault\":\"{fault}\"")));
+                assert!(named, "the journal names no fault: {journal}");
+                failed.push((repetition, run));
+            }
+            other => panic!("rollout {repetition} ended {other:?}"),
+        }
+        calls += report.calls;
+        faults.extend(report.faults.keys().cloned());
+    }
+    assert_eq!(calls, provider.ledger().got.len() as u64);
+    assert!(faults.len() >= 7, "only {faults:?} came up");
+    assert!(!failed.is_empty() && failed.len() < ROLLOUTS as usize / 2, "{failed:?}");
+
+    for (repetition, run) in failed {
+        trial.repetition = repetition;
+        let answered = ledger::read(&run).unwrap().answered.len();
+        let outcome = (0..5).map(|_| trial.run(models, &run, &mut |_| {}).outcome);
+        let reached = outcome.into_iter().any(|outcome| outcome == Outcome::HorizonReached);
+        assert!(reached, "rollout {repetition} was gone on with in vain");
+        assert!(ledger::read(&run).unwrap().answered.len() > answered);
+    }
+}

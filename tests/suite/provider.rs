@@ -1,0 +1,234 @@
+//! A provider of the tests' own: the embedded model behind HTTP, which counts what it gets and fails as told.
+
+use axum::body::{Body, Bytes, to_bytes};
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::middleware::{self, Next};
+use axum::response::{IntoResponse, Response};
+use runtime::model::Geometric;
+use runtime::serve;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Duration;
+use tokio::net::TcpListener;
+use tokio::runtime::Runtime;
+
+/// The longest body that a test sends.
+const MAX_BYTES: usize = 32 << 20;
+
+/// What becomes of a call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// The embedded model answers.
+    Answer,
+    /// Too many calls; nothing to wait for.
+    RateLimited,
+    /// No credit.
+    Quota,
+    /// The server is overloaded.
+    Overloaded,
+    /// No answer for longer than any test waits.
+    Silence,
+    /// The connection ends in the middle of the answer.
+    Cut,
+    /// The answer is no JSON.
+    Garbage,
+    /// The model declines.
+    Refusal,
+    /// A filter takes the answer away.
+    Filter,
+    /// The answer ends where its longest length was reached.
+    Truncated,
+    /// The key is refused, and repeated in the message and a header.
+    Unauthorised,
+}
+
+impl Fate {
+    /// Every failure.
+    pub const FAILURES: [Fate; 10] = [
+        Fate::RateLimited,
+        Fate::Quota,
+        Fate::Overloaded,
+        Fate::Silence,
+        Fate::Cut,
+        Fate::Garbage,
+        Fate::Refusal,
+        Fate::Filter,
+        Fate::Truncated,
+        Fate::Unauthorised,
+    ];
+}
+
+/// What a provider got and does.
+pub struct Ledger {
+    /// Bodies of the calls, oldest first.
+    pub got: Vec<Vec<u8>>,
+    /// How many answers were handed over to be sent.
+    pub answered: usize,
+    /// Decides by a call's number, from 0.
+    fate: Box<dyn FnMut(usize) -> Fate + Send>,
+    /// What each answer's text is put behind.
+    pub said_before: String,
+}
+
+/// A running provider; it ends when it is dropped.
+pub struct Provider {
+    address: String,
+    ledger: Arc<Mutex<Ledger>>,
+    _runtime: Runtime,
+}
+
+impl Provider {
+    /// Starts a provider on a free port of this machine.
+    pub fn start(fate: impl FnMut(usize) -> Fate + Send + 'static) -> Provider {
+        let ledger = Arc::new(Mutex::new(Ledger {
+            got: Vec::new(),
+            answered: 0,
+            fate: Box::new(fate),
+            said_before: String::new(),
+        }));
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .worker_threads(2)
+            .enable_all()
+            .build()
+            .unwrap();
+        let listener = runtime.block_on(TcpListener::bind("127.0.0.1:0")).unwrap();
+        let address = format!("http://{}/v1", listener.local_addr().unwrap());
+        let router = serve::router(Arc::new(Geometric));
+        let layer = middleware::from_fn_with_state(Arc::clone(&ledger), meet);
+        runtime.spawn(async move { axum::serve(listener, router.layer(layer)).await });
+        Provider {
+            address,
+            ledger,
+            _runtime: runtime,
+        }
+    }
+
+    /// Starts one that always answers.
+    pub fn reliable() -> Provider {
+        Provider::start(|_| Fate::Answer)
+    }
+
+    /// Returns what `--base-url` names.
+    pub fn base_url(&self) -> &str {
+        &self.address
+    }
+
+    /// Returns what it got so far.
+    pub fn ledger(&self) -> MutexGuard<'_, Ledger> {
+        self.ledger.lock().unwrap()
+    }
+
+    /// Returns how often each body came.
+    pub fn counts(&self) -> BTreeMap<Vec<u8>, usize> {
+        let mut counts = BTreeMap::new();
+        for body in &self.ledger().got {
+            *counts.entry(body.clone()).or_default() += 1;
+        }
+        counts
+    }
+}
+
+async fn meet(State(ledger): State<Arc<Mutex<Ledger>>>, request: Request, next: Next) -> Response {
+    let (parts, body) = request.into_parts();
+    let key = key(&parts.headers);
+    let bytes = to_bytes(body, MAX_BYTES).await.unwrap();
+    let fate = {
+        let mut ledger = ledger.lock().unwrap();
+        let number = ledger.got.len();
+        ledger.got.push(bytes.to_vec());
+        (ledger.fate)(number)
+    };
+    let failure = |status: u16, kind: &str, message: &str| {
+        let body = json!({ "error": { "type": kind, "code": kind, "message": message } });
+        (StatusCode::from_u16(status).unwrap(), body.to_string()).into_response()
+    };
+    let whole = async || {
+        let request = Request::from_parts(parts.clone(), Body::from(bytes.clone()));
+        let (parts, body) = next.clone().run(request).await.into_parts();
+        (parts, to_bytes(body, MAX_BYTES).await.unwrap())
+    };
+    match fate {
+        Fate::Answer => {
+            let (parts, bytes) = whole().await;
+            let mut ledger = ledger.lock().unwrap();
+            ledger.answered += 1;
+            Response::from_parts(parts, Body::from(with(&ledger.said_before, &bytes)))
+        }
+        Fate::RateLimited => {
+            let mut response = failure(429, "rate_limit_exceeded", "slow down");
+            let soon = "0".parse().unwrap();
+            response.headers_mut().insert(header::RETRY_AFTER, soon);
+            response
+        }
+        Fate::Quota => failure(429, "insufficient_quota", "you have no credit left"),
+        Fate::Overloaded => failure(503, "server_error", "overloaded"),
+        Fate::Silence => {
+            tokio::time::sleep(Duration::from_secs(3600)).await;
+            StatusCode::OK.into_response()
+        }
+        Fate::Cut => {
+            let (_, bytes) = whole().await;
+            // More is promised than comes before the stream fails.
+            let half = bytes.slice(..bytes.len() / 2);
+            let pieces = [Ok(half), Err(std::io::Error::other("cut"))];
+            let body = Body::from_stream(Pieces(pieces.into_iter()));
+            let length = bytes.len().to_string();
+            ([(header::CONTENT_LENGTH, length)], body).into_response()
+        }
+        Fate::Garbage => "<html>bad gateway</html>".into_response(),
+        Fate::Refusal => changed(whole().await.1, |choice| {
+            choice["message"] = json!({ "role": "assistant", "content": null, "refusal": "no" });
+        }),
+        Fate::Filter => changed(whole().await.1, |choice| {
+            choice["finish_reason"] = json!("content_filter");
+        }),
+        Fate::Truncated => changed(whole().await.1, |choice| {
+            choice["finish_reason"] = json!("length");
+        }),
+        Fate::Unauthorised => {
+            let mut response = failure(401, "invalid_api_key", &format!("wrong key: {key}"));
+            if let Ok(value) = key.parse() {
+                response.headers_mut().insert("x-your-key", value);
+            }
+            response
+        }
+    }
+}
+
+/// Pieces of a body, one of which fails.
+struct Pieces<I>(I);
+
+impl<I: Iterator<Item = std::io::Result<Bytes>> + Unpin> futures_core::Stream for Pieces<I> {
+    type Item = std::io::Result<Bytes>;
+
+    fn poll_next(
+        mut self: std::pin::Pin<&mut Self>,
+        _: &mut std::task::Context<'_>,
+    ) -> std::task::Poll<Option<Self::Item>> {
+        std::task::Poll::Ready(self.0.next())
+    }
+}
+
+fn key(headers: &HeaderMap) -> String {
+    let value = headers.get(header::AUTHORIZATION);
+    let text = value.and_then(|value| value.to_str().ok());
+    text.unwrap_or_default().replace("Bearer ", "")
+}
+
+fn changed(bytes: Bytes, change: impl Fn(&mut Value)) -> Response {
+    let mut reply: Value = serde_json::from_slice(&bytes).unwrap();
+    change(&mut reply["choices"][0]);
+    reply.to_string().into_response()
+}
+
+/// Puts words before the answer's.
+fn with(said_before: &str, bytes: &Bytes) -> Vec<u8> {
+    let mut reply: Value = serde_json::from_slice(bytes).unwrap();
+    let content = &mut reply["choices"][0]["message"]["content"];
+    if let (Some(text), false) = (content.as_str(), said_before.is_empty()) {
+        *content = json!(format!("{said_before}\n{text}"));
+    }
+    reply.to_string().into_bytes()
+}
