@@ -18,19 +18,29 @@ mod build;
 mod check;
 #[cfg(feature = "runtime")]
 mod demos;
+#[cfg(feature = "runtime")]
+mod doctor;
 mod explain;
 mod fix;
+#[cfg(feature = "runtime")]
+mod models;
+#[cfg(feature = "runtime")]
+mod probe;
 mod render;
 #[cfg(feature = "runtime")]
 mod run;
 #[cfg(feature = "runtime")]
 mod see;
 #[cfg(feature = "runtime")]
+mod serve;
+#[cfg(feature = "runtime")]
 mod sim;
 #[cfg(feature = "runtime")]
 mod subgoals;
 mod test;
 
+#[cfg(feature = "runtime")]
+mod known;
 #[cfg(feature = "runtime")]
 mod setting;
 
@@ -82,6 +92,14 @@ fn run(verb: Verb) -> Exit {
         Verb::Run(arguments) => run::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Bench(arguments) => bench::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Models(arguments) => models::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Doctor(arguments) => doctor::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Probe(arguments) => probe::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Serve(arguments) => serve::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Sim(arguments) => sim::run(&arguments),
     };

@@ -163,15 +163,20 @@ pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
         })
 }
 
-/// Opens the user's cache; `FABC_CACHE_DIR` names another place.
+/// Opens the user's cache.
 pub fn cache() -> Cache {
-    let named = std::env::var_os("FABC_CACHE_DIR")
-        .filter(|value| !value.is_empty())
-        .map(PathBuf::from);
-    match named.or_else(|| dirs::cache_dir().map(|folder| folder.join("fabc"))) {
+    match cache_folder() {
         Some(folder) => Cache::at(folder.join("experts")),
         None => Cache::none(),
     }
+}
+
+/// Returns the folder of the user's cache; `FABC_CACHE_DIR` names another place.
+pub fn cache_folder() -> Option<PathBuf> {
+    let named = std::env::var_os("FABC_CACHE_DIR")
+        .filter(|value| !value.is_empty())
+        .map(PathBuf::from);
+    named.or_else(|| dirs::cache_dir().map(|folder| folder.join("fabc")))
 }
 
 /// Lets SIGINT stop work between two of its steps.

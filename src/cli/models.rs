@@ -1,0 +1,69 @@
+//! Arguments of the verbs that are about models and set-up.
+
+use clap::Args;
+use runtime::model::catalogue::Date;
+use std::path::PathBuf;
+
+/// Where facts about models are looked up.
+#[derive(Args)]
+pub struct FactsArguments {
+    /// Facts of yours, laid over the embedded ones; default: FABC_MODELS, or `fabc/models.toml` in your folder of settings.
+    #[arg(long, value_name = "FILE")]
+    pub models: Option<PathBuf>,
+}
+
+/// Arguments of `models`.
+#[derive(Args)]
+pub struct ModelsArguments {
+    /// Only those of this provider.
+    #[arg(value_name = "PROVIDER")]
+    pub provider: Option<String>,
+    #[command(flatten)]
+    pub facts: FactsArguments,
+    /// The day whose prices and warnings count; default: today.
+    #[arg(long, value_name = "DATE")]
+    pub on: Option<Date>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `doctor`.
+#[derive(Args)]
+pub struct DoctorArguments {
+    #[command(flatten)]
+    pub facts: FactsArguments,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `probe`.
+#[derive(Args)]
+pub struct ProbeArguments {
+    /// The model, as `run` takes it.
+    #[arg(value_name = "MODEL")]
+    pub model: String,
+    #[command(flatten)]
+    pub facts: FactsArguments,
+    /// Draws the dots' places.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `serve`.
+#[derive(Args)]
+pub struct ServeArguments {
+    /// Who answers.
+    #[arg(long, value_name = "MODEL", default_value = "geometric")]
+    pub model: String,
+    /// The port on 127.0.0.1; 0 takes any free one.
+    #[arg(long, value_name = "N", default_value_t = 8642)]
+    pub port: u16,
+    /// Print the address as one JSON document, and nothing further.
+    #[arg(long)]
+    pub json: bool,
+}
