@@ -4,6 +4,18 @@ use clap::Args;
 use runtime::model::catalogue::Date;
 use std::path::PathBuf;
 
+/// How a file of facts is written.
+const FORM: &str = "\
+A file of facts has the form of the embedded one. The fields that an entry gives replace those there were, the others stay:
+
+  [[model]]
+  provider = \"vllm\"            # as in PROVIDER:NAME
+  id = \"my-model\"              # or: part = \"qwen3\", for all models with these words in their id
+  coordinates = { unit = \"per_mille\", order = \"xy\" }   # pixels, fraction, percent, per_mille; xy, yx
+  price = [{ input = 2, cached_input = 0.1, output = 10 }]  # USD per million tokens
+  as_of = \"2026-11-20\"         # both are required
+  source = \"fabc probe\"";
+
 /// Where facts about models are looked up.
 #[derive(Args)]
 pub struct FactsArguments {
@@ -14,6 +26,7 @@ pub struct FactsArguments {
 
 /// Arguments of `models`.
 #[derive(Args)]
+#[command(after_help = FORM)]
 pub struct ModelsArguments {
     /// Only those of this provider.
     #[arg(value_name = "PROVIDER")]
