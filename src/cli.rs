@@ -5,6 +5,8 @@ pub mod asked;
 #[cfg(feature = "runtime")]
 pub mod bench;
 #[cfg(feature = "runtime")]
+pub mod models;
+#[cfg(feature = "runtime")]
 pub mod sim;
 
 #[cfg(feature = "runtime")]
@@ -60,6 +62,18 @@ pub enum Verb {
     /// Runs a suite of many rollouts, and prints its table with others' figures beside ours.
     #[cfg(feature = "runtime")]
     Bench(bench::BenchArguments),
+    /// Lists what is known of models: prices, pictures, coordinates, shutdown dates, each with its source.
+    #[cfg(feature = "runtime")]
+    Models(models::ModelsArguments),
+    /// Says what is set up, what is missing, and how to set it up.
+    #[cfg(feature = "runtime")]
+    Doctor(models::DoctorArguments),
+    /// Finds out how a model says where something is in a picture, with two questions.
+    #[cfg(feature = "runtime")]
+    Probe(models::ProbeArguments),
+    /// Offers a model as an OpenAI-compatible endpoint on this machine.
+    #[cfg(feature = "runtime")]
+    Serve(models::ServeArguments),
     /// Works on the cloth simulator itself: replays, speed, starts, pictures, meshes.
     #[cfg(feature = "runtime")]
     Sim(sim::SimArguments),
@@ -86,6 +100,14 @@ impl Verb {
             Verb::Resume(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Bench(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Models(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Doctor(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Probe(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Serve(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Sim(arguments) => arguments.verb.wants_json(),
         }

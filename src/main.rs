@@ -18,8 +18,14 @@ mod build;
 mod check;
 #[cfg(feature = "runtime")]
 mod demos;
+#[cfg(feature = "runtime")]
+mod doctor;
 mod explain;
 mod fix;
+#[cfg(feature = "runtime")]
+mod models;
+#[cfg(feature = "runtime")]
+mod probe;
 mod render;
 #[cfg(feature = "runtime")]
 mod resume;
@@ -27,6 +33,8 @@ mod resume;
 mod run;
 #[cfg(feature = "runtime")]
 mod see;
+#[cfg(feature = "runtime")]
+mod serve;
 #[cfg(feature = "runtime")]
 mod sim;
 #[cfg(feature = "runtime")]
@@ -86,6 +94,14 @@ fn run(verb: Verb) -> Exit {
         Verb::Resume(arguments) => resume::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Bench(arguments) => bench::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Models(arguments) => models::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Doctor(arguments) => doctor::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Probe(arguments) => probe::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Serve(arguments) => serve::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Sim(arguments) => sim::run(&arguments),
     };

@@ -1,5 +1,6 @@
 //! What a verb needs around a program: a world, a start, a cache, a way to be stopped.
 
+pub mod known;
 pub mod models;
 pub mod remote;
 
@@ -134,20 +135,25 @@ pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
         })
 }
 
-/// Opens the user's cache of simulated ends and starts; `FABC_CACHE_DIR` names another place.
+/// Opens the user's cache of simulated ends and starts.
 pub fn cache() -> Cache {
     cache_of("experts")
 }
 
 /// Opens the user's cache of one kind of results.
 pub fn cache_of(kind: &str) -> Cache {
-    let named = std::env::var_os("FABC_CACHE_DIR")
-        .filter(|value| !value.is_empty())
-        .map(PathBuf::from);
-    match named.or_else(|| dirs::cache_dir().map(|folder| folder.join("fabc"))) {
+    match cache_folder() {
         Some(folder) => Cache::at(folder.join(kind)),
         None => Cache::none(),
     }
+}
+
+/// Returns the folder of the user's cache; `FABC_CACHE_DIR` names another place.
+pub fn cache_folder() -> Option<PathBuf> {
+    let named = std::env::var_os("FABC_CACHE_DIR")
+        .filter(|value| !value.is_empty())
+        .map(PathBuf::from);
+    named.or_else(|| dirs::cache_dir().map(|folder| folder.join("fabc")))
 }
 
 /// Lets SIGINT stop work between two of its steps.

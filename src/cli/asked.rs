@@ -1,5 +1,6 @@
 //! The part of the command line that says who answers, and what that may cost; `run` and `bench` share it.
 
+use super::models::FactsArguments;
 use clap::{Args, ValueEnum};
 use runtime::calls::Usd;
 use serde::{Deserialize, Serialize};
@@ -12,13 +13,18 @@ pub struct ModelArguments {
     /// `replay:FILE`, or `PROVIDER:NAME` (see `fabc models`); `vision=MODEL` and `text=MODEL` name one for a role.
     #[arg(long, value_name = "[ROLE=]MODEL", default_value = "geometric")]
     pub model: Vec<String>,
+    #[command(flatten)]
+    pub reach: ReachArguments,
+}
+
+/// How providers are reached, and what is known of their models.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+pub struct ReachArguments {
     /// Where the provider is reached, in place of its usual address; `vision=URL` and `text=URL` for a role.
     #[arg(long, value_name = "[ROLE=]URL")]
     pub base_url: Vec<String>,
-    /// Facts about models of your own, laid over those that are built in [default: FABC_MODELS, else models.toml in
-    /// the configuration folder].
-    #[arg(long, value_name = "FILE")]
-    pub models: Option<PathBuf>,
+    #[command(flatten)]
+    pub facts: FactsArguments,
     /// Leave out settings that stages state and the model does not take.
     #[arg(long, value_name = "SETTING", value_delimiter = ',')]
     pub omit: Vec<OmitArgument>,

@@ -27,6 +27,11 @@ pub struct Answering {
 }
 
 impl Answering {
+    /// Returns the model that gets pictures.
+    pub fn vision(&self) -> Arc<dyn Model> {
+        Arc::clone(&self.vision)
+    }
+
     /// Returns who answers which role.
     pub fn models(&self) -> Models<'_> {
         Models {
@@ -46,9 +51,9 @@ pub fn models(arguments: &ModelArguments, interrupt: &Interrupt) -> Result<Answe
         providers: None,
     };
     let models = by_role("--model", &arguments.model)?;
-    let urls = match arguments.base_url.is_empty() {
+    let urls = match arguments.reach.base_url.is_empty() {
         true => None,
-        false => Some(by_role("--base-url", &arguments.base_url)?),
+        false => Some(by_role("--base-url", &arguments.reach.base_url)?),
     };
     match (models, urls) {
         (ByRole::Both(name), None) => finder.both(&name, None),
@@ -100,7 +105,7 @@ impl Finder<'_> {
         }
         let providers = match &mut self.providers {
             Some(providers) => providers,
-            absent => absent.insert(Providers::new(self.arguments, self.interrupt)?),
+            absent => absent.insert(Providers::new(&self.arguments.reach, self.interrupt)?),
         };
         Ok(Arc::new(providers.model(name, base_url)?))
     }

@@ -1,24 +1,24 @@
 //! Models of providers: facts, keys and addresses, gathered from files and the environment.
 
-use crate::cli::asked::{ModelArguments, OmitArgument};
+use crate::cli::asked::{ReachArguments, OmitArgument};
 use crate::exit::Failure;
+use super::known::{self, UserFile};
 use crate::{output, setting};
 use runtime::interrupt::Interrupt;
-use runtime::model::catalogue::{Catalogue, Date, KeyNeed, Profile};
+use runtime::model::catalogue::{Catalogue, KeyNeed, Profile};
 use runtime::model::lowering::{Lowering, Points};
 use runtime::model::remote::settings::Parameter;
 use runtime::model::remote::{self, Answers, BaseUrl, Gate, Key, Remote, Settings, Shared};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 /// The most calls to one provider at once; the gate narrows where the provider wants fewer.
 const MOST_CALLS_AT_ONCE: usize = 16;
 
 /// What the models of one command have in common.
 pub struct Providers {
-    arguments: ModelArguments,
+    arguments: ReachArguments,
     catalogue: Catalogue,
     answers: Arc<Answers>,
     gates: BTreeMap<String, Arc<Gate>>,
@@ -28,8 +28,8 @@ pub struct Providers {
 
 impl Providers {
     /// Reads what is known of models, and every key that is set.
-    pub fn new(arguments: &ModelArguments, interrupt: &Interrupt) -> Result<Providers, Failure> {
-        let catalogue = catalogue(arguments.models.as_deref())?;
+    pub fn new(arguments: &ReachArguments, interrupt: &Interrupt) -> Result<Providers, Failure> {
+        let catalogue = known::catalogue(arguments.facts.models.as_deref())?;
         let mut keys = Vec::new();
         for provider in catalogue.providers() {
             // A key that cannot be used matters only to who wants to use it.
@@ -69,7 +69,7 @@ impl Providers {
             key: self.key_of(&profile)?,
             omit: arguments.omit.iter().copied().map(parameter).collect(),
             timeout: Duration::from_secs(arguments.timeout.into()),
-            ..Settings::of(&profile, address, today())
+            ..Settings::of(&profile, address, known::today())
         };
         let gates = &mut self.gates;
         let gate = gates.entry(profile.provider.name.clone());
@@ -86,7 +86,7 @@ impl Providers {
     pub fn profile(&self, name: &str) -> Result<Profile, Failure> {
         let profile = self.catalogue.find(name);
         let profile = profile.map_err(|error| Failure::usage(error.to_string()))?;
-        for notice in profile.notices(today()) {
+        for notice in profile.notices(known::today()) {
             let weight = match notice.is_warning() {
                 true => "warning",
                 false => "note",
@@ -107,7 +107,7 @@ impl Providers {
     }
 
     fn refuse_unknown_price(&self, profile: &Profile) -> Result<(), Failure> {
-        if self.arguments.allow_unknown_price || profile.price_on(today()).is_some() {
+        if self.arguments.allow_unknown_price || profile.price_on(known::today()).is_some() {
             return Ok(());
         }
         Err(Failure::environment(format!(
@@ -120,62 +120,25 @@ impl Providers {
         let provider = &profile.provider;
         let found = key(&provider.key_env)?;
         if found.is_none() && provider.key == KeyNeed::Required {
+            let place = known::keys_file().map(|file| file.path.display().to_string());
             return Err(Failure::environment(format!(
-                "there is no key for `{}`: set {} in the environment, or write it into a file of keys that others cannot read ({})",
+                "there is no key for `{}`: set {} in the environment, or write `{} = \"…\"` into `{}`, which nobody else may be able to read",
                 provider.name,
                 provider.key_env.join(" or "),
-                key_file().map_or("FABC_KEYS names it".to_owned(), |path| format!(
-                    "`{}`",
-                    path.display()
-                ))
+                provider.key_env.first().map_or("NAME", String::as_str),
+                place.as_deref().unwrap_or("the file that FABC_KEYS names")
             )));
         }
         Ok(found)
     }
 }
 
-/// Reads the built-in facts, with the user's laid over them.
-pub fn catalogue(named: Option<&Path>) -> Result<Catalogue, Failure> {
-    let builtin = Catalogue::builtin();
-    let usual = || config_folder().map(|folder| folder.join("models.toml"));
-    let path = match named {
-        Some(path) => Some(path.to_owned()),
-        None => environment("FABC_MODELS")
-            .map(PathBuf::from)
-            .or_else(|| usual().filter(|path| path.is_file())),
-    };
-    match path {
-        Some(path) => builtin.overlaid_by(&path).map_err(Failure::environment),
-        None => Ok(builtin),
-    }
-}
-
-/// Returns today's date, UTC.
-pub fn today() -> Date {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH);
-    Date::from_unix_days(since.map_or(0, |since| since.as_secs() / 86_400))
-}
-
 /// Finds the first key of these names, in the environment or else in the file of keys.
 fn key(names: &[String]) -> Result<Option<Key>, Failure> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    Key::find(&names, &environment, key_file().as_deref()).map_err(Failure::environment)
-}
-
-/// Returns the file of keys, where there is one: what `FABC_KEYS` names, or `keys.toml` in the configuration folder.
-pub fn key_file() -> Option<PathBuf> {
-    let place = key_place();
-    (environment("FABC_KEYS").is_some() || place.is_file()).then_some(place)
-}
-
-/// Returns where keys are looked for.
-fn key_place() -> PathBuf {
-    let usual = || config_folder().unwrap_or_default().join("keys.toml");
-    environment("FABC_KEYS").map_or_else(usual, PathBuf::from)
-}
-
-fn config_folder() -> Option<PathBuf> {
-    dirs::config_dir().map(|folder| folder.join("fabc"))
+    let file = known::keys_file().filter(UserFile::counts);
+    let path = file.as_ref().map(|file| file.path.as_path());
+    Key::find(&names, &environment, path).map_err(Failure::environment)
 }
 
 fn environment(name: &str) -> Option<String> {

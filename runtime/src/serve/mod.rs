@@ -18,6 +18,8 @@ use crate::model::{Model, Reply, Request};
 use axum::Router;
 use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, FromRequest, Path, State};
+use axum::http::StatusCode;
+use axum::http::header::CONTENT_LENGTH;
 use axum::response::{IntoResponse, Json, Response};
 use axum::routing::{get, post};
 use refusal::Refusal;
@@ -157,6 +159,12 @@ async fn try_answer<F: Form>(
 ) -> Result<Value, Refusal> {
     let place = served.places.acquire_owned().await;
     let place = place.map_err(|_| Refusal::failed("the server is about to end"))?;
+    // Said before it is sent: then nothing of it needs to be read.
+    let length = request.headers().get(CONTENT_LENGTH);
+    let length = length.and_then(|value| value.to_str().ok()?.parse::<u64>().ok());
+    if length.is_some_and(|length| length > MAX_BODY_BYTES as u64) {
+        return Err(Refusal::body(StatusCode::PAYLOAD_TOO_LARGE, MAX_BODY_BYTES));
+    }
     let body = tokio::time::timeout(BODY_TIME, Bytes::from_request(request, &()))
         .await
         .map_err(|_| Refusal::timed_out(BODY_TIME))?

@@ -35,6 +35,11 @@ pub use rectangle::{Rectangle, rectangle_around};
 /// A value that is not a positive finite number means "no reading".
 pub type DepthImage = image::ImageBuffer<image::Luma<f32>, Vec<f32>>;
 
+/// Returns the name and version of the library that pictures are worked on with.
+pub fn library() -> Result<String, VisionError> {
+    Ok(format!("OpenCV {}", opencv::core::get_version_string()?))
+}
+
 /// The longest side of a picture that this folder works on, pixels.
 pub const MAX_SIDE_PX: u32 = 8192;
 

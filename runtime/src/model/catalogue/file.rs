@@ -39,6 +39,7 @@ pub(super) struct ProviderForm {
     pub key: Option<KeyNeed>,
     pub runs_on: Option<RunsOn>,
     pub models_of: Option<String>,
+    pub start: Option<String>,
     as_of: Date,
     source: String,
 }
@@ -244,6 +245,10 @@ fn check_provider(entry: &ProviderForm) -> Result<(), String> {
     }
     if let Some(url) = &entry.base_url {
         plain("base_url", url)?;
+        // What looks like a key is not to be repeated in a message, a table, or anything else.
+        if url.contains(['@', '?', '#']) {
+            return Err("`base_url` holds `@`, `?` or `#`; it is an address alone, and a key has no place in it".to_owned());
+        }
         if !url.starts_with("https://") && !url.starts_with("http://") {
             return Err(format!(
                 "`base_url = {url:?}` begins with neither `https://` nor `http://`"
@@ -260,6 +265,14 @@ fn check_provider(entry: &ProviderForm) -> Result<(), String> {
             );
         }
     }
+    entry
+        .models_of
+        .iter()
+        .try_for_each(|name| plain("models_of", name))?;
+    entry
+        .start
+        .iter()
+        .try_for_each(|command| plain("start", command))?;
     sourced(&entry.source)
 }
 

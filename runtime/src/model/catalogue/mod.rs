@@ -259,6 +259,7 @@ impl Catalogue {
                 key,
                 runs_on: form.runs_on,
                 models_of: form.models_of,
+                start: form.start,
                 sources: vec![source],
             });
             return Ok(());
@@ -268,6 +269,7 @@ impl Catalogue {
         provider.base_url = form.base_url.or(provider.base_url.take());
         provider.runs_on = form.runs_on.or(provider.runs_on);
         provider.models_of = form.models_of.or(provider.models_of.take());
+        provider.start = form.start.or(provider.start.take());
         if let Some(names) = form.key_env {
             provider.key_env = names;
         }

@@ -109,7 +109,7 @@ impl Profile {
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Notice::Retired { on } => write!(f, "it was shut down on {on}"),
+            Notice::Retired { on } => write!(f, "it has been shut down since {on}"),
             Notice::RetiresSoon { on, days: 1 } => write!(f, "it will be shut down on {on}, tomorrow"),
             Notice::RetiresSoon { on, days } => write!(f, "it will be shut down on {on}, in {days} days"),
             Notice::Undated => f.write_str(

@@ -4,6 +4,7 @@
 
 use super::date::Date;
 use serde::{Deserialize, Serialize};
+use std::net::{Ipv4Addr, SocketAddr};
 
 /// Where models are to be had.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -22,6 +23,8 @@ pub struct Provider {
     pub runs_on: Option<RunsOn>,
     /// Another provider that has the same models.
     pub models_of: Option<String>,
+    /// The command that starts its server at the address that is known.
+    pub start: Option<String>,
     /// Where this is from, newest layer first.
     pub sources: Vec<Source>,
 }
@@ -67,4 +70,20 @@ pub struct Source {
     pub as_of: Date,
     /// From where.
     pub source: String,
+}
+
+impl Provider {
+    /// Returns where its server listens, if that is on this machine by its address.
+    pub fn on_loopback(&self) -> Option<SocketAddr> {
+        let host = self
+            .base_url
+            .as_ref()?
+            .strip_prefix("http://")?
+            .split('/')
+            .next()?;
+        let port = host
+            .strip_prefix("127.0.0.1:")
+            .or(host.strip_prefix("localhost:"))?;
+        Some((Ipv4Addr::LOCALHOST, port.parse().ok()?).into())
+    }
 }

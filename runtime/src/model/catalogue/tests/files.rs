@@ -164,6 +164,10 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
             &provider("key_env = [\"sk-canary-0123\"]"),
             "`key_env` lists names of variables",
         ),
+        (
+            &provider("base_url = \"http://me:canary@x/v1\""),
+            "a key has no place in it",
+        ),
         (&provider("base_url = \"ftp://x\""), "begins with neither"),
         (
             &provider("wire = \"openai_chat\"\nkey = \"optional\"\nmodels_of = \"q\""),

@@ -1,0 +1,93 @@
+//! `fabc probe`: how a model says where something is, found out with a picture of dots.
+
+use crate::cli::asked::ModelArguments;
+use crate::cli::models::ProbeArguments;
+use crate::exit::{Exit, Failure};
+use crate::setting::{known, models};
+use crate::{output, setting};
+use runtime::calls::Unkept;
+use runtime::model::catalogue::Habit;
+use runtime::model::probe::{ErrorPx, Probe, SIDES_PX, probe};
+use serde_json::json;
+
+/// Asks, and says which habit fits.
+pub fn run(arguments: &ProbeArguments) -> Result<Exit, Failure> {
+    let catalogue = known::catalogue(arguments.reach.facts.models.as_deref())?;
+    let interrupt = setting::interrupt()?;
+    let named = ModelArguments {
+        model: vec![arguments.model.clone()],
+        reach: arguments.reach.clone(),
+    };
+    let model = models::models(&named, &interrupt)?.vision();
+    let listed = catalogue.find(&arguments.model).ok();
+    let habit = listed.and_then(|profile| profile.facts.coordinates);
+    if habit.is_none() {
+        output::talk("how this model says where something is is not known: it is asked in pixels");
+    }
+    let asked = habit.unwrap_or(Habit::PIXELS);
+    output::talk(&format!(
+        "asking {} about {} pictures of dots",
+        model.name(),
+        SIDES_PX.len()
+    ));
+    let found =
+        probe(model.as_ref(), asked, arguments.seed, &mut Unkept).map_err(Failure::environment)?;
+    if arguments.json {
+        let mut value =
+            serde_json::to_value(&found).expect("a probe has string keys and finite numbers");
+        value["best"] = json!(found.best());
+        value["agrees"] = json!(found.agrees());
+        value["listed"] = json!(habit);
+        output::json(&value);
+    } else {
+        output::data(&text(&found));
+    }
+    Ok(if found.agrees() {
+        Exit::Done
+    } else {
+        Exit::Unreached
+    })
+}
+
+fn text(found: &Probe) -> String {
+    let mut lines = vec![format!(
+        "{}: {} of {} dots were named",
+        found.model, found.read, found.dots
+    )];
+    let words = |error: &ErrorPx| {
+        format!(
+            "mean {:.1}, median {:.1}, largest {:.1} px",
+            error.mean, error.median, error.max
+        )
+    };
+    for tried in &found.habits {
+        let asked = if tried.habit == found.asked {
+            "  (asked for)"
+        } else {
+            ""
+        };
+        lines.push(format!(
+            "  {:<36}{}{asked}",
+            tried.habit.to_string(),
+            words(&tried.error)
+        ));
+    }
+    lines.push(match found.best() {
+        None => "no answer names places: this model cannot be asked for points".to_owned(),
+        Some(best) if best == found.asked => format!("its answers fit best as asked for: {best}"),
+        Some(best) => format!(
+            "its answers fit best as {best}, and not as asked for ({}); say so in a file of facts (`fabc models --help`)",
+            found.asked
+        ),
+    });
+    if let Some(usage) = found.usage {
+        let cost = found
+            .cost
+            .map_or("cost unknown".to_owned(), |cost| cost.to_string());
+        lines.push(format!(
+            "used {} tokens in, {} out; {cost}",
+            usage.input_tokens, usage.output_tokens
+        ));
+    }
+    lines.join("\n")
+}

@@ -1,0 +1,333 @@
+//! `fabc models`, `doctor` and `probe`: what they say, and how they end.
+
+use super::support::{Said, fabc, finish};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// The command with settings in the test's own folder, and no key of the machine's.
+fn alone(folder: &Path) -> Command {
+    let mut command = fabc(folder);
+    command
+        .env("HOME", folder)
+        .env("XDG_CONFIG_HOME", folder.join("settings"));
+    command.env("FABC_CACHE_DIR", folder.join("cache"));
+    for name in [
+        "OPENAI_API_KEY",
+        "ANTHROPIC_API_KEY",
+        "GOOGLE_API_KEY",
+        "GEMINI_API_KEY",
+        "FABC_MODELS",
+        "FABC_KEYS",
+    ] {
+        command.env_remove(name);
+    }
+    command
+}
+
+fn json(said: &Said) -> Value {
+    serde_json::from_str(&said.stdout)
+        .unwrap_or_else(|error| panic!("{error}: {} {}", said.stdout, said.stderr))
+}
+
+fn entry<'v>(list: &'v Value, key: &str, value: &str) -> &'v Value {
+    let found = list
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|entry| entry[key] == value);
+    found.unwrap_or_else(|| panic!("no {value} in {list}"))
+}
+
+#[test]
+fn models_are_listed_with_prices_tokens_and_sources() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = finish(alone(folder.path()).args(["models", "--json", "--on", "2026-11-20"]));
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    let listed = json(&said);
+    let sol = entry(&listed["models"], "id", "gpt-6.2-sol");
+    assert_eq!(sol["image_tokens_224"]["at_most"], 59);
+    assert_eq!(sol["image_tokens_720"]["at_most"], 635);
+    assert_eq!(sol["price"]["cached_input"], 0.1);
+    assert_eq!(sol["sources"][0]["as_of"], "2026-11-20");
+    let o3 = entry(&listed["models"], "id", "o3");
+    assert_eq!(
+        (&o3["price"], &o3["image_tokens_224"]),
+        (&Value::Null, &Value::Null)
+    );
+    assert_eq!(o3["notices"][0]["notice"], "retires_soon");
+    assert_eq!(o3["notices"][0]["days"], 21);
+    let argon = entry(&listed["models"], "name", "Gemini 4 Argon");
+    assert_eq!(
+        (&argon["id"], &argon["price"]["input"]),
+        (&Value::Null, &serde_json::json!(2.0))
+    );
+    let later = json(&finish(alone(folder.path()).args([
+        "models",
+        "--json",
+        "--on",
+        "2026-12-01",
+    ])));
+    assert_eq!(
+        entry(&later["models"], "name", "Gemini 4 Argon")["price"]["input"],
+        4.0
+    );
+}
+
+#[test]
+fn the_table_shows_what_is_unknown_as_such_and_every_source_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = finish(alone(folder.path()).args(["models", "openai-chat", "--on", "2026-11-20"]));
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    let row = |name: &str| {
+        said.stdout
+            .lines()
+            .find(|line| line.starts_with(name))
+            .unwrap_or_else(|| panic!("{}", said.stdout))
+    };
+    assert_eq!(
+        row("openai-chat:gpt-6.2-sol ")
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" "),
+        "openai-chat:gpt-6.2-sol 2 / 0.1 / 10 yes yes x y, pixels 59 635 ? [1]"
+    );
+    assert!(row("openai-chat:o3:").contains("it will be shut down on 2026-12-11, in 21 days"));
+    assert_eq!(said.stdout.matches("\n[").count(), 1, "{}", said.stdout);
+    assert!(!said.stdout.contains("Claude"), "{}", said.stdout);
+    let unknown = finish(alone(folder.path()).args(["models", "opnai"]));
+    assert_eq!(unknown.code, 64);
+    assert!(
+        unknown.stderr.contains("did you mean `openai`?"),
+        "{}",
+        unknown.stderr
+    );
+}
+
+#[test]
+fn facts_of_the_users_are_found_by_flag_by_variable_and_in_the_folder_of_settings() {
+    let folder = tempfile::tempdir().unwrap();
+    let facts = |input: f64| {
+        format!(
+            "[[model]]\nprovider = \"openai\"\nid = \"mine\"\nprice = [{{ input = {input}, output = 1 }}]\nas_of = \"2027-01-01\"\nsource = \"us\"\n"
+        )
+    };
+    let file = |name: &str, input: f64| fs::write(folder.path().join(name), facts(input)).unwrap();
+    file("flag.toml", 1.0);
+    file("variable.toml", 2.0);
+    if cfg!(target_os = "linux") {
+        fs::create_dir_all(folder.path().join("settings/fabc")).unwrap();
+        file("settings/fabc/models.toml", 3.0);
+        let placed = json(&finish(alone(folder.path()).args(["models", "--json"])));
+        assert_eq!(
+            entry(&placed["models"], "id", "mine")["price"]["input"],
+            3.0
+        );
+    }
+    let named = json(&finish(
+        alone(folder.path())
+            .env("FABC_MODELS", "variable.toml")
+            .args(["models", "--json"]),
+    ));
+    assert_eq!(entry(&named["models"], "id", "mine")["price"]["input"], 2.0);
+    let flag = json(&finish(
+        alone(folder.path())
+            .env("FABC_MODELS", "variable.toml")
+            .args(["models", "--json", "--models", "flag.toml"]),
+    ));
+    assert_eq!(entry(&flag["models"], "id", "mine")["price"]["input"], 1.0);
+    fs::write(folder.path().join("bad.toml"), "\n[[model]]\nid = 1\n").unwrap();
+    for (name, expected) in [
+        ("none.toml", "cannot read `none.toml`"),
+        ("bad.toml", "line 3"),
+    ] {
+        let said = finish(alone(folder.path()).args(["models", "--json", "--models", name]));
+        assert_eq!(said.code, 2);
+        assert!(
+            json(&said)["error"].as_str().unwrap().contains(expected),
+            "{}",
+            said.stdout
+        );
+    }
+}
+
+#[test]
+fn doctor_says_what_is_missing_and_the_line_that_helps() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = finish(alone(folder.path()).args(["doctor", "--json"]));
+    assert_eq!(said.code, 0, "{}", said.stdout);
+    let found = json(&said);
+    let findings = &found["findings"];
+    assert_eq!(
+        entry(findings, "name", "fabc")["found"],
+        env!("CARGO_PKG_VERSION")
+    );
+    assert_eq!(entry(findings, "name", "cache")["state"], "ready");
+    assert_eq!(entry(findings, "name", "keys")["state"], "missing");
+    let openai = entry(findings, "name", "openai");
+    assert_eq!(openai["state"], "missing");
+    assert!(
+        openai["help"]
+            .as_str()
+            .unwrap()
+            .starts_with("export OPENAI_API_KEY="),
+        "{openai}"
+    );
+    assert!(
+        !folder
+            .path()
+            .join("cache")
+            .read_dir()
+            .unwrap()
+            .any(|_| true),
+        "nothing is left behind"
+    );
+    let text = finish(alone(folder.path()).arg("doctor"));
+    assert!(
+        text.stdout
+            .contains("missing  anthropic: no key\n         -> export ANTHROPIC_API_KEY="),
+        "{}",
+        text.stdout
+    );
+}
+
+#[test]
+fn doctor_sees_a_server_that_listens() {
+    let folder = tempfile::tempdir().unwrap();
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap();
+    let facts = format!(
+        "[[provider]]\nname = \"ollama\"\nbase_url = \"http://{address}/v1\"\nas_of = \"2027-01-01\"\nsource = \"us\"\n"
+    );
+    fs::write(folder.path().join("facts.toml"), facts).unwrap();
+    let look = || {
+        json(&finish(alone(folder.path()).args([
+            "doctor",
+            "--json",
+            "--models",
+            "facts.toml",
+        ])))
+    };
+    assert_eq!(
+        entry(&look()["findings"], "name", "ollama")["state"],
+        "ready"
+    );
+    drop(listener);
+    let found = look();
+    let ollama = entry(&found["findings"], "name", "ollama");
+    assert_eq!(
+        (&ollama["state"], &ollama["help"]),
+        (
+            &"missing".into(),
+            &"ollama serve, or name its address with --base-url".into()
+        )
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn doctor_names_keys_and_never_shows_one() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let keys = folder.path().join("keys.toml");
+    let look = |mode: u32, text: &str| {
+        fs::write(&keys, text).unwrap();
+        fs::set_permissions(&keys, fs::Permissions::from_mode(mode)).unwrap();
+        let said = finish(
+            alone(folder.path())
+                .env("FABC_KEYS", &keys)
+                .env("OPENAI_API_KEY", "sk-canary-1")
+                .args(["doctor", "--json"]),
+        );
+        assert!(
+            !said.stdout.contains("canary") && !said.stderr.contains("canary"),
+            "{}",
+            said.stdout
+        );
+        (said.code, json(&said))
+    };
+    let (code, found) = look(0o600, "ANTHROPIC_API_KEY = \"sk-canary-2\"\n");
+    assert_eq!(code, 0);
+    let key = |name: &str| {
+        entry(&found["findings"], "name", name)["found"]
+            .as_str()
+            .unwrap()
+            .to_owned()
+    };
+    assert_eq!(
+        key("openai"),
+        "key: OPENAI_API_KEY (environment); not tried"
+    );
+    assert_eq!(
+        key("anthropic"),
+        "key: ANTHROPIC_API_KEY (file of keys); not tried"
+    );
+    let (code, found) = look(0o644, "ANTHROPIC_API_KEY = \"sk-canary-2\"\n");
+    let state = entry(&found["findings"], "name", "keys");
+    assert_eq!((code, &state["state"]), (2, &"broken".into()));
+    assert!(
+        state["found"].as_str().unwrap().contains("chmod 600"),
+        "{state}"
+    );
+    let (code, found) = look(0o600, "ANTHROPIC_API_KEY = sk-canary-2\n");
+    assert_eq!((code, &found["ready"]), (2, &false.into()));
+}
+
+#[test]
+fn doctor_tells_broken_set_ups_by_its_exit_code() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("file"), "").unwrap();
+    let said = finish(
+        alone(folder.path())
+            .env("FABC_CACHE_DIR", "file/below")
+            .args(["doctor", "--json"]),
+    );
+    assert_eq!(said.code, 2);
+    assert_eq!(
+        entry(&json(&said)["findings"], "name", "cache")["state"],
+        "broken"
+    );
+    let said = finish(
+        alone(folder.path())
+            .env("FABC_MODELS", "none.toml")
+            .args(["doctor", "--json"]),
+    );
+    assert_eq!(said.code, 2);
+    let found = json(&said);
+    assert!(
+        entry(&found["findings"], "name", "facts about models")["found"]
+            .as_str()
+            .unwrap()
+            .contains("cannot read `none.toml`")
+    );
+    assert_eq!(
+        entry(&found["findings"], "name", "openai")["state"],
+        "missing",
+        "the rest is looked at all the same"
+    );
+}
+
+#[test]
+fn a_model_that_names_no_places_is_found_out_by_probe() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = finish(alone(folder.path()).args(["probe", "random:3", "--json"]));
+    assert_eq!(said.code, 3, "{}", said.stderr);
+    let found = json(&said);
+    assert_eq!(
+        (&found["agrees"], &found["best"], &found["read"]),
+        (&false.into(), &Value::Null, &0.into())
+    );
+    assert_eq!(found["dots"], 12);
+    let text = finish(alone(folder.path()).args(["probe", "random:3"]));
+    assert!(
+        text.stdout
+            .contains("this model cannot be asked for points"),
+        "{}",
+        text.stdout
+    );
+    assert_eq!(
+        finish(alone(folder.path()).args(["probe", "nobody"])).code,
+        64
+    );
+}
