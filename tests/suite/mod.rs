@@ -18,6 +18,7 @@ mod model_conformance;
 mod named_ends;
 mod other_grids;
 mod peers;
+mod pointing;
 mod prompts;
 mod readme;
 mod recorded_starts;
