@@ -19,6 +19,7 @@ mod named_ends;
 mod other_grids;
 mod peers;
 mod pointing;
+mod pointing_told;
 mod prompts;
 mod readme;
 mod recorded_starts;
