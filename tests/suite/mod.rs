@@ -21,6 +21,8 @@ mod models;
 mod named_ends;
 mod other_grids;
 mod peers;
+mod pointing;
+mod pointing_told;
 mod prompts;
 mod provider;
 mod readme;

@@ -16,6 +16,7 @@ mod goal;
 mod keypoints;
 mod picker;
 mod prompts;
+mod shown;
 mod subgoals;
 mod trials;
 mod units;
@@ -34,10 +35,11 @@ pub use picker::Picker;
 pub use prompts::{
     Arrow, Example, Layers, ModelRole, Picture, Read, Stage, Template, Variable, Which,
 };
+pub use shown::{Shown, Written};
 pub use subgoals::{SubgoalImage, Subgoals};
 pub use trials::{Expect, Given, Test};
 pub use units::LengthUnit;
-pub use values::{Comparison, Condition, End, Heading, Length, Number, Point, Shown, Written};
+pub use values::{Comparison, Condition, End, Heading, Length, Number, Point};
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};

@@ -15,8 +15,8 @@ const MAX_INSIDE: usize = 200;
 
 /// Keys that a point may stand behind, `{"point": [10, 20]}`.
 const KEYS: [&str; 7] = [
-    "point",
     "point_2d",
+    "point",
     "pixel",
     "position",
     "location",
@@ -246,6 +246,14 @@ fn number(cursor: &mut Cursor<'_>) -> Option<f64> {
         cursor.step();
     }
     let digits = cursor.skip(|character| character.is_ascii_digit() || character == '.');
+    // A second point ends the sentence.
+    let ends_sentence = digits.ends_with('.') && digits.matches('.').count() == 2;
+    let digits = if ends_sentence {
+        cursor.at -= 1;
+        &digits[..digits.len() - 1]
+    } else {
+        digits
+    };
     let value: f64 = digits.parse().ok()?;
     // `1e3` is a number too, but nobody writes a pixel so: better to ask again.
     if cursor.peek().is_some_and(|next| next.is_alphabetic())
@@ -288,10 +296,7 @@ fn pixel(numbers: &[Coordinate], close: Option<char>, notation: &Notation) -> Fo
     }
     let pixel = notation.pixel(x, y);
     let is_whole = x.fract() == 0.0 && y.fract() == 0.0;
-    let note = if counts_pixels {
-        (!is_whole).then(|| format!("rounded ({x}, {y}) to {}", notation.written(pixel)))
-    } else {
-        None
-    };
+    let note = (notation.is_native() && !is_whole)
+        .then(|| format!("rounded ({x}, {y}) to {}", notation.written(pixel)));
     Found::Pixel(pixel, note)
 }

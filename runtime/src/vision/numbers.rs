@@ -25,6 +25,9 @@ const SIZE: [i64; 2] = [5, 7];
 /// Side of the pictures from which on digits are drawn twice as large, pixels; three times from the double on.
 const LARGER_FROM_PX: u32 = 400;
 
+/// Width of a digit's black rim; a wider one would close the digits.
+const RIM_PX: i64 = 1;
+
 /// How far a number stays from every point, pixels at the smallest size.
 const CLEAR_PX: i64 = 4;
 
@@ -85,7 +88,8 @@ fn inside([column, row]: [f64; 2], picture: &RgbImage) -> Option<[i64; 2]> {
     is_inside.then_some([column as i64, row as i64])
 }
 
-/// Finds room for a number near its point: inside of the picture, clear of all points and of the other numbers.
+/// Finds room for a number near its point: inside of the picture, clear of all points and of the other numbers, and
+/// nearer to its point than to any other, as far as there is such room.
 fn room(
     picture: &RgbImage,
     point: [i64; 2],
@@ -126,21 +130,36 @@ fn room(
             })
         })
     };
+    // Twice the distance, squared; the factor keeps it whole.
+    let apart = |area: &Area, point: &[i64; 2]| -> i64 {
+        let along = |axis: usize| area.from[axis] + area.to[axis] - 2 * point[axis];
+        along(0) * along(0) + along(1) * along(1)
+    };
+    let is_nearest_own = |area: &Area| {
+        let mut others = points.iter().flatten().filter(|other| **other != point);
+        others.all(|other| apart(area, &point) < apart(area, other))
+    };
     let is_free = |area: &Area| drawn.iter().all(|other| !area.overlaps(other));
     let fits = |area: &Area| area.lies_in(picture) && covers_none(area);
-    let free = candidates().find(|area| fits(area) && is_free(area));
+    let free_and_clear =
+        || candidates().find(|area| fits(area) && is_free(area) && is_nearest_own(area));
+    let free = || candidates().find(|area| fits(area) && is_free(area));
     let uncovering = || candidates().find(fits);
     let nearest = || candidates().find(|area| area.lies_in(picture));
-    free.or_else(uncovering).or_else(nearest).unwrap_or(Area {
-        from: [0, 0],
-        to: size,
-    })
+    free_and_clear()
+        .or_else(free)
+        .or_else(uncovering)
+        .or_else(nearest)
+        .unwrap_or(Area {
+            from: [0, 0],
+            to: size,
+        })
 }
 
 fn write(picture: &mut RgbImage, text: &str, area: Area, scale: i64) {
     let [left, top] = area.from;
     // The rim first, so that no digit's rim lies on its neighbour.
-    for (color, rim) in [(Rgb([0, 0, 0]), scale), (Rgb([255, 255, 255]), 0)] {
+    for (color, rim) in [(Rgb([0, 0, 0]), RIM_PX), (Rgb([255, 255, 255]), 0)] {
         for (letter, at) in text.bytes().zip(0_i64..) {
             let rows = DIGITS[usize::from(letter - b'0') % DIGITS.len()];
             for (bits, row) in rows.iter().zip(0_i64..) {

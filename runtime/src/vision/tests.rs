@@ -3,6 +3,7 @@
 
 mod color;
 mod layers;
+mod numbers;
 mod outline;
 mod recorded;
 mod sight;

@@ -1,0 +1,62 @@
+//! Points in every frame: written, read, offered, refused.
+
+#![allow(clippy::unwrap_used)]
+
+mod answers;
+#[path = "../common/mod.rs"]
+mod common;
+mod frames;
+mod prompts;
+
+use common::Known;
+use compiler::facts::Facts;
+use compiler::pointing::{Frame, Order, Pointing, Unit};
+use compiler::program::{PixelPoint, Program};
+use std::sync::LazyLock;
+
+const UNITS: [Unit; 4] = [Unit::Pixels, Unit::Fraction, Unit::Percent, Unit::PerMille];
+const ORDERS: [Order; 2] = [Order::Xy, Order::Yx];
+
+/// A frame of a picture of so many pixels a side, which is sent in another size.
+fn frame(unit: Unit, order: Order, side: u32, sent: u32) -> Frame {
+    Frame {
+        unit,
+        order,
+        size: [side; 2],
+        sent: [sent; 2],
+    }
+}
+
+fn points(of: &[[i32; 2]]) -> Vec<PixelPoint> {
+    of.iter().map(|point| PixelPoint::from(*point)).collect()
+}
+
+fn known() -> Known {
+    let corners = points(&[[41, 167], [167, 41], [57, 58], [0, 223]]);
+    Known {
+        points: vec![("corners", corners), ("center", points(&[[112, 112]]))],
+        regions: vec![("cloth", [0, 0, 223, 223])],
+        texts: [("instruction".to_owned(), "Fold it".to_owned())].into(),
+        last: None,
+    }
+}
+
+/// The small task, compiled once.
+fn program() -> &'static Program {
+    static PROGRAM: LazyLock<Program> = LazyLock::new(|| common::program("task.fab", common::TASK));
+    &PROGRAM
+}
+
+fn in_frame<'a>(known: &'a Known, pointing: Pointing) -> Facts<'a> {
+    Facts {
+        pointing,
+        ..known.facts()
+    }
+}
+
+/// Reads the numbers between brackets as a stranger would: first, second.
+fn numbers(text: &str) -> [f64; 2] {
+    let inside = &text[1..text.len() - 1];
+    let (first, second) = inside.split_once(", ").unwrap();
+    [first.parse().unwrap(), second.parse().unwrap()]
+}
