@@ -17,6 +17,7 @@ mod journal;
 mod model_conformance;
 mod named_ends;
 mod other_grids;
+mod peer_providers;
 mod peers;
 mod prompts;
 mod readme;
