@@ -14,18 +14,25 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-from pydantic import TypeAdapter
+from pydantic import BaseModel, TypeAdapter
 from typing_extensions import is_typeddict
 
 
 def forbid_unknown_fields(package):
-    """Typed dictionaries ignore what they do not know, unless each is told otherwise."""
+    """Typed dictionaries ignore what they do not know, and classes keep it, unless each is told otherwise."""
+    classes = {}
     for info in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
         if ".beta" in info.name:
             continue
         for value in vars(import_module(info.name)).values():
             if is_typeddict(value):
                 value.__pydantic_config__ = {"extra": "forbid", "arbitrary_types_allowed": True}
+            elif isinstance(value, type) and issubclass(value, BaseModel) and value.__module__ == info.name:
+                classes[value] = None
+    # A turn may also hold blocks of an earlier reply, which are classes.
+    for value in classes:
+        value.model_config["extra"] = "forbid"
+        value.model_rebuild(force=True)
 
 
 def walk(value):

@@ -87,9 +87,12 @@ impl ErrorBody {
         let said = self.message.to_lowercase();
         let says = |part: &str| said.contains(part);
         let is_limit = named("rate_limit") || named("resource_exhausted");
-        if named("insufficient_quota") || named("billing") || named("perday") {
-            Some(Fault::QuotaExhausted)
-        } else if says("credit balance") || says("insufficient credit") {
+        let is_spent = named("insufficient_quota")
+            || named("billing")
+            || named("perday")
+            || says("credit balance")
+            || says("insufficient credit");
+        if is_spent {
             Some(Fault::QuotaExhausted)
         } else if named("perminute") || (is_limit && self.wait.is_some()) {
             Some(Fault::RateLimited)
