@@ -3,7 +3,14 @@
 use super::support::{self, Scripted};
 use compiler::program::ModelRole;
 use runtime::calls::Unkept;
-use runtime::model::{Geometric, Imperfect, Message, Model, Part, Png, Random, Request, Speaker};
+use runtime::interrupt::Interrupt;
+use runtime::model::remote::{Answers, BaseUrl, Gate, Settings, Shared, Wire};
+use runtime::model::{
+    Geometric, Imperfect, Message, Model, Part, Png, Random, Remote, Request, Speaker,
+};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
 
 /// Fails with the name of the promise that a model breaks.
 fn conforms(make: &dyn Fn() -> Box<dyn Model>) {
@@ -102,6 +109,58 @@ fn the_imperfect_stand_in_conforms() {
 #[test]
 fn the_scripted_double_conforms() {
     conforms(&|| Box::new(Scripted::new(&["one answer"])));
+}
+
+#[test]
+fn a_providers_model_conforms() {
+    let url = answering_server();
+    conforms(&|| {
+        let base = BaseUrl::parse(&url).unwrap();
+        let shared = Shared {
+            gate: Arc::new(Gate::new(1)),
+            answers: Arc::new(Answers::none()),
+            interrupt: Interrupt::default(),
+            hidden: Vec::new(),
+        };
+        let settings = Settings::new("compatible", "a-model", Wire::OpenaiChat, base);
+        Box::new(Remote::new(settings, shared).unwrap())
+    });
+}
+
+/// Starts a server that gives every question the same answer; returns its address.
+fn answering_server() -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("http://{}", listener.local_addr().unwrap());
+    std::thread::spawn(move || {
+        for stream in listener.incoming().flatten() {
+            answer(stream);
+        }
+    });
+    url
+}
+
+fn answer(mut stream: TcpStream) {
+    let mut reader = BufReader::new(stream.try_clone().unwrap());
+    let mut length = 0;
+    loop {
+        let mut line = String::new();
+        reader.read_line(&mut line).unwrap();
+        if let Some(value) = line.to_lowercase().strip_prefix("content-length: ") {
+            length = value.trim().parse().unwrap();
+        }
+        if line.trim().is_empty() {
+            break;
+        }
+    }
+    reader.read_exact(&mut vec![0; length]).unwrap();
+    let body = r#"{"choices":[{"message":{"content":"one answer"}}]}"#;
+    let head = format!(
+        "HTTP/1.1 200 OK\r\nconnection: close\r\ncontent-length: {}\r\n\r\n",
+        body.len()
+    );
+    stream
+        .write_all(format!("{head}{body}").as_bytes())
+        .unwrap();
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Plays every failure of a provider against `model::remote`, and counts what the provider got.
 
+#![allow(clippy::unwrap_used)]
+
 mod canary;
 mod faults;
 mod kept;

@@ -26,14 +26,13 @@ fn restrict(_: &Path, _: u32) {}
 #[test]
 fn the_environment_comes_before_the_file_and_the_first_name_before_the_second() {
     let (_folder, path) = file("FIRST = \"first-of-file\"\nSECOND = \"second-of-file\"\n");
-    let cases: [(&[(&str, &str)], Option<&str>); 5] = [
-        (&[("FIRST", "a1"), ("SECOND", "a2")], Some("a1")),
+    for (set, expected) in [
+        (&[("FIRST", "a1"), ("SECOND", "a2")][..], Some("a1")),
         (&[("SECOND", " a2\r\n")], Some("a2")),
         (&[("FIRST", "  "), ("SECOND", "a2")], Some("a2")),
         (&[], Some("first-of-file")),
         (&[("OTHER", "x")], Some("first-of-file")),
-    ];
-    for (set, expected) in cases {
+    ] {
         let lookup = |name: &str| {
             let found = set.iter().find(|(set, _)| *set == name);
             found.map(|(_, value)| (*value).to_owned())

@@ -17,6 +17,8 @@ pub(in crate::model::remote) struct ErrorBody {
     message: String,
     /// The names by which it is called: types, codes, reasons, quotas; lower case.
     names: Vec<String>,
+    /// A number that it is called by, which is meant as an HTTP status.
+    code: Option<u16>,
     /// The longest wait that it asks for.
     pub(in crate::model::remote) wait: Option<Duration>,
 }
@@ -32,6 +34,7 @@ impl ErrorBody {
             Err(_) => ErrorBody {
                 message: shortened(&String::from_utf8_lossy(bytes)),
                 names: Vec::new(),
+                code: None,
                 wait: None,
             },
         }
@@ -43,6 +46,7 @@ impl ErrorBody {
         let mut body = ErrorBody {
             message: shortened(message.unwrap_or_default()),
             names: Vec::new(),
+            code: code(&error["code"]),
             wait: None,
         };
         body.take_names(error);
@@ -83,9 +87,12 @@ impl ErrorBody {
         let said = self.message.to_lowercase();
         let says = |part: &str| said.contains(part);
         let is_limit = named("rate_limit") || named("resource_exhausted");
-        if named("insufficient_quota") || named("billing") || named("perday") {
-            Some(Fault::QuotaExhausted)
-        } else if says("credit balance") || says("insufficient credit") {
+        let is_spent = named("insufficient_quota")
+            || named("billing")
+            || named("perday")
+            || says("credit balance")
+            || says("insufficient credit");
+        if is_spent {
             Some(Fault::QuotaExhausted)
         } else if named("perminute") || (is_limit && self.wait.is_some()) {
             Some(Fault::RateLimited)
@@ -113,8 +120,24 @@ impl ErrorBody {
 
     /// Makes the failure of a reply that came with status 200 and an error in it.
     pub(super) fn failure(&self, usage: Option<Usage>) -> Failure {
-        let fault = self.fault().unwrap_or(Fault::ServerFailed);
-        Failure::new(fault, self.words(), usage)
+        let by_code = || match self.code? {
+            401 | 403 => Some(Fault::NotAuthorised),
+            402 => Some(Fault::QuotaExhausted),
+            408 | 504 => Some(Fault::TimedOut),
+            429 => Some(Fault::RateLimited),
+            400..=499 => Some(Fault::BadRequest),
+            _ => None,
+        };
+        let fault = self.fault().or_else(by_code);
+        Failure::new(fault.unwrap_or(Fault::ServerFailed), self.words(), usage)
+    }
+}
+
+fn code(value: &Value) -> Option<u16> {
+    match value {
+        Value::Number(number) => number.as_u64()?.try_into().ok(),
+        Value::String(text) => text.parse().ok(),
+        _ => None,
     }
 }
 

@@ -116,6 +116,21 @@ fn every_end_that_is_no_answer_has_a_name() {
         ),
         (OpenaiChat, r#"{"error":"out of memory"}"#, ServerFailed),
         (
+            OpenaiChat,
+            r#"{"error":{"message":"x","code":429}}"#,
+            RateLimited,
+        ),
+        (
+            OpenaiChat,
+            r#"{"error":{"message":"x","code":"402"}}"#,
+            QuotaExhausted,
+        ),
+        (
+            OpenaiChat,
+            r#"{"error":{"message":"x","code":502}}"#,
+            ServerFailed,
+        ),
+        (
             OpenaiResponses,
             r#"{"status":"incomplete","incomplete_details":{"reason":"max_output_tokens"},"output":[]}"#,
             Truncated,

@@ -1,0 +1,163 @@
+//! The providers' own Python clients read what fabc would send, and write what it must read; `make test-peers` runs it.
+
+use super::support::project;
+use compiler::program::ModelRole;
+use runtime::model::remote::settings::{MaxTokensField, Support};
+use runtime::model::remote::wire::Answer;
+use runtime::model::remote::{BaseUrl, Settings, Wire};
+use runtime::model::{Message, Part, Png, Request, Speaker};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// Runs a verb of the script on a folder; returns the number that it prints.
+fn script(verb: &str, folder: &Path) -> usize {
+    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-peers sets FABC_PEER_PYTHON");
+    let output = Command::new(python)
+        .arg(project("tests/peers/validate_requests.py"))
+        .arg(verb)
+        .arg(folder)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    String::from_utf8(output.stdout)
+        .unwrap()
+        .trim()
+        .parse()
+        .unwrap()
+}
+
+fn settings(wire: Wire) -> Settings {
+    let base = BaseUrl::parse("http://localhost").unwrap();
+    Settings {
+        structured_output: Support::Yes,
+        ..Settings::new("provider", "a-model", wire, base)
+    }
+}
+
+/// Every shape of a request, by name.
+fn requests() -> Vec<(&'static str, Request)> {
+    let words = Request::new(
+        ModelRole::Text,
+        vec![Message::text(Speaker::User, "fold it")],
+    );
+    let with = |change: &dyn Fn(&mut Request)| {
+        let mut changed = words.clone();
+        change(&mut changed);
+        changed
+    };
+    let picture = runtime::picture::encode(&image::RgbImage::new(8, 8));
+    let shown = Message {
+        speaker: Speaker::User,
+        parts: vec![
+            Part::Text("before and after".to_owned()),
+            Part::Image(Png::new(picture.clone())),
+            Part::Image(Png::new(picture)),
+            Part::Text("what is done?".to_owned()),
+        ],
+    };
+    let program = super::support::task("smoothing");
+    let schema = compiler::reply::static_schema(&program);
+    let corrected = |request: &mut Request| {
+        request.messages = vec![
+            Message::text(Speaker::System, "You fold cloth."),
+            shown.clone(),
+            Message::text(Speaker::Assistant, "Pick Point = (1, 2)"),
+            Message::text(Speaker::User, "that is not on the cloth"),
+        ];
+    };
+    vec![
+        ("text", words.clone()),
+        (
+            "pictures",
+            with(&|request| request.messages = vec![shown.clone()]),
+        ),
+        ("corrections", with(&corrected)),
+        (
+            "temperature",
+            with(&|request| request.temperature = Some(0.2)),
+        ),
+        ("top_p", with(&|request| request.top_p = Some(1.0))),
+        (
+            "max_tokens",
+            with(&|request| request.max_tokens = Some(769)),
+        ),
+        (
+            "schema",
+            with(&|request| request.schema = Some(schema.clone())),
+        ),
+        (
+            "everything",
+            with(&|request| {
+                corrected(request);
+                request.temperature = Some(0.0);
+                request.top_p = Some(0.5);
+                request.max_tokens = Some(1000);
+                request.schema = Some(schema.clone());
+            }),
+        ),
+    ]
+}
+
+#[test]
+#[ignore = "needs Python with the providers' clients: make test-peers"]
+fn peer_the_providers_own_clients_know_every_field_that_is_sent() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut count = 0;
+    for wire in Wire::ALL {
+        for (name, request) in requests() {
+            for field in [
+                MaxTokensField::MaxTokens,
+                MaxTokensField::MaxCompletionTokens,
+            ] {
+                let settings = Settings {
+                    max_tokens_field: field,
+                    ..settings(wire)
+                };
+                let encoded = wire.encode(&request, &settings).unwrap();
+                let version = encoded
+                    .headers
+                    .iter()
+                    .map(|(_, version)| format!("-{version}"));
+                let place = format!("{}{}", wire.name(), version.collect::<String>());
+                let place = folder.path().join(place);
+                fs::create_dir_all(&place).unwrap();
+                fs::write(place.join(format!("{name}-{field:?}.json")), encoded.body).unwrap();
+                count += 1;
+            }
+        }
+    }
+    assert_eq!(script("requests", folder.path()), count);
+}
+
+#[test]
+#[ignore = "needs Python with the providers' clients: make test-peers"]
+fn peer_replies_of_the_providers_own_classes_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = script("replies", folder.path());
+    let mut count = 0;
+    for wire in Wire::ALL {
+        for entry in fs::read_dir(folder.path().join(wire.name())).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.display().to_string();
+            let Some(reply) = name.strip_suffix(".expected.json") else {
+                continue;
+            };
+            let expected: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+            let reply = fs::read(format!("{reply}.json")).unwrap();
+            let found = match wire.decode(&reply) {
+                Ok(Answer { text, usage }) => {
+                    let mut found = serde_json::json!(usage.unwrap());
+                    found["text"] = text.into();
+                    found
+                }
+                Err(failure) => serde_json::json!({ "fault": failure.fault }),
+            };
+            assert_eq!(found, expected, "{name}");
+            count += 1;
+        }
+    }
+    assert_eq!((count, count > 20), (written, true));
+}
