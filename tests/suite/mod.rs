@@ -20,6 +20,7 @@ mod model_conformance;
 mod models;
 mod named_ends;
 mod other_grids;
+mod peer_litellm;
 mod peer_providers;
 mod peers;
 mod pointing;

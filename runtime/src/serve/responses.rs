@@ -13,8 +13,9 @@ const NAMES: Names = Names {
     address: Address::Plain,
 };
 
-/// Fields that change no answer.
-const HARMLESS: [&str; 6] = [
+/// Fields that change no answer; `include` asks for things beside it, of which an embedded model has none.
+const HARMLESS: [&str; 7] = [
+    "include",
     "user",
     "metadata",
     "store",
@@ -68,7 +69,6 @@ impl Form for Responses {
             ("stream", json!(false)),
             ("background", json!(false)),
             ("truncation", json!("disabled")),
-            ("include", json!([])),
             ("tools", json!([])),
         ] {
             fields.only(name, allowed)?;
