@@ -186,13 +186,8 @@ fn row(title: String, price: String, facts: &Facts, marks: String) -> [String; 9
             .to_owned()
     };
     let tokens = |side| {
-        image_tokens(facts.image_tokens.as_ref(), side).map_or("?".to_owned(), |tokens| {
-            if tokens.at_least == tokens.at_most {
-                tokens.at_least.to_string()
-            } else {
-                format!("{}-{}", tokens.at_least, tokens.at_most)
-            }
-        })
+        let tokens = image_tokens(facts.image_tokens.as_ref(), side);
+        tokens.map_or("?".to_owned(), |tokens| tokens.to_string())
     };
     [
         title,

@@ -17,6 +17,7 @@ use server::{Server, send};
 use std::io::Write;
 use std::net::TcpStream;
 use std::sync::Arc;
+use std::time::Duration;
 
 fn blank(side: u32) -> Png {
     Png::new(runtime::picture::encode(&image::RgbImage::new(side, side)))
@@ -228,7 +229,14 @@ fn a_client_that_hangs_does_not_keep_the_server_from_ending() {
         .write_all(b"POST /v1/responses HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\n{")
         .unwrap();
     let address = server.address;
-    drop(server);
+    let (ended, wait) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        drop(server);
+        let _ = ended.send(());
+    });
+    // Far more than it waits for answers under way, and less than it waits for a body.
+    let in_time = wait.recv_timeout(Duration::from_secs(40));
+    assert!(in_time.is_ok(), "the server waits for the client");
     assert!(
         TcpStream::connect(address).is_err(),
         "nobody listens any more"

@@ -68,7 +68,7 @@ pub struct Plan<'a> {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
     /// How many calls.
-    pub calls: Tokens,
+    pub calls: Bounds<u64>,
     /// Tokens of all questions; the upper bound is None where a part of it is not known.
     pub input_tokens: Bounds<u64>,
     /// Tokens of all answers.
@@ -100,7 +100,7 @@ pub struct StageEstimate {
     /// Estimated tokens of its first question in a step.
     pub first_question: Option<Tokens>,
     /// How many calls.
-    pub calls: Tokens,
+    pub calls: Bounds<u64>,
     /// Tokens of all its questions.
     pub input_tokens: Bounds<u64>,
     /// Tokens of all its answers.
@@ -136,10 +136,7 @@ impl Plan<'_> {
                 .sum::<Option<Usd>>()
         };
         Estimate {
-            calls: stages
-                .iter()
-                .map(|stage| stage.calls)
-                .fold(Tokens::default(), |a, b| a + b),
+            calls: sum(|stage| stage.calls),
             input_tokens: sum(|stage| stage.input_tokens),
             output_tokens: sum(|stage| stage.output_tokens),
             cost: Bounds {
@@ -180,9 +177,10 @@ impl Plan<'_> {
         }
         let actions = self.rollouts.saturating_mul(self.horizon.into());
         let most_actions = actions.saturating_mul(self.actions_per_step.into());
-        let calls = Tokens {
-            at_least: actions,
-            at_most: most_actions.saturating_mul(self.attempts.into()),
+        let most_calls = most_actions.saturating_mul(self.attempts.into());
+        let calls = Bounds {
+            at_least: Some(actions),
+            at_most: Some(most_calls),
         };
         let input_tokens = Bounds {
             at_least: first.map(|first| first.at_least.saturating_mul(actions)),
@@ -192,10 +190,10 @@ impl Plan<'_> {
         };
         let output_tokens = Bounds {
             // An answer has at least one.
-            at_least: Some(calls.at_least),
+            at_least: calls.at_least,
             at_most: question
                 .max_tokens
-                .map(|tokens| u64::from(tokens).saturating_mul(calls.at_most)),
+                .map(|tokens| u64::from(tokens).saturating_mul(most_calls)),
         };
         let cost = |input: Option<u64>, output: Option<u64>| {
             if profile.is_free() {
@@ -289,46 +287,34 @@ fn plus(sum: u64, more: Option<u64>) -> Option<u64> {
     Some(sum.saturating_add(more?))
 }
 
-impl fmt::Display for Estimate {
+impl<T: fmt::Display> fmt::Display for Bounds<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let bounds = |bounds: &Bounds<u64>| {
-            format!("{} to {}", words(bounds.at_least), words(bounds.at_most))
+        let words = |bound: &Option<T>| {
+            let known = bound.as_ref();
+            known.map_or("?".to_owned(), |bound| bound.to_string())
         };
-        for stage in &self.stages {
-            let first = stage.first_question.map_or("?".to_owned(), |tokens| {
-                if tokens.at_least == tokens.at_most {
-                    tokens.at_least.to_string()
-                } else {
-                    format!("{} to {}", tokens.at_least, tokens.at_most)
-                }
-            });
-            writeln!(
-                f,
-                "{} ({}): {} to {} calls, about {first} tokens for a first question",
-                stage.stage, stage.model, stage.calls.at_least, stage.calls.at_most
-            )?;
-        }
-        writeln!(
-            f,
-            "calls: {} to {}",
-            self.calls.at_least, self.calls.at_most
-        )?;
-        writeln!(f, "input tokens: {}", bounds(&self.input_tokens))?;
-        writeln!(f, "output tokens: {}", bounds(&self.output_tokens))?;
-        write!(
-            f,
-            "cost: {} to {}",
-            words(self.cost.at_least),
-            words(self.cost.at_most)
-        )?;
-        self.unknown
-            .iter()
-            .try_for_each(|what| write!(f, "\nnot known: {what}"))
+        write!(f, "{} to {}", words(&self.at_least), words(&self.at_most))
     }
 }
 
-fn words<T: fmt::Display>(bound: Option<T>) -> String {
-    bound.map_or("?".to_owned(), |bound| bound.to_string())
+impl fmt::Display for Estimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for stage in &self.stages {
+            let first = stage.first_question;
+            let first = first.map_or("?".to_owned(), |first| first.to_string());
+            writeln!(
+                f,
+                "{} ({}): {} calls, about {first} tokens for a first question",
+                stage.stage, stage.model, stage.calls
+            )?;
+        }
+        writeln!(f, "calls: {}", self.calls)?;
+        writeln!(f, "input tokens: {}", self.input_tokens)?;
+        writeln!(f, "output tokens: {}", self.output_tokens)?;
+        write!(f, "cost: {}", self.cost)?;
+        let mut unknown = self.unknown.iter();
+        unknown.try_for_each(|what| write!(f, "\nnot known: {what}"))
+    }
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use super::facts::{Flat, ImageTokens, Patches, Tiles};
 use crate::model::{Message, Part};
 use crate::picture;
 use serde::Serialize;
+use std::fmt;
 use std::ops::Add;
 
 /// Letters of a token, on average of English text.
@@ -38,6 +39,16 @@ impl Add for Tokens {
         Tokens {
             at_least: self.at_least.saturating_add(other.at_least),
             at_most: self.at_most.saturating_add(other.at_most),
+        }
+    }
+}
+
+impl fmt::Display for Tokens {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.at_least)?;
+        match self.at_least == self.at_most {
+            true => Ok(()),
+            false => write!(f, "-{}", self.at_most),
         }
     }
 }

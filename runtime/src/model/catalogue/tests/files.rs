@@ -2,6 +2,7 @@
 
 use super::super::*;
 use super::find;
+use proptest::prelude::*;
 
 fn with(text: &str) -> Result<Catalogue, CatalogueError> {
     Catalogue::builtin().overlaid(text, "mine.toml")
@@ -188,4 +189,19 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
     }
     assert!(with(&"#".repeat((1 << 20) + 1)).is_err());
     assert!(with("").is_ok());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn no_damage_to_a_file_makes_its_reader_panic(cut in 0.0f64..1.0, length in 0usize..200, put in "[\\PC\n]{0,20}") {
+        let text = BUILTIN.as_bytes();
+        let start = (cut * text.len() as f64) as usize;
+        let end = (start + length).min(text.len());
+        let damaged = [&text[..start], put.as_bytes(), &text[end..]].concat();
+        if let Err(error) = with(&String::from_utf8_lossy(&damaged)) {
+            prop_assert!(error.to_string().contains("`mine.toml`"), "{}", error);
+        }
+    }
 }
