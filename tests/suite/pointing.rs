@@ -351,34 +351,49 @@ fn pictures_are_sent_in_the_size_that_coordinates_count() {
     }
 }
 
-#[test]
-fn numbers_stand_on_the_picture_of_the_scene_and_cover_no_listed_point() {
-    let (plain, marked) = (
-        asked("smoothing", Lowering::PIXELS),
-        asked("smoothing", marks()),
-    );
-    let said = "The numbers in the picture of the scene are those of the listed points.";
-    assert!(words_of(&marked).contains(said) && !words_of(&plain).contains(said));
-    let [plain, drawn] = [&plain, &marked].map(|request| {
-        let picture = image::load_from_memory(pictures(request)[0].bytes());
-        picture.unwrap().into_rgb8()
-    });
-    let changed = plain.pixels().zip(drawn.pixels()).filter(|(a, b)| a != b);
-    assert!(changed.count() > 200, "no numbers were drawn");
-    let words = words_of(&marked);
+/// Returns the points after `The corners are`, as a prompt with numbers lists them.
+fn listed(request: &Request) -> Vec<(i64, i64)> {
+    let words = words_of(request);
     let (_, listed) = words.split_once("The corners are ").unwrap();
     let listed = listed.lines().next().unwrap();
     assert!(listed.starts_with("1 at ("), "{listed}");
-    for point in listed.split('(').skip(1) {
-        let (u, v) = point.split_once(')').unwrap().0.split_once(", ").unwrap();
-        let (u, v): (i64, i64) = (u.parse().unwrap(), v.parse().unwrap());
-        for (column, row) in (-4..=4).flat_map(|du| (-4..=4).map(move |dv| (u + du, v + dv))) {
-            let (column, row) = (column as u32, row as u32);
-            assert_eq!(
-                plain.get_pixel(column, row),
-                drawn.get_pixel(column, row),
-                "{point}"
-            );
+    let points = listed.split('(').skip(1);
+    points
+        .map(|point| {
+            let (u, v) = point.split_once(')').unwrap().0.split_once(", ").unwrap();
+            (u.parse().unwrap(), v.parse().unwrap())
+        })
+        .collect()
+}
+
+#[test]
+fn numbers_stand_on_the_picture_of_the_scene_beside_the_listed_points() {
+    let said = "The numbers in the picture of the scene are those of the listed points.";
+    let sizes = [
+        (Lowering::PIXELS, marks()),
+        (doubled(Points::Coordinates), doubled(Points::Marks)),
+    ];
+    for (without, with) in sizes {
+        let (plain, marked) = (asked("smoothing", without), asked("smoothing", with));
+        assert!(words_of(&marked).contains(said) && !words_of(&plain).contains(said));
+        let [plain, drawn] = [&plain, &marked].map(|request| {
+            let picture = image::load_from_memory(pictures(request)[0].bytes());
+            picture.unwrap().into_rgb8()
+        });
+        let listed = listed(&marked);
+        assert_eq!(listed.len(), 4);
+        for (u, v) in listed {
+            let n_changed = |reach: i64| {
+                let square =
+                    (-reach..=reach).flat_map(|du| (-reach..=reach).map(move |dv| (du, dv)));
+                let pixels = square.map(|(du, dv)| ((u + du) as u32, (v + dv) as u32));
+                let differs = |(column, row): &(u32, u32)| {
+                    plain.get_pixel(*column, *row) != drawn.get_pixel(*column, *row)
+                };
+                pixels.filter(differs).count()
+            };
+            assert_eq!(n_changed(4), 0, "({u}, {v}) is covered");
+            assert!(n_changed(30) > 20, "no number at ({u}, {v})");
         }
     }
 }

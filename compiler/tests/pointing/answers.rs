@@ -85,7 +85,7 @@ const MARKS: &[Row] = &[
     ("Pick Point = 1/2", Err("more than one point open")),
     ("Pick Point:\n1. Look at it.", Err("states no pick point")),
     ("Pick Point = number", Err("states no pick point")),
-    ("I would pick 3.", Err("states no pick point")),
+    ("Let us pick 3.", Err("states no pick point")),
 ];
 
 #[test]

@@ -103,6 +103,17 @@ fn each_frame_writes_a_pixel_in_its_own_way() {
 }
 
 #[test]
+fn a_picture_of_as_many_pixels_as_steps_loses_none() {
+    for unit in [Unit::Fraction, Unit::Percent, Unit::PerMille] {
+        let frame = frame(unit, Order::Xy, 1000, 1000);
+        for pixel in (0..1000).map(|number| PixelPoint::new(number, 999 - number)) {
+            let [x, y] = numbers(&frame.write(pixel));
+            assert_eq!(frame.pixel(x, y), pixel, "{unit:?} {x} {y}");
+        }
+    }
+}
+
+#[test]
 fn the_edges_of_a_picture_are_its_first_and_last_pixel() {
     for unit in [Unit::Fraction, Unit::Percent, Unit::PerMille] {
         let full = match unit {

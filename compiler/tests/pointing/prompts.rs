@@ -97,6 +97,29 @@ fn a_message_of_a_check_is_in_the_frame_of_the_answer() {
 }
 
 #[test]
+fn a_point_that_is_not_offered_is_refused_in_the_frame_of_the_answer() {
+    let known = known();
+    let values = [[1, 2], [41, 167]].map(|point| Value::Point(point.into()));
+    let fields = ["pick".to_owned(), "place".to_owned()].into_iter();
+    let proposal = Proposal {
+        fields: fields.zip(values).collect(),
+    };
+    let y_first = Pointing::Frame(frame(Unit::Percent, Order::Yx, 224, 224));
+    for (pointing, point) in [(y_first, "[1.1, 0.7]"), (marks(), "(1, 2)")] {
+        let facts = in_frame(&known, pointing);
+        let verdict = verify::verdict(program(), facts, &proposal, Strictness::Full).unwrap();
+        let Verdict::Reject { message, .. } = verdict else {
+            panic!("{pointing:?}: it is not offered");
+        };
+        let listed = facts.notation(program()).written(PixelPoint::new(41, 167));
+        let begins = format!(
+            "The pick point {point} is not one of the offered points. Choose one of these: {listed}, "
+        );
+        assert!(message.starts_with(&begins), "{message}");
+    }
+}
+
+#[test]
 fn the_placeholder_says_how_points_are_written_and_keeps_the_sentence_away() {
     let text = common::TASK
         .replace(
