@@ -4,6 +4,8 @@
 //! sets exit codes. Data goes to stdout, talk to stderr.
 
 mod cli;
+#[cfg(feature = "runtime")]
+mod estimate;
 mod exit;
 mod output;
 mod sources;

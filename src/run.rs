@@ -3,6 +3,7 @@
 mod told;
 
 use crate::cli::RunArguments;
+use crate::estimate::{self, Asking};
 use crate::exit::{Exit, Failure};
 use crate::setting::models;
 use crate::{output, setting, sources};
@@ -49,7 +50,6 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Failure> {
 /// Runs one rollout, from its beginning or from where it was cut off, and reports it.
 pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task)?;
-    let recorder = models::recorder(&arguments.spend)?;
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = setting::interrupt()?;
@@ -71,20 +71,9 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     // Lengths in `edge` and the flat area are those of the cloth that lies there; subgoals show the task's own.
     let shown = program;
     let program = setting::fitted(&arguments.task, &shown, &start)?;
-    let folder = match (&into, &arguments.out) {
-        (Into::Again(path), _) => RunFolder::reopen(path),
-        (Into::New, Some(path)) => RunFolder::create(path),
-        (Into::New, None) => {
-            RunFolder::create_next(Path::new("runs"), &program.title().replace('/', "-"))
-        }
-    };
-    let folder = folder.map_err(Failure::environment)?;
     let make_world = || setting::world(&program);
-    let subgoals = match prepare(&shown, &start, &beside, &make_world, &interrupt) {
-        Ok(Some(subgoals)) => subgoals,
-        Ok(None) => return Err(give_up(folder, &into, Failure::interrupted())),
-        Err(failure) => return Err(give_up(folder, &into, failure)),
-    };
+    let subgoals = prepare(&shown, &start, &beside, &make_world, &interrupt)?;
+    let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
     say_origin(subgoals.origin, &arguments.task.file);
     let asked = answering.models();
     let stand_in = match asked.nature() {
@@ -97,15 +86,15 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         start.name,
         asked.name()
     ));
-    let spent = ledger::read(folder.path())
-        .map_err(Failure::environment)?
-        .spent;
+    let spent = match into {
+        Into::New => Spent::default(),
+        Into::Again(path) => ledger::read(path).map_err(Failure::environment)?.spent,
+    };
     let budget = models::budget(&arguments.spend, spent);
-    keep_beginning(&folder, arguments, &into)?;
-    let earlier = folder.earlier_steps();
-    if let Into::Again(_) = into {
-        output::talk(&again(earlier, &spent));
-    }
+    let recorder = match arguments.spend.estimate {
+        true => None,
+        false => models::recorder(&arguments.spend)?,
+    };
     let job = Job {
         program: &program,
         start: &start,
@@ -121,6 +110,31 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         early_stop: true,
         repetition: 0,
     };
+    if arguments.spend.estimate {
+        let questions = rollout::first_questions(&job).map_err(Failure::environment)?;
+        let asking = Asking {
+            program: &program,
+            questions: &questions,
+            answering: &answering,
+            horizon: job.horizon(),
+            rollouts: 1,
+        };
+        estimate::say(&estimate::estimate(&asking), arguments.json);
+        return Ok(Exit::Done);
+    }
+    let folder = match (&into, &arguments.out) {
+        (Into::Again(path), _) => RunFolder::reopen(path),
+        (Into::New, Some(path)) => RunFolder::create(path),
+        (Into::New, None) => {
+            RunFolder::create_next(Path::new("runs"), &program.title().replace('/', "-"))
+        }
+    };
+    let folder = folder.map_err(Failure::environment)?;
+    keep_beginning(&folder, arguments, &into)?;
+    let earlier = folder.earlier_steps();
+    if let Into::Again(_) = into {
+        output::talk(&again(earlier, &spent));
+    }
     let report = rollout::run(&job, folder, &mut |event| told::show(event, earlier))
         .map_err(Failure::environment)?;
     if arguments.json {
@@ -131,14 +145,6 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         output::data(&told::summary(&report, program.goal.as_ref()));
     }
     Ok(exit_of(report.outcome, report.goal_reached))
-}
-
-/// Takes back a folder that was made for nothing.
-fn give_up(folder: RunFolder, into: &Into<'_>, why: Failure) -> Failure {
-    if let Into::New = into {
-        folder.discard();
-    }
-    why
 }
 
 /// Writes down how the run was begun.

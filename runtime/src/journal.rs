@@ -39,8 +39,6 @@ pub const MAX_SPENT_BYTES: u64 = 64 << 20;
 pub struct RunFolder {
     path: PathBuf,
     journal: File,
-    /// Whether the folder was there before.
-    found: bool,
     images: BTreeSet<String>,
     /// What an earlier part of the rollout wrote.
     earlier: Earlier,
@@ -144,7 +142,6 @@ impl RunFolder {
             path: path.to_owned(),
             why: error.to_string(),
         };
-        let found = path.is_dir();
         fs::create_dir_all(path).map_err(|error| unwritable(path, error))?;
         let mut entries = fs::read_dir(path).map_err(|error| unwritable(path, error))?;
         if entries.next().is_some() {
@@ -162,7 +159,6 @@ impl RunFolder {
         Ok(RunFolder {
             path: path.to_owned(),
             journal,
-            found,
             images: BTreeSet::new(),
             earlier: Earlier::default(),
             is_cut: true,
@@ -183,7 +179,6 @@ impl RunFolder {
         Ok(RunFolder {
             path: path.to_owned(),
             journal,
-            found: true,
             images: BTreeSet::new(),
             earlier: Earlier::read(&file)?,
             is_cut: false,
@@ -205,13 +200,7 @@ impl RunFolder {
         for number in 1..=9999u32 {
             let candidate = parent.join(format!("{name}-{number:04}"));
             match fs::create_dir(&candidate) {
-                Ok(()) => {
-                    let folder = RunFolder::create(&candidate)?;
-                    return Ok(RunFolder {
-                        found: false,
-                        ..folder
-                    });
-                }
+                Ok(()) => return RunFolder::create(&candidate),
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(unwritable(error)),
             }
@@ -220,17 +209,6 @@ impl RunFolder {
             path: parent.to_owned(),
             why: format!("it holds 9999 runs of `{name}` already"),
         })
-    }
-
-    /// Takes back the making of a folder in which nothing has been written yet.
-    ///
-    /// A folder that was there before stays, empty as it was.
-    /// What cannot be removed stays: a folder without a header line is no rollout.
-    pub fn discard(self) {
-        let _ = fs::remove_file(self.path.join(JOURNAL_FILE));
-        if !self.found {
-            let _ = fs::remove_dir(&self.path);
-        }
     }
 
     /// Returns the folder.

@@ -5,6 +5,7 @@
 //! A model's bad proposal ends a rollout with an [`Outcome`]; only a failing environment is an error.
 
 mod covered;
+mod first;
 mod record;
 mod report;
 mod score;
@@ -13,7 +14,7 @@ mod timer;
 mod turn;
 
 use crate::action::Action;
-use crate::agent::{AgentError, Asking, Attempt, Models};
+use crate::agent::{AgentError, Asking, Attempt, Models, PromptError};
 use crate::cache::Cache;
 use crate::calls::Budget;
 use crate::demos::DemosError;
@@ -25,6 +26,7 @@ use crate::model::lowering;
 use crate::model::recording::Recorder;
 use crate::outcome::Outcome;
 use crate::result::StepResult;
+use crate::scene::SceneError;
 use crate::sheet::Sheet;
 use crate::start::Start;
 use crate::subgoals::SubgoalSet;
@@ -40,6 +42,7 @@ use std::time::Instant;
 use turn::{Memory, Turn};
 
 pub use covered::Measures;
+pub use first::{FirstQuestion, first_questions};
 pub use report::{Progress, Report as RolloutReport, Score};
 
 /// What is to be run.
@@ -137,6 +140,9 @@ pub enum RunError {
     /// The demonstrations cannot be told to a model.
     #[error(transparent)]
     Demos(#[from] DemosError),
+    /// The picture of the start shows nothing to ask about.
+    #[error("{0}")]
+    Scene(SceneError),
     /// A picture cannot be drawn on.
     #[error(transparent)]
     Vision(#[from] VisionError),
@@ -149,6 +155,12 @@ impl From<AgentError<JournalError>> for RunError {
             AgentError::Demos(error) => RunError::Demos(error),
             AgentError::Record(error) => RunError::Journal(error),
         }
+    }
+}
+
+impl From<PromptError> for RunError {
+    fn from(error: PromptError) -> Self {
+        RunError::from(AgentError::from(error))
     }
 }
 

@@ -8,12 +8,15 @@ mod report;
 mod suites;
 
 use crate::cli::bench::BenchArguments;
+use crate::estimate::{self, Asking};
 use crate::exit::{Exit, Failure};
 use crate::setting::models;
 use crate::{output, setting};
 use runtime::bench::play::{self, Phase, Results, Stop};
-use runtime::bench::{Bench, BenchError, rows};
+use prepare::AnsweringBy;
+use runtime::bench::{Bench, BenchError, first_questions_of, rows};
 use runtime::cache::Cache;
+use runtime::calls::estimate::Estimate;
 use runtime::calls::{Budget, Spent};
 use runtime::outcome::Outcome;
 use std::num::NonZero;
@@ -28,14 +31,20 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
     let suite = suites::narrowed(found.suite, arguments.variant.as_deref());
     let interrupt = setting::interrupt()?;
     let answering = prepare::answering(&suite, &arguments.model, &interrupt)?;
-    let recorder = models::recorder(&arguments.spend)?;
+    let recorder = match arguments.spend.estimate {
+        true => None,
+        false => models::recorder(&arguments.spend)?,
+    };
     let budget = models::budget(&arguments.spend, Spent::default());
     let threads = arguments.jobs.map_or_else(
         || thread::available_parallelism().map_or(1, NonZero::get),
         usize::from,
     );
     let prepared = prepare::prepare(&suite, &found.folder, arguments, threads)?;
-    let out = out_folder(arguments.out.as_deref(), &found.name)?;
+    let out = match arguments.spend.estimate {
+        true => PathBuf::from("runs"),
+        false => out_folder(arguments.out.as_deref(), &found.name)?,
+    };
     let cache = cache(&out);
     let Some(entries) = prepare::entries(&suite, &prepared, &answering, arguments, &interrupt)?
     else {
@@ -53,6 +62,9 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         recorder: recorder.as_ref(),
         interrupt: &interrupt,
     };
+    if arguments.spend.estimate {
+        return foresee(&bench, &answering, arguments.json);
+    }
     output::talk(&report::plan(&found.name, &bench, arguments.shard));
     let results = play::play(&bench, &|phase, done, of| show(phase, done, of, &budget));
     output::progress("");
@@ -73,6 +85,25 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
     }
     output::talk(&report.told());
     Ok(exit_of(&results))
+}
+
+/// Says what the suite would ask and cost.
+fn foresee(bench: &Bench<'_>, answering: &AnsweringBy, json: bool) -> Result<Exit, Failure> {
+    let questions = first_questions_of(bench).map_err(failure)?;
+    let entries = bench.entries.iter().zip(&questions);
+    let parts = entries.filter_map(|(entry, questions)| {
+        let program = entry.programs.values().next()?;
+        let starts = bench.tasks[entry.task].starts.len() as u64;
+        Some(estimate::estimate(&Asking {
+            program,
+            questions,
+            answering: answering.get(&entry.method.model)?,
+            horizon: bench.suite.horizons.last().copied().unwrap_or(program.horizon),
+            rollouts: starts * u64::from(entry.repeats),
+        }))
+    });
+    estimate::say(&Estimate::total(parts), json);
+    Ok(Exit::Done)
 }
 
 fn failure(error: BenchError) -> Failure {

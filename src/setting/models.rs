@@ -6,6 +6,7 @@ use crate::exit::Failure;
 use runtime::agent::Models;
 use runtime::calls::{Budget, Caps, Spent};
 use runtime::interrupt::Interrupt;
+use runtime::model::catalogue::Profile;
 use runtime::model::recording::{Recorder, Replay};
 use runtime::model::{Geometric, Imperfect, Model, ModelRole, Random};
 use std::path::Path;
@@ -22,21 +23,37 @@ const DEFAULT_SEED: u64 = 0;
 
 /// The models of both roles.
 pub struct Answering {
-    vision: Arc<dyn Model>,
-    text: Arc<dyn Model>,
+    vision: Answerer,
+    text: Answerer,
+}
+
+/// A model, and what is known of it where a provider has it.
+#[derive(Clone)]
+struct Answerer {
+    model: Arc<dyn Model>,
+    profile: Option<Profile>,
 }
 
 impl Answering {
     /// Returns the model that gets pictures.
     pub fn vision(&self) -> Arc<dyn Model> {
-        Arc::clone(&self.vision)
+        Arc::clone(&self.vision.model)
+    }
+
+    /// Returns what is known of the model of a role; None where nothing is sent to a provider.
+    pub fn profile(&self, role: ModelRole) -> Option<&Profile> {
+        let answerer = match role {
+            ModelRole::Vision => &self.vision,
+            ModelRole::Text => &self.text,
+        };
+        answerer.profile.as_ref()
     }
 
     /// Returns who answers which role.
     pub fn models(&self) -> Models<'_> {
         Models {
-            vision: self.vision.as_ref(),
-            text: self.text.as_ref(),
+            vision: self.vision.model.as_ref(),
+            text: self.text.model.as_ref(),
         }
     }
 }
@@ -89,7 +106,7 @@ impl Finder<'_> {
         }
         let model = self.model(name, base_url, ModelRole::Vision)?;
         Ok(Answering {
-            vision: Arc::clone(&model),
+            vision: model.clone(),
             text: model,
         })
     }
@@ -99,15 +116,22 @@ impl Finder<'_> {
         name: &str,
         base_url: Option<&str>,
         role: ModelRole,
-    ) -> Result<Arc<dyn Model>, Failure> {
+    ) -> Result<Answerer, Failure> {
         if let Some(model) = embedded(name, role)? {
-            return Ok(Arc::from(model));
+            return Ok(Answerer {
+                model: Arc::from(model),
+                profile: None,
+            });
         }
         let providers = match &mut self.providers {
             Some(providers) => providers,
             absent => absent.insert(Providers::new(&self.arguments.reach, self.interrupt)?),
         };
-        Ok(Arc::new(providers.model(name, base_url)?))
+        let profile = providers.profile(name)?;
+        Ok(Answerer {
+            model: Arc::new(providers.model(&profile, base_url)?),
+            profile: Some(profile),
+        })
     }
 }
 

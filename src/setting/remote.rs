@@ -49,12 +49,11 @@ impl Providers {
         })
     }
 
-    /// Makes the model of a `PROVIDER:NAME`; nothing is sent.
+    /// Makes the model of a profile; nothing is sent.
     ///
     /// - `base_url`: where the provider is reached, if not at its usual address.
-    pub fn model(&mut self, name: &str, base_url: Option<&str>) -> Result<Remote, Failure> {
-        let profile = self.profile(name)?;
-        self.refuse_unknown_price(&profile)?;
+    pub fn model(&mut self, profile: &Profile, base_url: Option<&str>) -> Result<Remote, Failure> {
+        self.refuse_unknown_price(profile)?;
         let address = base_url.or(profile.provider.base_url.as_deref());
         let Some(address) = address else {
             return Err(Failure::usage(format!(
@@ -65,11 +64,11 @@ impl Providers {
         let address = BaseUrl::parse(address).map_err(|error| Failure::usage(error.to_string()))?;
         let arguments = &self.arguments;
         let settings = Settings {
-            lowering: self.lowering(&profile),
-            key: self.key_of(&profile)?,
+            lowering: self.lowering(profile),
+            key: self.key_of(profile)?,
             omit: arguments.omit.iter().copied().map(parameter).collect(),
             timeout: Duration::from_secs(arguments.timeout.into()),
-            ..Settings::of(&profile, address, known::today())
+            ..Settings::of(profile, address, known::today())
         };
         let gates = &mut self.gates;
         let gate = gates.entry(profile.provider.name.clone());

@@ -19,6 +19,9 @@ pub mod suite;
 pub mod table;
 
 mod experts;
+mod foresee;
+
+pub use foresee::first_questions_of;
 
 use crate::agent::Models;
 use crate::cache::Cache;

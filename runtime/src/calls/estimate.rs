@@ -9,7 +9,7 @@
 use super::Usd;
 use crate::calls::Usage;
 use crate::model::catalogue::{Date, Profile, SAFETY, Tokens, tokens};
-use crate::model::{Message, ModelRole, Part};
+use crate::model::{Message, Part};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
@@ -22,8 +22,8 @@ const CORRECTION_TOKENS: u64 = 200;
 pub struct Question<'a> {
     /// Name of the stage.
     pub stage: &'a str,
-    /// Which model is asked.
-    pub role: ModelRole,
+    /// What is known of the model that is asked.
+    pub profile: &'a Profile,
     /// What is sent at first.
     pub messages: &'a [Message],
     /// The JSON Schema of the answer, where one is sent.
@@ -56,10 +56,6 @@ pub struct Plan<'a> {
     pub correction: Correction,
     /// How many rollouts.
     pub rollouts: u64,
-    /// What is known of the model for pictures.
-    pub vision: &'a Profile,
-    /// The same of the one for text.
-    pub text: &'a Profile,
     /// The day whose prices count.
     pub today: Date,
 }
@@ -88,6 +84,47 @@ pub struct Bounds<T> {
     pub at_least: Option<T>,
     /// The upper one.
     pub at_most: Option<T>,
+}
+
+impl Estimate {
+    /// Adds up what several parts of a run would ask and cost.
+    pub fn total(parts: impl IntoIterator<Item = Estimate>) -> Estimate {
+        let none = Bounds {
+            at_least: Some(0),
+            at_most: Some(0),
+        };
+        let mut total = Estimate {
+            calls: none,
+            input_tokens: none,
+            output_tokens: none,
+            cost: Bounds {
+                at_least: Some(Usd::ZERO),
+                at_most: Some(Usd::ZERO),
+            },
+            unknown: Vec::new(),
+            stages: Vec::new(),
+        };
+        let mut unknown = BTreeSet::new();
+        for part in parts {
+            total.calls = total.calls.plus(part.calls, u64::saturating_add);
+            total.input_tokens = total.input_tokens.plus(part.input_tokens, u64::saturating_add);
+            total.output_tokens = total.output_tokens.plus(part.output_tokens, u64::saturating_add);
+            total.cost = total.cost.plus(part.cost, |a, b| a + b);
+            unknown.extend(part.unknown);
+            total.stages.extend(part.stages);
+        }
+        total.unknown = unknown.into_iter().collect();
+        total
+    }
+}
+
+impl<T: Copy> Bounds<T> {
+    fn plus(self, other: Bounds<T>, add: impl Fn(T, T) -> T) -> Bounds<T> {
+        Bounds {
+            at_least: self.at_least.zip(other.at_least).map(|(a, b)| add(a, b)),
+            at_most: self.at_most.zip(other.at_most).map(|(a, b)| add(a, b)),
+        }
+    }
 }
 
 /// What a stage would ask and cost.
@@ -155,10 +192,7 @@ impl Plan<'_> {
         told: Option<u64>,
         unknown: &mut BTreeSet<String>,
     ) -> StageEstimate {
-        let profile = match question.role {
-            ModelRole::Vision => self.vision,
-            ModelRole::Text => self.text,
-        };
+        let profile = question.profile;
         let model = profile.title();
         let formula = profile.facts.image_tokens.as_ref();
         let first = tokens::of_messages(question.messages, formula);

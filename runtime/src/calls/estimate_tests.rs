@@ -29,18 +29,18 @@ fn estimate(
     longest: Option<u32>,
 ) -> Estimate {
     let (shown, words) = ([shown()], [words()]);
-    let question = |stage, role, messages| Question {
+    let (vision, text) = (find(vision), find(text));
+    let question = |stage, profile, messages| Question {
         stage,
-        role,
+        profile,
         messages,
         schema: None,
         max_tokens: longest,
     };
     let questions = [
-        question("look", ModelRole::Vision, shown.as_slice()),
-        question("plan", ModelRole::Text, words.as_slice()),
+        question("look", &vision, shown.as_slice()),
+        question("plan", &text, words.as_slice()),
     ];
-    let (vision, text) = (find(vision), find(text));
     let mut plan = Plan {
         questions: &questions,
         horizon: 3,
@@ -48,8 +48,6 @@ fn estimate(
         attempts: 1,
         correction: Correction::Words,
         rollouts: 5,
-        vision: &vision,
-        text: &text,
         today: "2026-11-20".parse().expect("a date"),
     };
     change(&mut plan);

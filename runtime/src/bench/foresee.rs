@@ -1,0 +1,39 @@
+//! What a suite would ask in the first step of each of its entries, before anything is asked.
+
+use super::play::{at, place, program_of};
+use super::{Bench, BenchError};
+use crate::rollout::{FirstQuestion, Job, first_questions};
+
+/// Lays the first start of each entry, and renders what its stages would be sent; in the order of the entries.
+///
+/// Fails where a start cannot be laid, or the user stops it.
+pub fn first_questions_of(bench: &Bench<'_>) -> Result<Vec<Vec<FirstQuestion>>, BenchError> {
+    let mut all = Vec::with_capacity(bench.entries.len());
+    for entry in &bench.entries {
+        let place = place(bench, entry, 0);
+        let program = program_of(bench, entry, 0)?;
+        let task = &bench.tasks[entry.task];
+        let make_world = || (bench.make_world)(program);
+        let world = make_world().map_err(|error| at(&place, error))?;
+        let start = task.starts[0].lay(world.as_ref(), bench.cache, bench.interrupt);
+        let start = start.map_err(|error| at(&place, error))?;
+        let job = Job {
+            program,
+            start: &start,
+            subgoals: &entry.subgoals,
+            examples: &entry.examples,
+            models: entry.models,
+            budget: bench.budget,
+            recorder: None,
+            make_world: &make_world,
+            cache: bench.cache,
+            interrupt: bench.interrupt,
+            horizon: bench.suite.horizons.last().copied(),
+            early_stop: true,
+            repetition: 0,
+        };
+        let questions = first_questions(&job);
+        all.push(questions.map_err(|error| BenchError::Run { place, error })?);
+    }
+    Ok(all)
+}

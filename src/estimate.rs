@@ -1,0 +1,68 @@
+//! `--estimate`: what a run or a suite would ask and cost, while nothing is sent.
+
+use crate::output;
+use crate::setting::known;
+use crate::setting::models::Answering;
+use compiler::program::Program;
+use runtime::calls::estimate::{Correction, Estimate, Plan, Question};
+use runtime::rollout::FirstQuestion;
+
+/// Rollouts that ask alike.
+pub struct Asking<'a> {
+    /// The task.
+    pub program: &'a Program,
+    /// What its stages are sent at first.
+    pub questions: &'a [FirstQuestion],
+    /// Who answers.
+    pub answering: &'a Answering,
+    /// Steps of a rollout.
+    pub horizon: u32,
+    /// How many rollouts.
+    pub rollouts: u64,
+}
+
+/// Bounds what rollouts ask and cost; what an embedded model is asked is no call.
+pub fn estimate(asking: &Asking<'_>) -> Estimate {
+    let program = asking.program;
+    let sent = asking.questions.iter().filter_map(|question| {
+        Some(Question {
+            stage: &question.stage,
+            profile: asking.answering.profile(question.role)?,
+            messages: &question.messages,
+            schema: question.schema.as_ref(),
+            max_tokens: question.max_tokens,
+        })
+    });
+    let questions: Vec<Question<'_>> = sent.collect();
+    let plan = Plan {
+        questions: &questions,
+        horizon: asking.horizon,
+        actions_per_step: program.actions_per_step(),
+        attempts: program.verify.attempts,
+        correction: match program.verify.with_picture {
+            true => Correction::Picture,
+            false => Correction::Words,
+        },
+        rollouts: asking.rollouts,
+        today: known::today(),
+    };
+    plan.estimate()
+}
+
+/// Prints an estimate.
+pub fn say(estimate: &Estimate, wants_json: bool) {
+    if wants_json {
+        output::json(
+            &serde_json::to_value(estimate).expect("an estimate has string keys and whole numbers"),
+        );
+        return;
+    }
+    if estimate.stages.is_empty() {
+        output::data("no call is sent: who answers is embedded, or a recording");
+        return;
+    }
+    output::data(&estimate.to_string());
+    output::talk(
+        "an estimate from the first step; nothing was sent. At least: each step is answered at once; at most: every question, correction and retry, and three times the tokens that the text seems to have",
+    );
+}
