@@ -208,6 +208,7 @@ fn peer_python_renders_every_template_alike() {
         "corners": "(1, 2), (-3, 4)",
         "center": "(5, 6)",
         "instruction": "fold {{ it }} & <b>",
+        "actions_format": "Pick Point = (x, y)\nPlace Point = (x, y)",
     });
     let asked: Vec<_> = templates
         .iter()

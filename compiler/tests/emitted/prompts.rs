@@ -252,6 +252,23 @@ fn a_missing_guard_or_value_is_an_error() {
 }
 
 #[test]
+fn what_never_changes_stands_in_an_emitted_prompt_as_words() {
+    // Braces beside the words, which a template could take for its own.
+    let format = "{%{{ actions.points }}{{{ big in px }}%}\n            {{ actions.format }}{";
+    let text = crate::common::TASK
+        .replacen("cloth grid", "const big = 12px\n    cloth grid", 1)
+        .replace("{{ actions.format }}", format);
+    let program = crate::common::program("task.fab", &text);
+    let artifacts = emit::emit(std::slice::from_ref(&program), &[]).unwrap();
+    let source = source(&artifacts, "prompts/plan.user.txt.j2");
+    let values = serde_json::json!({ "instruction": "i", "corners": "c", "center": "m" });
+    let text = emit::fill(&source, &values).unwrap();
+    let (_, said) = text.split_once("- Center: m\n\n").unwrap();
+    let expected = "{%(x, y) in pixels{12 px%}\nPick Point = (x, y)\nPlace Point = (x, y){";
+    assert_eq!(said, expected);
+}
+
+#[test]
 fn a_name_of_the_task_is_not_taken_for_what_was_said() {
     let mut program = guarded_program([true; 4]);
     for template in &mut program.templates {
