@@ -181,12 +181,29 @@ pub struct RenderArguments {
     #[cfg(feature = "runtime")]
     #[command(flatten)]
     pub start: StartArguments,
+    #[cfg(feature = "runtime")]
+    #[command(flatten)]
+    pub shown: ShownArguments,
     /// Write the messages and the pictures into this folder.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
+}
+
+/// To which model messages are shown as it would be sent them.
+#[cfg(feature = "runtime")]
+#[derive(Args)]
+pub struct ShownArguments {
+    /// Show what this `PROVIDER:NAME` would be sent, with points as it writes them; default: in the task's pixels.
+    #[arg(long, value_name = "MODEL")]
+    pub model: Option<String>,
+    /// Show what a model would be sent that chooses numbered points.
+    #[arg(long)]
+    pub marks: bool,
+    #[command(flatten)]
+    pub facts: models::FactsArguments,
 }
 
 /// Arguments of `build`.

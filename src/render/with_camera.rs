@@ -3,6 +3,7 @@
 use super::{Listed, Shown, ShownPart, title};
 use crate::cli::RenderArguments;
 use crate::exit::Failure;
+use crate::setting::models;
 use crate::{setting, sources};
 use compiler::facts::{Done, Facts, SceneView};
 use compiler::program::{ClothStart, PixelPoint, Program, Stage, Subgoals, Value};
@@ -49,6 +50,7 @@ pub struct View {
     pictures: Pictures,
     last: Option<Done>,
     step: u32,
+    lowering: Lowering,
 }
 
 impl View {
@@ -65,6 +67,7 @@ impl View {
             let both = "`--scene` gives the points and `--start` lets the camera find them; give one of them";
             return Err(Failure::usage(both));
         }
+        let lowering = models::lowering(&arguments.shown)?;
         let interrupt = Interrupt::default();
         let mut world = setting::world(program).map_err(Failure::environment)?;
         let folder = sources::folder_of(&arguments.task.file);
@@ -96,27 +99,18 @@ impl View {
             scene: seen.scene,
             last: seen.last,
             step,
+            lowering,
         })
     }
 
-    /// Renders one stage as a model is sent it that answers in the task's pixels.
+    /// Renders one stage as the chosen model is sent it, by the function that a rollout uses.
     pub fn messages(
         &self,
         program: &Program,
         stage: &Stage,
         listed: Option<&Listed>,
     ) -> Result<Vec<Shown>, PromptError> {
-        self.messages_for(program, stage, listed, &Lowering::PIXELS)
-    }
-
-    /// Renders one stage as a model with this lowering is sent it, by the function that a rollout uses.
-    pub fn messages_for(
-        &self,
-        program: &Program,
-        stage: &Stage,
-        listed: Option<&Listed>,
-        lowering: &Lowering,
-    ) -> Result<Vec<Shown>, PromptError> {
+        let lowering = &self.lowering;
         let texts = BTreeMap::new();
         let scene: &dyn SceneView = match listed {
             Some(listed) => listed,

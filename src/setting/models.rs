@@ -1,13 +1,17 @@
 //! Who answers: models by their names on the command line.
 
+use super::known;
 use super::remote::Providers;
+use crate::cli::ShownArguments;
 use crate::cli::asked::{ModelArguments, SpendArguments};
 use crate::exit::Failure;
 use runtime::agent::Models;
 use runtime::calls::{Budget, Caps, Spent};
 use runtime::interrupt::Interrupt;
 use runtime::model::catalogue::Profile;
+use runtime::model::lowering::{Lowering, Points};
 use runtime::model::recording::{Recorder, Replay};
+use runtime::model::remote;
 use runtime::model::{Geometric, Imperfect, Model, ModelRole, Random};
 use std::path::Path;
 use std::sync::Arc;
@@ -133,6 +137,28 @@ impl Finder<'_> {
             profile: Some(profile),
         })
     }
+}
+
+/// Returns how points are written for the model to which messages are shown.
+pub fn lowering(shown: &ShownArguments) -> Result<Lowering, Failure> {
+    let known = match &shown.model {
+        None => Lowering::PIXELS,
+        Some(name) => match embedded(name, ModelRole::Text)? {
+            Some(model) => model.lowering(),
+            None => {
+                let catalogue = known::catalogue(shown.facts.models.as_deref())?;
+                let profile = catalogue.find(name);
+                remote::lowering(&profile.map_err(|error| Failure::usage(error.to_string()))?)
+            }
+        },
+    };
+    Ok(match shown.marks {
+        true => Lowering {
+            points: Points::Marks,
+            ..known
+        },
+        false => known,
+    })
 }
 
 /// Something that may be said for both roles or for each.
