@@ -3,6 +3,7 @@
 mod support;
 
 mod agent_loop;
+mod asked;
 mod bad_bench_input;
 mod bad_input;
 mod bad_see_input;

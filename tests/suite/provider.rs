@@ -225,9 +225,12 @@ fn changed(bytes: Bytes, change: impl Fn(&mut Value)) -> Response {
 
 /// Puts words before the answer's.
 fn with(said_before: &str, bytes: &Bytes) -> Vec<u8> {
+    if said_before.is_empty() {
+        return bytes.to_vec();
+    }
     let mut reply: Value = serde_json::from_slice(bytes).unwrap();
     let content = &mut reply["choices"][0]["message"]["content"];
-    if let (Some(text), false) = (content.as_str(), said_before.is_empty()) {
+    if let Some(text) = content.as_str() {
         *content = json!(format!("{said_before}\n{text}"));
     }
     reply.to_string().into_bytes()

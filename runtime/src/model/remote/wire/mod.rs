@@ -169,7 +169,7 @@ impl<'a> Stated<'a> {
                 return Ok(Some(value));
             }
             Err(Unfit(format!(
-                "the stage states `{name}` {value}, and it accepts {accepts}; state that, or list `{name}` among the parameters to omit"
+                "the stage states `{name}` {value}, and it accepts {accepts}; state that, or leave it out with `--omit {name}`"
             )))
         };
         if settings.pictures == Support::No && content::has_picture(&request.messages) {
