@@ -11,6 +11,7 @@ const OTHER: &str = "another-canary-key-0123";
 
 /// What no text may hold: the keys, and pieces of them that no escape would leave.
 fn check(text: &str) {
+    let text = &text.to_lowercase();
     let engine = base64::engine::general_purpose::STANDARD;
     let encoded = engine.encode(CANARY);
     for part in [
@@ -18,7 +19,7 @@ fn check(text: &str) {
         OTHER,
         "0123456789",
         "canary",
-        &encoded[..20],
+        &encoded[..20].to_lowercase(),
         "\\u0073k",
         "%73%6b",
     ] {
@@ -39,8 +40,11 @@ fn bodies() -> Vec<String> {
         CANARY.to_owned(),
         CANARY.replace('/', "\\/"),
         escaped(CANARY),
+        percent.replace('%', "\\u0025"),
         percent,
+        escaped(&encoded),
         encoded,
+        format!("{}{CANARY}", "x".repeat(390)),
         OTHER.to_owned(),
     ];
     let chat = |text: &str, end: &str| {
@@ -106,7 +110,7 @@ fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
         check(&format!("{model:?} {:?}", trial.shared));
         assert_eq!(provider.got().len(), replies.len());
         // Responses say the keys as refusals alone.
-        let expected = if wire == Wire::OpenaiResponses { 0 } else { 6 };
+        let expected = if wire == Wire::OpenaiResponses { 0 } else { 9 };
         assert_eq!(understood, expected, "{}", wire.name());
     }
 }

@@ -282,6 +282,7 @@ impl Trial {
             key: Some(Key::new("A_KEY", CANARY).unwrap()),
             timeout: Duration::from_secs(20),
             retry: Retry {
+                seed: Some(5),
                 pause: waits.clone(),
                 ..Retry::default()
             },

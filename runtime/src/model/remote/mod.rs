@@ -217,33 +217,26 @@ impl Remote {
         }
     }
 
-    /// Reads what came back. Keys are hidden once more in what was decoded: an escape that JSON undoes may have hidden
-    /// one from the first look.
+    /// Reads what came back.
     fn read(&self, incoming: &Incoming) -> Result<Answer, Ended> {
-        let redactor = self.transport.redactor();
         if !(200..300).contains(&incoming.status) {
             let refusal = status::judge(incoming.status, &incoming.body);
             return Err(Ended {
                 fault: refusal.fault,
                 billing: refusal.billing,
-                why: redactor.text(&refusal.why),
+                why: refusal.why,
                 cost: None,
                 wait: refusal.wait.max(incoming.wait),
             });
         }
-        match self.settings.wire.decode(&incoming.body) {
-            Ok(answer) => Ok(Answer {
-                text: redactor.text(&answer.text),
-                ..answer
-            }),
-            Err(failure) => Err(Ended {
-                fault: failure.fault,
-                billing: Billing::Possibly,
-                why: redactor.text(&failure.why),
-                cost: self.cost(failure.usage),
-                wait: incoming.wait,
-            }),
-        }
+        let decoded = self.settings.wire.decode(&incoming.body);
+        decoded.map_err(|failure| Ended {
+            fault: failure.fault,
+            billing: Billing::Possibly,
+            why: failure.why,
+            cost: self.cost(failure.usage),
+            wait: incoming.wait,
+        })
     }
 
     fn cost(&self, usage: Option<crate::calls::Usage>) -> Option<Usd> {

@@ -8,6 +8,7 @@ use super::Key;
 use base64::Engine;
 use base64::engine::general_purpose::{STANDARD_NO_PAD, URL_SAFE_NO_PAD};
 use secrecy::{ExposeSecret, SecretBox};
+use serde_json::Value;
 use std::fmt;
 
 /// What stands in a key's place.
@@ -69,6 +70,50 @@ impl Redactor {
     pub fn text(&self, text: &str) -> String {
         // Keys are ASCII, so that what is cut out begins and ends between letters.
         String::from_utf8_lossy(&self.bytes(text.as_bytes())).into_owned()
+    }
+
+    /// Returns a body without any key, neither in its bytes nor in what they mean as JSON.
+    ///
+    /// An escape that JSON undoes, such as `\\u0025` for the `%` of another one, hides a key from a look at bytes alone.
+    pub(super) fn body(&self, bytes: &[u8]) -> Vec<u8> {
+        let bytes = self.bytes(bytes);
+        if self.plain.is_empty() {
+            return bytes;
+        }
+        if let Ok(mut value) = serde_json::from_slice::<Value>(&bytes)
+            && self.hides_in(&mut value)
+        {
+            return value.to_string().into_bytes();
+        }
+        // What reads a body decides what is to be said of one that is no JSON.
+        bytes
+    }
+
+    /// Hides keys in every string; returns whether there was one.
+    fn hides_in(&self, value: &mut Value) -> bool {
+        match value {
+            Value::String(text) => {
+                let hidden = self.text(text);
+                let found = hidden != *text;
+                *text = hidden;
+                found
+            }
+            Value::Array(items) => {
+                let found = items.iter_mut().map(|item| self.hides_in(item));
+                found.fold(false, |any, found| any | found)
+            }
+            Value::Object(fields) => {
+                let mut any = false;
+                let whole = std::mem::take(fields);
+                for (name, mut field) in whole {
+                    let hidden = self.text(&name);
+                    any |= self.hides_in(&mut field) | (hidden != name);
+                    fields.insert(hidden, field);
+                }
+                any
+            }
+            Value::Null | Value::Bool(_) | Value::Number(_) => false,
+        }
     }
 
     /// Returns how many bytes at the beginning stand for a key.

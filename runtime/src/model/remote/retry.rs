@@ -26,6 +26,8 @@ pub struct Retry {
     pub longest_wait: Duration,
     /// The longest that is waited for one question in all.
     pub waits_in_all: Duration,
+    /// Decides the chance in waits; without it each question draws anew.
+    pub seed: Option<u64>,
     /// How waits pass.
     pub pause: Arc<dyn Pause>,
 }
@@ -37,6 +39,7 @@ impl Default for Retry {
             first_wait: Duration::from_secs(1),
             longest_wait: Duration::from_secs(60),
             waits_in_all: Duration::from_secs(600),
+            seed: None,
             pause: Arc::new(RealTime),
         }
     }
@@ -100,8 +103,8 @@ pub(super) struct Tries<'a> {
 
 impl<'a> Tries<'a> {
     pub(super) fn new(retry: &'a Retry) -> Tries<'a> {
-        // Without a seed of their own, questions that failed together would come again together.
-        let seed = RandomState::new().hash_one(0);
+        // With one seed for all, questions that failed together would come again together.
+        let seed = retry.seed.unwrap_or_else(|| RandomState::new().hash_one(0));
         let waits = ExponentialBuilder::new()
             .with_min_delay(retry.first_wait)
             .with_max_delay(retry.longest_wait)
@@ -151,8 +154,18 @@ impl<'a> Tries<'a> {
 mod tests {
     use super::*;
 
+    fn seeded() -> Retry {
+        Retry {
+            seed: Some(5),
+            ..Retry::default()
+        }
+    }
+
     fn calls_until_given_up(faults: impl Fn(u32) -> Fault) -> u32 {
-        let retry = Retry::default();
+        let retry = Retry {
+            waits_in_all: Duration::MAX,
+            ..seeded()
+        };
         let mut tries = Tries::new(&retry);
         loop {
             let number = tries.begin();
@@ -181,7 +194,7 @@ mod tests {
     fn waits_double_up_to_the_longest_and_chance_adds_at_most_as_much_again() {
         let retry = Retry {
             longest_wait: Duration::from_secs(4),
-            ..Retry::default()
+            ..seeded()
         };
         let mut tries = Tries::new(&retry);
         for expected in [1, 2, 4, 4, 4] {
@@ -196,7 +209,7 @@ mod tests {
 
     #[test]
     fn a_longer_wait_that_the_provider_asks_for_is_kept_and_a_shorter_one_is_not() {
-        let retry = Retry::default();
+        let retry = seeded();
         let mut tries = Tries::new(&retry);
         tries.begin();
         let asked = Duration::from_secs(40);
@@ -213,7 +226,7 @@ mod tests {
 
     #[test]
     fn waits_are_bounded_in_all() {
-        let retry = Retry::default();
+        let retry = seeded();
         let mut tries = Tries::new(&retry);
         tries.begin();
         let asked = Some(Duration::from_secs(400));

@@ -103,11 +103,6 @@ impl Transport {
         })
     }
 
-    /// Returns what hides keys.
-    pub(super) fn redactor(&self) -> &Redactor {
-        &self.redactor
-    }
-
     /// Sends a message and waits for its reply.
     pub(super) fn post(
         &self,
@@ -146,7 +141,7 @@ impl Transport {
         Ok(Incoming {
             status,
             wait,
-            body: self.redactor.bytes(&body),
+            body: self.redactor.body(&body),
         })
     }
 

@@ -63,6 +63,18 @@ fn the_longer_of_two_keys_is_hidden_whole_and_short_ones_stay() {
     assert_eq!(format!("{:?}", redactor(&keys)), "Redactor(2 keys)");
 }
 
+#[test]
+fn a_body_holds_no_key_in_what_it_means_and_stays_as_it_is_without_one() {
+    let twice = percent(CANARY).replace('%', r"\u0025");
+    let body = format!(r#"{{"{twice}":[1.50,{{"a":"<{twice}>"}}],"b":null}}"#);
+    let hidden = redactor(&[CANARY]).body(body.as_bytes());
+    let expected = r#"{"[key]":[1.5,{"a":"<[key]>"}],"b":null}"#;
+    assert_eq!(String::from_utf8_lossy(&hidden), expected);
+    for body in [r#"{ "a": 1.50, "a": 2 }"#, "no JSON", ""] {
+        assert_eq!(redactor(&[CANARY]).body(body.as_bytes()), body.as_bytes());
+    }
+}
+
 proptest! {
     #[test]
     fn text_without_a_key_stays_as_it_is(text in "[a-zA-Z0-9%\\\\u/+=\\- ]{0,60}") {
