@@ -63,9 +63,17 @@ impl Providers {
         };
         let address = BaseUrl::parse(address).map_err(|error| Failure::usage(error.to_string()))?;
         let arguments = &self.arguments;
+        let key = self.key_of(profile)?;
+        if let (Some(key), false) = (&key, address.keeps_secrets()) {
+            return Err(Failure::usage(format!(
+                "`{}` would go to `{}` unencrypted; use an address with https, or one on this machine",
+                key.name(),
+                profile.provider.name
+            )));
+        }
         let settings = Settings {
             lowering: self.lowering(profile),
-            key: self.key_of(profile)?,
+            key,
             omit: arguments.omit.iter().copied().map(parameter).collect(),
             timeout: Duration::from_secs(arguments.timeout.into()),
             ..Settings::of(profile, address, known::today())

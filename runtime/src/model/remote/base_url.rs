@@ -76,6 +76,11 @@ impl BaseUrl {
         }
     }
 
+    /// Returns whether a key may go there: nobody on the way can read it.
+    pub fn keeps_secrets(&self) -> bool {
+        self.0.scheme() == "https" || self.is_loopback()
+    }
+
     /// Returns the address that questions to a model go to.
     pub(super) fn endpoint(&self, wire: Wire, model: &str) -> Url {
         let mut url = self.0.clone();
