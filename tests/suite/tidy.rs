@@ -18,7 +18,7 @@ const EDGES: [(&str, &[&str]); 4] = [
 ];
 
 /// Names that belong to one place: what is named, where that counts, the only place for it.
-const RESERVED: [(Name, &str, &str); 6] = [
+const RESERVED: [(Name, &str, &str); 8] = [
     (Name::Word("opencv"), "", "runtime/src/vision"),
     (
         Name::Crate("sim"),
@@ -29,6 +29,8 @@ const RESERVED: [(Name, &str, &str); 6] = [
     (Name::Word("pest_derive"), "", "grammar/src/"),
     (Name::Word("Rule"), "", "grammar/src/"),
     (Name::Word("clap"), "", "src/"),
+    (Name::Word("reqwest"), "runtime/src/", "runtime/src/model/remote"),
+    (Name::Word("axum"), "runtime/src/", "runtime/src/serve"),
 ];
 
 /// The most lines of a Rust file; test tables belong into fixtures.
