@@ -8,7 +8,7 @@ use crate::exit::{Exit, Failure};
 use crate::setting::known::{self, UserFile};
 use crate::{output, setting};
 use runtime::model::catalogue::{Catalogue, KeyNeed, Provider};
-use runtime::model::key_names;
+use runtime::model::remote::Key;
 use serde::Serialize;
 use serde_json::json;
 use std::net::{SocketAddr, TcpStream};
@@ -181,7 +181,7 @@ fn keys() -> (Keys, Finding) {
             );
             Finding::missing(About::File, NAME, "no file of keys", help)
         }
-        Some(file) => match key_names::names(&file.path) {
+        Some(file) => match Key::names_in(&file.path) {
             Ok(names) => {
                 let listed = if names.is_empty() {
                     "no key".to_owned()

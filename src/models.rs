@@ -7,10 +7,8 @@ use crate::setting::known;
 use runtime::model::catalogue::{
     Catalogue, Date, Facts, ImageTokens, Listed, Price, Profile, Source, Tokens,
 };
+use runtime::model::probe::SIDES_PX;
 use serde_json::{Value, json};
-
-/// Sides of the shipped tasks' cameras, pixels.
-const SIDES_PX: [u32; 2] = [224, 720];
 
 /// Lists the models.
 pub fn run(arguments: &ModelsArguments) -> Result<Exit, Failure> {
@@ -196,7 +194,7 @@ fn row(title: String, price: String, facts: &Facts, marks: String) -> [String; 9
         answer(facts.structured_output),
         facts
             .coordinates
-            .map_or("?".to_owned(), |habit| habit.to_string()),
+            .map_or("?".to_owned(), |_| facts.lowering().to_string()),
         tokens(SIDES_PX[0]),
         tokens(SIDES_PX[1]),
         facts

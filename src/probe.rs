@@ -6,12 +6,16 @@ use crate::exit::{Exit, Failure};
 use crate::setting::{known, models};
 use crate::{output, setting};
 use runtime::calls::Unkept;
-use runtime::model::catalogue::Habit;
 use runtime::model::probe::{ErrorPx, Probe, SIDES_PX, probe};
 use serde_json::json;
 
-/// Asks, and says which habit fits.
+/// Asks, and says in which frame the answers fit.
 pub fn run(arguments: &ProbeArguments) -> Result<Exit, Failure> {
+    if arguments.reach.marks {
+        return Err(Failure::usage(
+            "`--marks` lets a model answer numbers of points, and `probe` asks for coordinates; leave it out",
+        ));
+    }
     let catalogue = known::catalogue(arguments.reach.facts.models.as_deref())?;
     let interrupt = setting::interrupt()?;
     let named = ModelArguments {
@@ -19,25 +23,23 @@ pub fn run(arguments: &ProbeArguments) -> Result<Exit, Failure> {
         reach: arguments.reach.clone(),
     };
     let model = models::models(&named, &interrupt)?.vision();
-    let listed = catalogue.find(&arguments.model).ok();
-    let habit = listed.and_then(|profile| profile.facts.coordinates);
-    if habit.is_none() {
+    let profile = catalogue.find(&arguments.model).ok();
+    let listed = profile.and_then(|profile| profile.facts.coordinates);
+    if listed.is_none() {
         output::talk("how this model says where something is is not known: it is asked in pixels");
     }
-    let asked = habit.unwrap_or(Habit::PIXELS);
     output::talk(&format!(
         "asking {} about {} pictures of dots",
         model.name(),
         SIDES_PX.len()
     ));
-    let found =
-        probe(model.as_ref(), asked, arguments.seed, &mut Unkept).map_err(Failure::environment)?;
+    let found = probe(model.as_ref(), arguments.seed, &mut Unkept).map_err(Failure::environment)?;
     if arguments.json {
         let mut value =
             serde_json::to_value(&found).expect("a probe has string keys and finite numbers");
         value["best"] = json!(found.best());
         value["agrees"] = json!(found.agrees());
-        value["listed"] = json!(habit);
+        value["listed"] = json!(listed);
         output::json(&value);
     } else {
         output::data(&text(&found));
@@ -60,15 +62,15 @@ fn text(found: &Probe) -> String {
             error.mean, error.median, error.max
         )
     };
-    for tried in &found.habits {
-        let asked = if tried.habit == found.asked {
+    for tried in &found.tried {
+        let asked = if tried.lowering == found.asked {
             "  (asked for)"
         } else {
             ""
         };
         lines.push(format!(
             "  {:<36}{}{asked}",
-            tried.habit.to_string(),
+            tried.lowering.to_string(),
             words(&tried.error)
         ));
     }

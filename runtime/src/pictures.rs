@@ -10,9 +10,7 @@ use crate::{picture, vision};
 use compiler::pointing::Notation;
 use compiler::program::{Layers, Picture};
 use compiler::render::PromptPicture;
-use image::imageops::{self, FilterType};
 use image::{ImageFormat, RgbImage};
-use std::borrow::Cow;
 
 /// The pictures of one step.
 #[derive(Clone, Debug)]
@@ -41,7 +39,7 @@ impl Pictures {
         lowering: &Lowering,
         notation: &Notation,
     ) -> Option<Png> {
-        let encoded = |picture: &RgbImage| Png::new(picture::encode(&resized(picture, lowering)));
+        let encoded = |picture: &RgbImage| Png::new(picture::encode(&lowering.resized(picture)));
         match picture {
             PromptPicture::File(file) => {
                 let png = self.examples.picture(file)?;
@@ -69,7 +67,7 @@ impl Pictures {
 /// Encodes a picture of the scene as a model is sent it: in its size, and with the numbers of the offered points where
 /// they are numbered.
 pub fn scene_png(picture: &RgbImage, lowering: &Lowering, notation: &Notation) -> Png {
-    let mut sent = resized(picture, lowering).into_owned();
+    let mut sent = lowering.resized(picture).into_owned();
     let frame = notation.pointing().frame();
     let places: Vec<[f64; 2]> = notation
         .marks()
@@ -78,18 +76,4 @@ pub fn scene_png(picture: &RgbImage, lowering: &Lowering, notation: &Notation) -
         .collect();
     vision::draw_numbers(&mut sent, &places);
     Png::new(picture::encode(&sent))
-}
-
-fn resized<'p>(picture: &'p RgbImage, lowering: &Lowering) -> Cow<'p, RgbImage> {
-    let size: [u32; 2] = picture.dimensions().into();
-    let [width, height] = lowering.sent(size);
-    if [width, height] == size {
-        return Cow::Borrowed(picture);
-    }
-    Cow::Owned(imageops::resize(
-        picture,
-        width,
-        height,
-        FilterType::Triangle,
-    ))
 }

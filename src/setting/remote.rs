@@ -1,14 +1,14 @@
 //! Models of providers: facts, keys and addresses, gathered from files and the environment.
 
-use crate::cli::asked::{ReachArguments, OmitArgument};
-use crate::exit::Failure;
 use super::known::{self, UserFile};
+use crate::cli::asked::{OmitArgument, ReachArguments};
+use crate::exit::Failure;
 use crate::{output, setting};
 use runtime::interrupt::Interrupt;
 use runtime::model::catalogue::{Catalogue, KeyNeed, Profile};
 use runtime::model::lowering::{Lowering, Points};
 use runtime::model::remote::settings::Parameter;
-use runtime::model::remote::{self, Answers, BaseUrl, Gate, Key, Remote, Settings, Shared};
+use runtime::model::remote::{Answers, BaseUrl, Gate, Key, Remote, Settings, Shared};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -105,7 +105,7 @@ impl Providers {
 
     /// Returns how points are written for a model.
     pub fn lowering(&self, profile: &Profile) -> Lowering {
-        let known = remote::lowering(profile);
+        let known = profile.lowering();
         let points = match self.arguments.marks {
             true => Points::Marks,
             false => known.points,

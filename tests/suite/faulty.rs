@@ -75,7 +75,9 @@ fn every_rollout_ends_in_a_named_outcome_and_every_call_is_accounted_for() {
             Outcome::HorizonReached => {}
             Outcome::ModelFailed => {
                 let journal = fs::read_to_string(run.join("rollout.jsonl")).unwrap();
-                let named = Fault::ALL.iter().any(|fault| journal.contains(&format!("\"fault\":\"{fault}\"")));
+                let named = Fault::ALL
+                    .iter()
+                    .any(|fault| journal.contains(&format!("\"fault\":\"{fault}\"")));
                 assert!(named, "the journal names no fault: {journal}");
                 failed.push((repetition, run));
             }
@@ -86,13 +88,18 @@ fn every_rollout_ends_in_a_named_outcome_and_every_call_is_accounted_for() {
     }
     assert_eq!(calls, provider.ledger().got.len() as u64);
     assert!(faults.len() >= 7, "only {faults:?} came up");
-    assert!(!failed.is_empty() && failed.len() < ROLLOUTS as usize / 2, "{failed:?}");
+    assert!(
+        !failed.is_empty() && failed.len() < ROLLOUTS as usize / 2,
+        "{failed:?}"
+    );
 
     for (repetition, run) in failed {
         trial.repetition = repetition;
         let answered = ledger::read(&run).unwrap().answered.len();
         let outcome = (0..5).map(|_| trial.run(models, &run, &mut |_| {}).outcome);
-        let reached = outcome.into_iter().any(|outcome| outcome == Outcome::HorizonReached);
+        let reached = outcome
+            .into_iter()
+            .any(|outcome| outcome == Outcome::HorizonReached);
         assert!(reached, "rollout {repetition} was gone on with in vain");
         assert!(ledger::read(&run).unwrap().answered.len() > answered);
     }

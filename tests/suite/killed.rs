@@ -30,21 +30,36 @@ task small extends folding {
 /// The command, with a cache of answers that is the run's own.
 fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = fabc(folder);
-    command.args(arguments).env("FABC_CACHE_DIR", folder.join("cache"));
+    command
+        .args(arguments)
+        .env("FABC_CACHE_DIR", folder.join("cache"));
     command
 }
 
 fn run_arguments(provider: &Provider) -> [String; 11] {
     [
-        "run", "small.fab", "--out", "run", "--record", "recording.jsonl", "--model",
-        "compatible:geometric", "--allow-unknown-price", "--base-url", provider.base_url(),
+        "run",
+        "small.fab",
+        "--out",
+        "run",
+        "--record",
+        "recording.jsonl",
+        "--model",
+        "compatible:geometric",
+        "--allow-unknown-price",
+        "--base-url",
+        provider.base_url(),
     ]
     .map(str::to_owned)
 }
 
 fn start(folder: &Path, arguments: &[&str]) -> Child {
     let mut command = command(folder, arguments);
-    command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+    command
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
 }
 
 fn prepare(folder: &Path) {
@@ -59,7 +74,10 @@ fn ended_before(child: &mut Child, reached: impl Fn() -> bool) -> bool {
         if child.try_wait().unwrap().is_some() {
             return true;
         }
-        assert!(begun.elapsed() < Duration::from_secs(120), "neither reached nor ended");
+        assert!(
+            begun.elapsed() < Duration::from_secs(120),
+            "neither reached nor ended"
+        );
         thread::sleep(Duration::from_millis(1));
     }
     false
@@ -68,7 +86,9 @@ fn ended_before(child: &mut Child, reached: impl Fn() -> bool) -> bool {
 /// The exchanges of a recording, without what a clock decides.
 fn exchanges(path: &Path) -> Vec<Value> {
     let text = fs::read_to_string(path).unwrap();
-    let lines = text.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+    let lines = text
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).unwrap());
     let timeless = lines.map(|mut line| {
         line.as_object_mut().unwrap().remove("took_s");
         line
@@ -97,7 +117,10 @@ fn kill_at(moments: Vec<(usize, u64)>) {
     prepare(whole.path());
     let provider = Provider::reliable();
     let arguments = run_arguments(&provider);
-    let said = finish(&mut command(whole.path(), &arguments.each_ref().map(String::as_str)));
+    let said = finish(&mut command(
+        whole.path(),
+        &arguments.each_ref().map(String::as_str),
+    ));
     assert_eq!(said.code, 0, "{}", said.stderr);
     let questions = provider.counts().len();
     assert!(questions >= 4, "{questions}");
@@ -139,16 +162,26 @@ fn kill_at(moments: Vec<(usize, u64)>) {
         assert_eq!(counts.len(), questions, "{what}");
         let again: usize = counts.values().map(|count| count - 1).sum();
         // A call that was under way when the process died is the only one that may be sent again.
-        assert!(again as u64 <= spent.possibly_billed, "{what}: {again} sent again");
+        assert!(
+            again as u64 <= spent.possibly_billed,
+            "{what}: {again} sent again"
+        );
         assert!(spent.possibly_billed <= 1, "{what}");
-        assert_eq!(fs::read_to_string(run.join("rollout.jsonl")).unwrap(), journal, "{what}");
+        assert_eq!(
+            fs::read_to_string(run.join("rollout.jsonl")).unwrap(),
+            journal,
+            "{what}"
+        );
         assert_eq!(
             exchanges(&folder.path().join("recording.jsonl")),
             exchanges(&whole.path().join("recording.jsonl")),
             "{what}"
         );
     }
-    assert!(2 * killed > n_moments, "only {killed} of {n_moments} runs were killed");
+    assert!(
+        2 * killed > n_moments,
+        "only {killed} of {n_moments} runs were killed"
+    );
 }
 
 #[test]
@@ -162,26 +195,46 @@ fn no_artefact_holds_the_key() {
         _ => super::provider::Fate::Answer,
     });
     // The provider repeats the key in its answers, plainly and escaped.
-    let escaped: String = CANARY.chars().map(|it| format!("\\u{:04x}", u32::from(it))).collect();
+    let escaped: String = CANARY
+        .chars()
+        .map(|it| format!("\\u{:04x}", u32::from(it)))
+        .collect();
     provider.ledger().said_before = format!("your key is {CANARY}, or {escaped}");
     let arguments = run_arguments(&provider);
     let mut command = command(folder.path(), &arguments.each_ref().map(String::as_str));
-    let said = finish(command.env("FABC_COMPATIBLE_KEY", CANARY).env("RUST_BACKTRACE", "1"));
+    let said = finish(
+        command
+            .env("FABC_COMPATIBLE_KEY", CANARY)
+            .env("RUST_BACKTRACE", "1"),
+    );
     assert_eq!(said.code, 2, "the fifth call is refused: {}", said.stderr);
     assert!(said.stderr.contains("not_authorised"), "{}", said.stderr);
     let keys: Vec<String> = [CANARY, &CANARY[3..], &escaped].map(str::to_owned).to_vec();
-    let mut files = vec![("stdout".to_owned(), said.stdout), ("stderr".to_owned(), said.stderr)];
+    let mut files = vec![
+        ("stdout".to_owned(), said.stdout),
+        ("stderr".to_owned(), said.stderr),
+    ];
     collect(folder.path(), &mut files);
     assert!(files.len() > 15, "{}", files.len());
-    let hidden = files.iter().filter(|(_, text)| text.contains("[key]")).count();
-    assert!(hidden >= 3, "answers, recording and messages show that something was hidden");
+    let hidden = files
+        .iter()
+        .filter(|(_, text)| text.contains("[key]"))
+        .count();
+    assert!(
+        hidden >= 3,
+        "answers, recording and messages show that something was hidden"
+    );
     for (name, text) in files {
         for key in &keys {
             assert!(!text.contains(key), "{name} holds the key");
         }
     }
     let got = provider.ledger();
-    assert!(got.got.iter().all(|body| !String::from_utf8_lossy(body).contains(CANARY)));
+    assert!(
+        got.got
+            .iter()
+            .all(|body| !String::from_utf8_lossy(body).contains(CANARY))
+    );
 }
 
 fn collect(folder: &Path, files: &mut Vec<(String, String)>) {
@@ -202,14 +255,24 @@ fn shipped_tasks_run_with_a_provider_as_with_the_stand_in() {
     let provider = Provider::reliable();
     let report = |arguments: &[&str]| {
         let mut command = fabc(folder.path());
-        let said = finish(command.args(["run", &project("tasks/double_triangle.fab"), "--json"]).args(arguments));
+        let said = finish(
+            command
+                .args(["run", &project("tasks/double_triangle.fab"), "--json"])
+                .args(arguments),
+        );
         assert_eq!(said.code, 0, "{}", said.stderr);
         serde_json::from_str::<Value>(&said.stdout).unwrap()
     };
     let embedded = report(&["--out", "embedded"]);
     let served = report(&[
-        "--out", "served", "--model", "compatible:geometric", "--allow-unknown-price", "--no-cache",
-        "--base-url", provider.base_url(),
+        "--out",
+        "served",
+        "--model",
+        "compatible:geometric",
+        "--allow-unknown-price",
+        "--no-cache",
+        "--base-url",
+        provider.base_url(),
     ]);
     for field in ["outcome", "mean_particle_distance_mm", "steps", "queries"] {
         assert_eq!(served[field], embedded[field], "{field}");

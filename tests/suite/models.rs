@@ -326,8 +326,8 @@ fn a_model_that_names_no_places_is_found_out_by_probe() {
         "{}",
         text.stdout
     );
-    assert_eq!(
-        finish(alone(folder.path()).args(["probe", "nobody"])).code,
-        64
-    );
+    for refused in [&["probe", "nobody"][..], &["probe", "random:3", "--marks"]] {
+        let said = finish(alone(folder.path()).args(refused));
+        assert_eq!(said.code, 64, "{refused:?}: {}", said.stderr);
+    }
 }

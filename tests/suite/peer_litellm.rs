@@ -25,8 +25,9 @@ impl Drop for Running {
 
 /// Builds the environment where it is not there yet, and returns its folder.
 fn environment() -> PathBuf {
-    let python = std::env::var("FABC_PEER_PYTHON")
-        .expect("FABC_PEER_PYTHON names no Python 3; `make test-peers` sets it, or says what is missing");
+    let python = std::env::var("FABC_PEER_PYTHON").expect(
+        "FABC_PEER_PYTHON names no Python 3; `make test-peers` sets it, or says what is missing",
+    );
     let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("litellm");
     let wanted = fs::read(project("tests/peers/litellm-requirements.txt")).unwrap();
     let installed = place.join("installed.txt");
@@ -43,7 +44,16 @@ fn environment() -> PathBuf {
     let requirements = project("tests/peers/litellm-requirements.txt");
     run(
         &place.join("bin/python"),
-        &["-m", "pip", "install", "--quiet", "--only-binary", ":all:", "-r", &requirements],
+        &[
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--only-binary",
+            ":all:",
+            "-r",
+            &requirements,
+        ],
     );
     fs::write(installed, wanted).unwrap();
     place
@@ -53,30 +63,51 @@ fn environment() -> PathBuf {
 fn serve(folder: &Path) -> (Running, String) {
     let mut command = fabc(folder);
     command.args(["serve", "--port", "0"]);
-    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    let mut child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
     let mut line = String::new();
-    BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    BufReader::new(child.stdout.take().unwrap())
+        .read_line(&mut line)
+        .unwrap();
     (Running(child), line.trim().to_owned())
 }
 
 /// Starts the proxy in front of an address, and returns its own.
 fn proxy(folder: &Path, behind: &str) -> (Running, String) {
     let scripted = |name: &str, reply: &str| {
-        format!("  - model_name: {name}\n    litellm_params: {{ model: openai/any, api_key: none, mock_response: \"{reply}\" }}\n")
+        format!(
+            "  - model_name: {name}\n    litellm_params: {{ model: openai/any, api_key: none, mock_response: \"{reply}\" }}\n"
+        )
     };
     let config = [
         "model_list:\n".to_owned(),
-        format!("  - model_name: geometric\n    litellm_params: {{ model: openai/geometric, api_base: \"{behind}\", api_key: none }}\n"),
+        format!(
+            "  - model_name: geometric\n    litellm_params: {{ model: openai/geometric, api_base: \"{behind}\", api_key: none }}\n"
+        ),
         scripted("limited", "litellm.RateLimitError"),
         scripted("broken", "litellm.InternalServerError"),
         scripted("chatty", "I would rather talk about the weather."),
     ];
     fs::write(folder.join("proxy.yaml"), config.concat()).unwrap();
     // A free port; between here and the proxy's start nobody else asks for one.
-    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let port = TcpListener::bind("127.0.0.1:0")
+        .unwrap()
+        .local_addr()
+        .unwrap()
+        .port();
     let log = fs::File::create(folder.join("proxy.log")).unwrap();
     let child = Command::new(environment().join("bin/litellm"))
-        .args(["--config", "proxy.yaml", "--host", "127.0.0.1", "--port", &port.to_string()])
+        .args([
+            "--config",
+            "proxy.yaml",
+            "--host",
+            "127.0.0.1",
+            "--port",
+            &port.to_string(),
+        ])
         .current_dir(folder)
         .env("LITELLM_MASTER_KEY", KEY)
         .env("LITELLM_LOCAL_MODEL_COST_MAP", "True")
@@ -90,7 +121,11 @@ fn proxy(folder: &Path, behind: &str) -> (Running, String) {
         let ended = running.0.try_wait().unwrap();
         let log = || fs::read_to_string(folder.join("proxy.log")).unwrap_or_default();
         assert!(ended.is_none(), "the proxy ended: {}", log());
-        assert!(begun.elapsed() < Duration::from_secs(120), "the proxy does not listen: {}", log());
+        assert!(
+            begun.elapsed() < Duration::from_secs(120),
+            "the proxy does not listen: {}",
+            log()
+        );
         thread::sleep(Duration::from_millis(200));
     }
     (running, format!("http://127.0.0.1:{port}"))
@@ -105,13 +140,24 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
     let run = |out: &str, more: &[&str]| {
         let task = project("tasks/double_triangle.fab");
         let mut command = fabc(folder.path());
-        command.args(["run", &task, "--json", "--no-cache", "--allow-unknown-price", "--out", out]);
+        command.args([
+            "run",
+            &task,
+            "--json",
+            "--no-cache",
+            "--allow-unknown-price",
+            "--out",
+            out,
+        ]);
         for variable in ["LITELLM_API_KEY", "OPENAI_API_KEY", "ANTHROPIC_API_KEY"] {
             command.env(variable, KEY);
         }
         let said = finish(command.args(more));
         let report = serde_json::from_str::<Value>(&said.stdout);
-        (said.code, report.unwrap_or_else(|_| panic!("{}", said.stderr)))
+        (
+            said.code,
+            report.unwrap_or_else(|_| panic!("{}", said.stderr)),
+        )
     };
     let (_, embedded) = run("embedded", &[]);
     let v1 = format!("{address}/v1");
@@ -129,14 +175,25 @@ fn peer_litellm_carries_whole_rollouts_with_pictures() {
         );
     }
     let scripted = |out: &str, model: &str| {
-        run(out, &["--model", model, "--base-url", &v1, "--max-calls", "3"])
+        run(
+            out,
+            &["--model", model, "--base-url", &v1, "--max-calls", "3"],
+        )
     };
     let (code, report) = scripted("chatty", "litellm:chatty");
     assert_eq!((code, &report["outcome"]), (3, &"malformed_reply".into()));
     let (code, report) = scripted("limited", "litellm:limited");
-    assert_eq!((code, &report["outcome"]), (3, &"budget_exhausted".into()), "{report}");
+    assert_eq!(
+        (code, &report["outcome"]),
+        (3, &"budget_exhausted".into()),
+        "{report}"
+    );
     assert_eq!(report["faults"]["rate_limited"], 3, "{report}");
     let (code, report) = scripted("broken", "litellm:broken");
-    assert_eq!((code, &report["outcome"]), (3, &"budget_exhausted".into()), "{report}");
+    assert_eq!(
+        (code, &report["outcome"]),
+        (3, &"budget_exhausted".into()),
+        "{report}"
+    );
     assert_eq!(report["faults"]["server_failed"], 3, "{report}");
 }

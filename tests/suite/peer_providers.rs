@@ -2,7 +2,7 @@
 
 use super::support::project;
 use compiler::program::ModelRole;
-use runtime::model::remote::settings::{MaxTokensField, Support};
+use runtime::model::catalogue::MaxTokensField;
 use runtime::model::remote::wire::Answer;
 use runtime::model::remote::{BaseUrl, Settings, Wire};
 use runtime::model::{Message, Part, Png, Request, Speaker};
@@ -32,7 +32,7 @@ fn script(verb: &str, folder: &Path) -> usize {
 fn settings(wire: Wire) -> Settings {
     let base = BaseUrl::parse("http://localhost").unwrap();
     Settings {
-        structured_output: Support::Yes,
+        structured_output: Some(true),
         ..Settings::new("provider", "a-model", wire, base)
     }
 }
@@ -113,7 +113,7 @@ fn peer_the_providers_own_clients_know_every_field_that_is_sent() {
                 MaxTokensField::MaxCompletionTokens,
             ] {
                 let settings = Settings {
-                    max_tokens_field: field,
+                    max_tokens_field: Some(field),
                     ..settings(wire)
                 };
                 let encoded = wire.encode(&request, &settings).unwrap();

@@ -204,8 +204,8 @@ fn a_rollout_is_the_same_in_every_frame_and_by_numbers() {
         doubled(Points::Marks),
         doubled(Points::Coordinates),
     ];
-    for unit in [Unit::Pixels, Unit::Fraction, Unit::Percent, Unit::PerMille] {
-        lowerings.extend([Order::Xy, Order::Yx].map(|order| coordinates(unit, order)));
+    for unit in Unit::ALL {
+        lowerings.extend(Order::ALL.map(|order| coordinates(unit, order)));
     }
     for lowering in lowerings {
         let played = play(&Foreign::new(lowering, Answers::AsAsked));

@@ -22,6 +22,9 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// Every unit.
+    pub const ALL: [Unit; 4] = [Unit::Pixels, Unit::Fraction, Unit::Percent, Unit::PerMille];
+
     /// Returns how many digits behind the point a coordinate has.
     pub fn decimals(self) -> u32 {
         match self {
@@ -40,6 +43,11 @@ pub enum Order {
     Xy,
     /// `[y, x]`
     Yx,
+}
+
+impl Order {
+    /// Both orders.
+    pub const ALL: [Order; 2] = [Order::Xy, Order::Yx];
 }
 
 /// A frame of coordinates; sizes are `[width, height]`, pixels, and a side of 0 counts as 1.

@@ -1,7 +1,7 @@
 //! What is written reads back: by chance over sizes, units and orders.
 
 use super::common::Known;
-use super::{ORDERS, UNITS, frame, in_frame, known, numbers, program};
+use super::{frame, in_frame, known, numbers, program};
 use compiler::pointing::{Order, Pointing, Unit};
 use compiler::program::PixelPoint;
 use compiler::reply;
@@ -15,7 +15,7 @@ proptest! {
         side in 1_u32..=1000, more in 0_u32..=600, at in (0.0..1.0_f64, 0.0..1.0_f64),
         unit in 0..4_usize, order in 0..2_usize,
     ) {
-        let frame = frame(UNITS[unit], ORDERS[order], side, side + more);
+        let frame = frame(Unit::ALL[unit], Order::ALL[order], side, side + more);
         let pixel = PixelPoint::new((at.0 * f64::from(side)) as i32, (at.1 * f64::from(side)) as i32);
         let [first, second] = numbers(&frame.write(pixel));
         let (x, y) = match frame.order {
@@ -31,7 +31,7 @@ proptest! {
         at in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64), 1..12),
         unit in 0..4_usize, order in 0..2_usize, are_marks: bool,
     ) {
-        let frame = frame(UNITS[unit], ORDERS[order], side, sent);
+        let frame = frame(Unit::ALL[unit], Order::ALL[order], side, sent);
         let pointing = if are_marks { Pointing::Marks(frame) } else { Pointing::Frame(frame) };
         // Neighbours too, which a coarse frame writes alike.
         let pixel = |part: f64| (part * f64::from(side)) as i32;
@@ -56,7 +56,7 @@ proptest! {
     fn a_place_is_written_within_half_a_step_of_where_it_is(
         side in 1_u32..=4096, sent in 1_u32..=4096, at in 0.0..1.0_f64, unit in 0..4_usize,
     ) {
-        let frame = frame(UNITS[unit], Order::Xy, side, sent);
+        let frame = frame(Unit::ALL[unit], Order::Xy, side, sent);
         let pixel = PixelPoint::new((at * f64::from(side)) as i32, 0);
         let [x, y] = numbers(&frame.write(pixel));
         let steps = match frame.unit {
@@ -72,7 +72,7 @@ proptest! {
     fn no_answer_makes_a_frame_panic(
         reply in ".{0,200}", unit in 0..4_usize, order in 0..2_usize, are_marks: bool,
     ) {
-        let frame = frame(UNITS[unit], ORDERS[order], 224, 448);
+        let frame = frame(Unit::ALL[unit], Order::ALL[order], 224, 448);
         let pointing = if are_marks { Pointing::Marks(frame) } else { Pointing::Frame(frame) };
         let known = known();
         let notation = in_frame(&known, pointing).notation(program());
@@ -95,7 +95,7 @@ fn each_frame_writes_a_pixel_in_its_own_way() {
         (Unit::PerMille, 224, ["(185, 748)", "[748, 185]"]),
     ];
     for (unit, sent, expected) in rows {
-        let written = ORDERS.map(|order| frame(unit, order, 224, sent).write(pixel));
+        let written = Order::ALL.map(|order| frame(unit, order, 224, sent).write(pixel));
         assert_eq!(written, expected, "{unit:?} {sent}");
     }
     let outside = frame(Unit::Fraction, Order::Xy, 224, 224).write(PixelPoint::new(-3, 300));
@@ -121,7 +121,7 @@ fn the_edges_of_a_picture_are_its_first_and_last_pixel() {
             Unit::Percent => 100.0,
             _ => 1000.0,
         };
-        for order in ORDERS {
+        for order in Order::ALL {
             let frame = frame(unit, order, 224, 224);
             assert_eq!(frame.pixel(0.0, full), PixelPoint::new(0, 223), "{unit:?}");
             let beyond = frame.pixel(-0.1 * full, 1.2 * full);

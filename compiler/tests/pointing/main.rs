@@ -14,9 +14,6 @@ use compiler::pointing::{Frame, Order, Pointing, Unit};
 use compiler::program::{PixelPoint, Program};
 use std::sync::LazyLock;
 
-const UNITS: [Unit; 4] = [Unit::Pixels, Unit::Fraction, Unit::Percent, Unit::PerMille];
-const ORDERS: [Order; 2] = [Order::Xy, Order::Yx];
-
 /// A frame of a picture of so many pixels a side, which is sent in another size.
 fn frame(unit: Unit, order: Order, side: u32, sent: u32) -> Frame {
     Frame {

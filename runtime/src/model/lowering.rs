@@ -1,15 +1,19 @@
 //! How one model is told of places in a picture: its coordinates, and the size of the pictures that it works on.
 //!
 //! In: what is known of the model, as data. Out: the [`Pointing`] of prompts, schema and reader for a camera's
-//! picture, and the size that pictures are resized to before they are sent. Converting a coordinate is
-//! `compiler::pointing`; drawing numbers is `vision`.
+//! picture, and pictures in the size that they are sent in. Converting a coordinate is `compiler::pointing`; drawing
+//! numbers is `vision`.
 
 use super::{Model, ModelRole};
 use crate::agent::Models;
 use compiler::pointing::{Frame, Order, Pointing, PointingError, Unit};
 use compiler::program::Program;
 use compiler::render;
+use image::RgbImage;
+use image::imageops::{self, FilterType};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::fmt;
 use std::num::NonZeroU32;
 
 /// The longest side of a picture that is sent, pixels.
@@ -89,6 +93,17 @@ impl Lowering {
         sides.map(|side| side.clamp(1, MAX_SENT_PX))
     }
 
+    /// Returns a picture as it is sent.
+    pub fn resized<'p>(&self, picture: &'p RgbImage) -> Cow<'p, RgbImage> {
+        let size: [u32; 2] = picture.dimensions().into();
+        let [width, height] = self.sent(size);
+        if [width, height] == size {
+            return Cow::Borrowed(picture);
+        }
+        let filter = FilterType::Triangle;
+        Cow::Owned(imageops::resize(picture, width, height, filter))
+    }
+
     /// Returns how points of a camera's picture of this size, `[width, height]`, are written.
     pub fn pointing(&self, size: [u32; 2]) -> Pointing {
         let frame = Frame {
@@ -107,6 +122,30 @@ impl Lowering {
 impl Default for Lowering {
     fn default() -> Self {
         Lowering::PIXELS
+    }
+}
+
+impl fmt::Display for Lowering {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.points {
+            Points::Coordinates => {}
+            Points::Marks => f.write_str("numbers at ")?,
+        }
+        f.write_str(match self.order {
+            Order::Xy => "x y",
+            Order::Yx => "y x",
+        })?;
+        f.write_str(match self.unit {
+            Unit::Pixels => ", pixels",
+            Unit::Fraction => ", 0-1",
+            Unit::Percent => ", 0-100",
+            Unit::PerMille => ", 0-1000",
+        })?;
+        match self.resize {
+            Resize::Never => Ok(()),
+            Resize::Within { side_px } => write!(f, ", pictures within {side_px}"),
+            Resize::Multiples { of_px } => write!(f, " in multiples of {of_px}"),
+        }
     }
 }
 
@@ -141,4 +180,41 @@ pub fn note(program: &Program, models: Models<'_>) -> Option<String> {
 
 fn pointing_of(program: &Program, model: &dyn Model) -> Pointing {
     model.lowering().pointing([program.camera.image_px; 2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sides_fit_or_become_the_nearest_multiple_and_a_resized_picture_stays() {
+        let sides = [224, 720, 5, 41, 42, 100_000];
+        let number = |number| NonZeroU32::new(number).expect("not 0");
+        for (resize, expected) in [
+            (Resize::Never, sides),
+            (
+                Resize::Within {
+                    side_px: number(500),
+                },
+                [224, 500, 5, 41, 42, 500],
+            ),
+            (
+                Resize::Multiples { of_px: number(28) },
+                [224, 728, 28, 28, 56, MAX_SENT_PX],
+            ),
+            (
+                Resize::Multiples {
+                    of_px: number(9000),
+                },
+                [MAX_SENT_PX; 6],
+            ),
+        ] {
+            let lowering = Lowering {
+                resize,
+                ..Lowering::PIXELS
+            };
+            assert_eq!(sides.map(|side| lowering.sent([side; 2])[0]), expected);
+            assert_eq!(expected.map(|side| lowering.sent([side; 2])[0]), expected);
+        }
+    }
 }

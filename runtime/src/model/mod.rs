@@ -7,7 +7,6 @@
 pub mod catalogue;
 pub mod geometric;
 pub mod imperfect;
-pub mod key_names;
 pub mod lowering;
 pub mod probe;
 pub mod random;

@@ -1,16 +1,18 @@
 //! Finds out how a model says where something is, before money is spent on rollouts.
 //!
-//! In: a model, and the habit that it is believed to have. Out: a [`Probe`], the distances in pixels between dots
-//! whose places are known and the places that the answers name, under that habit and under every other. Pictures are
-//! drawn here, and asked for in the words of the habit; what is to be believed afterwards is left to the user.
+//! In: a model, told of places as its [`Lowering`] says. Out: a [`Probe`], the distances in pixels between dots whose
+//! places are known and the places that the answers name, read in that frame and in every other. Pictures are drawn
+//! here; they are sent, and asked about, as in rollouts. What is to be believed afterwards is left to the user.
 
-use super::catalogue::{Habit, Order, Unit};
+use super::lowering::{Lowering, Points, Resize};
 use super::{Message, Model, ModelError, ModelRole, Part, Png, Request, Speaker};
 use crate::calls::{Calls, Usage, Usd};
 use crate::chance::Chance;
 use crate::picture;
+use compiler::pointing::{Frame, Order, Unit};
 use image::{Rgb, RgbImage};
 use serde::Serialize;
+use std::num::NonZeroU32;
 
 mod reading;
 #[cfg(test)]
@@ -27,22 +29,24 @@ const DOTS: [(&str, [u8; 3]); 6] = [
 ];
 /// The colour of what lies between them.
 const GROUND: [u8; 3] = [225, 225, 225];
-/// Sides of the square pictures, pixels: those of the shipped tasks' cameras.
+/// Sides of the square pictures before they are resized, pixels: those of the shipped tasks' cameras.
 pub const SIDES_PX: [u32; 2] = [224, 720];
 /// The longest answer, tokens; six lines have about 60, and models that think aloud need more.
 const MAX_TOKENS: u32 = 1000;
+/// Sides of the pictures that Qwen2.5-VL resizes to, and answers in pixels of, are multiples of so many pixels.
+const MULTIPLES_OF_PX: NonZeroU32 = NonZeroU32::new(28).expect("28 is not 0");
 
 /// What a model answered, held against what was drawn.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Probe {
     /// The model's name.
     pub model: String,
-    /// The habit whose words the questions used.
-    pub asked: Habit,
-    /// The errors under that habit; None where no answer could be read.
+    /// How the questions told it of places.
+    pub asked: Lowering,
+    /// The errors of answers read so; None where no answer could be read.
     pub error: Option<ErrorPx>,
-    /// Under every habit, the best first.
-    pub habits: Vec<HabitError>,
+    /// The same for every way that was tried, the best first.
+    pub tried: Vec<Tried>,
     /// Dots that were drawn.
     pub dots: usize,
     /// Those of them that an answer named a place for.
@@ -55,16 +59,16 @@ pub struct Probe {
     pub cost: Option<Usd>,
 }
 
-/// The errors under one habit.
+/// The errors of answers read in one way.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct HabitError {
-    /// The habit.
-    pub habit: Habit,
+pub struct Tried {
+    /// The lowering of a model that answers so.
+    pub lowering: Lowering,
     /// The distances.
     pub error: ErrorPx,
 }
 
-/// Distances between dots and answers, pixels of the picture that was sent.
+/// Distances between dots and answers, pixels of the picture before it was resized: the camera's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorPx {
     /// Their mean.
@@ -78,9 +82,9 @@ pub struct ErrorPx {
 /// One picture, and what the model said of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Asked {
-    /// Side of the picture, pixels.
+    /// Side of the picture before it was resized, pixels.
     pub side_px: u32,
-    /// Where each dot is, column and row.
+    /// Where each dot is in it, column and row.
     pub dots: Vec<Dot>,
     /// The answer.
     pub reply: String,
@@ -98,14 +102,14 @@ pub struct Dot {
 }
 
 impl Probe {
-    /// Returns the habit that fits best; None where no answer could be read.
+    /// Returns the lowering that fits best; None where no answer could be read.
     ///
     /// Of equally good ones it is the one that was asked for.
-    pub fn best(&self) -> Option<Habit> {
-        self.habits.first().map(|best| best.habit)
+    pub fn best(&self) -> Option<Lowering> {
+        self.tried.first().map(|best| best.lowering)
     }
 
-    /// Returns whether the answers fit the habit that was asked for better than any other, and each dot was named.
+    /// Returns whether the answers fit as asked for better than in any other way, and each dot was named.
     pub fn agrees(&self) -> bool {
         self.read == self.dots && self.best() == Some(self.asked)
     }
@@ -113,13 +117,13 @@ impl Probe {
 
 /// Shows a model dots at seeded places and compares what it says of them.
 ///
-/// Asks one question for each of [`SIDES_PX`]. Fails where the model gives no answer to one.
-pub fn probe(
-    model: &dyn Model,
-    asked: Habit,
-    seed: u64,
-    calls: &mut dyn Calls,
-) -> Result<Probe, ModelError> {
+/// Asks one question for each of [`SIDES_PX`], for coordinates even where rollouts ask for numbers of points. Fails
+/// where the model gives no answer to one.
+pub fn probe(model: &dyn Model, seed: u64, calls: &mut dyn Calls) -> Result<Probe, ModelError> {
+    let asked = Lowering {
+        points: Points::Coordinates,
+        ..model.lowering()
+    };
     let mut chance = Chance::seeded(seed);
     let mut pictures = Vec::with_capacity(SIDES_PX.len());
     let (mut usage, mut cost) = (Some(Usage::default()), Some(Usd::ZERO));
@@ -142,21 +146,24 @@ pub fn probe(
             reply: reply.text,
         });
     }
-    let mut habits: Vec<HabitError> = all_habits(asked)
+    let mut tried: Vec<Tried> = lowerings(asked)
         .into_iter()
-        .filter_map(|habit| error_under(habit, &pictures).map(|error| HabitError { habit, error }))
+        .filter_map(|lowering| {
+            let error = error_of(lowering, asked, &pictures)?;
+            Some(Tried { lowering, error })
+        })
         .collect();
-    // A stable sort: the habit that was asked for is the first one, and stays so among equals.
-    habits.sort_by(|one, other| one.error.mean.total_cmp(&other.error.mean));
+    // A stable sort: the one that was asked for is the first one, and stays so among equals.
+    tried.sort_by(|one, other| one.error.mean.total_cmp(&other.error.mean));
     let all = || pictures.iter().flat_map(|picture| &picture.dots);
     Ok(Probe {
         model: model.name().to_owned(),
         asked,
-        error: habits
+        error: tried
             .iter()
-            .find(|it| it.habit == asked)
+            .find(|it| it.lowering == asked)
             .map(|it| it.error),
-        habits,
+        tried,
         dots: all().count(),
         read: all().filter(|dot| dot.said.is_some()).count(),
         pictures,
@@ -165,32 +172,47 @@ pub fn probe(
     })
 }
 
-/// Returns every habit that models are known to have, the one that was asked for first.
-fn all_habits(asked: Habit) -> Vec<Habit> {
-    let orders = [Order::Xy, Order::Yx];
+/// Returns every way in which models are known to answer, the one that was asked for first.
+fn lowerings(asked: Lowering) -> Vec<Lowering> {
     let plain = Unit::ALL
         .into_iter()
-        .flat_map(|unit| orders.map(|order| (unit, order, None)));
-    let resized = orders.map(|order| (Unit::Pixels, order, Some(28)));
-    let others = plain
-        .chain(resized)
-        .map(|(unit, order, multiples_of_px)| Habit {
+        .flat_map(|unit| Order::ALL.map(|order| (unit, order, asked.resize)));
+    let of_px = MULTIPLES_OF_PX;
+    let resized = Order::ALL.map(|order| (Unit::Pixels, order, Resize::Multiples { of_px }));
+    let mut lowerings = vec![asked];
+    for (unit, order, resize) in plain.chain(resized) {
+        let lowering = Lowering {
             unit,
             order,
-            multiples_of_px,
-        });
-    std::iter::once(asked)
-        .chain(others.filter(|habit| *habit != asked))
-        .collect()
+            resize,
+            ..asked
+        };
+        if !lowerings.contains(&lowering) {
+            lowerings.push(lowering);
+        }
+    }
+    lowerings
 }
 
-fn error_under(habit: Habit, pictures: &[Asked]) -> Option<ErrorPx> {
+fn error_of(tried: Lowering, asked: Lowering, pictures: &[Asked]) -> Option<ErrorPx> {
     let mut distances: Vec<f64> = Vec::new();
     for picture in pictures {
+        let size = [picture.side_px; 2];
+        let frame = Frame {
+            // The model got the picture as asked for, and may have resized that once more.
+            sent: tried.sent(asked.sent(size)),
+            ..*tried.pointing(size).frame()
+        };
         for dot in &picture.dots {
-            let Some(said) = dot.said else { continue };
-            let [x, y] = habit.pixel_from(said, [picture.side_px; 2]);
-            distances.push((x - f64::from(dot.at[0])).hypot(y - f64::from(dot.at[1])));
+            let Some([first, second]) = dot.said else {
+                continue;
+            };
+            let [x, y] = match frame.order {
+                Order::Xy => frame.read(first, second),
+                Order::Yx => frame.read(second, first),
+            };
+            let [column, row] = dot.at.map(|at| f64::from(at) + 0.5);
+            distances.push((x - column).hypot(y - row));
         }
     }
     distances.sort_by(f64::total_cmp);
@@ -224,7 +246,7 @@ fn places(side_px: u32, chance: &mut Chance) -> Vec<[u32; 2]> {
     places
 }
 
-fn question(side_px: u32, places: &[[u32; 2]], habit: Habit) -> Request {
+fn question(side_px: u32, places: &[[u32; 2]], asked: Lowering) -> Request {
     let mut drawn = RgbImage::from_pixel(side_px, side_px, Rgb(GROUND));
     let radius = i64::from(side_px / 45).max(4);
     for ((_, colour), [column, row]) in DOTS.iter().zip(places) {
@@ -239,40 +261,20 @@ fn question(side_px: u32, places: &[[u32; 2]], habit: Habit) -> Request {
         }
     }
     let colours = DOTS.map(|(colour, _)| colour);
-    let lines = colours.map(|colour| match habit.order {
-        Order::Xy => format!("{colour}: (x, y)"),
-        Order::Yx => format!("{colour}: [y, x]"),
-    });
+    let pointing = asked.pointing([side_px; 2]);
+    let lines = colours.map(|colour| format!("{colour}: {}", pointing.form()));
     let text = format!(
         "The picture shows six dots: {}. Say where the middle of each dot is.\n{}\nAnswer with these six lines and \
          nothing else, with numbers for the letters:\n{}",
         colours.join(", "),
-        frame_words(habit, side_px),
+        pointing.sentence(),
         lines.join("\n")
     );
     let mut message = Message::text(Speaker::User, text);
-    message
-        .parts
-        .push(Part::Image(Png::new(picture::encode(&drawn))));
+    message.parts.push(Part::Image(Png::new(picture::encode(
+        &asked.resized(&drawn),
+    ))));
     let mut request = Request::new(ModelRole::Vision, vec![message]);
     request.max_tokens = Some(MAX_TOKENS);
     request
-}
-
-/// Says what the numbers are to count.
-fn frame_words(habit: Habit, side_px: u32) -> String {
-    let unit = match habit.unit {
-        Unit::Pixels => {
-            let seen = habit.seen(side_px);
-            format!("in pixels of the picture, which is {seen} wide and {seen} high")
-        }
-        Unit::Fraction => "as a share of the picture's width and height, from 0 to 1".to_owned(),
-        Unit::Percent => "in percent of the picture's width and height, from 0 to 100".to_owned(),
-        Unit::PerMille => {
-            "in thousandths of the picture's width and height, from 0 to 1000".to_owned()
-        }
-    };
-    format!(
-        "A place is written {unit}: x grows to the right, y grows downwards, and 0, 0 is the top left."
-    )
 }

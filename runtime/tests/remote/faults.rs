@@ -2,6 +2,7 @@
 
 use crate::support::*;
 use runtime::calls::{Billing, Fault, Usd};
+use runtime::model::catalogue::Accepted;
 use runtime::model::remote::{Wire, most_calls};
 use runtime::model::{Model, ModelError, Reply};
 use std::time::Duration;
@@ -237,7 +238,7 @@ fn each_provider_gets_its_key_in_its_own_header_at_its_own_address() {
 fn a_request_that_does_not_fit_is_neither_sent_nor_told() {
     let provider = Provider::playing(vec![good("there")]);
     let mut trial = Trial::of(&provider.url());
-    trial.settings.temperature = runtime::model::remote::settings::Accepts::Nothing;
+    trial.settings.temperature = Some(Accepted::Only(vec![1.0]));
     let mut warm = request();
     warm.temperature = Some(0.2);
     let mut notes = Notes::new();

@@ -4,9 +4,11 @@
 //! a price is left to the neighbours.
 
 use super::date::Date;
-use super::habit::Habit;
 use super::price::Price;
+use crate::model::lowering::{Lowering, Resize};
+use compiler::pointing::{Order, Unit};
 use serde::{Deserialize, Serialize};
+use std::num::NonZeroU32;
 
 /// What is known of a model; None is unknown, never a default.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -37,6 +39,20 @@ pub struct Facts {
     pub moving: Option<bool>,
 }
 
+/// How a model says where something is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Habit {
+    /// What its numbers count.
+    pub unit: Unit,
+    /// Which comes first.
+    pub order: Order,
+    /// The sides of the picture in whose pixels it answers are multiples of this, the nearest to those that were
+    /// sent; None: it answers in pixels of the picture that was sent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub multiples_of_px: Option<u32>,
+}
+
 /// The values of a sampling parameter that a model takes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -62,7 +78,7 @@ impl std::fmt::Display for Accepted {
         match self {
             Accepted::Only(values) => {
                 let values: Vec<String> = values.iter().map(f64::to_string).collect();
-                write!(f, "only {}", values.join(" or "))
+                write!(f, "{} alone", values.join(", "))
             }
             Accepted::Range([least, most]) => write!(f, "{least} to {most}"),
         }
@@ -131,6 +147,26 @@ fn hundred() -> u32 {
 }
 
 impl Facts {
+    /// Returns how the model is told of places, and in which size it is sent pictures, so that it has no reason to
+    /// resize them; in pixels of the picture that is sent where its habit is not known.
+    pub fn lowering(&self) -> Lowering {
+        let within = self.largest_side_px.and_then(NonZeroU32::new);
+        let resize = within.map_or(Resize::Never, |side_px| Resize::Within { side_px });
+        let Some(habit) = self.coordinates else {
+            return Lowering {
+                resize,
+                ..Lowering::PIXELS
+            };
+        };
+        let multiples = habit.multiples_of_px.and_then(NonZeroU32::new);
+        Lowering {
+            unit: habit.unit,
+            order: habit.order,
+            resize: multiples.map_or(resize, |of_px| Resize::Multiples { of_px }),
+            ..Lowering::PIXELS
+        }
+    }
+
     /// Returns these facts, and where one is unknown that of `other`.
     pub fn or(self, other: &Facts) -> Facts {
         Facts {

@@ -4,10 +4,11 @@
 //! over another is [`super::Catalogue::overlaid`].
 
 use super::date::Date;
-use super::facts::{Accepted, Facts, ImageTokens, MaxTokensField};
-use super::habit::Habit;
+use super::facts::{Accepted, Facts, Habit, ImageTokens, MaxTokensField};
 use super::price::Price;
+use super::provider::is_key_name;
 use super::{CatalogueError, KeyNeed, RunsOn, Source, Wire};
+use crate::bounded::line_of;
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -124,13 +125,6 @@ pub(super) fn read(text: &str, name: &str) -> Result<Read, CatalogueError> {
     }
     let form: Form =
         toml::from_str(text).map_err(|error| shape(error.to_string().trim_end().to_owned()))?;
-    let line_of = |start: usize| {
-        text.as_bytes()[..start]
-            .iter()
-            .filter(|byte| **byte == b'\n')
-            .count()
-            + 1
-    };
     let wrong = |line: usize, why: String| CatalogueError::Entry {
         file: name.to_owned(),
         line,
@@ -141,7 +135,7 @@ pub(super) fn read(text: &str, name: &str) -> Result<Read, CatalogueError> {
         models: Vec::new(),
     };
     for spanned in form.provider {
-        let line = line_of(spanned.span().start);
+        let line = line_of(text, spanned.span().start);
         let entry = spanned.into_inner();
         check_provider(&entry).map_err(|why| wrong(line, why))?;
         if read
@@ -157,7 +151,7 @@ pub(super) fn read(text: &str, name: &str) -> Result<Read, CatalogueError> {
         read.providers.push(At { line, entry });
     }
     for spanned in form.model {
-        let line = line_of(spanned.span().start);
+        let line = line_of(text, spanned.span().start);
         let entry = model(spanned.into_inner()).map_err(|why| wrong(line, why))?;
         let is_same = |other: &At<ModelEntry>| {
             other.entry.provider == entry.provider && other.entry.subject == entry.subject
@@ -256,9 +250,8 @@ fn check_provider(entry: &ProviderForm) -> Result<(), String> {
         }
     }
     for name in entry.key_env.iter().flatten() {
-        let is_variable = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
         // A key that was written here by mistake is not to be repeated in a message.
-        if name.is_empty() || name.len() > 60 || !name.chars().all(is_variable) {
+        if !is_key_name(name) {
             return Err(
                 "`key_env` lists names of variables, such as `OPENAI_API_KEY`, and never keys"
                     .to_owned(),

@@ -8,7 +8,6 @@ mod date;
 mod error;
 mod facts;
 mod file;
-mod habit;
 mod names;
 mod notice;
 mod price;
@@ -19,13 +18,14 @@ pub mod tokens;
 
 pub use date::{Date, NoDate};
 pub use error::CatalogueError;
-pub use facts::{Accepted, Facts, Flat, ImageTokens, MaxTokensField, Patches, Tiles};
-pub use habit::{Habit, Order, Unit};
+pub use facts::{Accepted, Facts, Flat, Habit, ImageTokens, MaxTokensField, Patches, Tiles};
 pub use notice::Notice;
 pub use price::{Price, Priced, SAFETY};
+pub(crate) use provider::is_key_name;
 pub use provider::{KeyNeed, Provider, RunsOn, Source, Wire};
 pub use tokens::Tokens;
 
+use super::Lowering;
 use crate::bounded;
 use compiler::diag::{among, nearest};
 use file::{At, ModelEntry, ProviderForm, Subject};
@@ -126,9 +126,7 @@ impl Catalogue {
             file: name.clone(),
             why,
         };
-        let bytes = bounded::read(path, file::MAX_BYTES as u64).map_err(unreadable)?;
-        let text =
-            String::from_utf8(bytes).map_err(|_| unreadable("it is no UTF-8 text".to_owned()))?;
+        let text = bounded::read_text(path, file::MAX_BYTES as u64).map_err(unreadable)?;
         self.overlaid(&text, &name)
     }
 
@@ -329,6 +327,11 @@ impl Profile {
     /// Returns `PROVIDER:NAME`.
     pub fn title(&self) -> String {
         format!("{}:{}", self.provider.name, self.id)
+    }
+
+    /// Returns how the model is told of places in a picture; see [`Facts::lowering`].
+    pub fn lowering(&self) -> Lowering {
+        self.facts.lowering()
     }
 
     /// Returns whether no call is billed, since the user's own machine answers.

@@ -30,7 +30,7 @@ pub struct Provider {
 }
 
 /// The form of a provider's messages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Wire {
     /// OpenAI's Responses.
@@ -41,6 +41,26 @@ pub enum Wire {
     Anthropic,
     /// Google's generateContent.
     Gemini,
+}
+
+impl Wire {
+    /// Every form.
+    pub const ALL: [Wire; 4] = [
+        Wire::OpenaiResponses,
+        Wire::OpenaiChat,
+        Wire::Anthropic,
+        Wire::Gemini,
+    ];
+
+    /// Returns the name that data files use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Wire::OpenaiResponses => "openai_responses",
+            Wire::OpenaiChat => "openai_chat",
+            Wire::Anthropic => "anthropic",
+            Wire::Gemini => "gemini",
+        }
+    }
 }
 
 /// Whether a provider needs a key.
@@ -70,6 +90,12 @@ pub struct Source {
     pub as_of: Date,
     /// From where.
     pub source: String,
+}
+
+/// Returns whether a key may be looked for under a name: 1 to 60 capital letters, digits and `_`, as variables have them.
+pub(crate) fn is_key_name(name: &str) -> bool {
+    let is_of_it = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
+    (1..=60).contains(&name.len()) && name.chars().all(is_of_it)
 }
 
 impl Provider {

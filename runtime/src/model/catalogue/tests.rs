@@ -56,7 +56,8 @@ fn what_is_listed_is_found_with_all_that_is_known_and_nothing_else() {
         sol.facts.max_tokens_field,
         Some(MaxTokensField::MaxCompletionTokens)
     );
-    assert_eq!(sol.facts.coordinates, Some(Habit::PIXELS));
+    assert!(sol.facts.coordinates.is_some());
+    assert_eq!(sol.lowering(), Lowering::PIXELS);
     assert_eq!(sol.facts.shutdown, None);
     let terra = find("openai:gpt-6.1-terra");
     assert_eq!(
@@ -84,8 +85,9 @@ fn families_say_how_weights_answer_wherever_they_are_served() {
         ("google:gemini-3.5-flash", "y x, 0-1000"),
         ("anthropic:claude-sonnet-5-5", "x y, pixels"),
     ] {
-        let habit = find(model).facts.coordinates.expect(model);
-        assert_eq!(habit.to_string(), expected, "{model}");
+        let profile = find(model);
+        assert!(profile.facts.coordinates.is_some(), "{model}");
+        assert_eq!(profile.lowering().to_string(), expected, "{model}");
     }
     assert_eq!(find("vllm:InternVL3_5-8B").facts, Facts::default());
     let flash = find("google:gemini-3.5-flash");

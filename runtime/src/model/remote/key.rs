@@ -1,12 +1,16 @@
 //! Keys of providers: found by name, and never shown.
 //!
 //! In: a lookup of names (the command gives the environment's), a TOML file that only its owner can read. Out: a
-//! [`Key`], whose value leaves it only for a request's header. Hiding keys in what comes back is
-//! [`Redactor`](super::Redactor)'s.
+//! [`Key`], whose value leaves it only for a request's header; or the names in that file alone. Hiding keys in what
+//! comes back is [`Redactor`](super::Redactor)'s.
 
+use crate::bounded::{self, line_of};
+use crate::model::catalogue::is_key_name;
 use secrecy::{ExposeSecret, SecretString};
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use toml::{Spanned, Value};
 
 /// The longest file of keys that is read, bytes.
 const MAX_FILE_BYTES: u64 = 64 * 1024;
@@ -55,7 +59,7 @@ pub enum KeyError {
     NotAList {
         /// The file.
         path: PathBuf,
-        /// Where it ends to be one, from 1.
+        /// The first line that is wrong, from 1.
         line: usize,
     },
 }
@@ -113,26 +117,16 @@ impl Key {
     ///
     /// Fails where the file cannot be read, is no such list, or, on Unix, can be read by others than its owner.
     pub fn from_file(path: &Path, name: &str) -> Result<Option<Key>, KeyError> {
-        refuse_open_file(path)?;
-        let unreadable = |why: String| KeyError::Unreadable {
-            path: path.to_owned(),
-            why,
-        };
-        let bytes = crate::bounded::read(path, MAX_FILE_BYTES).map_err(unreadable)?;
-        let text = String::from_utf8(bytes).map_err(|_| unreadable("it is no UTF-8".to_owned()))?;
-        // The parser's own message quotes the line, and with it the key.
-        let table: toml::Table = toml::from_str(&text).map_err(|error| KeyError::NotAList {
-            path: path.to_owned(),
-            line: line_of(&text, error.span().map_or(0, |span| span.start)),
-        })?;
-        match table.get(name) {
-            None => Ok(None),
-            Some(toml::Value::String(value)) => Key::new(name, value).map(Some),
-            Some(_) => Err(KeyError::Malformed {
-                name: name.to_owned(),
-                why: "it is no string",
-            }),
-        }
+        let entries = entries(path)?;
+        let found = entries.get(name).map(|value| Key::new(name, value));
+        found.transpose()
+    }
+
+    /// Returns the names in such a file, in alphabetical order; whether their keys are any is not looked at.
+    ///
+    /// Fails as [`Key::from_file`] does.
+    pub fn names_in(path: &Path) -> Result<Vec<String>, KeyError> {
+        Ok(entries(path)?.into_keys().collect())
     }
 
     /// Returns the name under which it was found, e.g. `OPENAI_API_KEY`.
@@ -152,9 +146,33 @@ impl fmt::Debug for Key {
     }
 }
 
-fn line_of(text: &str, offset: usize) -> usize {
-    let before = text.as_bytes().iter().take(offset);
-    1 + before.filter(|byte| **byte == b'\n').count()
+/// Reads a file of keys.
+fn entries(path: &Path) -> Result<BTreeMap<String, String>, KeyError> {
+    refuse_open_file(path)?;
+    let text = bounded::read_text(path, MAX_FILE_BYTES).map_err(|why| KeyError::Unreadable {
+        path: path.to_owned(),
+        why,
+    })?;
+    let wrong_at = |start: usize| KeyError::NotAList {
+        path: path.to_owned(),
+        line: line_of(&text, start),
+    };
+    // The parser's own message quotes the line, and with it the key.
+    let table: BTreeMap<Spanned<String>, Value> = toml::from_str(&text)
+        .map_err(|error| wrong_at(error.span().map_or(0, |span| span.start)))?;
+    let mut entries = BTreeMap::new();
+    let mut wrong: Option<usize> = None;
+    for (name, value) in table {
+        let start = name.span().start;
+        match value {
+            // A line the wrong way round has a key where its name should stand.
+            Value::String(value) if is_key_name(name.get_ref()) => {
+                entries.insert(name.into_inner(), value);
+            }
+            _ => wrong = Some(wrong.map_or(start, |other| other.min(start))),
+        }
+    }
+    wrong.map_or(Ok(entries), |start| Err(wrong_at(start)))
 }
 
 #[cfg(unix)]

@@ -13,21 +13,19 @@ mod base_url;
 mod gate;
 mod hints;
 mod key;
-mod known;
 mod redact;
 mod retry;
 mod status;
 mod transport;
 
+pub use super::catalogue::Wire;
 pub use answers::Answers;
 pub use base_url::{BaseUrl, BaseUrlError};
 pub use gate::Gate;
 pub use key::{Key, KeyError};
-pub use known::lowering;
 pub use redact::Redactor;
 pub use retry::{Pause, RealTime, Retry, most_calls};
 pub use settings::{Pricing, Settings};
-pub use wire::Wire;
 
 use super::{Lowering, Model, ModelError, Nature, Reply, Request};
 use crate::cache::Cache;

@@ -1,10 +1,12 @@
 //! What is known of a model and how it is called: data that the command gathers.
 //!
-//! In: a profile of the model, the user's own settings. Out: [`Settings`]. What is unknown is sent as the task states
-//! it, so that the provider decides; only what is known not to be accepted is refused before it is sent.
+//! In: a [`Profile`] of the model, where its provider is reached, the day whose prices count, the user's own settings.
+//! Out: [`Settings`]. What is unknown is sent as the task states it, so that the provider decides; only what is known
+//! not to be accepted is refused before it is sent.
 
 use super::{BaseUrl, Key, Retry, Wire};
 use crate::calls::{Usage, Usd};
+use crate::model::catalogue::{Accepted, Date, MaxTokensField, Priced, Profile};
 use crate::model::{Lowering, Request};
 use std::fmt;
 use std::sync::Arc;
@@ -23,18 +25,18 @@ pub struct Settings {
     pub base_url: BaseUrl,
     /// The key, where one is needed.
     pub key: Option<Key>,
-    /// Whether it takes pictures.
-    pub pictures: Support,
-    /// Whether it takes a JSON Schema of its answer; only where it does, the schema is sent.
-    pub structured_output: Support,
+    /// Whether it takes pictures; None: nobody has said.
+    pub pictures: Option<bool>,
+    /// Whether it takes a JSON Schema of its answer; only where it is known to, the schema is sent.
+    pub structured_output: Option<bool>,
     /// How points are written for it, and what becomes of pictures.
     pub lowering: Lowering,
-    /// The sampling temperatures that it takes.
-    pub temperature: Accepts,
-    /// The `top_p` that it takes.
-    pub top_p: Accepts,
-    /// What Chat Completions call the longest answer.
-    pub max_tokens_field: MaxTokensField,
+    /// The sampling temperatures that it takes; None: nobody has said, and what is stated is sent.
+    pub temperature: Option<Accepted>,
+    /// The same of `top_p`.
+    pub top_p: Option<Accepted>,
+    /// What Chat Completions call the longest answer; None: `max_tokens`.
+    pub max_tokens_field: Option<MaxTokensField>,
     /// The longest answer where the stage states none and the provider wants one, tokens.
     pub unstated_max_tokens: u32,
     /// What is left out although a stage states it.
@@ -56,12 +58,12 @@ impl Settings {
             wire,
             base_url,
             key: None,
-            pictures: Support::Unknown,
-            structured_output: Support::Unknown,
+            pictures: None,
+            structured_output: None,
             lowering: Lowering::PIXELS,
-            temperature: Accepts::Unknown,
-            top_p: Accepts::Unknown,
-            max_tokens_field: MaxTokensField::MaxTokens,
+            temperature: None,
+            top_p: None,
+            max_tokens_field: None,
             unstated_max_tokens: 4096,
             omit: Vec::new(),
             timeout: Duration::from_secs(300),
@@ -69,55 +71,19 @@ impl Settings {
             pricing: Arc::new(Unpriced),
         }
     }
-}
 
-/// Whether a model can do something.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Support {
-    /// Nobody has said.
-    Unknown,
-    /// It can.
-    Yes,
-    /// It cannot.
-    No,
-}
-
-/// The values of a parameter that a model takes.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Accepts {
-    /// Nobody has said; what is stated is sent.
-    Unknown,
-    /// The parameter must not be sent at all.
-    Nothing,
-    /// These alone.
-    Values(Vec<f64>),
-    /// Those from the first to the second, both included.
-    Range(f64, f64),
-}
-
-impl Accepts {
-    /// Returns whether a value may be sent.
-    pub fn takes(&self, value: f64) -> bool {
-        match self {
-            _ if !value.is_finite() => false,
-            Accepts::Unknown => true,
-            Accepts::Nothing => false,
-            Accepts::Values(values) => values.contains(&value),
-            Accepts::Range(from, to) => (*from..=*to).contains(&value),
-        }
-    }
-}
-
-impl fmt::Display for Accepts {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Accepts::Unknown => f.write_str("a finite number"),
-            Accepts::Nothing => f.write_str("none"),
-            Accepts::Values(values) => {
-                let values: Vec<String> = values.iter().map(f64::to_string).collect();
-                write!(f, "{} alone", values.join(", "))
-            }
-            Accepts::Range(from, to) => write!(f, "{from} to {to}"),
+    /// Makes the settings of a model of which a profile is known.
+    pub fn of(profile: &Profile, base_url: BaseUrl, today: Date) -> Settings {
+        let (provider, facts) = (&profile.provider, &profile.facts);
+        Settings {
+            pictures: facts.vision,
+            structured_output: facts.structured_output,
+            lowering: profile.lowering(),
+            temperature: facts.temperature.clone(),
+            top_p: facts.top_p.clone(),
+            max_tokens_field: facts.max_tokens_field,
+            pricing: Arc::new(profile.priced_on(today)),
+            ..Settings::new(&provider.name, &profile.id, provider.wire, base_url)
         }
     }
 }
@@ -151,15 +117,6 @@ impl Parameter {
     }
 }
 
-/// What Chat Completions call the longest answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MaxTokensField {
-    /// `max_tokens`, which most compatible servers know.
-    MaxTokens,
-    /// `max_completion_tokens`, which OpenAI's newer models want.
-    MaxCompletionTokens,
-}
-
 /// Knows what calls cost.
 pub trait Pricing: Send + Sync + fmt::Debug {
     /// Returns the most that one call for the request may cost; None where that is not known.
@@ -167,6 +124,16 @@ pub trait Pricing: Send + Sync + fmt::Debug {
 
     /// Returns what a call cost that used so much; None where the price is not known.
     fn cost(&self, usage: Usage) -> Option<Usd>;
+}
+
+impl Pricing for Priced {
+    fn at_most(&self, request: &Request) -> Option<Usd> {
+        Priced::at_most(self, request)
+    }
+
+    fn cost(&self, usage: Usage) -> Option<Usd> {
+        Priced::cost(self, usage)
+    }
 }
 
 /// Knows no price.

@@ -77,8 +77,10 @@ fn a_file_that_others_can_read_is_refused_with_the_command_that_mends_it() {
         (0o640, true),
         (0o604, true),
         (0o620, true),
+        (0o610, true),
     ] {
         restrict(&path, mode);
+        assert_eq!(Key::names_in(&path).is_err(), is_refused, "mode {mode:o}");
         let found = Key::from_file(&path, "OPENAI_API_KEY");
         match found {
             Ok(key) => {
@@ -100,15 +102,31 @@ fn broken_files_are_refused_without_quoting_them() {
     for (content, expected) in [
         ("A = 1\nOPENAI_API_KEY = sk-canary-0123456789\n", "line 2"),
         ("OPENAI_API_KEY = \"sk-canary-0123456789\nB = 2\n", "line 1"),
-        ("OPENAI_API_KEY = [\"sk-canary-0123456789\"]\n", "no string"),
-        ("OPENAI_API_KEY = \"\"\n", "empty"),
+        (
+            "A = \"a\"\n\nOPENAI_API_KEY = [\"sk-canary-0123456789\"]\n",
+            "line 3",
+        ),
+        (
+            "A = \"sk-canary-0123456789\"\nA = \"sk-canary-0123456789\"\n",
+            "line 2",
+        ),
+        ("sk-canary-0123456789\n", "line 1"),
+        (
+            "A = \"a\"\nsk-canary-0123456789 = \"OPENAI_API_KEY\"\n",
+            "line 2",
+        ),
+        ("Z = \"a\"\n[sk-canary-0123456789]\nB = 1\n[A]\n", "line 2"),
     ] {
         let (_folder, path) = file(content);
         let error = Key::from_file(&path, "OPENAI_API_KEY").expect_err("refused");
         let said = format!("{error} {error:?}");
         assert!(error.to_string().contains(expected), "{said}");
         assert!(!said.contains("canary"), "{said}");
+        assert_eq!(Key::names_in(&path), Err(error), "one message per fault");
     }
+    let (_folder, path) = file("OPENAI_API_KEY = \"\"\n");
+    let error = Key::from_file(&path, "OPENAI_API_KEY").expect_err("refused");
+    assert!(error.to_string().contains("empty"), "{error}");
     let (folder, path) = file(&"# no key\n".repeat(10_000));
     assert!(matches!(
         Key::from_file(&path, "A"),
@@ -123,6 +141,13 @@ fn broken_files_are_refused_without_quoting_them() {
         Key::from_file(folder.path(), "A"),
         Err(KeyError::Unreadable { .. })
     ));
+}
+
+#[test]
+fn the_names_in_a_file_are_told_and_its_keys_are_not() {
+    let (_folder, path) = file("# mine\nOPENAI_API_KEY = \"sk-canary\"\nGEMINI_API_KEY = \"\"\n");
+    let names = Key::names_in(&path).expect("a list");
+    assert_eq!(names, ["GEMINI_API_KEY", "OPENAI_API_KEY"]);
 }
 
 #[test]

@@ -10,24 +10,12 @@ mod gemini;
 mod openai_chat;
 mod openai_responses;
 
-use super::settings::{Parameter, Settings, Support};
+use super::settings::{Parameter, Settings};
 use crate::calls::{Fault, Usage};
 use crate::model::Request;
+use crate::model::catalogue::{Accepted, MaxTokensField, Wire};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
-
-/// The form of a provider's requests and replies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Wire {
-    /// OpenAI's Responses.
-    OpenaiResponses,
-    /// OpenAI's Chat Completions, which many servers speak.
-    OpenaiChat,
-    /// Anthropic's Messages.
-    Anthropic,
-    /// Google's `generateContent`.
-    Gemini,
-}
 
 /// A question as it is sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,24 +52,6 @@ pub struct Failure {
 pub struct Unfit(pub String);
 
 impl Wire {
-    /// Every form.
-    pub const ALL: [Wire; 4] = [
-        Wire::OpenaiResponses,
-        Wire::OpenaiChat,
-        Wire::Anthropic,
-        Wire::Gemini,
-    ];
-
-    /// Returns the name that data files use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Wire::OpenaiResponses => "openai_responses",
-            Wire::OpenaiChat => "openai_chat",
-            Wire::Anthropic => "anthropic",
-            Wire::Gemini => "gemini",
-        }
-    }
-
     /// Writes a request; equal requests give equal bytes.
     ///
     /// Fails where the model is known not to take what the request holds.
@@ -91,7 +61,9 @@ impl Wire {
         let body = match self {
             Wire::OpenaiResponses => bytes(&openai_responses::body(model, messages, &stated)?),
             Wire::OpenaiChat => {
+                // The older name is the one that most compatible servers know.
                 let field = settings.max_tokens_field;
+                let field = field.unwrap_or(MaxTokensField::MaxTokens);
                 bytes(&openai_chat::body(model, messages, &stated, field)?)
             }
             Wire::Anthropic => {
@@ -160,24 +132,28 @@ impl<'a> Stated<'a> {
             let Some(value) = value.filter(|_| sent(parameter)) else {
                 return Ok(None);
             };
-            let accepts = match parameter {
+            let accepted = match parameter {
                 Parameter::TopP => &settings.top_p,
                 _ => &settings.temperature,
             };
             let name = parameter.name();
-            if accepts.takes(value) {
+            let takes = |accepted: &Accepted| accepted.takes(value);
+            if value.is_finite() && accepted.as_ref().is_none_or(takes) {
                 return Ok(Some(value));
             }
+            let accepts = accepted
+                .as_ref()
+                .map_or("a finite number".to_owned(), Accepted::to_string);
             Err(Unfit(format!(
                 "the stage states `{name}` {value}, and it accepts {accepts}; state that, or leave it out with `--omit {name}`"
             )))
         };
-        if settings.pictures == Support::No && content::has_picture(&request.messages) {
+        if settings.pictures == Some(false) && content::has_picture(&request.messages) {
             return Err(Unfit(
                 "the request holds a picture, and it takes text alone".to_owned(),
             ));
         }
-        let structured = settings.structured_output == Support::Yes;
+        let structured = settings.structured_output == Some(true);
         Ok(Stated {
             temperature: sampling(request.temperature, Parameter::Temperature)?,
             top_p: sampling(request.top_p, Parameter::TopP)?,

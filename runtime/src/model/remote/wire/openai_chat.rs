@@ -7,7 +7,7 @@ use super::content::{data_url, refuse_no_question, words};
 use super::error::ErrorBody;
 use super::{Answer, Failure, Stated, Unfit, answer, if_readable, tool_called, truncated};
 use crate::calls::{Fault, Usage};
-use crate::model::remote::settings::MaxTokensField;
+use crate::model::catalogue::MaxTokensField;
 use crate::model::{Message, Part, Speaker};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -1,7 +1,6 @@
 //! What is sent, byte for byte as JSON; `make test-peers` shows it to the providers' own clients.
 
 use super::*;
-use crate::model::remote::settings::{Accepts, MaxTokensField};
 use serde_json::json;
 
 fn sent(request: &Request, settings: &Settings) -> Value {
@@ -118,7 +117,7 @@ fn settings_and_schema_go_where_each_provider_wants_them() {
     };
     for wire in Wire::ALL {
         let with_schema = Settings {
-            structured_output: Support::Yes,
+            structured_output: Some(true),
             ..settings(wire)
         };
         let body = sent(&request, &with_schema);
@@ -143,7 +142,7 @@ fn newer_models_get_the_longest_answer_under_its_newer_name() {
         ..request()
     };
     let newer = Settings {
-        max_tokens_field: MaxTokensField::MaxCompletionTokens,
+        max_tokens_field: Some(MaxTokensField::MaxCompletionTokens),
         ..settings(Wire::OpenaiChat)
     };
     let body = sent(&request, &newer);
@@ -180,7 +179,7 @@ fn a_parameter_that_the_model_does_not_accept_is_refused_by_name_and_value() {
     };
     for wire in Wire::ALL {
         let only_one = Settings {
-            temperature: Accepts::Values(vec![1.0]),
+            temperature: Some(Accepted::Only(vec![1.0])),
             ..settings(wire)
         };
         let said = refused(&request, &only_one);
@@ -188,17 +187,17 @@ fn a_parameter_that_the_model_does_not_accept_is_refused_by_name_and_value() {
             said.contains("`temperature` 0.2") && said.contains("1 alone"),
             "{said}"
         );
-        let none = Settings {
-            top_p: Accepts::Nothing,
+        let high = Settings {
+            top_p: Some(Accepted::Range([0.9, 1.0])),
             ..settings(wire)
         };
-        let said = refused(&request, &none);
+        let said = refused(&request, &high);
         assert!(
-            said.contains("`top_p` 0.5") && said.contains("accepts none"),
+            said.contains("`top_p` 0.5") && said.contains("accepts 0.9 to 1;"),
             "{said}"
         );
         let range = Settings {
-            temperature: Accepts::Range(0.0, 1.0),
+            temperature: Some(Accepted::Range([0.0, 1.0])),
             ..settings(wire)
         };
         sent(&request, &range);
@@ -215,7 +214,8 @@ fn a_parameter_that_the_model_does_not_accept_is_refused_by_name_and_value() {
             temperature: Some(f64::NAN),
             ..request.clone()
         };
-        refused(&no_number, &settings(wire));
+        let said = refused(&no_number, &settings(wire));
+        assert!(said.contains("accepts a finite number"), "{said}");
     }
 }
 
@@ -228,7 +228,7 @@ fn requests_that_a_model_cannot_take_are_refused() {
     };
     for wire in Wire::ALL {
         let blind = Settings {
-            pictures: Support::No,
+            pictures: Some(false),
             ..settings(wire)
         };
         assert!(refused(&request(), &blind).contains("picture"));
