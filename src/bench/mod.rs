@@ -12,8 +12,8 @@ use crate::estimate::{self, Asking};
 use crate::exit::{Exit, Failure};
 use crate::setting::models;
 use crate::{output, setting};
-use runtime::bench::play::{self, Phase, Results, Stop};
 use prepare::AnsweringBy;
+use runtime::bench::play::{self, Phase, Results, Stop};
 use runtime::bench::{Bench, BenchError, first_questions_of, rows};
 use runtime::cache::Cache;
 use runtime::calls::estimate::Estimate;
@@ -98,7 +98,12 @@ fn foresee(bench: &Bench<'_>, answering: &AnsweringBy, json: bool) -> Result<Exi
             program,
             questions,
             answering: answering.get(&entry.method.model)?,
-            horizon: bench.suite.horizons.last().copied().unwrap_or(program.horizon),
+            horizon: bench
+                .suite
+                .horizons
+                .last()
+                .copied()
+                .unwrap_or(program.horizon),
             rollouts: starts * u64::from(entry.repeats),
         }))
     });

@@ -11,7 +11,6 @@ use runtime::interrupt::Interrupt;
 use runtime::model::catalogue::Profile;
 use runtime::model::lowering::{Lowering, Points};
 use runtime::model::recording::{Recorder, Replay};
-use runtime::model::remote;
 use runtime::model::{Geometric, Imperfect, Model, ModelRole, Random};
 use std::path::Path;
 use std::sync::Arc;
@@ -148,7 +147,9 @@ pub fn lowering(shown: &ShownArguments) -> Result<Lowering, Failure> {
             None => {
                 let catalogue = known::catalogue(shown.facts.models.as_deref())?;
                 let profile = catalogue.find(name);
-                remote::lowering(&profile.map_err(|error| Failure::usage(error.to_string()))?)
+                profile
+                    .map_err(|error| Failure::usage(error.to_string()))?
+                    .lowering()
             }
         },
     };

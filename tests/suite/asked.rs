@@ -40,8 +40,15 @@ fn run(folder: &Path, provider: &Provider, more: &[&str]) -> (i32, Value, String
     fs::write(folder.join("facts.toml"), FACTS).unwrap();
     let task = project("tasks/double_triangle.fab");
     let mut arguments = vec![
-        "run", &task, "--json", "--model", "compatible:geometric", "--models", "facts.toml",
-        "--base-url", provider.base_url(),
+        "run",
+        &task,
+        "--json",
+        "--model",
+        "compatible:geometric",
+        "--models",
+        "facts.toml",
+        "--base-url",
+        provider.base_url(),
     ];
     arguments.extend(more);
     let said = finish(&mut command(folder, &arguments));
@@ -57,21 +64,40 @@ fn calls(provider: &Provider) -> usize {
 fn an_estimate_sends_nothing_and_holds_what_the_run_then_costs() {
     let folder = tempfile::tempdir().unwrap();
     let provider = Provider::reliable();
-    let (code, estimate, _) = run(folder.path(), &provider, &["--estimate", "--omit", "temperature"]);
+    let (code, estimate, _) = run(
+        folder.path(),
+        &provider,
+        &["--estimate", "--omit", "temperature"],
+    );
     assert_eq!(code, 0);
     assert_eq!(calls(&provider), 0);
-    assert!(!folder.path().join("runs").exists(), "an estimate makes no run folder");
+    assert!(
+        !folder.path().join("runs").exists(),
+        "an estimate makes no run folder"
+    );
     let (code, report, said) = run(folder.path(), &provider, &["--omit", "temperature"]);
     assert_eq!(code, 0, "{said}");
     let within = |what: &str, value: u64| {
         let bounds = &estimate[what];
         let (least, most) = (bounds["at_least"].as_u64(), bounds["at_most"].as_u64());
-        assert!(least <= Some(value) && Some(value) <= most, "{what}: {value} in {bounds}");
+        assert!(
+            least <= Some(value) && Some(value) <= most,
+            "{what}: {value} in {bounds}"
+        );
     };
     within("calls", report["calls"].as_u64().unwrap());
-    within("input_tokens", report["usage"]["input_tokens"].as_u64().unwrap());
-    within("output_tokens", report["usage"]["output_tokens"].as_u64().unwrap());
-    within("cost", (report["cost_usd"].as_f64().unwrap() * 1e9).round() as u64);
+    within(
+        "input_tokens",
+        report["usage"]["input_tokens"].as_u64().unwrap(),
+    );
+    within(
+        "output_tokens",
+        report["usage"]["output_tokens"].as_u64().unwrap(),
+    );
+    within(
+        "cost",
+        (report["cost_usd"].as_f64().unwrap() * 1e9).round() as u64,
+    );
 }
 
 #[test]
@@ -81,7 +107,10 @@ fn a_setting_that_the_model_does_not_take_is_named_before_anything_is_sent() {
     let (code, report, said) = run(folder.path(), &provider, &[]);
     assert_eq!((code, calls(&provider)), (2, 0));
     assert_eq!(report["outcome"], "model_failed");
-    assert!(said.contains("temperature") && said.contains("0.2") && said.contains("--omit"), "{said}");
+    assert!(
+        said.contains("temperature") && said.contains("0.2") && said.contains("--omit"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -93,7 +122,10 @@ fn answers_are_kept_for_the_next_run_and_bought_anew_on_demand() {
         let before = calls(&provider);
         let (code, report, said) = run(folder.path(), &provider, &[&omit, more].concat());
         assert_eq!(code, 0, "{said}");
-        assert_eq!(report["calls"].as_u64().unwrap() as usize, calls(&provider) - before);
+        assert_eq!(
+            report["calls"].as_u64().unwrap() as usize,
+            calls(&provider) - before
+        );
         calls(&provider) - before
     };
     assert_eq!(bought(&[]), 4);
@@ -106,13 +138,25 @@ fn roles_go_to_different_models() {
     let folder = tempfile::tempdir().unwrap();
     let (vision, text) = (Provider::reliable(), Provider::reliable());
     let task = project("tasks/double_triangle.fab");
-    let urls = [format!("vision={}", vision.base_url()), format!("text={}", text.base_url())];
+    let urls = [
+        format!("vision={}", vision.base_url()),
+        format!("text={}", text.base_url()),
+    ];
     let said = finish(
         command(
             folder.path(),
             &[
-                "run", &task, "--allow-unknown-price", "--model", "vision=openai-chat:geometric",
-                "--model", "text=openai:geometric", "--base-url", &urls[0], "--base-url", &urls[1],
+                "run",
+                &task,
+                "--allow-unknown-price",
+                "--model",
+                "vision=openai-chat:geometric",
+                "--model",
+                "text=openai:geometric",
+                "--base-url",
+                &urls[0],
+                "--base-url",
+                &urls[1],
             ],
         )
         .env("OPENAI_API_KEY", KEY),
@@ -121,7 +165,9 @@ fn roles_go_to_different_models() {
     assert_eq!((calls(&vision), calls(&text)), (2, 2));
     let holds = |provider: &Provider, what: &str| {
         let got = provider.ledger();
-        got.got.iter().all(|body| String::from_utf8_lossy(body).contains(what))
+        got.got
+            .iter()
+            .all(|body| String::from_utf8_lossy(body).contains(what))
     };
     assert!(holds(&vision, "data:image/png;base64,"));
     assert!(holds(&text, "\"input\"") && !holds(&text, "data:image"));
@@ -139,8 +185,15 @@ fn an_interrupt_ends_a_waiting_call_and_the_run_goes_on_later() {
     let mut child = command(
         folder.path(),
         &[
-            "run", &task, "--out", "run", "--allow-unknown-price", "--model", "compatible:geometric",
-            "--base-url", provider.base_url(),
+            "run",
+            &task,
+            "--out",
+            "run",
+            "--allow-unknown-price",
+            "--model",
+            "compatible:geometric",
+            "--base-url",
+            provider.base_url(),
         ],
     )
     .stdout(Stdio::null())
@@ -148,19 +201,34 @@ fn an_interrupt_ends_a_waiting_call_and_the_run_goes_on_later() {
     .spawn()
     .unwrap();
     while calls(&provider) < 3 {
-        assert!(child.try_wait().unwrap().is_none(), "it ended before the third call");
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "it ended before the third call"
+        );
         thread::sleep(Duration::from_millis(5));
     }
     let pid = child.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &pid])
+            .status()
+            .unwrap()
+            .success()
+    );
     let begun = Instant::now();
     let status = child.wait().unwrap();
     assert_eq!(status.code(), Some(130));
-    assert!(begun.elapsed() < Duration::from_secs(60), "the call was waited for");
+    assert!(
+        begun.elapsed() < Duration::from_secs(60),
+        "the call was waited for"
+    );
     let said = finish(&mut command(folder.path(), &["resume", "run", "--json"]));
     assert_eq!(said.code, 0, "{}", said.stderr);
     let report: Value = serde_json::from_str(&said.stdout).unwrap();
-    assert_eq!((&report["calls"], &report["possibly_billed"]), (&json!(5), &json!(1)));
+    assert_eq!(
+        (&report["calls"], &report["possibly_billed"]),
+        (&json!(5), &json!(1))
+    );
     assert_eq!(calls(&provider), 5);
 }
 
@@ -182,37 +250,70 @@ fn a_suite_stops_at_its_cap_and_goes_on_with_a_higher_one() {
     let provider = Provider::reliable();
     let bench = |more: &[&str]| {
         let mut arguments = vec![
-            "bench", "tiny", "--json", "--out", "out", "--jobs", "2", "--record", "recording.jsonl",
-            "--model", "compatible:geometric", "--allow-unknown-price", "--base-url",
+            "bench",
+            "tiny",
+            "--json",
+            "--out",
+            "out",
+            "--jobs",
+            "2",
+            "--record",
+            "recording.jsonl",
+            "--model",
+            "compatible:geometric",
+            "--allow-unknown-price",
+            "--base-url",
             provider.base_url(),
         ];
         arguments.extend(more);
         let said = finish(&mut command(folder.path(), &arguments));
         let document = serde_json::from_str::<Value>(&said.stdout);
-        (said.code, document.unwrap_or_else(|_| panic!("{}", said.stderr)))
+        (
+            said.code,
+            document.unwrap_or_else(|_| panic!("{}", said.stderr)),
+        )
     };
     let (code, estimate) = bench(&["--estimate"]);
     assert_eq!((code, calls(&provider)), (0, 0));
-    assert_eq!(estimate["calls"]["at_least"], 8, "two stages, two starts, two rollouts each");
+    assert_eq!(
+        estimate["calls"]["at_least"], 8,
+        "two stages, two starts, two rollouts each"
+    );
 
     let (code, capped) = bench(&["--max-calls", "3"]);
     assert_eq!((code, calls(&provider)), (3, 3));
     assert_eq!(capped["capped"], true);
     let (code, still) = bench(&["--max-calls", "3"]);
-    assert_eq!((code, calls(&provider)), (3, 3), "the cap counts earlier parts: {still}");
+    assert_eq!(
+        (code, calls(&provider)),
+        (3, 3),
+        "the cap counts earlier parts: {still}"
+    );
     let (code, whole) = bench(&[]);
     assert_eq!(code, 0, "{whole}");
     assert_eq!(whole["rollouts"]["finished"], 4);
     // Repeats ask the same words, and each buys its own answer.
     let counts = provider.counts();
-    assert!(counts.values().all(|count| *count == 2), "{:?}", counts.values());
+    assert!(
+        counts.values().all(|count| *count == 2),
+        "{:?}",
+        counts.values()
+    );
     assert_eq!(whole["calls"]["calls"], json!(calls(&provider)));
     let recorded = fs::read_to_string(folder.path().join("recording.jsonl")).unwrap();
     assert_eq!(recorded.lines().count(), 1 + calls(&provider));
 
     let replayed = finish(&mut command(
         folder.path(),
-        &["bench", "tiny", "--json", "--out", "again", "--model", "replay:recording.jsonl"],
+        &[
+            "bench",
+            "tiny",
+            "--json",
+            "--out",
+            "again",
+            "--model",
+            "replay:recording.jsonl",
+        ],
     ));
     assert_eq!(replayed.code, 0, "{}", replayed.stderr);
     let replayed: Value = serde_json::from_str(&replayed.stdout).unwrap();
@@ -224,17 +325,50 @@ fn a_suite_stops_at_its_cap_and_goes_on_with_a_higher_one() {
 fn what_cannot_be_asked_is_refused_with_what_would_help() {
     let folder = tempfile::tempdir().unwrap();
     let task = project("tasks/double_triangle.fab");
-    fs::write(folder.path().join("bad.toml"), "[[model]]\nprovider = \"openai\"\nid = \"x\"\nprise = 3\n").unwrap();
+    fs::write(
+        folder.path().join("bad.toml"),
+        "[[model]]\nprovider = \"openai\"\nid = \"x\"\nprise = 3\n",
+    )
+    .unwrap();
     let cases: [(&[&str], i32, &str); 10] = [
-        (&["--model", "openai:gpt-6.2-sol"], 2, "set OPENAI_API_KEY in the environment, or write"),
-        (&["--model", "opena:gpt-6.2-sol"], 64, "there is no provider `opena`"),
-        (&["--model", "openai:"], 64, "openai:"),
-        (&["--model", "compatible:x", "--allow-unknown-price"], 64, "--base-url URL"),
-        (&["--model", "litellm:x"], 2, "costs is not known; `--allow-unknown-price`"),
-        (&["--model", "vision=geometric"], 64, "names nothing for `text`"),
-        (&["--model", "geometric", "--model", "random"], 64, "says the same role twice"),
         (
-            &["--model", "ollama:x", "--base-url", "http://me:secret@localhost/v1"],
+            &["--model", "openai:gpt-6.2-sol"],
+            2,
+            "set OPENAI_API_KEY in the environment, or write",
+        ),
+        (
+            &["--model", "opena:gpt-6.2-sol"],
+            64,
+            "there is no provider `opena`",
+        ),
+        (&["--model", "openai:"], 64, "openai:"),
+        (
+            &["--model", "compatible:x", "--allow-unknown-price"],
+            64,
+            "--base-url URL",
+        ),
+        (
+            &["--model", "litellm:x"],
+            2,
+            "costs is not known; `--allow-unknown-price`",
+        ),
+        (
+            &["--model", "vision=geometric"],
+            64,
+            "names nothing for `text`",
+        ),
+        (
+            &["--model", "geometric", "--model", "random"],
+            64,
+            "says the same role twice",
+        ),
+        (
+            &[
+                "--model",
+                "ollama:x",
+                "--base-url",
+                "http://me:secret@localhost/v1",
+            ],
             64,
             "base URL",
         ),
@@ -245,9 +379,16 @@ fn what_cannot_be_asked_is_refused_with_what_would_help() {
         let all = [&["run", task.as_str(), "--out", "run"], arguments].concat();
         let said = finish(&mut command(folder.path(), &all));
         assert_eq!(said.code, code, "{arguments:?}: {}", said.stderr);
-        assert!(said.stderr.contains(expected), "{arguments:?}: {}", said.stderr);
+        assert!(
+            said.stderr.contains(expected),
+            "{arguments:?}: {}",
+            said.stderr
+        );
         assert!(!said.stderr.contains("secret"), "{}", said.stderr);
-        assert!(!folder.path().join("run").exists(), "{arguments:?} left a run folder");
+        assert!(
+            !folder.path().join("run").exists(),
+            "{arguments:?} left a run folder"
+        );
     }
 }
 
@@ -264,6 +405,9 @@ fn a_prompt_is_shown_as_one_model_would_be_sent_it() {
     assert!(shown(&[]).contains("Pick Point = (x, y)"));
     assert_eq!(shown(&["--model", "geometric"]), shown(&[]));
     let turned = shown(&["--model", "google:gemini-robotics-er-2-preview"]);
-    assert!(turned.contains("Pick Point = [y, x]") && turned.contains("thousandths"), "{turned}");
+    assert!(
+        turned.contains("Pick Point = [y, x]") && turned.contains("thousandths"),
+        "{turned}"
+    );
     assert!(shown(&["--marks"]).contains("1 at ("));
 }

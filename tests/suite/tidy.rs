@@ -29,7 +29,11 @@ const RESERVED: [(Name, &str, &str); 8] = [
     (Name::Word("pest_derive"), "", "grammar/src/"),
     (Name::Word("Rule"), "", "grammar/src/"),
     (Name::Word("clap"), "", "src/"),
-    (Name::Word("reqwest"), "runtime/src/", "runtime/src/model/remote"),
+    (
+        Name::Word("reqwest"),
+        "runtime/src/",
+        "runtime/src/model/remote",
+    ),
     (Name::Word("axum"), "runtime/src/", "runtime/src/serve"),
 ];
 

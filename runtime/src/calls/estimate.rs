@@ -107,8 +107,12 @@ impl Estimate {
         let mut unknown = BTreeSet::new();
         for part in parts {
             total.calls = total.calls.plus(part.calls, u64::saturating_add);
-            total.input_tokens = total.input_tokens.plus(part.input_tokens, u64::saturating_add);
-            total.output_tokens = total.output_tokens.plus(part.output_tokens, u64::saturating_add);
+            total.input_tokens = total
+                .input_tokens
+                .plus(part.input_tokens, u64::saturating_add);
+            total.output_tokens = total
+                .output_tokens
+                .plus(part.output_tokens, u64::saturating_add);
             total.cost = total.cost.plus(part.cost, |a, b| a + b);
             unknown.extend(part.unknown);
             total.stages.extend(part.stages);
