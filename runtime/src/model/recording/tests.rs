@@ -177,6 +177,9 @@ fn what_is_no_recording_is_refused_and_stays_as_it_is() {
     assert!(Replay::load(&folder.path().join("absent"), ModelRole::Text).is_err());
 }
 
+/// Changes a request in one place.
+type Change<'c> = &'c dyn Fn(&mut Request);
+
 #[test]
 fn a_question_that_was_not_recorded_names_what_changed() {
     let folder = tempfile::tempdir().unwrap();
@@ -192,7 +195,7 @@ fn a_question_that_was_not_recorded_names_what_changed() {
             other => panic!("{other:?}"),
         }
     };
-    let cases: [(&dyn Fn(&mut Request), &str); 9] = [
+    let cases: [(Change<'_>, &str); 9] = [
         (
             &|it| it.temperature = Some(0.7),
             "`temperature` (recorded 0.2, now 0.7)",
