@@ -111,8 +111,8 @@ impl Providers {
             return Ok(());
         }
         Err(Failure::environment(format!(
-            "what `{}:{}` costs is not known; `--allow-unknown-price` asks it all the same, and a `price` in a file of your own (`--models FILE`) makes it known",
-            profile.provider.name, profile.id
+            "what `{}` costs is not known; `--allow-unknown-price` asks it all the same, and a `price` in a file of your own (`--models FILE`) makes it known",
+            profile.title()
         )))
     }
 
@@ -141,8 +141,10 @@ fn key(names: &[String]) -> Result<Option<Key>, Failure> {
     Key::find(&names, &environment, path).map_err(Failure::environment)
 }
 
-fn environment(name: &str) -> Option<String> {
-    std::env::var(name).ok().filter(|value| !value.is_empty())
+/// Returns what a variable holds, if it is set to more than blanks.
+pub fn environment(name: &str) -> Option<String> {
+    let value = std::env::var(name).ok();
+    value.filter(|value| !value.trim().is_empty())
 }
 
 fn parameter(omitted: OmitArgument) -> Parameter {
