@@ -67,7 +67,7 @@ impl<'j> Turn<'j> {
 
     /// Returns the time of render, vision, prompt, parse and verify, seconds; none where no action was asked for.
     pub(super) fn planning_s(&self) -> Option<f64> {
-        self.is_planned.then(|| self.planning.as_secs_f64())
+        self.is_planned.then_some(self.planning.as_secs_f64())
     }
 
     /// Takes the step; returns an outcome where the rollout ends with it.

@@ -40,12 +40,11 @@ impl Recorder {
         let file = OpenOptions::new().create(true).append(true).open(path);
         let file = file.map_err(wrong)?;
         file.set_len(lines.whole_bytes).map_err(wrong)?;
-        let answered = lines.exchanges.iter().filter_map(|exchange| {
-            matches!(exchange.outcome, Outcome::Reply(_)).then(|| exchange.key.clone())
-        });
+        let answered = lines.exchanges.into_iter();
+        let answered = answered.filter(|exchange| matches!(exchange.outcome, Outcome::Reply(_)));
         let mut state = State {
             file,
-            answered: answered.collect(),
+            answered: answered.map(|exchange| exchange.key).collect(),
         };
         if lines.whole_bytes == 0 {
             let first = Line::Recording {
