@@ -6,6 +6,7 @@
 use crate::cli::models::DoctorArguments;
 use crate::exit::{Exit, Failure};
 use crate::setting::known::{self, UserFile};
+use crate::setting::remote;
 use crate::{output, setting};
 use runtime::model::catalogue::{Catalogue, KeyNeed, Provider};
 use runtime::model::remote::Key;
@@ -299,7 +300,7 @@ fn look(provider: &Provider, keys: &Keys) -> Finding {
 
 /// Returns from where a provider's key would be taken.
 fn key(provider: &Provider, keys: &Keys) -> Option<String> {
-    let is_set = |name: &&String| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let is_set = |name: &&String| remote::environment(name).is_some();
     let variable = provider.key_env.iter().find(is_set);
     let in_file = || {
         provider

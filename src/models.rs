@@ -5,7 +5,7 @@ use crate::exit::{Exit, Failure};
 use crate::output;
 use crate::setting::known;
 use runtime::model::catalogue::{
-    Catalogue, Date, Facts, ImageTokens, Listed, Price, Profile, Source, Tokens,
+    Catalogue, Date, Facts, ImageTokens, Listed, Price, Profile, Provider, Source, Tokens,
 };
 use runtime::model::probe::SIDES_PX;
 use serde_json::{Value, json};
@@ -14,17 +14,24 @@ use serde_json::{Value, json};
 pub fn run(arguments: &ModelsArguments) -> Result<Exit, Failure> {
     let catalogue = known::catalogue(arguments.facts.models.as_deref())?;
     let today = arguments.on.unwrap_or_else(known::today);
-    let profiles = match &arguments.provider {
-        None => catalogue.profiles(),
-        Some(name) => of_provider(&catalogue, name)?,
+    let wanted = match &arguments.provider {
+        None => None,
+        Some(name) => {
+            let found = catalogue.provider(name);
+            Some(found.map_err(|error| Failure::usage(error.to_string()))?)
+        }
     };
-    let wanted = |at: Option<&str>| match (&arguments.provider, at) {
-        (Some(wanted), Some(at)) => owner(&catalogue, wanted) == at,
+    let profiles = match wanted {
+        None => catalogue.profiles(),
+        Some(provider) => of_provider(&catalogue, provider)?,
+    };
+    let is_wanted = |at: Option<&str>| match (wanted, at) {
+        (Some(wanted), Some(at)) => wanted.owner() == at,
         _ => true,
     };
     let families: Vec<Family<'_>> = catalogue
         .families()
-        .filter(|(_, at, ..)| wanted(*at))
+        .filter(|(_, at, ..)| is_wanted(*at))
         .collect();
     if arguments.json {
         output::json(&as_json(&catalogue, &profiles, &families, today));
@@ -37,26 +44,15 @@ pub fn run(arguments: &ModelsArguments) -> Result<Exit, Failure> {
 /// A family: the words of its ids, its provider, its facts, where they are from.
 type Family<'c> = (&'c str, Option<&'c str>, &'c Facts, &'c [Source]);
 
-/// Returns the provider whose entries hold for a provider.
-fn owner<'c>(catalogue: &'c Catalogue, name: &'c str) -> &'c str {
-    let provider = catalogue.provider(name).ok();
-    provider
-        .and_then(|provider| provider.models_of.as_deref())
-        .unwrap_or(name)
-}
-
-fn of_provider(catalogue: &Catalogue, name: &str) -> Result<Vec<Profile>, Failure> {
-    catalogue
-        .provider(name)
-        .map_err(|error| Failure::usage(error.to_string()))?;
-    let owner = owner(catalogue, name);
+fn of_provider(catalogue: &Catalogue, provider: &Provider) -> Result<Vec<Profile>, Failure> {
+    let owner = provider.owner();
     let own = catalogue
         .profiles()
         .into_iter()
         .filter(|profile| profile.provider.name == owner);
     own.map(|profile| {
         catalogue
-            .find(&format!("{name}:{}", profile.id))
+            .find(&format!("{}:{}", provider.name, profile.id))
             .map_err(Failure::environment)
     })
     .collect()

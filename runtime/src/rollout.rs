@@ -16,7 +16,7 @@ mod turn;
 use crate::action::Action;
 use crate::agent::{AgentError, Asking, Attempt, Models, PromptError};
 use crate::cache::Cache;
-use crate::calls::Budget;
+use crate::calls::{Budget, Spent};
 use crate::demos::DemosError;
 use crate::examples::Examples;
 use crate::expert::MakeWorld;
@@ -104,6 +104,8 @@ pub enum Event<'a> {
         grasp: Grasp,
         /// Wall time of the whole step, seconds.
         seconds: f64,
+        /// What the calls of the rollout came to so far.
+        spent: Spent,
     },
     /// Nothing was executed in a step, and the rollout goes on.
     Skipped {

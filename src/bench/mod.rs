@@ -10,7 +10,7 @@ mod suites;
 use crate::cli::bench::BenchArguments;
 use crate::estimate::{self, Asking};
 use crate::exit::{Exit, Failure};
-use crate::setting::models;
+use crate::setting::models::{self, Answering};
 use crate::{output, setting};
 use prepare::AnsweringBy;
 use runtime::bench::play::{self, Phase, Results, Stop};
@@ -36,10 +36,9 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         false => models::recorder(&arguments.spend)?,
     };
     let budget = models::budget(&arguments.spend, Spent::default());
-    let threads = arguments.jobs.map_or_else(
-        || thread::available_parallelism().map_or(1, NonZero::get),
-        usize::from,
-    );
+    let threads = arguments
+        .jobs
+        .map_or_else(|| usual_jobs(&answering), usize::from);
     let prepared = prepare::prepare(&suite, &found.folder, arguments, threads)?;
     let out = match arguments.spend.estimate {
         true => PathBuf::from("runs"),
@@ -85,6 +84,18 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
     }
     output::talk(&report.told());
     Ok(exit_of(&results))
+}
+
+/// Returns how many rollouts run side by side by default: one per core, and more where most of the time is a
+/// provider's.
+fn usual_jobs(answering: &AnsweringBy) -> usize {
+    const WITH_PROVIDERS: usize = 8;
+    let cores = thread::available_parallelism().map_or(1, NonZero::get);
+    let mut all = answering.values();
+    match all.any(Answering::asks_a_provider) {
+        true => cores.max(WITH_PROVIDERS),
+        false => cores,
+    }
 }
 
 /// Says what the suite would ask and cost.

@@ -27,7 +27,7 @@ pub struct BenchArguments {
     /// Rollouts per start of a model that varies; default: as the suite says.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: Option<u32>,
-    /// Rollouts side by side; default: one per core. The figures do not depend on it.
+    /// Rollouts side by side; default: one per core, 8 or more with providers. The figures do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_JOBS))]
     pub jobs: Option<u16>,
     /// Only the first N starts of each task.

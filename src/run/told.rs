@@ -4,6 +4,7 @@ use crate::output;
 use compiler::program::{Goal, Metric};
 use compiler::verify::Verdict;
 use runtime::agent::{Attempt, Finding};
+use runtime::calls::Spent;
 use runtime::rollout::{Event, RolloutReport};
 use runtime::world::Grasp;
 
@@ -26,6 +27,7 @@ pub fn show(event: Event<'_>, earlier: u32) {
             action,
             grasp,
             seconds,
+            spent,
         } => {
             let moved = if action.pick_px == action.pick_on_cloth_px {
                 String::new()
@@ -38,8 +40,10 @@ pub fn show(event: Event<'_>, earlier: u32) {
                 ""
             };
             output::talk(&format!(
-                "step {step}/{horizon}: pick {}{moved}, place {}{missed}   {seconds:.1} s",
-                action.pick_px, action.place_px
+                "step {step}/{horizon}: pick {}{moved}, place {}{missed}   {seconds:.1} s{}",
+                action.pick_px,
+                action.place_px,
+                so_far(&spent)
             ));
         }
         Event::Skipped { step, horizon, why } => {
@@ -51,6 +55,15 @@ pub fn show(event: Event<'_>, earlier: u32) {
             ));
         }
         Event::Note(note) => output::talk(&format!("note: {note}")),
+    }
+}
+
+/// Says what calls came to so far, where any were made.
+fn so_far(spent: &Spent) -> String {
+    match (spent.calls, spent.unpriced) {
+        (0, _) => String::new(),
+        (calls, 0) => format!(", {calls} calls, {}", spent.at_most()),
+        (calls, _) => format!(", {calls} calls"),
     }
 }
 

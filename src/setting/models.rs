@@ -52,6 +52,11 @@ impl Answering {
         answerer.profile.as_ref()
     }
 
+    /// Returns whether questions of a role go to a provider.
+    pub fn asks_a_provider(&self) -> bool {
+        self.vision.profile.is_some() || self.text.profile.is_some()
+    }
+
     /// Returns who answers which role.
     pub fn models(&self) -> Models<'_> {
         Models {

@@ -8,7 +8,7 @@ use runtime::interrupt::Interrupt;
 use runtime::model::catalogue::{Catalogue, KeyNeed, Profile};
 use runtime::model::lowering::{Lowering, Points};
 use runtime::model::remote::settings::Parameter;
-use runtime::model::remote::{Answers, BaseUrl, Gate, Key, Remote, Settings, Shared};
+use runtime::model::remote::{Answers, BaseUrl, Gate, Key, Remote, Settings, Shared, Tell};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -81,6 +81,7 @@ impl Providers {
         let gates = &mut self.gates;
         let gate = gates.entry(profile.provider.name.clone());
         let shared = Shared {
+            tell: Tell::to(|why| output::talk(&format!("  {why}"))),
             gate: Arc::clone(gate.or_insert_with(|| Arc::new(Gate::new(MOST_CALLS_AT_ONCE)))),
             answers: Arc::clone(&self.answers),
             interrupt: self.interrupt.clone(),
@@ -118,8 +119,8 @@ impl Providers {
             return Ok(());
         }
         Err(Failure::environment(format!(
-            "what `{}:{}` costs is not known; `--allow-unknown-price` asks it all the same, and a `price` in a file of your own (`--models FILE`) makes it known",
-            profile.provider.name, profile.id
+            "what `{}` costs is not known; `--allow-unknown-price` asks it all the same, and a `price` in a file of your own (`--models FILE`) makes it known",
+            profile.title()
         )))
     }
 
@@ -148,8 +149,10 @@ fn key(names: &[String]) -> Result<Option<Key>, Failure> {
     Key::find(&names, &environment, path).map_err(Failure::environment)
 }
 
-fn environment(name: &str) -> Option<String> {
-    std::env::var(name).ok().filter(|value| !value.is_empty())
+/// Returns what a variable holds, if it is set to more than blanks.
+pub fn environment(name: &str) -> Option<String> {
+    let value = std::env::var(name).ok();
+    value.filter(|value| !value.trim().is_empty())
 }
 
 fn parameter(omitted: OmitArgument) -> Parameter {

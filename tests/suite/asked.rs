@@ -1,16 +1,11 @@
-//! The command with a provider: estimates, caps, roles, settings, interrupts, kept answers, and what is refused before
-//! anything is sent.
+//! The command with a provider, before anything is sent: estimates, settings, refusals, and prompts as they would be sent.
 
-use super::provider::{Fate, Provider};
-use super::support::{bring_library, fabc, finish, project};
-use serde_json::{Value, json};
+use super::provider::Provider;
+use super::support::{fabc, finish, project};
+use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::thread;
-use std::time::{Duration, Instant};
-
-const KEY: &str = "sk-nobodys-0123456789";
+use std::process::Command;
 
 /// Facts that give the embedded model behind `compatible` a price, and a temperature that it does not take.
 const FACTS: &str = "\
@@ -25,7 +20,8 @@ as_of = \"2026-11-21\"
 source = \"a test\"
 ";
 
-fn command(folder: &Path, arguments: &[&str]) -> Command {
+/// The command, with files and a cache that are the test's own.
+pub fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = fabc(folder);
     command
         .args(arguments)
@@ -36,7 +32,7 @@ fn command(folder: &Path, arguments: &[&str]) -> Command {
 }
 
 /// Runs double_triangle with the provider as `compatible:geometric`.
-fn run(folder: &Path, provider: &Provider, more: &[&str]) -> (i32, Value, String) {
+pub fn run(folder: &Path, provider: &Provider, more: &[&str]) -> (i32, Value, String) {
     fs::write(folder.join("facts.toml"), FACTS).unwrap();
     let task = project("tasks/double_triangle.fab");
     let mut arguments = vec![
@@ -56,7 +52,8 @@ fn run(folder: &Path, provider: &Provider, more: &[&str]) -> (i32, Value, String
     (said.code, report, said.stderr)
 }
 
-fn calls(provider: &Provider) -> usize {
+/// How many calls a provider got.
+pub fn calls(provider: &Provider) -> usize {
     provider.ledger().got.len()
 }
 
@@ -111,214 +108,6 @@ fn a_setting_that_the_model_does_not_take_is_named_before_anything_is_sent() {
         said.contains("temperature") && said.contains("0.2") && said.contains("--omit"),
         "{said}"
     );
-}
-
-#[test]
-fn answers_are_kept_for_the_next_run_and_bought_anew_on_demand() {
-    let folder = tempfile::tempdir().unwrap();
-    let provider = Provider::reliable();
-    let omit = ["--omit", "temperature"];
-    let bought = |more: &[&str]| {
-        let before = calls(&provider);
-        let (code, report, said) = run(folder.path(), &provider, &[&omit, more].concat());
-        assert_eq!(code, 0, "{said}");
-        assert_eq!(
-            report["calls"].as_u64().unwrap() as usize,
-            calls(&provider) - before
-        );
-        calls(&provider) - before
-    };
-    assert_eq!(bought(&[]), 4);
-    assert_eq!(bought(&[]), 0);
-    assert_eq!(bought(&["--no-cache"]), 4);
-}
-
-#[test]
-fn roles_go_to_different_models() {
-    let folder = tempfile::tempdir().unwrap();
-    let (vision, text) = (Provider::reliable(), Provider::reliable());
-    let task = project("tasks/double_triangle.fab");
-    let urls = [
-        format!("vision={}", vision.base_url()),
-        format!("text={}", text.base_url()),
-    ];
-    let said = finish(
-        command(
-            folder.path(),
-            &[
-                "run",
-                &task,
-                "--allow-unknown-price",
-                "--model",
-                "vision=openai-chat:geometric",
-                "--model",
-                "text=openai:geometric",
-                "--base-url",
-                &urls[0],
-                "--base-url",
-                &urls[1],
-            ],
-        )
-        .env("OPENAI_API_KEY", KEY),
-    );
-    assert_eq!(said.code, 0, "{}", said.stderr);
-    assert_eq!((calls(&vision), calls(&text)), (2, 2));
-    let holds = |provider: &Provider, what: &str| {
-        let got = provider.ledger();
-        got.got
-            .iter()
-            .all(|body| String::from_utf8_lossy(body).contains(what))
-    };
-    assert!(holds(&vision, "data:image/png;base64,"));
-    assert!(holds(&text, "\"input\"") && !holds(&text, "data:image"));
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupt_ends_a_waiting_call_and_the_run_goes_on_later() {
-    let folder = tempfile::tempdir().unwrap();
-    let provider = Provider::start(|number| match number {
-        2 => Fate::Silence,
-        _ => Fate::Answer,
-    });
-    let task = project("tasks/double_triangle.fab");
-    let mut child = command(
-        folder.path(),
-        &[
-            "run",
-            &task,
-            "--out",
-            "run",
-            "--allow-unknown-price",
-            "--model",
-            "compatible:geometric",
-            "--base-url",
-            provider.base_url(),
-        ],
-    )
-    .stdout(Stdio::null())
-    .stderr(Stdio::null())
-    .spawn()
-    .unwrap();
-    while calls(&provider) < 3 {
-        assert!(
-            child.try_wait().unwrap().is_none(),
-            "it ended before the third call"
-        );
-        thread::sleep(Duration::from_millis(5));
-    }
-    let pid = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &pid])
-            .status()
-            .unwrap()
-            .success()
-    );
-    let begun = Instant::now();
-    let status = child.wait().unwrap();
-    assert_eq!(status.code(), Some(130));
-    assert!(
-        begun.elapsed() < Duration::from_secs(60),
-        "the call was waited for"
-    );
-    let said = finish(&mut command(folder.path(), &["resume", "run", "--json"]));
-    assert_eq!(said.code, 0, "{}", said.stderr);
-    let report: Value = serde_json::from_str(&said.stdout).unwrap();
-    assert_eq!(
-        (&report["calls"], &report["possibly_billed"]),
-        (&json!(5), &json!(1))
-    );
-    assert_eq!(calls(&provider), 5);
-}
-
-/// A suite of one small task, two starts, two rollouts each.
-fn suite(folder: &Path) {
-    let tasks = folder.join("tasks");
-    fs::create_dir_all(tasks.join("suites")).unwrap();
-    bring_library(&tasks);
-    let task = "use \"lib/folding.fab\"\nuse \"lib/experts.fab\"\n\ntask tiny extends folding {\n    cloth   grid(28, 28)\n    goal    particle_distance < 40mm\n    subgoals {\n        demonstrate {\n            fold corner(back_right) -> corner(front_left)\n        }\n    }\n}\n";
-    fs::write(tasks.join("tiny.fab"), task).unwrap();
-    let suite = "about = \"One small fold.\"\nstatistic = \"mean\"\nmetrics = [\"mean_particle_distance_mm\"]\nrepeats = 2\ntasks = [\"../tiny.fab\"]\n[starts]\nlie = \"flat\"\nsides = [28, 30]\nturns_deg = [0]\n[[method]]\nname = \"asked\"\n";
-    fs::write(tasks.join("suites/tiny.toml"), suite).unwrap();
-}
-
-#[test]
-fn a_suite_stops_at_its_cap_and_goes_on_with_a_higher_one() {
-    let folder = tempfile::tempdir().unwrap();
-    suite(folder.path());
-    let provider = Provider::reliable();
-    let bench = |more: &[&str]| {
-        let mut arguments = vec![
-            "bench",
-            "tiny",
-            "--json",
-            "--out",
-            "out",
-            "--jobs",
-            "2",
-            "--record",
-            "recording.jsonl",
-            "--model",
-            "compatible:geometric",
-            "--allow-unknown-price",
-            "--base-url",
-            provider.base_url(),
-        ];
-        arguments.extend(more);
-        let said = finish(&mut command(folder.path(), &arguments));
-        let document = serde_json::from_str::<Value>(&said.stdout);
-        (
-            said.code,
-            document.unwrap_or_else(|_| panic!("{}", said.stderr)),
-        )
-    };
-    let (code, estimate) = bench(&["--estimate"]);
-    assert_eq!((code, calls(&provider)), (0, 0));
-    assert_eq!(
-        estimate["calls"]["at_least"], 8,
-        "two stages, two starts, two rollouts each"
-    );
-
-    let (code, capped) = bench(&["--max-calls", "3"]);
-    assert_eq!((code, calls(&provider)), (3, 3));
-    assert_eq!(capped["capped"], true);
-    let (code, still) = bench(&["--max-calls", "3"]);
-    assert_eq!(
-        (code, calls(&provider)),
-        (3, 3),
-        "the cap counts earlier parts: {still}"
-    );
-    let (code, whole) = bench(&[]);
-    assert_eq!(code, 0, "{whole}");
-    assert_eq!(whole["rollouts"]["finished"], 4);
-    // Repeats ask the same words, and each buys its own answer.
-    let counts = provider.counts();
-    assert!(
-        counts.values().all(|count| *count == 2),
-        "{:?}",
-        counts.values()
-    );
-    assert_eq!(whole["calls"]["calls"], json!(calls(&provider)));
-    let recorded = fs::read_to_string(folder.path().join("recording.jsonl")).unwrap();
-    assert_eq!(recorded.lines().count(), 1 + calls(&provider));
-
-    let replayed = finish(&mut command(
-        folder.path(),
-        &[
-            "bench",
-            "tiny",
-            "--json",
-            "--out",
-            "again",
-            "--model",
-            "replay:recording.jsonl",
-        ],
-    ));
-    assert_eq!(replayed.code, 0, "{}", replayed.stderr);
-    let replayed: Value = serde_json::from_str(&replayed.stdout).unwrap();
-    assert_eq!(replayed["rows"][0]["value"], whole["rows"][0]["value"]);
-    assert_eq!(replayed["rows"][0]["repeats"], 2);
 }
 
 #[test]

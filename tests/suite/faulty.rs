@@ -7,7 +7,7 @@ use runtime::agent::Models;
 use runtime::calls::{Fault, ledger};
 use runtime::interrupt::Interrupt;
 use runtime::model::Remote;
-use runtime::model::remote::{Answers, BaseUrl, Gate, Retry, Settings, Shared, Wire};
+use runtime::model::remote::{Answers, BaseUrl, Gate, Retry, Settings, Shared, Tell, Wire};
 use runtime::outcome::Outcome;
 use runtime::world::Look;
 use std::collections::BTreeSet;
@@ -15,7 +15,7 @@ use std::fs;
 use std::sync::Arc;
 use std::time::Duration;
 
-const ROLLOUTS: u32 = 24;
+const ROLLOUTS: u32 = 16;
 
 /// Numbers that look drawn by chance, and are the same each time (Steele, Lea, Flood 2014: SplitMix64).
 fn drawn(number: usize) -> u64 {
@@ -47,6 +47,7 @@ fn remote(provider: &Provider) -> Remote {
         ..Settings::new("test", "geometric", Wire::OpenaiChat, address)
     };
     let shared = Shared {
+        tell: Tell::nobody(),
         gate: Arc::new(Gate::new(4)),
         answers: Arc::new(Answers::none()),
         interrupt: Interrupt::default(),
@@ -87,7 +88,7 @@ fn every_rollout_ends_in_a_named_outcome_and_every_call_is_accounted_for() {
         faults.extend(report.faults.keys().cloned());
     }
     assert_eq!(calls, provider.ledger().got.len() as u64);
-    assert!(faults.len() >= 7, "only {faults:?} came up");
+    assert!(faults.len() >= 5, "only {faults:?} came up");
     assert!(
         !failed.is_empty() && failed.len() < ROLLOUTS as usize / 2,
         "{failed:?}"

@@ -10,6 +10,7 @@ mod bad_see_input;
 mod bad_sim_input;
 mod bad_starts;
 mod bench;
+mod bought;
 mod build;
 mod demos;
 mod faulty;

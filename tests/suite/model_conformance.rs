@@ -4,7 +4,7 @@ use super::support::{self, Scripted};
 use compiler::program::ModelRole;
 use runtime::calls::Unkept;
 use runtime::interrupt::Interrupt;
-use runtime::model::remote::{Answers, BaseUrl, Gate, Settings, Shared, Wire};
+use runtime::model::remote::{Answers, BaseUrl, Gate, Settings, Shared, Tell, Wire};
 use runtime::model::{
     Geometric, Imperfect, Message, Model, Part, Png, Random, Remote, Request, Speaker,
 };
@@ -117,6 +117,7 @@ fn a_providers_model_conforms() {
     conforms(&|| {
         let base = BaseUrl::parse(&url).unwrap();
         let shared = Shared {
+            tell: Tell::nobody(),
             gate: Arc::new(Gate::new(1)),
             answers: Arc::new(Answers::none()),
             interrupt: Interrupt::default(),

@@ -155,7 +155,11 @@ fn facts_of_the_users_are_found_by_flag_by_variable_and_in_the_folder_of_setting
 #[test]
 fn doctor_says_what_is_missing_and_the_line_that_helps() {
     let folder = tempfile::tempdir().unwrap();
-    let said = finish(alone(folder.path()).args(["doctor", "--json"]));
+    let said = finish(
+        alone(folder.path())
+            .env("OPENAI_API_KEY", " ")
+            .args(["doctor", "--json"]),
+    );
     assert_eq!(said.code, 0, "{}", said.stdout);
     let found = json(&said);
     let findings = &found["findings"];

@@ -111,7 +111,7 @@ fn a_response_carries_every_part_of_the_question_to_the_model() {
             { "type": "message", "role": "assistant", "content": [{ "type": "output_text", "text": "no", "annotations": [] }] },
             { "role": "user", "content": "again" },
         ],
-        "temperature": 0.25, "top_p": 0.5, "max_output_tokens": 77, "seed": 3, "store": false,
+        "temperature": 0.25, "top_p": 0.5, "max_output_tokens": 77, "seed": 3, "store": false, "include": ["a"],
         "text": { "format": { "type": "json_schema", "name": "action", "strict": true, "schema": { "type": "object" } } },
     });
     let (status, answer) = server.post(RESPONSES, &body);

@@ -205,7 +205,7 @@ impl Plan<'_> {
         }
         if question.max_tokens.is_none() {
             unknown.insert(format!(
-                "the longest answer of the stage `{}`: state `max_tokens`",
+                "the longest answer of the stage `{}`: state `tokens`",
                 question.stage
             ));
         }

@@ -141,8 +141,8 @@ fn what_is_not_known_is_named_and_leaves_the_bound_open() {
         found.unknown,
         [
             "how many tokens a picture has for google:gemini-4-argon",
-            "the longest answer of the stage `look`: state `max_tokens`",
-            "the longest answer of the stage `plan`: state `max_tokens`",
+            "the longest answer of the stage `look`: state `tokens`",
+            "the longest answer of the stage `plan`: state `tokens`",
             "the price of openai:o3",
         ]
     );

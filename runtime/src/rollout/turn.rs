@@ -218,6 +218,7 @@ impl<'j> Turn<'j> {
             action: &action,
             grasp,
             seconds: begun.elapsed().as_secs_f64(),
+            spent: keeper.asking.spent(),
         });
         memory.last = Some(Done {
             proposal,

@@ -3,9 +3,9 @@
 use super::content::{self, Address, Names};
 use super::fields::{Fields, schema};
 use super::refusal::Refusal;
-use super::{Form, answer};
+use super::{Form, HARMLESS, answer};
 use crate::model::{Reply, Request};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 const NAMES: Names = Names {
     text: &["text"],
@@ -13,26 +13,11 @@ const NAMES: Names = Names {
     address: Address::InObject,
 };
 
-/// Fields that change no answer.
-const HARMLESS: [&str; 6] = [
-    "user",
-    "metadata",
-    "store",
-    "service_tier",
-    "prompt_cache_key",
-    "safety_identifier",
-];
-
 /// A request for a chat completion.
 pub(super) struct Chat;
 
 impl Form for Chat {
-    fn read(body: Map<String, Value>, model: &str) -> Result<(Request, Chat), Refusal> {
-        let mut fields = Fields::new("", body);
-        let asked = fields.text("model")?;
-        if asked != model {
-            return Err(Refusal::no_model(&asked, model));
-        }
+    fn read(mut fields: Fields) -> Result<(Request, Chat), Refusal> {
         let Value::Array(turns) = fields.required("messages")? else {
             return Err(fields.wrong("messages", "is no list"));
         };

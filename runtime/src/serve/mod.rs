@@ -22,8 +22,9 @@ use axum::http::StatusCode;
 use axum::http::header::CONTENT_LENGTH;
 use axum::response::{IntoResponse, Json, Response};
 use axum::routing::{get, post};
+use fields::Fields;
 use refusal::Refusal;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
@@ -34,6 +35,15 @@ use tokio::sync::Semaphore;
 pub const MAX_BODY_BYTES: usize = 32 << 20;
 /// Requests that are held in memory and answered at once; others wait.
 const AT_ONCE: usize = 8;
+/// Fields that change no answer, in both forms.
+const HARMLESS: [&str; 6] = [
+    "user",
+    "metadata",
+    "store",
+    "service_tier",
+    "prompt_cache_key",
+    "safety_identifier",
+];
 /// How long a body may take to arrive, so that a connection that hangs does not hold a place for ever.
 const BODY_TIME: Duration = Duration::from_secs(60);
 /// How long answers under way may take once the server is to end.
@@ -128,8 +138,8 @@ pub fn router(model: Arc<dyn Model>) -> Router {
 
 /// A request in one of the two forms, and what its answer repeats of it.
 trait Form: Sized + Send + 'static {
-    /// Reads a body; `model` is the only name that it may ask for.
-    fn read(body: Map<String, Value>, model: &str) -> Result<(Request, Self), Refusal>;
+    /// Reads a body whose model was taken out.
+    fn read(fields: Fields) -> Result<(Request, Self), Refusal>;
 
     /// Writes the answer.
     fn write(&self, request: &Request, reply: &Reply, model: &str) -> Value;
@@ -177,7 +187,12 @@ async fn try_answer<F: Form>(
             Err(error) => return Err(Refusal::wrong(format!("the body is no JSON: {error}"))),
         };
         let model = served.model.as_ref();
-        let (request, form) = F::read(body, model.name())?;
+        let mut fields = Fields::new("", body);
+        let asked = fields.text("model")?;
+        if asked != model.name() {
+            return Err(Refusal::no_model(&asked, model.name()));
+        }
+        let (request, form) = F::read(fields)?;
         let reply = model.ask(&request, &mut Unkept).map_err(Refusal::from)?;
         Ok(form.write(&request, &reply, model.name()))
     };

@@ -3,26 +3,15 @@
 use super::content::{self, Address, Names};
 use super::fields::{Fields, schema};
 use super::refusal::Refusal;
-use super::{Form, answer};
+use super::{Form, HARMLESS, answer};
 use crate::model::{Message, Reply, Request, Speaker};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 const NAMES: Names = Names {
     text: &["input_text", "output_text", "text"],
     image: "input_image",
     address: Address::Plain,
 };
-
-/// Fields that change no answer; `include` asks for things beside it, of which an embedded model has none.
-const HARMLESS: [&str; 7] = [
-    "include",
-    "user",
-    "metadata",
-    "store",
-    "service_tier",
-    "prompt_cache_key",
-    "safety_identifier",
-];
 
 /// What a request for a response said that its answer repeats.
 pub(super) struct Responses {
@@ -31,12 +20,7 @@ pub(super) struct Responses {
 }
 
 impl Form for Responses {
-    fn read(body: Map<String, Value>, model: &str) -> Result<(Request, Responses), Refusal> {
-        let mut fields = Fields::new("", body);
-        let asked = fields.text("model")?;
-        if asked != model {
-            return Err(Refusal::no_model(&asked, model));
-        }
+    fn read(mut fields: Fields) -> Result<(Request, Responses), Refusal> {
         let instructions = match fields.take("instructions") {
             None => None,
             Some(Value::String(text)) => Some(text),
@@ -73,6 +57,8 @@ impl Form for Responses {
         ] {
             fields.only(name, allowed)?;
         }
+        // It asks for things beside the answer, of which an embedded model has none.
+        fields.take("include");
         fields.finish(&HARMLESS)?;
         Ok((
             request,

@@ -3,7 +3,7 @@
 use runtime::calls::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usage, Usd};
 use runtime::interrupt::Interrupt;
 use runtime::model::remote::{
-    Answers, BaseUrl, Gate, Key, Pause, Pricing, Remote, Retry, Settings, Shared, Wire,
+    Answers, BaseUrl, Gate, Key, Pause, Pricing, Remote, Retry, Settings, Shared, Tell, Wire,
 };
 use runtime::model::{Message, ModelRole, Request, Speaker};
 use std::io::{Read, Write};
@@ -290,6 +290,7 @@ impl Trial {
             ..Settings::new("provider", "a-model", Wire::OpenaiChat, base)
         };
         let shared = Shared {
+            tell: Tell::nobody(),
             gate: Arc::new(Gate::new(4)),
             answers: Arc::new(Answers::none()),
             interrupt: Interrupt::default(),

@@ -186,8 +186,8 @@ impl Catalogue {
     }
 
     fn profile(&self, provider: &Provider, id: &str) -> Profile {
-        let owner = provider.models_of.as_ref().unwrap_or(&provider.name);
-        let here = |entry: &&ModelEntry| entry.provider.as_ref().is_none_or(|name| name == owner);
+        let owner = provider.owner();
+        let here = |entry: &&ModelEntry| entry.provider.as_deref().is_none_or(|name| name == owner);
         let entries: Vec<&ModelEntry> = self.models.iter().filter(here).collect();
         let own = own_entry(&entries, id);
         let mut families: Vec<(&ModelEntry, usize)> = entries

@@ -99,6 +99,11 @@ pub(crate) fn is_key_name(name: &str) -> bool {
 }
 
 impl Provider {
+    /// Returns the name of the provider whose models it has: its own, or another's.
+    pub fn owner(&self) -> &str {
+        self.models_of.as_ref().unwrap_or(&self.name)
+    }
+
     /// Returns where its server listens, if that is on this machine by its address.
     pub fn on_loopback(&self) -> Option<SocketAddr> {
         let host = self

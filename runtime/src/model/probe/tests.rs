@@ -132,6 +132,16 @@ fn a_model_that_gets_pictures_in_its_size_has_no_reason_to_resize_them() {
 }
 
 #[test]
+fn what_a_model_resizes_is_the_picture_that_it_was_sent() {
+    let side_px = NonZeroU32::new(360).expect("not 0");
+    let told = lowering(Unit::Pixels, Order::Xy, Resize::Within { side_px });
+    let says = lowering(Unit::Pixels, Order::Xy, multiples());
+    let found = found(told, says);
+    assert_eq!(found.best(), Some(says));
+    assert!(found.tried[0].error.max < 1.0, "{:?}", found.tried[0]);
+}
+
+#[test]
 fn a_question_has_the_words_of_rollouts_and_a_picture_in_their_size() {
     for (told, words, sent) in [
         (Lowering::PIXELS, "(x, y) in pixels: x grows", [720; 2]),

@@ -177,9 +177,6 @@ fn what_is_no_recording_is_refused_and_stays_as_it_is() {
     assert!(Replay::load(&folder.path().join("absent"), ModelRole::Text).is_err());
 }
 
-/// Changes a request in one place.
-type Change<'c> = &'c dyn Fn(&mut Request);
-
 #[test]
 fn a_question_that_was_not_recorded_names_what_changed() {
     let folder = tempfile::tempdir().unwrap();
@@ -187,7 +184,8 @@ fn a_question_that_was_not_recorded_names_what_changed() {
     let recorder = Recorder::open(&path).unwrap();
     keep(&recorder, "second line", Ok(bought("yes")));
     let replay = Replay::load(&path, ModelRole::Text).unwrap();
-    let differs = |change: &dyn Fn(&mut Request)| {
+    type Change = fn(&mut Request);
+    let differs = |change: Change| {
         let mut changed = request("second line");
         change(&mut changed);
         match replay.ask(&changed, &mut Unkept) {
@@ -195,32 +193,32 @@ fn a_question_that_was_not_recorded_names_what_changed() {
             other => panic!("{other:?}"),
         }
     };
-    let cases: [(Change<'_>, &str); 9] = [
+    let cases: [(Change, &str); 9] = [
         (
-            &|it| it.temperature = Some(0.7),
+            |it| it.temperature = Some(0.7),
             "`temperature` (recorded 0.2, now 0.7)",
         ),
         (
-            &|it| it.max_tokens = Some(5),
+            |it| it.max_tokens = Some(5),
             "`max_tokens` (recorded null, now 5)",
         ),
-        (&|it| it.repetition = 2, "`repetition` (recorded 0, now 2)"),
-        (&|it| it.step = 4, "`step` (recorded 1, now 4)"),
-        (&|it| it.role = ModelRole::Text, "`role`"),
+        (|it| it.repetition = 2, "`repetition` (recorded 0, now 2)"),
+        (|it| it.step = 4, "`step` (recorded 1, now 4)"),
+        (|it| it.role = ModelRole::Text, "`role`"),
         (
-            &|it| it.messages = request("another line").messages,
+            |it| it.messages = request("another line").messages,
             "message 1 (user), part 1, line 2 (recorded `second line`, now `another line`)",
         ),
         (
-            &|it| it.messages[0].parts[1] = Part::Image(Png::new(vec![4])),
+            |it| it.messages[0].parts[1] = Part::Image(Png::new(vec![4])),
             "message 1 (user), part 2, the picture (recorded 039058c6f2c0",
         ),
         (
-            &|it| it.messages.push(Message::text(Speaker::Assistant, "x")),
+            |it| it.messages.push(Message::text(Speaker::Assistant, "x")),
             "the number of messages (recorded 1, now 2)",
         ),
         (
-            &|it| it.schema = Some(json!({ "properties": { "pick": { "enum": ["(3, 4)"] } } })),
+            |it| it.schema = Some(json!({ "properties": { "pick": { "enum": ["(3, 4)"] } } })),
             "what the schema offers for `pick`",
         ),
     ];

@@ -60,8 +60,32 @@ pub struct Shared {
     pub answers: Arc<Answers>,
     /// Ends waiting calls.
     pub interrupt: Interrupt,
+    /// Told in words why a question waits for a further try.
+    pub tell: Tell,
     /// Further keys to hide in whatever comes back, such as those of other providers.
     pub hidden: Vec<Key>,
+}
+
+/// Hears what a user may want to know while a question waits.
+#[derive(Clone)]
+pub struct Tell(Arc<dyn Fn(&str) + Send + Sync>);
+
+impl Tell {
+    /// Tells `listener`.
+    pub fn to(listener: impl Fn(&str) + Send + Sync + 'static) -> Tell {
+        Tell(Arc::new(listener))
+    }
+
+    /// Tells nobody.
+    pub fn nobody() -> Tell {
+        Tell::to(|_| {})
+    }
+}
+
+impl fmt::Debug for Tell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Tell")
+    }
 }
 
 /// Why nothing can be sent at all.
@@ -203,7 +227,14 @@ impl Remote {
                 cost: ended.cost,
             })?;
             match tries.after(ended.fault, ended.wait) {
-                Next::After(wait) => retry.pause.pause(wait, interrupt),
+                Next::After(wait) => {
+                    let seconds = wait.as_secs_f64();
+                    (self.shared.tell.0)(&format!(
+                        "{}: {}: {}; asked again in {seconds:.1} s",
+                        self.name, ended.fault, ended.why
+                    ));
+                    retry.pause.pause(wait, interrupt);
+                }
                 Next::GiveUp(tried) => {
                     return Err(ModelError::Failed {
                         model: self.name.clone(),

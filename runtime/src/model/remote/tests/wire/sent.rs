@@ -1,6 +1,7 @@
 //! What is sent, byte for byte as JSON; `make test-peers` shows it to the providers' own clients.
 
 use super::*;
+use crate::model::catalogue::Catalogue;
 use serde_json::json;
 
 fn sent(request: &Request, settings: &Settings) -> Value {
@@ -217,6 +218,40 @@ fn a_parameter_that_the_model_does_not_accept_is_refused_by_name_and_value() {
         let said = refused(&no_number, &settings(wire));
         assert!(said.contains("accepts a finite number"), "{said}");
     }
+}
+
+#[test]
+fn what_is_known_of_a_model_decides_what_is_sent() {
+    let known = |model: &str| {
+        let profile = Catalogue::builtin().find(model).expect("a provider");
+        let base = BaseUrl::parse("http://localhost:1").expect("a base URL");
+        Settings::of(&profile, base, "2026-11-20".parse().expect("a date"))
+    };
+    let short = Request {
+        max_tokens: Some(7),
+        schema: Some(json!({ "type": "object" })),
+        ..request()
+    };
+    let newer = known("openai-chat:gpt-6.2-sol");
+    let body = sent(&short, &newer);
+    assert_eq!(body["max_completion_tokens"], 7);
+    assert_eq!(body["response_format"]["type"], "json_schema");
+    for (temperature, top_p) in [(Some(0.2), None), (None, Some(0.2))] {
+        let stated = Request {
+            temperature,
+            top_p,
+            ..request()
+        };
+        assert!(refused(&stated, &newer).contains("1 alone"));
+        sent(&stated, &known("openai-chat:gpt-6.1-terra"));
+    }
+    let body = sent(&short, &known("vllm:a-model"));
+    assert_eq!(
+        (&body["max_tokens"], &body["response_format"]),
+        (&json!(7), &Value::Null)
+    );
+    let google = known("google:gemini-3.5-flash").lowering;
+    assert_eq!(google.to_string(), "y x, 0-1000");
 }
 
 #[test]
