@@ -24,15 +24,18 @@ pub struct Asking<'a> {
 /// Bounds what rollouts ask and cost; what an embedded model is asked is no call.
 pub fn estimate(asking: &Asking<'_>) -> Estimate {
     let program = asking.program;
-    let sent = asking.questions.iter().filter_map(|question| {
-        Some(Question {
-            stage: &question.stage,
-            profile: asking.answering.profile(question.role)?,
-            messages: &question.messages,
-            schema: question.schema.as_ref(),
-            max_tokens: question.max_tokens,
-        })
-    });
+    let sent = asking
+        .questions
+        .iter()
+        .filter_map(|FirstQuestion { stage, request }| {
+            Some(Question {
+                stage,
+                profile: asking.answering.profile(request.role)?,
+                messages: &request.messages,
+                schema: request.schema.as_ref(),
+                max_tokens: asking.answering.longest_answer(request),
+            })
+        });
     let questions: Vec<Question<'_>> = sent.collect();
     let plan = Plan {
         questions: &questions,

@@ -1,11 +1,12 @@
 //! `fabc probe`: how a model says where something is, found out with a picture of dots.
 
-use crate::cli::asked::ModelArguments;
+use crate::cli::asked::{ModelArguments, Purpose};
 use crate::cli::models::ProbeArguments;
 use crate::exit::{Exit, Failure};
 use crate::setting::{known, models};
 use crate::{output, setting};
 use runtime::calls::Unkept;
+use runtime::model::ModelError;
 use runtime::model::probe::{ErrorPx, Probe, SIDES_PX, probe};
 use serde_json::json;
 
@@ -22,7 +23,7 @@ pub fn run(arguments: &ProbeArguments) -> Result<Exit, Failure> {
         model: vec![arguments.model.clone()],
         reach: arguments.reach.clone(),
     };
-    let model = models::models(&named, &interrupt)?.vision();
+    let model = models::models(&named, Purpose::Asking, &interrupt)?.vision();
     let profile = catalogue.find(&arguments.model).ok();
     let listed = profile.and_then(|profile| profile.facts.coordinates);
     if listed.is_none() {
@@ -33,7 +34,11 @@ pub fn run(arguments: &ProbeArguments) -> Result<Exit, Failure> {
         model.name(),
         SIDES_PX.len()
     ));
-    let found = probe(model.as_ref(), arguments.seed, &mut Unkept).map_err(Failure::environment)?;
+    let found =
+        probe(model.as_ref(), arguments.seed, &mut Unkept).map_err(|error| match error {
+            ModelError::Interrupted => Failure::interrupted(),
+            error => Failure::environment(error),
+        })?;
     if arguments.json {
         let mut value =
             serde_json::to_value(&found).expect("a probe has string keys and finite numbers");

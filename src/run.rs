@@ -53,7 +53,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = setting::interrupt()?;
-    let answering = models::models(&arguments.model, &interrupt)?;
+    let answering = models::models(&arguments.model, arguments.spend.purpose(), &interrupt)?;
     let first = setting::world(&program).map_err(Failure::environment)?;
     let start = setting::start(
         &program,
@@ -86,11 +86,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         start.name,
         asked.name()
     ));
-    let spent = match into {
-        Into::New => Spent::default(),
-        Into::Again(path) => ledger::read(path).map_err(Failure::environment)?.spent,
-    };
-    let budget = models::budget(&arguments.spend, spent);
+    let budget = models::budget(&arguments.spend);
     let recorder = match arguments.spend.estimate {
         true => None,
         false => models::recorder(&arguments.spend)?,
@@ -110,8 +106,13 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         early_stop: true,
         repetition: 0,
     };
+    let asks = answering.asks_a_provider() || arguments.spend.estimate;
+    let questions = match asks {
+        true => rollout::first_questions(&job).map_err(Failure::environment)?,
+        false => Vec::new(),
+    };
+    answering.check(&questions)?;
     if arguments.spend.estimate {
-        let questions = rollout::first_questions(&job).map_err(Failure::environment)?;
         let asking = Asking {
             program: &program,
             questions: &questions,
@@ -130,6 +131,11 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         }
     };
     let folder = folder.map_err(Failure::environment)?;
+    // Nobody else writes into the folder from here on.
+    let spent = ledger::read(folder.path())
+        .map_err(Failure::environment)?
+        .spent;
+    budget.restore(&spent);
     keep_beginning(&folder, arguments, &into)?;
     let earlier = folder.earlier_steps();
     if let Into::Again(_) = into {
@@ -170,14 +176,9 @@ fn again(steps: u32, spent: &Spent) -> String {
     let mut text = format!("going on after step {steps}");
     if spent.calls > 0 {
         text.push_str(&format!(
-            ", {} calls and {} so far",
-            spent.calls, spent.cost
-        ));
-    }
-    if spent.possibly_billed > 0 {
-        text.push_str(&format!(
-            "; {} of them gave no answer and may have been billed, {} at most",
-            spent.possibly_billed, spent.possibly
+            ", {} calls so far, {}",
+            spent.calls,
+            spent.in_words()
         ));
     }
     text

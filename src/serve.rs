@@ -1,5 +1,6 @@
 //! `fabc serve`: a model as an OpenAI-compatible endpoint on this machine, until it is interrupted.
 
+use crate::cli::asked::Purpose;
 use crate::cli::models::ServeArguments;
 use crate::exit::{Exit, Failure};
 use crate::setting::models;
@@ -10,7 +11,7 @@ use serde_json::json;
 /// Serves until SIGINT.
 pub fn run(arguments: &ServeArguments) -> Result<Exit, Failure> {
     let interrupt = setting::interrupt()?;
-    let model = models::models(&arguments.model, &interrupt)?.vision();
+    let model = models::models(&arguments.model, Purpose::Asking, &interrupt)?.vision();
     let name = model.name().to_owned();
     let mut ready = |address: std::net::SocketAddr| {
         let base_url = format!("http://{address}/v1");

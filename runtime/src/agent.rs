@@ -8,7 +8,7 @@ mod asking;
 mod judge;
 mod talk;
 
-use crate::calls::Fault;
+use crate::calls::{CallRefused, Fault};
 use crate::demos::DemosError;
 use crate::examples::Told;
 use crate::model::{Lowering, Message, Model, ModelRole, Nature, Part, Reply, Request, Speaker};
@@ -17,7 +17,7 @@ use crate::outcome::Outcome;
 use crate::pictures::Pictures;
 use crate::result::StepResult;
 use crate::scene::Scene;
-pub use asking::Asking;
+pub use asking::{Asking, Step};
 use compiler::facts::{Done, Facts};
 use compiler::pointing::Pointing;
 use compiler::program::{Exhausted, Picture, Program, Stage, Value};
@@ -163,6 +163,9 @@ pub enum AgentError<E> {
     /// The demonstrations cannot be told.
     #[error(transparent)]
     Demos(#[from] DemosError),
+    /// An answer could not be kept, or is lost: nothing further may be asked.
+    #[error(transparent)]
+    Calls(CallRefused),
     /// The caller could not keep an attempt.
     #[error(transparent)]
     Record(E),

@@ -185,6 +185,11 @@ impl RunFolder {
         })
     }
 
+    /// Returns whether the next line is there already.
+    pub fn repeats(&self) -> bool {
+        self.earlier.has_more()
+    }
+
     /// Returns how many steps an earlier part of the rollout took.
     pub fn earlier_steps(&self) -> u32 {
         self.earlier.steps()

@@ -14,9 +14,9 @@ mod timer;
 mod turn;
 
 use crate::action::Action;
-use crate::agent::{AgentError, Asking, Attempt, Models, PromptError};
+use crate::agent::{AgentError, Asking, Attempt, Models, PromptError, Step};
 use crate::cache::Cache;
-use crate::calls::{Budget, Spent};
+use crate::calls::{Budget, CallRefused, Spent};
 use crate::demos::DemosError;
 use crate::examples::Examples;
 use crate::expert::MakeWorld;
@@ -142,6 +142,9 @@ pub enum RunError {
     /// The demonstrations cannot be told to a model.
     #[error(transparent)]
     Demos(#[from] DemosError),
+    /// A call could not be noted, or its answer not be kept or found.
+    #[error(transparent)]
+    Calls(CallRefused),
     /// The picture of the start shows nothing to ask about.
     #[error("{0}")]
     Scene(SceneError),
@@ -155,6 +158,7 @@ impl From<AgentError<JournalError>> for RunError {
         match error {
             AgentError::Render(error) => RunError::Render(error),
             AgentError::Demos(error) => RunError::Demos(error),
+            AgentError::Calls(error) => RunError::Calls(error),
             AgentError::Record(error) => RunError::Journal(error),
         }
     }
@@ -192,6 +196,10 @@ pub fn run(
     let mut tries = Tries::default();
     while let Some(step) = tries.step(job) {
         tries.number += 1;
+        keeper.asking.begin(match keeper.folder.repeats() {
+            true => Step::Repeated,
+            false => Step::New,
+        });
         let mut turn = Turn::new(job, tries.number, step, tries.before);
         let mut stopped = turn.take(
             world.as_mut(),

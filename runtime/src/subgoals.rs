@@ -32,6 +32,20 @@ pub struct SubgoalSet {
     pub origin: Origin,
 }
 
+impl SubgoalSet {
+    /// Returns the SHA-256 of all pictures and arrows, hex.
+    pub fn digest(&self) -> String {
+        let mut hash = Sha256::new();
+        for picture in &self.pictures {
+            hash.update(picture.width().to_le_bytes());
+            hash.update(picture.height().to_le_bytes());
+            hash.update(picture.as_raw());
+        }
+        hash.update(format!("{:?}", self.arrows));
+        crate::digest::hex(&hash.finalize())
+    }
+}
+
 /// Where subgoal pictures come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

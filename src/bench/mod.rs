@@ -16,9 +16,10 @@ use prepare::AnsweringBy;
 use runtime::bench::play::{self, Phase, Results, Stop};
 use runtime::bench::{Bench, BenchError, first_questions_of, rows};
 use runtime::cache::Cache;
+use runtime::calls::Budget;
 use runtime::calls::estimate::Estimate;
-use runtime::calls::{Budget, Spent};
 use runtime::outcome::Outcome;
+use runtime::rollout::FirstQuestion;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -30,12 +31,17 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
     let found = suites::find(&arguments.suite)?;
     let suite = suites::narrowed(found.suite, arguments.variant.as_deref());
     let interrupt = setting::interrupt()?;
-    let answering = prepare::answering(&suite, &arguments.model, &interrupt)?;
+    let answering = prepare::answering(
+        &suite,
+        &arguments.model,
+        arguments.spend.purpose(),
+        &interrupt,
+    )?;
     let recorder = match arguments.spend.estimate {
         true => None,
         false => models::recorder(&arguments.spend)?,
     };
-    let budget = models::budget(&arguments.spend, Spent::default());
+    let budget = models::budget(&arguments.spend);
     let threads = arguments
         .jobs
         .map_or_else(|| usual_jobs(&answering), usize::from);
@@ -61,8 +67,18 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         recorder: recorder.as_ref(),
         interrupt: &interrupt,
     };
+    let asks = answering.values().any(Answering::asks_a_provider) || arguments.spend.estimate;
+    let questions = match asks {
+        true => first_questions_of(&bench).map_err(failure)?,
+        false => Vec::new(),
+    };
+    for (entry, questions) in bench.entries.iter().zip(&questions) {
+        if let Some(answering) = answering.get(&entry.method.model) {
+            answering.check(questions)?;
+        }
+    }
     if arguments.spend.estimate {
-        return foresee(&bench, &answering, arguments.json);
+        return Ok(foresee(&bench, &questions, &answering, arguments.json));
     }
     output::talk(&report::plan(&found.name, &bench, arguments.shard));
     let results = play::play(&bench, &|phase, done, of| show(phase, done, of, &budget));
@@ -99,9 +115,13 @@ fn usual_jobs(answering: &AnsweringBy) -> usize {
 }
 
 /// Says what the suite would ask and cost.
-fn foresee(bench: &Bench<'_>, answering: &AnsweringBy, json: bool) -> Result<Exit, Failure> {
-    let questions = first_questions_of(bench).map_err(failure)?;
-    let entries = bench.entries.iter().zip(&questions);
+fn foresee(
+    bench: &Bench<'_>,
+    questions: &[Vec<FirstQuestion>],
+    answering: &AnsweringBy,
+    json: bool,
+) -> Exit {
+    let entries = bench.entries.iter().zip(questions);
     let parts = entries.filter_map(|(entry, questions)| {
         let program = entry.programs.values().next()?;
         let starts = bench.tasks[entry.task].starts.len() as u64;
@@ -119,7 +139,7 @@ fn foresee(bench: &Bench<'_>, answering: &AnsweringBy, json: bool) -> Result<Exi
         }))
     });
     estimate::say(&Estimate::total(parts), json);
-    Ok(Exit::Done)
+    Exit::Done
 }
 
 fn failure(error: BenchError) -> Failure {
@@ -171,7 +191,7 @@ fn show(phase: Phase, done: usize, of: usize, budget: &Budget) {
     let spent = budget.spent();
     let spent = match spent.calls {
         0 => String::new(),
-        calls => format!(", {calls} calls, {}", spent.cost),
+        calls => format!(", {calls} calls, {}", spent.in_words()),
     };
     output::progress(&format!("{done} of {of} {what}{spent}"));
 }

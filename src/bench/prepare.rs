@@ -1,6 +1,6 @@
 //! Compiles a suite's tasks, finds its starts and models.
 
-use crate::cli::asked::ModelArguments;
+use crate::cli::asked::{ModelArguments, Purpose};
 use crate::cli::bench::{BenchArguments, Shard};
 use crate::exit::Failure;
 use crate::setting::models::{self, Answering};
@@ -35,6 +35,7 @@ pub type AnsweringBy = BTreeMap<Option<String>, Answering>;
 pub fn answering(
     suite: &Suite,
     named: &ModelArguments,
+    purpose: Purpose,
     interrupt: &Interrupt,
 ) -> Result<AnsweringBy, Failure> {
     let mut answering = AnsweringBy::new();
@@ -50,7 +51,10 @@ pub fn answering(
                 model,
                 ..named.clone()
             };
-            answering.insert(method.model.clone(), models::models(&arguments, interrupt)?);
+            answering.insert(
+                method.model.clone(),
+                models::models(&arguments, purpose, interrupt)?,
+            );
         }
     }
     Ok(answering)

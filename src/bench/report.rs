@@ -137,10 +137,7 @@ impl Report<'_> {
         }
         let calls = self.bench.budget.spent();
         if calls.calls > 0 {
-            lines.push(format!(
-                "calls: {}, {}; {} gave no answer and may have been billed, {} at most",
-                calls.calls, calls.cost, calls.possibly_billed, calls.possibly
-            ));
+            lines.push(format!("calls: {}, {}", calls.calls, calls.in_words()));
         }
         if spent.experts > 0 {
             let kind = match spent.experts_simulated {

@@ -72,6 +72,25 @@ pub struct SpendArguments {
     pub max_calls: Option<u64>,
 }
 
+/// What models are looked up for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// To be asked.
+    Asking,
+    /// To say what asking them would cost; no key is needed.
+    Estimating,
+}
+
+impl SpendArguments {
+    /// Returns what models are looked up for.
+    pub fn purpose(&self) -> Purpose {
+        match self.estimate {
+            true => Purpose::Estimating,
+            false => Purpose::Asking,
+        }
+    }
+}
+
 /// Reads an amount of money.
 pub fn dollars(text: &str) -> Result<Usd, String> {
     let amount = text.parse().ok().and_then(Usd::from_dollars);

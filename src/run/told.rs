@@ -153,16 +153,7 @@ fn spent(report: &RolloutReport) -> Option<String> {
         "calls: {}, tokens {} in, {} out",
         report.calls, report.usage.input_tokens, report.usage.output_tokens
     );
-    match report.cost_usd {
-        Some(cost) => text.push_str(&format!(", {cost:.4} USD")),
-        None => text.push_str(", cost not known"),
-    }
-    if report.possibly_billed > 0 {
-        text.push_str(&format!(
-            "; {} gave no answer and may have been billed",
-            report.possibly_billed
-        ));
-    }
+    text.push_str(&format!(", {}", report.spent.in_words()));
     let faults = report.faults.iter();
     let faults: Vec<String> = faults
         .map(|(fault, count)| format!("{fault} {count}"))

@@ -3,7 +3,7 @@
 use super::known;
 use super::remote::Providers;
 use crate::cli::ShownArguments;
-use crate::cli::asked::{ModelArguments, SpendArguments};
+use crate::cli::asked::{ModelArguments, Purpose, SpendArguments};
 use crate::exit::Failure;
 use runtime::agent::Models;
 use runtime::calls::{Budget, Caps, Spent};
@@ -11,7 +11,9 @@ use runtime::interrupt::Interrupt;
 use runtime::model::catalogue::Profile;
 use runtime::model::lowering::{Lowering, Points};
 use runtime::model::recording::{Recorder, Replay};
-use runtime::model::{Geometric, Imperfect, Model, ModelRole, Random};
+use runtime::model::remote::Remote;
+use runtime::model::{Geometric, Imperfect, Model, ModelRole, Random, Request};
+use runtime::rollout::FirstQuestion;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -34,7 +36,14 @@ pub struct Answering {
 #[derive(Clone)]
 struct Answerer {
     model: Arc<dyn Model>,
-    profile: Option<Profile>,
+    provided: Option<Provided>,
+}
+
+/// What there is of a provider's model besides its answers.
+#[derive(Clone)]
+struct Provided {
+    profile: Profile,
+    remote: Arc<Remote>,
 }
 
 impl Answering {
@@ -49,12 +58,41 @@ impl Answering {
             ModelRole::Vision => &self.vision,
             ModelRole::Text => &self.text,
         };
-        answerer.profile.as_ref()
+        answerer.provided.as_ref().map(|it| &it.profile)
+    }
+
+    /// Returns the longest answer that a request asks for in the end, tokens; None where none is sent.
+    pub fn longest_answer(&self, request: &Request) -> Option<u32> {
+        let answerer = match request.role {
+            ModelRole::Vision => &self.vision,
+            ModelRole::Text => &self.text,
+        };
+        match &answerer.provided {
+            Some(provided) => provided.remote.longest_answer(request),
+            None => request.max_tokens,
+        }
+    }
+
+    /// Fails where a question cannot be sent as it is, such as one with a setting that the model does not take.
+    pub fn check(&self, questions: &[FirstQuestion]) -> Result<(), Failure> {
+        for question in questions {
+            let answerer = match question.request.role {
+                ModelRole::Vision => &self.vision,
+                ModelRole::Text => &self.text,
+            };
+            if let Some(provided) = &answerer.provided {
+                let encoded = provided.remote.encoded(&question.request);
+                encoded.map_err(|error| {
+                    Failure::environment(format!("stage `{}`: {error}", question.stage))
+                })?;
+            }
+        }
+        Ok(())
     }
 
     /// Returns whether questions of a role go to a provider.
     pub fn asks_a_provider(&self) -> bool {
-        self.vision.profile.is_some() || self.text.profile.is_some()
+        self.vision.provided.is_some() || self.text.provided.is_some()
     }
 
     /// Returns who answers which role.
@@ -69,9 +107,14 @@ impl Answering {
 /// Finds the models that the command line names.
 ///
 /// - `interrupt`: ends calls under way.
-pub fn models(arguments: &ModelArguments, interrupt: &Interrupt) -> Result<Answering, Failure> {
+pub fn models(
+    arguments: &ModelArguments,
+    purpose: Purpose,
+    interrupt: &Interrupt,
+) -> Result<Answering, Failure> {
     let mut finder = Finder {
         arguments,
+        purpose,
         interrupt,
         providers: None,
     };
@@ -100,6 +143,7 @@ pub fn models(arguments: &ModelArguments, interrupt: &Interrupt) -> Result<Answe
 /// Finds models one by one; what is known of providers is read when the first of them is named.
 struct Finder<'a> {
     arguments: &'a ModelArguments,
+    purpose: Purpose,
     interrupt: &'a Interrupt,
     providers: Option<Providers>,
 }
@@ -128,7 +172,7 @@ impl Finder<'_> {
         if let Some(model) = embedded(name, role)? {
             return Ok(Answerer {
                 model: Arc::from(model),
-                profile: None,
+                provided: None,
             });
         }
         let providers = match &mut self.providers {
@@ -136,9 +180,10 @@ impl Finder<'_> {
             absent => absent.insert(Providers::new(&self.arguments.reach, self.interrupt)?),
         };
         let profile = providers.profile(name)?;
+        let remote = Arc::new(providers.model(&profile, base_url, self.purpose)?);
         Ok(Answerer {
-            model: Arc::new(providers.model(&profile, base_url)?),
-            profile: Some(profile),
+            model: remote.clone(),
+            provided: Some(Provided { profile, remote }),
         })
     }
 }
@@ -248,13 +293,13 @@ fn seed_of(text: Option<&str>) -> Option<u64> {
     text.map_or(Some(DEFAULT_SEED), |text| text.parse().ok())
 }
 
-/// Makes the budget that the command line states, of which `spent` is used up.
-pub fn budget(arguments: &SpendArguments, spent: Spent) -> Budget {
+/// Makes the budget that the command line states.
+pub fn budget(arguments: &SpendArguments) -> Budget {
     let caps = Caps {
         cost: arguments.max_cost,
         calls: arguments.max_calls,
     };
-    Budget::new(caps, spent)
+    Budget::new(caps, Spent::default())
 }
 
 /// Opens the recording that the command line names.

@@ -1,14 +1,16 @@
 //! Models of providers: facts, keys and addresses, gathered from files and the environment.
 
 use super::known::{self, UserFile};
-use crate::cli::asked::{OmitArgument, ReachArguments};
+use crate::cli::asked::{OmitArgument, Purpose, ReachArguments};
 use crate::exit::Failure;
 use crate::{output, setting};
 use runtime::interrupt::Interrupt;
 use runtime::model::catalogue::{Catalogue, KeyNeed, Profile};
 use runtime::model::lowering::{Lowering, Points};
 use runtime::model::remote::settings::Parameter;
-use runtime::model::remote::{Answers, BaseUrl, Gate, Key, Remote, Settings, Shared, Tell};
+use runtime::model::remote::{
+    Answers, BaseUrl, Gate, Key, Redactor, Remote, Settings, Shared, Tell,
+};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -52,8 +54,15 @@ impl Providers {
     /// Makes the model of a profile; nothing is sent.
     ///
     /// - `base_url`: where the provider is reached, if not at its usual address.
-    pub fn model(&mut self, profile: &Profile, base_url: Option<&str>) -> Result<Remote, Failure> {
-        self.refuse_unknown_price(profile)?;
+    pub fn model(
+        &mut self,
+        profile: &Profile,
+        base_url: Option<&str>,
+        purpose: Purpose,
+    ) -> Result<Remote, Failure> {
+        if purpose == Purpose::Asking {
+            self.refuse_unknown_price(profile)?;
+        }
         let address = base_url.or(profile.provider.base_url.as_deref());
         let Some(address) = address else {
             return Err(Failure::usage(format!(
@@ -63,7 +72,10 @@ impl Providers {
         };
         let address = BaseUrl::parse(address).map_err(|error| Failure::usage(error.to_string()))?;
         let arguments = &self.arguments;
-        let key = self.key_of(profile)?;
+        let key = match purpose {
+            Purpose::Asking => self.key_of(profile)?,
+            Purpose::Estimating => None,
+        };
         if let (Some(key), false) = (&key, address.keeps_secrets()) {
             return Err(Failure::usage(format!(
                 "`{}` would go to `{}` unencrypted; use an address with https, or one on this machine",
@@ -92,6 +104,11 @@ impl Providers {
 
     /// Finds what is known of a `PROVIDER:NAME`, and says aloud what a user should know of it.
     pub fn profile(&self, name: &str) -> Result<Profile, Failure> {
+        if Redactor::of(&self.keys).text(name) != name {
+            return Err(Failure::usage(
+                "the name of the model holds a key; a key comes from the environment or from a file of keys, and the model's name stands behind the provider's, as in `openai:NAME`",
+            ));
+        }
         let profile = self.catalogue.find(name);
         let profile = profile.map_err(|error| Failure::usage(error.to_string()))?;
         for notice in profile.notices(known::today()) {

@@ -103,11 +103,54 @@ fn a_setting_that_the_model_does_not_take_is_named_before_anything_is_sent() {
     let provider = Provider::reliable();
     let (code, report, said) = run(folder.path(), &provider, &[]);
     assert_eq!((code, calls(&provider)), (2, 0));
-    assert_eq!(report["outcome"], "model_failed");
+    assert_eq!(report["outcome"], Value::Null);
+    assert!(!folder.path().join("runs").exists(), "nothing was begun");
     assert!(
         said.contains("temperature") && said.contains("0.2") && said.contains("--omit"),
         "{said}"
     );
+}
+
+#[test]
+fn an_estimate_needs_no_key_and_says_what_will_be_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = project("tasks/double_triangle.fab");
+    let estimate = |more: &[&str]| {
+        let all = [
+            &["run", &task, "--model", "openai:gpt-6.2-sol", "--estimate"],
+            more,
+        ]
+        .concat();
+        finish(&mut command(folder.path(), &all))
+    };
+    let refused = estimate(&[]);
+    assert_eq!(refused.code, 2);
+    assert!(
+        refused.stderr.contains("`temperature` 0.2"),
+        "{}",
+        refused.stderr
+    );
+    let said = estimate(&["--omit", "temperature"]);
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    assert!(
+        said.stdout.contains("calls: 4 to ") && said.stdout.contains(" USD"),
+        "{}",
+        said.stdout
+    );
+}
+
+#[test]
+fn a_key_in_the_place_of_a_name_is_not_repeated() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = project("tasks/double_triangle.fab");
+    let key = "sk-aaaaaaaaaaaaaaaaa";
+    let name = format!("openai:{key}");
+    for more in [&[][..], &["--allow-unknown-price"]] {
+        let all = [&["run", task.as_str(), "--model", &name], more].concat();
+        let said = finish(command(folder.path(), &all).env("OPENAI_API_KEY", key));
+        assert_eq!(said.code, 64, "{}", said.stderr);
+        assert!(!said.stderr.contains(key), "{}", said.stderr);
+    }
 }
 
 #[test]

@@ -131,6 +131,83 @@ fn an_interrupt_ends_a_waiting_call_and_the_run_goes_on_later() {
     assert_eq!(calls(&provider), 5);
 }
 
+#[test]
+fn a_cap_that_could_not_be_held_lets_nothing_through() {
+    let folder = tempfile::tempdir().unwrap();
+    let provider = Provider::reliable();
+    let omit = ["--omit", "temperature,tokens", "--max-cost", "5"];
+    let (code, report, said) = run(folder.path(), &provider, &omit);
+    assert_eq!((code, calls(&provider)), (3, 0), "{said}");
+    assert_eq!(report["outcome"], "budget_exhausted");
+    assert!(said.contains("cannot be held"), "{said}");
+}
+
+#[test]
+fn what_a_cut_call_cost_is_not_known_where_the_price_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let provider = Provider::start(|_| Fate::Cut);
+    let task = project("tasks/double_triangle.fab");
+    let said = finish(&mut command(
+        folder.path(),
+        &[
+            "run",
+            &task,
+            "--json",
+            "--allow-unknown-price",
+            "--model",
+            "compatible:geometric",
+            "--base-url",
+            provider.base_url(),
+        ],
+    ));
+    let report: Value = serde_json::from_str(&said.stdout).unwrap();
+    assert_eq!((said.code, &report["possibly_billed"]), (2, &json!(3)));
+    assert_eq!(
+        (&report["cost_usd"], &report["cost_usd_at_most"]),
+        (&Value::Null, &Value::Null)
+    );
+    assert!(said.stderr.contains("asked again in"), "{}", said.stderr);
+}
+
+#[test]
+fn a_suite_ends_at_a_provider_that_refuses_and_goes_on_when_it_does_not() {
+    let folder = tempfile::tempdir().unwrap();
+    suite(folder.path());
+    let bench = |provider: &Provider| {
+        finish(&mut command(
+            folder.path(),
+            &[
+                "bench",
+                "tiny",
+                "--json",
+                "--out",
+                "out",
+                "--jobs",
+                "1",
+                "--model",
+                "compatible:geometric",
+                "--allow-unknown-price",
+                "--base-url",
+                provider.base_url(),
+            ],
+        ))
+    };
+    let broke = Provider::start(|number| match number {
+        0..3 => Fate::Answer,
+        _ => Fate::Quota,
+    });
+    let said = bench(&broke);
+    assert_eq!(said.code, 2, "{}", said.stderr);
+    assert!(said.stderr.contains("quota_exhausted"), "{}", said.stderr);
+    assert_eq!(calls(&broke), 4, "no further rollout is begun");
+    let paid = Provider::reliable();
+    let said = bench(&paid);
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    let document: Value = serde_json::from_str(&said.stdout).unwrap();
+    assert_eq!(document["rollouts"]["finished"], 4);
+    assert_eq!(calls(&paid), 8 - 3, "what was answered is not bought again");
+}
+
 /// A suite of one small task, two starts, two rollouts each.
 fn suite(folder: &Path) {
     let tasks = folder.join("tasks");

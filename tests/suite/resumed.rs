@@ -176,6 +176,38 @@ fn spent(run: &Path) -> Spent {
 }
 
 #[test]
+fn a_done_step_whose_answers_are_lost_is_not_bought_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = support::small_task();
+    let run = folder.path().join("run");
+    let mut trial = Trial::new(&program, folder.path(), Look::default());
+    let capped = |calls| Caps {
+        cost: None,
+        calls: Some(calls),
+    };
+    trial.budget = Budget::new(capped(3), Spent::default());
+    play(&trial, &Bought::default(), &run);
+    fs::remove_file(run.join(ledger::LEDGER_FILE)).unwrap();
+    let (journal_before, asked) = (journal(&run), run.join("step_1/describe_1.prompt.txt"));
+    fs::write(&asked, "as it was").unwrap();
+    trial.budget = Budget::default();
+    let model = Bought::default();
+    let error = trial.try_run(model.both(), &run, &mut |_| {}).unwrap_err();
+    assert!(
+        error.to_string().contains("not in the ledger of calls"),
+        "{error}"
+    );
+    assert_eq!(model.sent().len(), 0);
+    assert_eq!(journal(&run), journal_before);
+    assert_eq!(fs::read_to_string(&asked).unwrap(), "as it was");
+
+    // Other subgoal pictures are noticed by the first line, before anything is asked.
+    trial.subgoals.pictures.reverse();
+    let error = trial.try_run(model.both(), &run, &mut |_| {}).unwrap_err();
+    assert!(error.to_string().contains("`subgoal_pictures`"), "{error}");
+}
+
+#[test]
 fn a_run_that_is_being_written_is_not_gone_on_with() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("run");

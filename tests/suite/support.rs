@@ -10,7 +10,7 @@ use runtime::interrupt::Interrupt;
 use runtime::journal::{JOURNAL_FILE, RunFolder};
 use runtime::model::recording::Recorder;
 use runtime::model::{Geometric, Model, ModelError, Nature, Part, Reply, Request};
-use runtime::rollout::{self, Event, Job, RolloutReport};
+use runtime::rollout::{self, Event, Job, RolloutReport, RunError};
 use runtime::start::Start;
 use runtime::subgoals::SubgoalSet;
 use runtime::world::{Look, SimulatedWorld, World, WorldError};
@@ -168,6 +168,16 @@ impl<'p> Trial<'p> {
         run: &Path,
         watch: &mut dyn FnMut(Event<'_>),
     ) -> RolloutReport {
+        self.try_run(models, run, watch).unwrap()
+    }
+
+    /// Does the same; fails where it cannot be carried out or kept.
+    pub fn try_run(
+        &self,
+        models: Models<'_>,
+        run: &Path,
+        watch: &mut dyn FnMut(Event<'_>),
+    ) -> Result<RolloutReport, RunError> {
         let make_world = || -> Result<Box<dyn World>, WorldError> {
             let world = SimulatedWorld::new(&self.program.camera, self.program.picker)?;
             Ok(Box::new(world.with_look(self.look.clone())))
@@ -191,7 +201,7 @@ impl<'p> Trial<'p> {
             true => RunFolder::reopen(run),
             false => RunFolder::create(run),
         };
-        rollout::run(&job, folder.unwrap(), watch).unwrap()
+        rollout::run(&job, folder.unwrap(), watch)
     }
 }
 

@@ -3,7 +3,7 @@
 //! In: a model and a request. Out: its reply: the one that the rollout's ledger holds already, or a new one, which is then
 //! in the ledger and, where one is kept, in the recording.
 
-use crate::calls::{Budget, Ledger, LedgerError, Spent, Unkept};
+use crate::calls::{Budget, CallRefused, Ledger, LedgerError, Spent, Unkept};
 use crate::model::recording::Recorder;
 use crate::model::{Model, ModelError, Nature, Reply, Request};
 use std::collections::BTreeMap;
@@ -15,6 +15,17 @@ use std::time::Instant;
 pub struct Asking<'a> {
     ledger: Option<Ledger<'a>>,
     recorder: Option<&'a Recorder>,
+    step: Step,
+}
+
+/// What kind of step is asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Step {
+    /// One that nobody has taken yet.
+    #[default]
+    New,
+    /// One that is done already and only repeated: its answers must be in the ledger, and nothing is sent.
+    Repeated,
 }
 
 impl<'a> Asking<'a> {
@@ -27,7 +38,13 @@ impl<'a> Asking<'a> {
         Ok(Asking {
             ledger: Some(Ledger::open(folder, budget)?),
             recorder,
+            step: Step::New,
         })
+    }
+
+    /// Says what kind of step begins.
+    pub fn begin(&mut self, step: Step) {
+        self.step = step;
     }
 
     /// Keeps nothing: for questions outside of any run.
@@ -57,6 +74,9 @@ impl<'a> Asking<'a> {
         let key = request.key();
         if let Some(reply) = ledger.answered(&key) {
             return Ok(reply.clone());
+        }
+        if self.step == Step::Repeated {
+            return Err(CallRefused::Lost.into());
         }
         let reply = model.ask(request, ledger)?;
         ledger.keep(&key, &reply)?;

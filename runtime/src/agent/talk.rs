@@ -111,6 +111,9 @@ impl<'a> Talk<'a> {
                 let finding = judge(self.situation.program, self.stage, facts, &reply.text)?;
                 (Some(reply), finding)
             }
+            Err(ModelError::NotSent(
+                refused @ (CallRefused::NotNoted(_) | CallRefused::NotKept(_) | CallRefused::Lost),
+            )) => return Err(AgentError::Calls(refused)),
             Err(error) => (None, failed(&error)),
         };
         Ok(Attempt {
@@ -232,10 +235,8 @@ impl<'a> Talk<'a> {
 fn failed(error: &ModelError) -> Finding {
     let (outcome, fault) = match error {
         ModelError::Failed { fault, .. } => (Outcome::ModelFailed, Some(*fault)),
-        ModelError::Unsupported { .. } | ModelError::NotSent(CallRefused::NotNoted(_)) => {
-            (Outcome::ModelFailed, None)
-        }
-        ModelError::NotSent(CallRefused::Budget(_)) => (Outcome::BudgetExhausted, None),
+        ModelError::Unsupported { .. } => (Outcome::ModelFailed, None),
+        ModelError::NotSent(_) => (Outcome::BudgetExhausted, None),
         ModelError::Interrupted => (Outcome::Interrupted, None),
     };
     Finding::Failed {

@@ -124,6 +124,16 @@ pub enum BenchError {
         /// What differs.
         why: String,
     },
+    /// The provider refuses every call, so that all further rollouts would fail alike.
+    #[error(
+        "the provider refuses to answer ({fault}); the journal in `{}` has its words. What has ended is kept, and the same `--out` goes on from there", folder.display()
+    )]
+    Refused {
+        /// The rollout that found out.
+        folder: PathBuf,
+        /// The name of the fault.
+        fault: &'static str,
+    },
     /// The calls of an earlier part of the suite cannot be read.
     #[error(transparent)]
     Ledger(#[from] LedgerError),

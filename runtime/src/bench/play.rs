@@ -6,7 +6,7 @@
 
 use super::record::{self, Found, Identity, Record};
 use super::{Bench, BenchError, Entry, experts};
-use crate::calls::ledger;
+use crate::calls::{Fault, ledger};
 use crate::journal::{JOURNAL_FILE, RunFolder};
 use crate::model::described;
 use crate::outcome::Outcome;
@@ -285,9 +285,10 @@ fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Option<(Played, b
     let world = make_world().map_err(|error| at(&place(bench, entry, start), error))?;
     let identity = identity(&job, world.as_ref());
     let (record, was_found) = match record::find(&folder, &identity) {
-        Found::Finished(record) => (record, true),
+        // What a model could not be had for is tried again.
+        Found::Finished(record) if record.outcome != Outcome::ModelFailed => (record, true),
         Found::Other(why) => return Err(BenchError::Other { folder, why }),
-        Found::Unfinished => match run(&job, &folder, &identity)? {
+        Found::Finished(_) | Found::Unfinished => match run(&job, &folder, &identity)? {
             Some(record) => (record, false),
             None => return Ok(None),
         },
@@ -336,6 +337,16 @@ fn run(job: &Job<'_>, folder: &Path, identity: &Identity) -> Result<Option<Recor
     let report = rollout::run(job, open, &mut |_| {}).map_err(failed)?;
     if let Outcome::Interrupted | Outcome::BudgetExhausted = report.outcome {
         return Ok(None);
+    }
+    let hopeless = [Fault::NotAuthorised, Fault::QuotaExhausted].map(Fault::name);
+    let named = hopeless
+        .into_iter()
+        .find(|fault| report.faults.contains_key(*fault));
+    if let (Outcome::ModelFailed, Some(fault)) = (report.outcome, named) {
+        return Err(BenchError::Refused {
+            folder: folder.to_owned(),
+            fault,
+        });
     }
     match record::find(folder, identity) {
         Found::Finished(record) => Ok(Some(record)),

@@ -23,7 +23,7 @@ pub struct Spent {
     pub calls: u64,
     /// Those of them that gave no answer and may have been billed.
     pub possibly_billed: u64,
-    /// Answers whose price is not known.
+    /// Calls that cost something, or may have, nobody knows how much.
     pub unpriced: u64,
     /// What answers cost, billionths of a US dollar.
     pub cost: Usd,
@@ -51,7 +51,10 @@ impl Spent {
                 (_, Some(cost)) => self.cost = self.cost + *cost,
                 (Billing::Possibly, None) => {
                     self.possibly_billed += 1;
-                    self.possibly = self.possibly + at_most.unwrap_or_default();
+                    match at_most {
+                        Some(at_most) => self.possibly = self.possibly + at_most,
+                        None => self.unpriced += 1,
+                    }
                 }
                 (Billing::No, None) => {}
             },
@@ -66,6 +69,21 @@ impl Spent {
         self.cost = self.cost + other.cost;
         self.possibly = self.possibly + other.possibly;
         self.usage = self.usage + other.usage;
+    }
+
+    /// Says what all of it cost.
+    pub fn in_words(&self) -> String {
+        match (self.unpriced, self.possibly_billed) {
+            (0, 0) => self.cost.to_string(),
+            (0, unanswered) => format!(
+                "{}; {unanswered} without an answer may have been billed, {} at most",
+                self.cost, self.possibly
+            ),
+            (_, 0) => "cost not known".to_owned(),
+            (_, unanswered) => {
+                format!("cost not known; {unanswered} without an answer may have been billed")
+            }
+        }
     }
 
     /// Returns the most that all of it cost, as far as prices are known.
@@ -128,6 +146,12 @@ impl Budget {
                 )));
             };
             let taken = state.spent.at_most() + state.reserved;
+            if taken > cap {
+                return Err(CallRefused::Budget(format!(
+                    "the cap of {cap} is passed by {}: a call cost more than was to be expected",
+                    taken.less(cap)
+                )));
+            }
             if taken + at_most > cap {
                 return Err(CallRefused::Budget(format!(
                     "the next call may cost {at_most}, and of the cap of {cap} {} is left; a higher `--max-cost` goes on from here",

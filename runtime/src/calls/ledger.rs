@@ -295,7 +295,9 @@ impl Calls for Ledger<'_> {
                 }
             }
         };
-        self.write(&line)
+        self.append(&line).map_err(|error| {
+            CallRefused::NotKept(format!("cannot write `{}`: {error}", self.path.display()))
+        })
     }
 }
 

@@ -73,6 +73,16 @@ pub enum CallRefused {
     /// The note cannot be written.
     #[error("a call cannot be noted, so it is not sent: {0}")]
     NotNoted(String),
+    /// The call was sent, and what came of it cannot be written everywhere.
+    #[error(
+        "an answer came and could not be kept: {0}; with room to write, `fabc resume` goes on from here"
+    )]
+    NotKept(String),
+    /// An answer that a done step had is not there any more.
+    #[error(
+        "a step that is done put a question whose answer is not in the ledger of calls: the ledger, the subgoal pictures, the facts about the model or the task changed since; nothing was sent"
+    )]
+    Lost,
 }
 
 /// Hears of calls and keeps nothing: for questions outside of any run.

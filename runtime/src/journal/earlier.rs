@@ -55,6 +55,11 @@ impl Earlier {
         u32::try_from(self.count.saturating_sub(1)).unwrap_or(u32::MAX)
     }
 
+    /// Returns whether a line is known that has not come again yet.
+    pub(super) fn has_more(&self) -> bool {
+        !self.lines.is_empty()
+    }
+
     /// Takes a line that comes again; returns whether it was known.
     ///
     /// Fails where another one stood there: the rollout would not be the same.
@@ -80,7 +85,7 @@ fn is_taken(line: &str, number: usize) -> bool {
     }
 }
 
-/// Says in which field two lines differ.
+/// Says in which field two lines differ, by its path.
 fn difference(then: &str, now: &str) -> String {
     let object = |line: &str| serde_json::from_str::<Value>(line).unwrap_or_default();
     let (then, now) = (object(then), object(now));
@@ -88,17 +93,49 @@ fn difference(then: &str, now: &str) -> String {
         Some("step") => format!("step {}", then["step"]),
         _ => "the first line".to_owned(),
     };
-    let fields = now.as_object().cloned().unwrap_or_default();
-    let mut changed = fields
-        .iter()
-        .filter(|(name, value)| then[name.as_str()] != **value);
-    match changed.next() {
-        Some((name, value)) => format!(
-            "{what} had `{name}` {} and would now have {}",
-            shortened(&then[name.as_str()]),
-            shortened(value)
-        ),
-        None => format!("{what} lacks something that it had"),
+    let mut path = Vec::new();
+    let (then, now) = first_difference(&then, &now, &mut path);
+    format!(
+        "{what} had `{}` {} and would now have {}",
+        path.join("."),
+        shortened(then),
+        shortened(now)
+    )
+}
+
+/// Goes down to the first value that differs, and collects the names on the way.
+fn first_difference<'v>(
+    then: &'v Value,
+    now: &'v Value,
+    path: &mut Vec<String>,
+) -> (&'v Value, &'v Value) {
+    const ABSENT: &Value = &Value::Null;
+    let pair = match (then, now) {
+        (Value::Object(then), Value::Object(now)) => {
+            let names = then.keys().chain(now.keys());
+            let mut differing = names.filter(|name| then.get(*name) != now.get(*name));
+            differing.next().map(|name| {
+                let of =
+                    |fields: &'v serde_json::Map<String, Value>| fields.get(name).unwrap_or(ABSENT);
+                (name.clone(), of(then), of(now))
+            })
+        }
+        (Value::Array(then), Value::Array(now)) => {
+            let mut indices = 0..then.len().max(now.len());
+            let differing = indices.find(|index| then.get(*index) != now.get(*index));
+            differing.map(|index| {
+                let of = |items: &'v [Value]| items.get(index).unwrap_or(ABSENT);
+                (index.to_string(), of(then), of(now))
+            })
+        }
+        _ => None,
+    };
+    match pair {
+        Some((name, then, now)) => {
+            path.push(name);
+            first_difference(then, now, path)
+        }
+        None => (then, now),
     }
 }
 

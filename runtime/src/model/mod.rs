@@ -51,6 +51,11 @@ pub trait Model: Send + Sync {
         Lowering::PIXELS
     }
 
+    /// Returns which settings are left out although a stage states them.
+    fn omits(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
+
     /// Answers a request.
     ///
     /// Tells `calls` of everything that it sends for the answer. Fails where no answer could be had; an unhelpful
@@ -64,6 +69,7 @@ pub(crate) fn described(model: &dyn Model) -> serde_json::Value {
         "name": model.name(),
         "nature": model.nature(),
         "lowering": model.lowering(),
+        "omits": model.omits(),
     })
 }
 

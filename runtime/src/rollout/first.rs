@@ -4,14 +4,13 @@
 
 use super::{Job, RunError};
 use crate::agent;
-use crate::model::{Message, ModelRole};
+use crate::model::Request;
 use crate::pictures::Pictures;
 use crate::scene::{Scene, SceneError};
 use compiler::facts::Facts;
 use compiler::program::Read;
 use compiler::render::Values;
 use compiler::reply;
-use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// What a stage would be sent in the first step.
@@ -19,14 +18,8 @@ use std::collections::BTreeMap;
 pub struct FirstQuestion {
     /// The stage.
     pub stage: String,
-    /// Which model is asked.
-    pub role: ModelRole,
-    /// The messages.
-    pub messages: Vec<Message>,
-    /// The JSON Schema of the answer, without the values that a scene offers, where the stage reads the action.
-    pub schema: Option<Value>,
-    /// The longest answer, tokens, where the task states one.
-    pub max_tokens: Option<u32>,
+    /// The question; its schema, where the stage reads the action, is without the values that a scene offers.
+    pub request: Request,
 }
 
 /// Lays the cloth, looks, and renders what each stage would be sent.
@@ -55,12 +48,16 @@ pub fn first_questions(job: &Job<'_>) -> Result<Vec<FirstQuestion>, RunError> {
             proposal: None,
             pointing: lowering.pointing(pictures.size()),
         });
+        let messages = agent::conversation(program, stage, values, &pictures, 1, &lowering)?;
         Ok(FirstQuestion {
             stage: stage.name.clone(),
-            role: stage.model,
-            messages: agent::conversation(program, stage, values, &pictures, 1, &lowering)?,
-            schema: matches!(stage.read, Read::Action).then(|| reply::static_schema(program)),
-            max_tokens: stage.max_tokens,
+            request: Request {
+                temperature: stage.temperature,
+                top_p: stage.top_p,
+                max_tokens: stage.max_tokens,
+                schema: matches!(stage.read, Read::Action).then(|| reply::static_schema(program)),
+                ..Request::new(stage.model, messages)
+            },
         })
     };
     program.stages.iter().map(question).collect()

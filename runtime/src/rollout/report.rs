@@ -1,7 +1,7 @@
 //! What a rollout comes to, as `fabc run --json` and the journal's last line say it.
 
 use super::covered::Measures;
-use crate::calls::Usage;
+use crate::calls::{Spent, Usage};
 use crate::outcome::Outcome;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -63,6 +63,9 @@ pub struct Report {
     pub cost_usd: Option<f64>,
     /// The same with all that may have been billed.
     pub cost_usd_at_most: Option<f64>,
+    /// The same sums, exactly.
+    #[serde(skip)]
+    pub spent: Spent,
     /// The model that answered; both names where the roles differ.
     pub model: String,
     /// Whether that model is an embedded stand-in and no vision-language model.

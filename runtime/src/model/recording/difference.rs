@@ -24,6 +24,13 @@ pub(super) fn nearest(exchanges: &[Exchange], request: &Request) -> String {
         return "it is empty".to_owned();
     };
     let step = &exchange.request["step"];
+    let is_other = |name: &str| exchange.request[name] != asked[name];
+    if is_other("role") && is_other("messages") {
+        return format!(
+            "it holds no question to a model of {} that is like it",
+            asked["role"]
+        );
+    }
     let parts = differences(&exchange.request, &asked);
     format!(
         "the recorded question that is most like it is one of action {step}, and differs in {}",

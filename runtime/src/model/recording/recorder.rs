@@ -4,7 +4,7 @@ use super::{Exchange, Line, Outcome, RecordingError, SCHEMA, read};
 use crate::calls::CallRefused;
 use crate::model::{Model, ModelError, Reply, Request};
 use std::collections::BTreeSet;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -20,6 +20,8 @@ pub struct Recorder {
 #[derive(Debug)]
 struct State {
     file: File,
+    /// Bytes up to the end of the last whole line.
+    whole_bytes: u64,
     /// Questions whose answer is in the file.
     answered: BTreeSet<String>,
 }
@@ -33,12 +35,19 @@ impl Recorder {
             path: path.to_owned(),
             why: error.to_string(),
         };
-        let lines = match path.exists() {
-            true => read(path)?,
-            false => super::Lines::default(),
-        };
         let file = OpenOptions::new().create(true).append(true).open(path);
         let file = file.map_err(wrong)?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => {
+                return Err(RecordingError {
+                    path: path.to_owned(),
+                    why: "another fabc is writing it".to_owned(),
+                });
+            }
+            // Not every file system has locks; without them the user takes care.
+            Ok(()) | Err(TryLockError::Error(_)) => {}
+        }
+        let lines = read(path)?;
         file.set_len(lines.whole_bytes).map_err(wrong)?;
         let answered = lines
             .exchanges
@@ -46,6 +55,7 @@ impl Recorder {
             .filter(|exchange| matches!(exchange.outcome, Outcome::Reply(_)))
             .map(|exchange| exchange.key);
         let mut state = State {
+            whole_bytes: lines.whole_bytes,
             file,
             answered: answered.collect(),
         };
@@ -102,7 +112,7 @@ impl Recorder {
             took_s: took.as_secs_f64(),
         });
         state.append(&line).map_err(|error| {
-            CallRefused::NotNoted(format!("cannot write `{}`: {error}", self.path.display()))
+            CallRefused::NotKept(format!("cannot write `{}`: {error}", self.path.display()))
         })?;
         if answered.is_ok() {
             state.answered.insert(key);
@@ -115,7 +125,13 @@ impl State {
     fn append(&mut self, line: &Line) -> std::io::Result<()> {
         let mut text = serde_json::to_string(line)?;
         text.push('\n');
-        self.file.write_all(text.as_bytes())?;
-        self.file.sync_data()
+        let written = self.file.write_all(text.as_bytes());
+        let written = written.and_then(|()| self.file.sync_data());
+        match &written {
+            Ok(()) => self.whole_bytes += text.len() as u64,
+            // A part of a line would damage the next one.
+            Err(_) => drop(self.file.set_len(self.whole_bytes)),
+        }
+        written
     }
 }

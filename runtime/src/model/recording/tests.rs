@@ -141,6 +141,17 @@ fn a_recording_cut_off_at_any_byte_goes_on() {
 }
 
 #[test]
+fn a_recording_that_is_being_written_is_not_written_by_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("recording.jsonl");
+    let first = Recorder::open(&path).unwrap();
+    let refused = Recorder::open(&path).unwrap_err().to_string();
+    assert!(refused.contains("another fabc is writing it"), "{refused}");
+    drop(first);
+    assert!(Recorder::open(&path).is_ok());
+}
+
+#[test]
 fn what_is_no_recording_is_refused_and_stays_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("notes.txt");

@@ -153,6 +153,11 @@ impl Remote {
         })
     }
 
+    /// Returns the longest answer that a request asks for in the end, tokens; None where none is sent.
+    pub fn longest_answer(&self, request: &Request) -> Option<u32> {
+        self.settings.sent_max_tokens(request)
+    }
+
     /// Asks until there is an answer or no further try.
     fn buy(
         &self,
@@ -163,7 +168,10 @@ impl Remote {
     ) -> Result<Reply, ModelError> {
         let headers = self.headers(encoded);
         let key = request.key();
-        let at_most = self.settings.pricing.at_most(request);
+        let at_most = self.settings.pricing.at_most(&Request {
+            max_tokens: self.settings.sent_max_tokens(request),
+            ..request.clone()
+        });
         let retry = &self.settings.retry;
         let interrupt = &self.shared.interrupt;
         let mut tries = Tries::new(retry);
@@ -323,6 +331,11 @@ impl Model for Remote {
 
     fn lowering(&self) -> Lowering {
         self.settings.lowering
+    }
+
+    fn omits(&self) -> Vec<&'static str> {
+        let omitted = self.settings.omit.iter();
+        omitted.map(|parameter| parameter.name()).collect()
     }
 
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {

@@ -88,6 +88,18 @@ impl Settings {
     }
 }
 
+impl Settings {
+    /// Returns the longest answer that is asked for in the end, tokens; None where none is sent.
+    pub(super) fn sent_max_tokens(&self, request: &Request) -> Option<u32> {
+        let stated = request.max_tokens;
+        let sent = stated.filter(|_| !self.omit.contains(&Parameter::MaxTokens));
+        match self.wire {
+            Wire::Anthropic => Some(sent.unwrap_or(self.unstated_max_tokens)),
+            Wire::OpenaiResponses | Wire::OpenaiChat | Wire::Gemini => sent,
+        }
+    }
+}
+
 /// A parameter that a stage may state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parameter {
