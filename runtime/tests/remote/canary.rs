@@ -3,8 +3,10 @@
 use crate::support::*;
 use base64::Engine;
 use runtime::calls::{Unkept, Usd};
-use runtime::model::remote::{Key, Wire};
+use runtime::model::remote::{Answers, Key, Wire};
 use runtime::model::{Model, Reply};
+use serde_json::{Value, json};
+use std::sync::Arc;
 use wiremock::ResponseTemplate;
 
 const OTHER: &str = "another-canary-key-0123";
@@ -115,13 +117,69 @@ fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
     }
 }
 
+/// A reply in the form of a wire whose text stands in pieces.
+fn in_pieces(wire: Wire, pieces: &[&str]) -> Value {
+    let typed = |kind: &str| -> Vec<Value> {
+        let pieces = pieces.iter();
+        pieces
+            .map(|text| json!({ "type": kind, "text": text }))
+            .collect()
+    };
+    match wire {
+        Wire::OpenaiChat => {
+            let message = json!({ "content": typed("text") });
+            json!({ "choices": [{ "finish_reason": "stop", "message": message }] })
+        }
+        Wire::OpenaiResponses => {
+            let message = json!({ "type": "message", "content": typed("output_text") });
+            json!({ "status": "completed", "output": [message] })
+        }
+        Wire::Anthropic => json!({ "stop_reason": "end_turn", "content": typed("text") }),
+        Wire::Gemini => {
+            let content = json!({ "parts": typed("text") });
+            json!({ "candidates": [{ "finishReason": "STOP", "content": content }] })
+        }
+    }
+}
+
+#[test]
+fn a_key_that_the_server_splits_over_pieces_of_text_is_hidden_in_every_wire() {
+    let engine = base64::engine::general_purpose::STANDARD;
+    let percent: String = CANARY.bytes().map(|byte| format!("%{byte:02X}")).collect();
+    for wire in Wire::ALL {
+        for form in [CANARY.to_owned(), percent.clone(), engine.encode(CANARY)] {
+            for at in [1, 8, 15, form.len() - 1] {
+                let (one, other) = form.split_at(at);
+                let pieces = ["it is <", one, other, ">"];
+                let reply = ResponseTemplate::new(200).set_body_json(in_pieces(wire, &pieces));
+                let provider = Provider::playing(vec![reply]);
+                let folder = tempfile::tempdir().unwrap();
+                let cache = runtime::cache::Cache::at(folder.path().to_owned());
+                let mut trial = Trial::of(&provider.url());
+                trial.settings.wire = wire;
+                trial.shared.answers = Arc::new(Answers::kept_in(cache));
+                let mut notes = Notes::new();
+                let reply = trial.model().ask(&request(), &mut notes).unwrap();
+                assert!(reply.text.starts_with("it is <[key]"), "{reply:?}");
+                check(&format!("{reply:?} {:?}", notes.told));
+                let mut kept = 0;
+                for entry in std::fs::read_dir(folder.path()).unwrap() {
+                    check(&std::fs::read_to_string(entry.unwrap().path()).unwrap());
+                    kept += 1;
+                }
+                assert!(kept > 0, "the answer is kept");
+            }
+        }
+    }
+}
+
 #[test]
 fn no_kept_answer_holds_a_key() {
     let folder = tempfile::tempdir().unwrap();
     let provider = Provider::playing(vec![good(&format!("it is {CANARY}"))]);
     let mut trial = Trial::of(&provider.url());
     let cache = runtime::cache::Cache::at(folder.path().to_owned());
-    trial.shared.answers = std::sync::Arc::new(runtime::model::remote::Answers::kept_in(cache));
+    trial.shared.answers = Arc::new(Answers::kept_in(cache));
     let reply: Reply = trial.model().ask(&request(), &mut Unkept).unwrap();
     assert_eq!(
         (reply.text.as_str(), reply.cost),

@@ -254,8 +254,23 @@ impl Remote {
         }
     }
 
-    /// Reads what came back.
+    /// Reads what came back; nothing of it holds a key.
     fn read(&self, incoming: &Incoming) -> Result<Answer, Ended> {
+        // A key that the server split over two pieces of text is whole once these are joined.
+        let hide = |text: String| self.transport.redactor().text(&text);
+        match self.decode(incoming) {
+            Ok(answer) => Ok(Answer {
+                text: hide(answer.text),
+                ..answer
+            }),
+            Err(ended) => Err(Ended {
+                why: hide(ended.why),
+                ..ended
+            }),
+        }
+    }
+
+    fn decode(&self, incoming: &Incoming) -> Result<Answer, Ended> {
         if !(200..300).contains(&incoming.status) {
             let refusal = status::judge(incoming.status, &incoming.body);
             return Err(Ended {

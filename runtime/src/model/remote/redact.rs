@@ -17,6 +17,11 @@ const HIDDEN: &[u8] = b"[key]";
 /// The shortest key that is hidden, characters.
 const SHORTEST: usize = 8;
 
+/// The most backslashes before a letter that are taken for its escape; JSON five times within JSON writes 31.
+///
+/// Without a bound each byte of a long run would count all that follow.
+const MOST_SLASHES: usize = 31;
+
 /// Replaces known keys; its `Debug` form says only how many.
 #[derive(Default)]
 pub struct Redactor {
@@ -156,7 +161,8 @@ fn length_of_letter(bytes: &[u8], wanted: u8) -> Option<usize> {
         return Some(3);
     }
     // JSON within JSON doubles its backslashes.
-    let slashes = bytes.iter().take_while(|byte| **byte == b'\\').count();
+    let near = &bytes[..bytes.len().min(MOST_SLASHES)];
+    let slashes = near.iter().take_while(|byte| **byte == b'\\').count();
     let rest = &bytes[slashes..];
     if slashes > 0 && rest.first() == Some(&wanted) {
         return Some(slashes + 1);

@@ -131,8 +131,8 @@ impl<'a> Tries<'a> {
         let ended = self.ended.entry(fault).or_default();
         *ended += 1;
         let made = self.made;
+        let calls = if made == 1 { "call" } else { "calls" };
         if *ended >= most_calls(fault) || made >= self.retry.calls {
-            let calls = if made == 1 { "call" } else { "calls" };
             return Next::GiveUp(format!("after {made} {calls}"));
         }
         let wait = self.waits.next().unwrap_or(self.retry.longest_wait);
@@ -140,7 +140,7 @@ impl<'a> Tries<'a> {
         let waited = self.waited.saturating_add(wait);
         if waited > self.retry.waits_in_all {
             return Next::GiveUp(format!(
-                "after {made} calls; the next one would have to wait {:.1} s, and {:.1} s in all is the limit",
+                "after {made} {calls}; the next one would have to wait {:.1} s, and {:.1} s in all is the limit",
                 wait.as_secs_f64(),
                 self.retry.waits_in_all.as_secs_f64()
             ));
@@ -239,6 +239,14 @@ mod tests {
             panic!("waits 800 s");
         };
         assert!(why.contains("400.0 s") && why.contains("600.0 s"), "{why}");
+        assert!(why.starts_with("after 2 calls; "), "{why}");
+        let mut tries = Tries::new(&retry);
+        tries.begin();
+        let asked = Some(Duration::from_secs(601));
+        let Next::GiveUp(why) = tries.after(Fault::RateLimited, asked) else {
+            panic!("waits 601 s");
+        };
+        assert!(why.starts_with("after 1 call; "), "{why}");
     }
 
     #[test]

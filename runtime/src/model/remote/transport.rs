@@ -103,6 +103,11 @@ impl Transport {
         })
     }
 
+    /// Returns what hides keys in replies.
+    pub(super) fn redactor(&self) -> &Redactor {
+        &self.redactor
+    }
+
     /// Sends a message and waits for its reply.
     pub(super) fn post(
         &self,

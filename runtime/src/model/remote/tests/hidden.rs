@@ -75,6 +75,33 @@ fn a_body_holds_no_key_in_what_it_means_and_stays_as_it_is_without_one() {
     }
 }
 
+#[test]
+fn a_key_is_hidden_whatever_run_of_backslashes_its_letters_bear() {
+    for run in 1..=20 {
+        let run = "\\".repeat(run);
+        for key in [
+            format!("sk-can{run}/ary+0123=abc"),
+            format!("sk-can{run}u002Fary+0123=abc"),
+            CANARY
+                .chars()
+                .map(|letter| format!("{run}{letter}"))
+                .collect(),
+        ] {
+            let hidden = redactor(&[CANARY]).text(&format!("<{key}>"));
+            assert_eq!(hidden, "<[key]>", "{key}");
+        }
+    }
+}
+
+#[test]
+fn a_long_run_of_backslashes_takes_no_longer_than_other_bytes() {
+    let run = vec![b'\\'; 4 << 20];
+    let body = [run.as_slice(), CANARY.as_bytes(), &run].concat();
+    let hidden = redactor(&[CANARY, r"\\\\\sk-0123"]).body(&body);
+    let expected = [&run[MOST_SLASHES..], HIDDEN, &run].concat();
+    assert!(hidden == expected, "{} bytes", hidden.len());
+}
+
 proptest! {
     #[test]
     fn text_without_a_key_stays_as_it_is(text in "[a-zA-Z0-9%\\\\u/+=\\- ]{0,60}") {
