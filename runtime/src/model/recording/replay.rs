@@ -1,6 +1,7 @@
 //! `replay:FILE`: answers from a recording, byte for byte, and sends nothing.
 
 use super::{Exchange, Outcome, RecordingError, difference, read};
+use crate::cache::Cache;
 use crate::calls::Calls;
 use crate::model::{Lowering, Model, ModelError, ModelRole, Nature, Reply, Request};
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,8 +15,18 @@ pub struct Replay {
     nature: Nature,
     lowering: Lowering,
     exchanges: Vec<Exchange>,
+    matching: Matching,
     /// Index of the exchange that answers a question.
     by_key: BTreeMap<String, usize>,
+}
+
+/// What makes a question the recorded one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Matching {
+    /// All of it: [`Request::key`].
+    Whole,
+    /// The role and the messages; settings, schema, repetition and the number of the action may differ.
+    Words,
 }
 
 impl Replay {
@@ -59,10 +70,41 @@ impl Replay {
                 false => Nature::Model,
             },
             lowering,
+            matching: Matching::Whole,
             by_key,
             exchanges,
         })
     }
+
+    /// Answers whoever puts a recorded question in the same words and pictures, as a program that knows nothing of
+    /// steps and schemas; of questions that came in several steps the first answer counts.
+    pub fn by_words(mut self) -> Replay {
+        self.matching = Matching::Words;
+        self.by_key.clear();
+        for (index, exchange) in self.exchanges.iter().enumerate() {
+            if let Outcome::Reply(_) = exchange.outcome {
+                self.by_key
+                    .entry(words_key(&exchange.request))
+                    .or_insert(index);
+            }
+        }
+        self
+    }
+
+    fn key(&self, request: &Request) -> String {
+        match self.matching {
+            Matching::Whole => request.key(),
+            Matching::Words => words_key(
+                &serde_json::to_value(request).expect("a request holds strings and finite numbers"),
+            ),
+        }
+    }
+}
+
+/// Names what a request's JSON says and shows.
+fn words_key(request: &serde_json::Value) -> String {
+    let (role, messages) = (request["role"].to_string(), request["messages"].to_string());
+    Cache::key([role.as_str(), &messages])
 }
 
 impl Model for Replay {
@@ -79,7 +121,7 @@ impl Model for Replay {
     }
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
-        let Some(index) = self.by_key.get(&request.key()) else {
+        let Some(index) = self.by_key.get(&self.key(request)) else {
             return Err(ModelError::Unsupported {
                 model: self.name.clone(),
                 why: format!(

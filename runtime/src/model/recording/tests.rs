@@ -98,6 +98,24 @@ fn a_replay_answers_byte_for_byte_and_costs_nothing() {
 }
 
 #[test]
+fn whoever_knows_no_steps_is_answered_by_words_and_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(folder.path());
+    let asked = Request {
+        step: 7,
+        temperature: None,
+        schema: None,
+        ..request("again")
+    };
+    let whole = Replay::load(&path, ModelRole::Vision).unwrap();
+    assert!(whole.ask(&asked, &mut Unkept).is_err());
+    let by_words = whole.by_words();
+    assert_eq!(by_words.ask(&asked, &mut Unkept).unwrap().text, "at last");
+    let other = request("something else");
+    assert!(by_words.ask(&other, &mut Unkept).is_err());
+}
+
+#[test]
 fn nothing_is_recorded_twice_and_what_was_never_sent_not_at_all() {
     let folder = tempfile::tempdir().unwrap();
     let path = recorded(folder.path());
