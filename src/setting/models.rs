@@ -143,6 +143,16 @@ impl Finder<'_> {
     }
 }
 
+/// Finds an embedded model or a recording; the model of a provider is refused before its key is looked up.
+pub fn without_provider(name: &str) -> Result<Arc<dyn Model>, Failure> {
+    let model = embedded(name, ModelRole::Vision)?;
+    model.map(Arc::from).ok_or_else(|| {
+        Failure::usage(format!(
+            "`{name}` is neither an embedded model nor a recording, and a provider's model is not served: any program here could spend your key; there is `geometric`, `random[:SEED]`, `imperfect:RATE[:SEED]` and `replay:FILE`"
+        ))
+    })
+}
+
 /// Returns how points are written for the model to which messages are shown.
 pub fn lowering(shown: &ShownArguments) -> Result<Lowering, Failure> {
     let known = match &shown.model {

@@ -146,6 +146,30 @@ fn the_command_says_where_it_listens_and_ends_on_an_interrupt() {
 }
 
 #[test]
+fn the_command_lends_no_model_of_a_provider() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in [
+        "openai:gpt-6.2-sol",
+        "ollama:any",
+        "nobody:any",
+        "vision=openai:any",
+    ] {
+        let refused = finish(fabc(folder.path()).args(["serve", "--port", "0", "--model", name]));
+        assert_eq!((refused.code, refused.stdout.as_str()), (64, ""), "{name}");
+        for part in [name, "a provider's model", "`geometric`", "`replay:FILE`"] {
+            assert!(refused.stderr.contains(part), "{}", refused.stderr);
+        }
+    }
+    let help = finish(fabc(folder.path()).args(["serve", "--help"]));
+    assert!(
+        help.stdout.contains("an embedded model or a recording"),
+        "{}",
+        help.stdout
+    );
+    assert!(!help.stdout.contains("PROVIDER"), "{}", help.stdout);
+}
+
+#[test]
 #[ignore = "needs Python with the openai package: make test-peers"]
 fn peer_the_official_openai_client_gets_answers_about_pictures() {
     let python = std::env::var("FABC_PEER_PYTHON").expect("make test-peers sets FABC_PEER_PYTHON");
