@@ -71,7 +71,7 @@ pub enum Verb {
     /// Finds out how a model says where something is in a picture, with two questions.
     #[cfg(feature = "runtime")]
     Probe(models::ProbeArguments),
-    /// Offers a model as an OpenAI-compatible endpoint on this machine.
+    /// Offers an embedded model or a recording as an OpenAI-compatible endpoint on this machine.
     #[cfg(feature = "runtime")]
     Serve(models::ServeArguments),
     /// Works on the cloth simulator itself: replays, speed, starts, pictures, meshes.

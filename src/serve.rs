@@ -1,6 +1,5 @@
-//! `fabc serve`: a model as an OpenAI-compatible endpoint on this machine, until it is interrupted.
+//! `fabc serve`: an embedded model or a recording as an OpenAI-compatible endpoint on this machine, until it is interrupted.
 
-use crate::cli::asked::Purpose;
 use crate::cli::models::ServeArguments;
 use crate::exit::{Exit, Failure};
 use crate::setting::models;
@@ -11,7 +10,7 @@ use serde_json::json;
 /// Serves until SIGINT.
 pub fn run(arguments: &ServeArguments) -> Result<Exit, Failure> {
     let interrupt = setting::interrupt()?;
-    let model = models::models(&arguments.model, Purpose::Asking, &interrupt)?.vision();
+    let model = models::without_provider(&arguments.model)?;
     let name = model.name().to_owned();
     let mut ready = |address: std::net::SocketAddr| {
         let base_url = format!("http://{address}/v1");

@@ -1,6 +1,6 @@
 //! Arguments of the verbs that are about models and set-up.
 
-use super::asked::{ModelArguments, ReachArguments};
+use super::asked::ReachArguments;
 use clap::Args;
 use runtime::model::catalogue::Date;
 use serde::{Deserialize, Serialize};
@@ -72,8 +72,10 @@ pub struct ProbeArguments {
 /// Arguments of `serve`.
 #[derive(Args)]
 pub struct ServeArguments {
-    #[command(flatten)]
-    pub model: ModelArguments,
+    /// What answers: an embedded model or a recording, as `run` takes them (`geometric`, `replay:FILE`, …). Models of
+    /// providers are refused, since every program on this machine could spend your key.
+    #[arg(long, value_name = "MODEL", default_value = "geometric")]
+    pub model: String,
     /// The port on 127.0.0.1; 0 takes any free one.
     #[arg(long, value_name = "N", default_value_t = 8642)]
     pub port: u16,

@@ -188,6 +188,22 @@ impl Finder<'_> {
     }
 }
 
+/// Finds an embedded model or a recording; the model of a provider is refused before its key is looked up.
+///
+/// A recording answers by words and pictures: whoever asks over the network tells of no steps.
+pub fn without_provider(name: &str) -> Result<Arc<dyn Model>, Failure> {
+    if let Some(file) = name.strip_prefix(REPLAY) {
+        let replay = Replay::load(Path::new(file), ModelRole::Vision);
+        return Ok(Arc::new(replay.map_err(Failure::environment)?.by_words()));
+    }
+    let model = embedded(name, ModelRole::Vision)?;
+    model.map(Arc::from).ok_or_else(|| {
+        Failure::usage(format!(
+            "`{name}` is neither an embedded model nor a recording, and a provider's model is not served: any program here could spend your key; there is `geometric`, `random[:SEED]`, `imperfect:RATE[:SEED]` and `replay:FILE`"
+        ))
+    })
+}
+
 /// Returns how points are written for the model to which messages are shown.
 pub fn lowering(shown: &ShownArguments) -> Result<Lowering, Failure> {
     let known = match &shown.model {

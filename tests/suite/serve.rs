@@ -226,7 +226,7 @@ fn a_client_that_hangs_does_not_keep_the_server_from_ending() {
     let server = Server::of(Arc::new(Geometric));
     let mut hanging = TcpStream::connect(server.address).unwrap();
     hanging
-        .write_all(b"POST /v1/responses HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\n{")
+        .write_all(b"POST /v1/responses HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 9\r\n\r\n{")
         .unwrap();
     let address = server.address;
     let (ended, wait) = std::sync::mpsc::channel();

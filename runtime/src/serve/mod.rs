@@ -1,14 +1,15 @@
 //! Offers a model as an OpenAI-compatible endpoint on this machine.
 //!
-//! In: a [`Model`], and HTTP requests from this machine alone. Out: its answers, in the form of OpenAI's Chat
-//! Completions and Responses. A parameter that would change the answer and cannot be honoured is refused by name, and
-//! none is dropped. Token counts are estimates, unless the model reports its own. Which model is served, and what is
-//! printed, is left to the command.
+//! In: a [`Model`], and HTTP requests from this machine alone, of which those of foreign pages in a browser are refused.
+//! Out: its answers, in the form of OpenAI's Chat Completions and Responses. A parameter that would change the answer and
+//! cannot be honoured is refused by name, and none is dropped. Token counts are estimates, unless the model reports its
+//! own. Which model is served, and what is printed, is left to the command.
 
 mod answer;
 mod chat;
 mod content;
 mod fields;
+mod near;
 mod refusal;
 mod responses;
 
@@ -20,6 +21,7 @@ use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, FromRequest, Path, State};
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_LENGTH;
+use axum::middleware::{Next, from_fn};
 use axum::response::{IntoResponse, Json, Response};
 use axum::routing::{get, post};
 use fields::Fields;
@@ -133,7 +135,15 @@ pub fn router(model: Arc<dyn Model>) -> Router {
         .fallback(async || Refusal::not_found("there is no such path; there are /v1/chat/completions, /v1/responses and /v1/models"))
         .method_not_allowed_fallback(async || Refusal::wrong_method())
         .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
+        .layer(from_fn(from_near))
         .with_state(served)
+}
+
+async fn from_near(request: axum::extract::Request, next: Next) -> Response {
+    match near::check(request.headers()) {
+        Ok(()) => next.run(request).await,
+        Err(refusal) => refusal.into_response(),
+    }
 }
 
 /// A request in one of the two forms, and what its answer repeats of it.
@@ -167,6 +177,7 @@ async fn try_answer<F: Form>(
     served: Served,
     request: axum::extract::Request,
 ) -> Result<Value, Refusal> {
+    near::check_type(request.headers())?;
     let place = served.places.acquire_owned().await;
     let place = place.map_err(|_| Refusal::failed("the server is about to end"))?;
     // Said before it is sent: then nothing of it needs to be read.

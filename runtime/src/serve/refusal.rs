@@ -66,6 +66,16 @@ impl Refusal {
         Refusal::new(StatusCode::METHOD_NOT_ALLOWED, message)
     }
 
+    /// The request comes from elsewhere, or means to go there.
+    pub(super) fn forbidden(message: &str) -> Refusal {
+        Refusal::new(StatusCode::FORBIDDEN, message)
+    }
+
+    pub(super) fn wrong_type() -> Refusal {
+        let message = "the body's `Content-Type` has to be application/json";
+        Refusal::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, message)
+    }
+
     pub(super) fn timed_out(time: Duration) -> Refusal {
         let message = format!("the body did not arrive within {} s", time.as_secs());
         Refusal::new(StatusCode::REQUEST_TIMEOUT, message)

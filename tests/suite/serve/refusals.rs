@@ -5,7 +5,7 @@ use super::{CHAT, RESPONSES, changed};
 use crate::suite::support::Scripted;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::sync::Arc;
 
 #[test]
@@ -163,7 +163,7 @@ fn a_body_that_is_too_long_is_refused_before_it_is_sent() {
     let server = Server::of(model.clone());
     let head = |length: usize| {
         format!(
-            "POST {CHAT} HTTP/1.1\r\nHost: x\r\nConnection: close\r\nContent-Length: {length}\r\n\r\n"
+            "POST {CHAT} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nConnection: close\r\nContent-Length: {length}\r\n\r\n"
         )
     };
     let too_long = runtime::serve::MAX_BODY_BYTES + 1;
@@ -182,4 +182,130 @@ fn a_body_that_is_too_long_is_refused_before_it_is_sent() {
     );
     assert_eq!(server.post(CHAT, &long).0, 200);
     assert_eq!(model.asked.lock().unwrap().len(), 1);
+}
+
+/// Sends a small right question under the given lines of a head.
+fn under(server: &Server, method: &str, path: &str, lines: &[&str]) -> (u16, Value) {
+    let body = changed(path, "user", json!("me")).to_string();
+    let mut head = format!("{method} {path} HTTP/1.1\r\nConnection: close\r\n");
+    for line in lines {
+        head.push_str(&format!("{line}\r\n"));
+    }
+    let length = body.len();
+    let whole = format!("{head}Content-Length: {length}\r\n\r\n{body}");
+    exchange(server.address, whole.as_bytes())
+}
+
+const JSON: &str = "Content-Type: application/json";
+
+#[test]
+fn what_a_page_in_a_browser_could_send_for_another_site_is_refused_and_no_model_is_asked() {
+    let model = Arc::new(Scripted::new(&[]));
+    let server = Server::of(model.clone());
+    let near = "Host: 127.0.0.1:8642";
+    let hosts = [
+        "example.org",
+        "127.0.0.1.example.org",
+        "localhost.example.org:8642",
+        "localhost@example.org",
+        "example.org@localhost",
+        "192.168.0.1",
+        "0.0.0.0",
+        "[::2]",
+        "::1",
+        "",
+    ];
+    let hosts = hosts.map(|host| format!("Host: {host}"));
+    let mut heads: Vec<(Vec<&str>, &str)> = hosts
+        .iter()
+        .map(|host| (vec![host.as_str()], "`Host`"))
+        .collect();
+    heads.push((vec![], "`Host`"));
+    heads.push((vec![near, "Host: example.org"], "`Host`"));
+    let origins = [
+        "https://example.org",
+        "http://127.0.0.1.example.org",
+        "http://localhost@example.org",
+        "null",
+        "localhost",
+        "file://",
+        "ftp://localhost",
+        "",
+    ];
+    let origins = origins.map(|origin| format!("Origin: {origin}"));
+    for origin in &origins {
+        heads.push((vec![near, origin], "`Origin`"));
+    }
+    heads.push((
+        vec![
+            near,
+            "Origin: http://localhost",
+            "Origin: https://example.org",
+        ],
+        "`Origin`",
+    ));
+    for (mut lines, named) in heads {
+        lines.push(JSON);
+        for (method, path) in [
+            ("POST", CHAT),
+            ("POST", RESPONSES),
+            ("GET", "/v1/models"),
+            ("GET", "/v1/models/scripted"),
+            ("OPTIONS", CHAT),
+            ("GET", "/nothing"),
+        ] {
+            let (status, answer) = under(&server, method, path, &lines);
+            let error = &answer["error"];
+            assert_eq!(
+                (status, &error["type"]),
+                (403, &json!("invalid_request_error")),
+                "{lines:?}"
+            );
+            let message = error["message"].as_str().unwrap();
+            assert!(message.starts_with(named), "{lines:?}: {message}");
+        }
+    }
+    for line in [
+        "Accept: application/json",
+        "Content-Type: text/plain",
+        "Content-Type: application/x-www-form-urlencoded",
+        "Content-Type: multipart/form-data; boundary=application/json",
+        "Content-Type: text/plain; application/json",
+        "Content-Type: application/json-seq",
+        "Content-Type:",
+    ] {
+        for path in [CHAT, RESPONSES] {
+            let (status, answer) = under(&server, "POST", path, &[near, line]);
+            let error = &answer["error"];
+            assert_eq!(
+                (status, &error["type"]),
+                (415, &json!("invalid_request_error")),
+                "{line}"
+            );
+            assert!(
+                error["message"]
+                    .as_str()
+                    .unwrap()
+                    .contains("application/json")
+            );
+        }
+    }
+    assert!(model.asked.lock().unwrap().is_empty());
+}
+
+#[test]
+fn programs_and_pages_of_this_machine_are_answered_under_each_of_its_names() {
+    let heads = [
+        ["Host: 127.0.0.1", "Accept: */*"],
+        ["Host: LocalHost:8642", "Origin: http://localhost:3000"],
+        ["Host: [::1]:1", "Origin: https://127.0.0.1"],
+        ["host: localhost", "origin: http://[::1]:80"],
+    ];
+    let server = Server::of(Arc::new(Scripted::new(&["yes"; 8])));
+    for [host, other] in heads {
+        for kind in [JSON, "content-type: Application/JSON; charset=utf-8"] {
+            let (status, answer) = under(&server, "POST", CHAT, &[host, other, kind]);
+            assert_eq!(status, 200, "{host}, {other}, {kind}: {answer}");
+        }
+    }
 }

@@ -92,8 +92,12 @@ fn actions(run: &std::path::Path) -> Vec<Value> {
 
 /// Starts the command on a free port; returns what it said of itself.
 fn started(folder: &std::path::Path) -> (Child, BufReader<ChildStdout>, Value) {
+    started_with(folder, "geometric")
+}
+
+fn started_with(folder: &std::path::Path, model: &str) -> (Child, BufReader<ChildStdout>, Value) {
     let mut child = fabc(folder)
-        .args(["serve", "--port", "0", "--json"])
+        .args(["serve", "--port", "0", "--json", "--model", model])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -143,6 +147,54 @@ fn the_command_says_where_it_listens_and_ends_on_an_interrupt() {
         .read_to_string(&mut talk)
         .unwrap();
     assert_eq!(talk.lines().count(), 1, "{talk}");
+}
+
+#[test]
+fn a_recording_is_served_to_a_whole_rollout() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = project("tasks/double_triangle.fab");
+    let run = |more: &[&str]| {
+        let said = finish(fabc(folder.path()).args(["run", &task]).args(more));
+        assert_eq!(said.code, 0, "{}", said.stderr);
+    };
+    run(&["--out", "recorded", "--record", "recording.jsonl"]);
+    let (mut child, _stdout, said) = started_with(folder.path(), "replay:recording.jsonl");
+    let (base_url, name) = (said["base_url"].as_str().unwrap(), said["model"].as_str().unwrap());
+    let model = format!("compatible:{name}");
+    run(&[
+        "--out", "served", "--no-cache", "--allow-unknown-price", "--model", &model, "--base-url",
+        base_url,
+    ]);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(
+        actions(&folder.path().join("served")),
+        actions(&folder.path().join("recorded"))
+    );
+}
+
+#[test]
+fn the_command_lends_no_model_of_a_provider() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in [
+        "openai:gpt-6.2-sol",
+        "ollama:any",
+        "nobody:any",
+        "vision=openai:any",
+    ] {
+        let refused = finish(fabc(folder.path()).args(["serve", "--port", "0", "--model", name]));
+        assert_eq!((refused.code, refused.stdout.as_str()), (64, ""), "{name}");
+        for part in [name, "a provider's model", "`geometric`", "`replay:FILE`"] {
+            assert!(refused.stderr.contains(part), "{}", refused.stderr);
+        }
+    }
+    let help = finish(fabc(folder.path()).args(["serve", "--help"]));
+    assert!(
+        help.stdout.contains("an embedded model or a recording"),
+        "{}",
+        help.stdout
+    );
+    assert!(!help.stdout.contains("PROVIDER"), "{}", help.stdout);
 }
 
 #[test]

@@ -94,11 +94,11 @@ fn a_key_is_hidden_whatever_run_of_backslashes_its_letters_bear() {
 }
 
 #[test]
-fn a_long_run_of_backslashes_takes_no_longer_than_other_bytes() {
-    let run = vec![b'\\'; 4 << 20];
-    let body = [run.as_slice(), CANARY.as_bytes(), &run].concat();
-    let hidden = redactor(&[CANARY, r"\\\\\sk-0123"]).body(&body);
-    let expected = [&run[MOST_SLASHES..], HIDDEN, &run].concat();
+fn a_key_after_millions_of_backslashes_is_hidden() {
+    let run: &[u8] = &vec![b'\\'; 4 << 20];
+    let body = [run, CANARY.as_bytes()].concat();
+    let hidden = redactor(&[CANARY]).body(&body);
+    let expected = [&run[MOST_SLASHES..], HIDDEN].concat();
     assert!(hidden == expected, "{} bytes", hidden.len());
 }
 

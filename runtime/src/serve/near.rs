@@ -1,0 +1,61 @@
+//! Refuses what a page in a browser of this machine could send for somebody elsewhere.
+//!
+//! In: the head of a request. Out: nothing, or a refusal. Only this machine's programs reach the port, and a browser
+//! is one of them: a page may send it plain forms from any site, or call it by a name of its own that leads here. What
+//! a body says is left to others.
+
+use super::refusal::Refusal;
+use axum::http::header::{CONTENT_TYPE, HOST, HeaderMap, HeaderName, ORIGIN};
+use axum::http::uri::{Authority, Uri};
+
+/// What this machine calls itself.
+const NAMES: [&str; 3] = ["127.0.0.1", "localhost", "[::1]"];
+
+/// Refuses a request that names another machine as its goal, or comes from a page of one.
+pub(super) fn check(headers: &HeaderMap) -> Result<(), Refusal> {
+    if !headers.contains_key(HOST) || !all(headers, &HOST, is_host_near) {
+        return Err(Refusal::forbidden(
+            "`Host` is not this machine; it has to be 127.0.0.1, localhost or [::1], with any port",
+        ));
+    }
+    if !all(headers, &ORIGIN, is_origin_near) {
+        return Err(Refusal::forbidden(
+            "`Origin` is not this machine; pages of 127.0.0.1, localhost and [::1] alone are answered",
+        ));
+    }
+    Ok(())
+}
+
+/// Refuses a body that is not said to be JSON: browsers send others without asking first.
+pub(super) fn check_type(headers: &HeaderMap) -> Result<(), Refusal> {
+    let is_json = |value: &str| {
+        let kind = value.split(';').next().unwrap_or_default();
+        kind.trim().eq_ignore_ascii_case("application/json")
+    };
+    match headers.contains_key(CONTENT_TYPE) && all(headers, &CONTENT_TYPE, is_json) {
+        true => Ok(()),
+        false => Err(Refusal::wrong_type()),
+    }
+}
+
+fn all(headers: &HeaderMap, name: &HeaderName, holds: impl Fn(&str) -> bool) -> bool {
+    let mut values = headers.get_all(name).iter();
+    values.all(|value| value.to_str().is_ok_and(&holds))
+}
+
+fn is_origin_near(origin: &str) -> bool {
+    let origin = origin.parse::<Uri>().unwrap_or_default();
+    let is_page = matches!(origin.scheme_str(), Some("http" | "https"));
+    is_page
+        && origin
+            .authority()
+            .is_some_and(|host| is_host_near(host.as_str()))
+}
+
+fn is_host_near(host: &str) -> bool {
+    let Ok(authority) = host.parse::<Authority>() else {
+        return false;
+    };
+    let is_near = |name: &&str| authority.host().eq_ignore_ascii_case(name);
+    !host.contains('@') && NAMES.iter().any(is_named)
+}
