@@ -159,10 +159,19 @@ fn a_recording_is_served_to_a_whole_rollout() {
     };
     run(&["--out", "recorded", "--record", "recording.jsonl"]);
     let (mut child, _stdout, said) = started_with(folder.path(), "replay:recording.jsonl");
-    let (base_url, name) = (said["base_url"].as_str().unwrap(), said["model"].as_str().unwrap());
+    let (base_url, name) = (
+        said["base_url"].as_str().unwrap(),
+        said["model"].as_str().unwrap(),
+    );
     let model = format!("compatible:{name}");
     run(&[
-        "--out", "served", "--no-cache", "--allow-unknown-price", "--model", &model, "--base-url",
+        "--out",
+        "served",
+        "--no-cache",
+        "--allow-unknown-price",
+        "--model",
+        &model,
+        "--base-url",
         base_url,
     ]);
     child.kill().unwrap();
