@@ -57,5 +57,5 @@ fn is_host_near(host: &str) -> bool {
         return false;
     };
     let is_near = |name: &&str| authority.host().eq_ignore_ascii_case(name);
-    !host.contains('@') && NAMES.iter().any(is_named)
+    !host.contains('@') && NAMES.iter().any(is_near)
 }
