@@ -73,6 +73,12 @@ impl Failure {
         }
     }
 
+    /// A cap stopped it before there was anything to report.
+    #[cfg(feature = "runtime")]
+    pub fn capped(error: impl fmt::Display) -> Failure {
+        Failure::new(Exit::Unreached, error.to_string())
+    }
+
     /// The user stopped it before there was anything to report.
     #[cfg(feature = "runtime")]
     pub fn interrupted() -> Failure {

@@ -5,7 +5,7 @@ use crate::cli::models::ProbeArguments;
 use crate::exit::{Exit, Failure};
 use crate::setting::{known, models};
 use crate::{output, setting};
-use runtime::calls::Unkept;
+use runtime::calls::{Budget, CallRefused, Capped, Caps, Spent};
 use runtime::model::ModelError;
 use runtime::model::probe::{ErrorPx, Probe, SIDES_PX, probe};
 use serde_json::json;
@@ -34,11 +34,18 @@ pub fn run(arguments: &ProbeArguments) -> Result<Exit, Failure> {
         model.name(),
         SIDES_PX.len()
     ));
-    let found =
-        probe(model.as_ref(), arguments.seed, &mut Unkept).map_err(|error| match error {
+    let caps = Caps {
+        cost: arguments.max_cost,
+        calls: arguments.max_calls,
+    };
+    let budget = Budget::new(caps, Spent::default());
+    let found = probe(model.as_ref(), arguments.seed, &mut Capped::by(&budget)).map_err(
+        |error| match error {
             ModelError::Interrupted => Failure::interrupted(),
+            ModelError::NotSent(CallRefused::Budget(why)) => Failure::capped(why),
             error => Failure::environment(error),
-        })?;
+        },
+    )?;
     if arguments.json {
         let mut value =
             serde_json::to_value(&found).expect("a probe has string keys and finite numbers");

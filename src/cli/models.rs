@@ -1,7 +1,8 @@
 //! Arguments of the verbs that are about models and set-up.
 
-use super::asked::ReachArguments;
+use super::asked::{ReachArguments, dollars};
 use clap::Args;
+use runtime::calls::Usd;
 use runtime::model::catalogue::Date;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -61,6 +62,12 @@ pub struct ProbeArguments {
     pub model: String,
     #[command(flatten)]
     pub reach: ReachArguments,
+    /// Stop before the questions may cost more than this, US dollars.
+    #[arg(long, value_name = "USD", value_parser = dollars)]
+    pub max_cost: Option<Usd>,
+    /// Stop before more calls than this are sent.
+    #[arg(long, value_name = "N")]
+    pub max_calls: Option<u64>,
     /// Draws the dots' places.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,

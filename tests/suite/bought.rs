@@ -143,6 +143,36 @@ fn a_cap_that_could_not_be_held_lets_nothing_through() {
 }
 
 #[test]
+fn a_probe_keeps_to_its_caps() {
+    let folder = tempfile::tempdir().unwrap();
+    let provider = Provider::reliable();
+    let probe = |more: &[&str]| {
+        let arguments = [
+            "probe",
+            "compatible:geometric",
+            "--allow-unknown-price",
+            "--base-url",
+            provider.base_url(),
+        ];
+        finish(&mut command(folder.path(), &[&arguments, more].concat()))
+    };
+    let said = probe(&["--max-calls", "1"]);
+    assert_eq!((said.code, calls(&provider)), (3, 1), "{}", said.stderr);
+    assert!(
+        said.stderr.contains("the cap of 1 call is reached"),
+        "{}",
+        said.stderr
+    );
+    let said = probe(&["--max-cost", "1"]);
+    assert_eq!((said.code, calls(&provider)), (3, 1), "{}", said.stderr);
+    assert!(said.stderr.contains("cannot be held"), "{}", said.stderr);
+    // The stand-in names no place of a dot, which is what a probe is to find out.
+    let said = probe(&[]);
+    assert_eq!((said.code, calls(&provider)), (3, 2), "{}", said.stderr);
+    assert!(said.stdout.contains("0 of 12 dots"), "{}", said.stdout);
+}
+
+#[test]
 fn what_a_cut_call_cost_is_not_known_where_the_price_is_not() {
     let folder = tempfile::tempdir().unwrap();
     let provider = Provider::start(|_| Fate::Cut);

@@ -135,8 +135,9 @@ impl Budget {
         let mut state = self.state();
         let calls = state.spent.calls + state.under_way;
         if let Some(cap) = self.caps.calls.filter(|cap| calls >= *cap) {
+            let noun = if cap == 1 { "call" } else { "calls" };
             return Err(CallRefused::Budget(format!(
-                "the cap of {cap} calls is reached; a higher `--max-calls` goes on from here"
+                "the cap of {cap} {noun} is reached; a higher `--max-calls` goes on from here"
             )));
         }
         if let Some(cap) = self.caps.cost {

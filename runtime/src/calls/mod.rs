@@ -7,10 +7,12 @@ pub mod estimate;
 pub mod ledger;
 
 mod budget;
+mod capped;
 mod fault;
 mod usage;
 
 pub use budget::{Budget, Caps, Spent};
+pub use capped::Capped;
 pub use fault::{Billing, Fault};
 pub use ledger::{Ledger, LedgerError};
 pub use usage::{Usage, Usd};
