@@ -63,7 +63,7 @@ fn roles_go_to_different_models() {
     assert_eq!(said.code, 0, "{}", said.stderr);
     assert_eq!((calls(&vision), calls(&text)), (2, 2));
     let holds = |provider: &Provider, what: &str| {
-        let got = provider.ledger();
+        let got = provider.seen();
         got.got
             .iter()
             .all(|body| String::from_utf8_lossy(body).contains(what))

@@ -87,7 +87,7 @@ fn every_rollout_ends_in_a_named_outcome_and_every_call_is_accounted_for() {
         calls += report.calls;
         faults.extend(report.faults.keys().cloned());
     }
-    assert_eq!(calls, provider.ledger().got.len() as u64);
+    assert_eq!(calls, provider.seen().got.len() as u64);
     assert!(faults.len() >= 5, "only {faults:?} came up");
     assert!(
         !failed.is_empty() && failed.len() < ROLLOUTS as usize / 2,

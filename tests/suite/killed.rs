@@ -140,8 +140,8 @@ fn kill_at(moments: Vec<(usize, u64)>) {
         let mut child = start(folder.path(), &arguments);
         let by_calls = number % 2 == 0;
         let reached = || match by_calls {
-            true => provider.ledger().got.len() >= calls,
-            false => provider.ledger().answered >= calls,
+            true => provider.seen().got.len() >= calls,
+            false => provider.seen().answered >= calls,
         };
         if !ended_before(&mut child, reached) {
             thread::sleep(Duration::from_millis(after_ms));
@@ -155,7 +155,7 @@ fn kill_at(moments: Vec<(usize, u64)>) {
             true => finish(&mut command(folder.path(), &["resume", "run"])),
             // It was killed before it wrote down how it was begun, and so before anything was sent.
             false => {
-                assert_eq!(provider.ledger().got.len(), 0, "{what}");
+                assert_eq!(provider.seen().got.len(), 0, "{what}");
                 let _ = fs::remove_dir_all(&run);
                 finish(&mut command(folder.path(), &arguments))
             }
@@ -203,7 +203,7 @@ fn no_artefact_holds_the_key() {
         .chars()
         .map(|it| format!("\\u{:04x}", u32::from(it)))
         .collect();
-    provider.ledger().said_before = format!("your key is {CANARY}, or {escaped}");
+    provider.seen().said_before = format!("your key is {CANARY}, or {escaped}");
     let arguments = run_arguments(&provider);
     let mut command = command(folder.path(), &arguments.each_ref().map(String::as_str));
     let said = finish(
@@ -233,7 +233,7 @@ fn no_artefact_holds_the_key() {
             assert!(!text.contains(key), "{name} holds the key");
         }
     }
-    let got = provider.ledger();
+    let got = provider.seen();
     assert!(
         got.got
             .iter()

@@ -256,7 +256,7 @@ fn asked(task: &str, lowering: Lowering) -> Request {
 }
 
 /// A script of a model with a lowering; it ends before the action.
-struct Silent(Scripted, Lowering);
+pub struct Silent(pub Scripted, pub Lowering);
 
 impl Model for Silent {
     fn name(&self) -> &str {

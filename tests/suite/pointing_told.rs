@@ -1,14 +1,14 @@
 //! Demonstrations, the sentence that a prompt lacks, and tasks that cannot be asked so, in other frames than pixels.
 
+use super::pointing::Silent;
 use super::support::{self, Scripted, Trial, words_of};
 use compiler::pointing::{Order, Unit};
 use compiler::program::Program;
 use compiler::{LoadError, Loader, compile};
 use runtime::agent::Models;
-use runtime::calls::Calls;
 use runtime::examples::Examples;
+use runtime::model::Lowering;
 use runtime::model::lowering::{self, Points};
-use runtime::model::{Lowering, Model, ModelError, Nature, Reply, Request};
 
 const THOUSANDTHS_Y_FIRST: Lowering = Lowering {
     unit: Unit::PerMille,
@@ -70,27 +70,6 @@ fn demonstrations_are_told_in_the_frame_of_the_model() {
     );
 }
 
-/// A model that says nothing.
-struct Mute(Scripted, Lowering);
-
-impl Model for Mute {
-    fn name(&self) -> &str {
-        "mute"
-    }
-
-    fn nature(&self) -> Nature {
-        Nature::StandIn
-    }
-
-    fn lowering(&self) -> Lowering {
-        self.1
-    }
-
-    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
-        self.0.ask(request, calls)
-    }
-}
-
 /// One text, whatever is asked for.
 struct OneText(String);
 
@@ -136,7 +115,7 @@ fn a_prompt_that_does_not_say_how_points_are_written_gets_a_sentence_and_a_note_
     let folder = tempfile::tempdir().unwrap();
     let trial = Trial::new(&program, folder.path(), Default::default());
     for (lowering, n_notes) in [(Lowering::PIXELS, 0), (THOUSANDTHS_Y_FIRST, 1), (MARKS, 1)] {
-        let model = Mute(Scripted::new(&[]), lowering);
+        let model = Silent(Scripted::new(&[]), lowering);
         let models = Models {
             vision: &model,
             text: &model,
@@ -162,7 +141,7 @@ fn a_prompt_that_does_not_say_how_points_are_written_gets_a_sentence_and_a_note_
 fn what_cannot_be_asked_of_a_model_is_said_before_anything_is_done() {
     let program = plain("any of cloth");
     let check = |lowering| {
-        let model = Mute(Scripted::new(&[]), lowering);
+        let model = Silent(Scripted::new(&[]), lowering);
         let models = Models {
             vision: &model,
             text: &model,

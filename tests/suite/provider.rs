@@ -61,7 +61,7 @@ impl Fate {
 }
 
 /// What a provider got and does.
-pub struct Ledger {
+pub struct Seen {
     /// Bodies of the calls, oldest first.
     pub got: Vec<Vec<u8>>,
     /// How many answers were handed over to be sent.
@@ -75,14 +75,14 @@ pub struct Ledger {
 /// A running provider; it ends when it is dropped.
 pub struct Provider {
     address: String,
-    ledger: Arc<Mutex<Ledger>>,
+    seen: Arc<Mutex<Seen>>,
     _runtime: Runtime,
 }
 
 impl Provider {
     /// Starts a provider on a free port of this machine.
     pub fn start(fate: impl FnMut(usize) -> Fate + Send + 'static) -> Provider {
-        let ledger = Arc::new(Mutex::new(Ledger {
+        let seen = Arc::new(Mutex::new(Seen {
             got: Vec::new(),
             answered: 0,
             fate: Box::new(fate),
@@ -96,11 +96,11 @@ impl Provider {
         let listener = runtime.block_on(TcpListener::bind("127.0.0.1:0")).unwrap();
         let address = format!("http://{}/v1", listener.local_addr().unwrap());
         let router = serve::router(Arc::new(Geometric));
-        let layer = middleware::from_fn_with_state(Arc::clone(&ledger), meet);
+        let layer = middleware::from_fn_with_state(Arc::clone(&seen), meet);
         runtime.spawn(async move { axum::serve(listener, router.layer(layer)).await });
         Provider {
             address,
-            ledger,
+            seen,
             _runtime: runtime,
         }
     }
@@ -116,29 +116,29 @@ impl Provider {
     }
 
     /// Returns what it got so far.
-    pub fn ledger(&self) -> MutexGuard<'_, Ledger> {
-        self.ledger.lock().unwrap()
+    pub fn seen(&self) -> MutexGuard<'_, Seen> {
+        self.seen.lock().unwrap()
     }
 
     /// Returns how often each body came.
     pub fn counts(&self) -> BTreeMap<Vec<u8>, usize> {
         let mut counts = BTreeMap::new();
-        for body in &self.ledger().got {
+        for body in &self.seen().got {
             *counts.entry(body.clone()).or_default() += 1;
         }
         counts
     }
 }
 
-async fn meet(State(ledger): State<Arc<Mutex<Ledger>>>, request: Request, next: Next) -> Response {
+async fn meet(State(seen): State<Arc<Mutex<Seen>>>, request: Request, next: Next) -> Response {
     let (parts, body) = request.into_parts();
     let key = key(&parts.headers);
     let bytes = to_bytes(body, MAX_BYTES).await.unwrap();
     let fate = {
-        let mut ledger = ledger.lock().unwrap();
-        let number = ledger.got.len();
-        ledger.got.push(bytes.to_vec());
-        (ledger.fate)(number)
+        let mut seen = seen.lock().unwrap();
+        let number = seen.got.len();
+        seen.got.push(bytes.to_vec());
+        (seen.fate)(number)
     };
     let failure = |status: u16, kind: &str, message: &str| {
         let body = json!({ "error": { "type": kind, "code": kind, "message": message } });
@@ -152,9 +152,9 @@ async fn meet(State(ledger): State<Arc<Mutex<Ledger>>>, request: Request, next: 
     match fate {
         Fate::Answer => {
             let (parts, bytes) = whole().await;
-            let mut ledger = ledger.lock().unwrap();
-            ledger.answered += 1;
-            Response::from_parts(parts, Body::from(with(&ledger.said_before, &bytes)))
+            let mut seen = seen.lock().unwrap();
+            seen.answered += 1;
+            Response::from_parts(parts, Body::from(with(&seen.said_before, &bytes)))
         }
         Fate::RateLimited => {
             let mut response = failure(429, "rate_limit_exceeded", "slow down");
