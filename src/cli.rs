@@ -184,6 +184,13 @@ pub struct RenderArguments {
     #[cfg(feature = "runtime")]
     #[command(flatten)]
     pub shown: ShownArguments,
+    /// What a model answered, in the order of the questions; shows what follows, such as the message of a refusal.
+    #[cfg(feature = "runtime")]
+    #[arg(long = "reply", value_name = "TEXT", conflicts_with = "scene")]
+    pub replies: Vec<String>,
+    /// Show which component, file and line each line comes from, and what each component weighs in tokens.
+    #[arg(long)]
+    pub why: bool,
     /// Write the messages and the pictures into this folder.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

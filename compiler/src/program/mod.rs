@@ -33,7 +33,7 @@ pub use goal::{Goal, Metric};
 pub use keypoints::{Extractor, Keypoint, KeypointShape, Moment, Response, Sight};
 pub use picker::Picker;
 pub use prompts::{
-    Arrow, Example, Layers, ModelRole, Picture, Read, Stage, Template, Variable, Which,
+    Arrow, Example, Layers, ModelRole, Picture, Read, Stage, Template, Variable, Which, Words,
 };
 pub use shown::{Shown, Written};
 pub use subgoals::{SubgoalImage, Subgoals};
@@ -45,7 +45,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// Version of the shape of [`Program`]; it changes whenever an older reader would misread the data.
-pub const PROGRAM_FORMAT: u32 = 6;
+pub const PROGRAM_FORMAT: u32 = 7;
 
 /// Everything a rollout needs to know about one task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
