@@ -8,6 +8,7 @@ mod cli;
 mod estimate;
 mod exit;
 mod output;
+mod snapshots;
 mod sources;
 
 // The authoring tool writes files too, and has no runtime to take this from.
