@@ -8,6 +8,7 @@ pub mod bench;
 pub mod models;
 #[cfg(feature = "runtime")]
 pub mod sim;
+pub mod snap;
 
 #[cfg(feature = "runtime")]
 use asked::{ModelArguments, SpendArguments, dollars};
@@ -42,6 +43,8 @@ pub enum Verb {
     Explain(ExplainArguments),
     /// Prints the exact messages that a model gets, without asking one.
     Render(RenderArguments),
+    /// Pins what tasks say to models as snapshots beside their files; `--check` fails where they differ.
+    Snap(snap::SnapArguments),
     /// Writes tasks as prompt templates, an answer schema and verifiers for other systems.
     Build(BuildArguments),
     /// Finds a task's keypoints in a picture of yours, and draws its layers on it, without a model.
@@ -87,6 +90,7 @@ impl Verb {
             Verb::Test(arguments) => arguments.json,
             Verb::Explain(_) => false,
             Verb::Render(arguments) => arguments.json,
+            Verb::Snap(arguments) => arguments.json,
             Verb::Build(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::See(arguments) => arguments.json,

@@ -73,6 +73,14 @@ impl Failure {
         }
     }
 
+    /// Says more about what that means.
+    pub fn saying(self, more: &str) -> Failure {
+        Failure {
+            message: format!("{}; {more}", self.message),
+            ..self
+        }
+    }
+
     /// A cap stopped it before there was anything to report.
     #[cfg(feature = "runtime")]
     pub fn capped(error: impl fmt::Display) -> Failure {

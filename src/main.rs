@@ -8,6 +8,7 @@ mod cli;
 mod estimate;
 mod exit;
 mod output;
+mod snap;
 mod snapshots;
 mod sources;
 
@@ -25,6 +26,8 @@ mod demos;
 mod doctor;
 mod explain;
 mod fix;
+#[cfg(feature = "runtime")]
+mod look;
 #[cfg(feature = "runtime")]
 mod models;
 #[cfg(feature = "runtime")]
@@ -84,6 +87,7 @@ fn run(verb: Verb) -> Exit {
         Verb::Test(arguments) => test::run(&arguments),
         Verb::Explain(arguments) => explain::run(&arguments),
         Verb::Render(arguments) => render::run(&arguments),
+        Verb::Snap(arguments) => snap::run(&arguments),
         Verb::Build(arguments) => build::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::See(arguments) => see::run(&arguments),

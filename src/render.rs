@@ -10,6 +10,11 @@ mod listed;
 pub mod page;
 mod why;
 
+#[cfg(feature = "runtime")]
+pub use camera::shown_without_drawing;
+#[cfg(not(feature = "runtime"))]
+pub use camera::shown_without_pictures;
+
 use crate::cli::RenderArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, sources};
@@ -136,7 +141,7 @@ pub fn title(picture: &PromptPicture, step: u32) -> String {
 }
 
 /// Returns what a model would be told where an answer is refused; none where the stage reads no action.
-fn corrections_of(
+pub fn corrections_of(
     program: &Program,
     stage: &Stage,
     values: compiler::render::Values<'_>,

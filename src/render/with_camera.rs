@@ -6,28 +6,23 @@ use super::title;
 use super::why::Rates;
 use crate::cli::RenderArguments;
 use crate::exit::Failure;
+use crate::look::{self, Seen};
 use crate::setting::known;
 use crate::setting::models::Told;
 use crate::{setting, sources};
-use compiler::facts::{Done, Facts, SceneView};
-use compiler::program::{ClothStart, PixelPoint, Program, Stage, Subgoals, Value};
+use compiler::facts::{Facts, SceneView};
+use compiler::program::{ClothStart, Program, Stage};
 use compiler::render::Values;
-use compiler::reply::Proposal;
 use compiler::verify::Verdict;
 use runtime::agent::{self, Conversation, Finding, Rehearsed, Situation, Spoken, SpokenPart};
 use runtime::calls::Usage;
 use runtime::examples::Examples;
-use runtime::expert;
 use runtime::interrupt::Interrupt;
 use runtime::model::catalogue::Profile;
 use runtime::model::{Message, Part, Speaker};
-use runtime::observation::Observation;
 use runtime::picture;
 use runtime::pictures::Pictures;
-use runtime::scene::Scene;
-use runtime::start::Start;
 use runtime::subgoals::SubgoalSet;
-use runtime::world::World;
 use std::collections::BTreeMap;
 
 /// Returns the task for the cloth of the start file that is named, where one is; else the task as it is.
@@ -90,7 +85,7 @@ impl View {
             &interrupt,
         )?;
         let step = arguments.step;
-        let seen = look(program, &start, step, world.as_mut(), &interrupt)?;
+        let seen = look::at(program, &start, step, &subgoals, world.as_mut(), &interrupt)?;
         let picture = &seen.observation.rgb;
         let annotated = seen.scene.annotated(program, picture, seen.last.as_ref());
         let pictures = Pictures {
@@ -230,97 +225,43 @@ fn in_words(finding: &Finding) -> String {
     }
 }
 
-/// What the camera sees at a step, and the action before it.
-struct Seen {
-    scene: Scene,
-    observation: Observation,
-    last: Option<Done>,
-}
-
-fn look(
-    program: &Program,
-    start: &Start,
-    step: u32,
-    world: &mut dyn World,
-    interrupt: &Interrupt,
-) -> Result<Seen, Failure> {
-    let mut seen: Option<Seen> = None;
-    world.reset(start).map_err(Failure::environment)?;
-    for earlier in 0..step {
-        let mut last = None;
-        if earlier > 0 {
-            let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
-                return Err(Failure::usage(
-                    "the task demonstrates no folds, so that only step 1 can be shown; give `--scene FILE.json`",
-                ));
-            };
-            let fold = &folds[(earlier as usize - 1).min(folds.len() - 1)];
-            let motion = expert::motion(fold, start, world).map_err(Failure::environment)?;
-            let camera = world.observe().map_err(Failure::environment)?.camera;
-            let pixel = |point| {
-                let [column, row]: [f64; 2] = camera.pixel_from_world(point)?;
-                Some(PixelPoint::new(column.floor() as i32, row.floor() as i32))
-            };
-            last = pixel(motion.pick)
-                .zip(pixel(motion.place))
-                .map(|(pick, place)| done(pick, place));
-            world
-                .act(&motion, interrupt)
-                .map_err(Failure::environment)?;
-        }
-        let observation = world.observe().map_err(Failure::environment)?;
-        let first = seen.as_ref().map(|seen| &seen.scene);
-        let scene = Scene::of(program, &observation, first).map_err(Failure::environment)?;
-        seen = Some(Seen {
-            scene,
-            observation,
-            last,
-        });
-    }
-    seen.ok_or_else(|| Failure::usage("steps are counted from 1"))
-}
-
-/// Makes the action that a demonstrated fold stands for.
-fn done(pick: PixelPoint, place: PixelPoint) -> Done {
-    let field = |name: &str, point| (name.to_owned(), Value::Point(point));
-    Done {
-        proposal: Proposal {
-            fields: vec![field("pick", pick), field("place", place)],
-        },
-        pick,
-        place,
-    }
+/// Returns messages as they are shown where their pictures are not wanted.
+pub fn shown_without_drawing(spoken: &[Spoken], step: u32) -> Vec<Shown> {
+    spoken
+        .iter()
+        .map(|spoken| one(spoken, None, step))
+        .collect()
 }
 
 /// Puts what is said and what is sent together.
 fn shown(conversation: &Conversation, step: u32) -> Vec<Shown> {
     let both = conversation.spoken.iter().zip(&conversation.messages);
-    let message = |(spoken, message): (&Spoken, &Message)| Shown {
+    both.map(|(spoken, message)| one(spoken, Some(message), step))
+        .collect()
+}
+
+fn one(spoken: &Spoken, sent: Option<&Message>, step: u32) -> Shown {
+    let png = |number: usize| match sent?.parts.get(number)? {
+        Part::Image(png) => Some(png.bytes().to_vec()),
+        Part::Text(_) => None,
+    };
+    let part = |(number, part): (usize, &SpokenPart)| {
+        let title = match part {
+            SpokenPart::Text(said) => return ShownPart::Text(said.clone()),
+            SpokenPart::Picture(picture) => title(picture, step),
+            SpokenPart::RefusedAction => "the refused action".to_owned(),
+        };
+        let png = png(number);
+        ShownPart::Picture { title, png }
+    };
+    Shown {
         role: match spoken.speaker {
             Speaker::System => "system",
             Speaker::User => "user",
             Speaker::Assistant => "assistant",
         },
-        parts: spoken
-            .parts
-            .iter()
-            .zip(&message.parts)
-            .map(|(said, sent)| match said {
-                SpokenPart::Text(said) => ShownPart::Text(said.clone()),
-                SpokenPart::Picture(picture) => drawn(title(picture, step), sent),
-                SpokenPart::RefusedAction => drawn("the refused action".to_owned(), sent),
-            })
-            .collect(),
-    };
-    both.map(message).collect()
-}
-
-fn drawn(title: String, sent: &Part) -> ShownPart {
-    let png = match sent {
-        Part::Image(png) => Some(png.bytes().to_vec()),
-        Part::Text(_) => None,
-    };
-    ShownPart::Picture { title, png }
+        parts: spoken.parts.iter().enumerate().map(part).collect(),
+    }
 }
 
 impl Rates for Profile {

@@ -82,6 +82,12 @@ impl View {
     }
 }
 
+/// Returns messages as they are shown by a build that cannot draw.
+pub fn shown_without_pictures(messages: Vec<PromptMessage>, step: u32) -> Vec<Shown> {
+    let messages = messages.into_iter();
+    messages.map(|message| shown(message, step)).collect()
+}
+
 fn shown(message: PromptMessage, step: u32) -> Shown {
     let role = match message.speaker {
         PromptSpeaker::System => "system",

@@ -122,6 +122,17 @@ impl Program {
         }
     }
 
+    /// Returns whether a question or its picture says something of the action before, so that the first step does not
+    /// show all of it.
+    pub fn looks_back(&self) -> bool {
+        let stages = self.stages.iter();
+        let mut said = stages.flat_map(|stage| stage.system.iter().chain(&stage.say));
+        let mut guards = said
+            .by_ref()
+            .filter_map(|name| self.template(name)?.when.as_ref());
+        guards.any(Condition::looks_back) || self.layers.iter().any(Layer::uses_last)
+    }
+
     /// Returns the largest number of model calls in one step: every stage, asked as often as it may be, for each
     /// action of the step.
     pub fn calls_per_step(&self) -> u32 {
