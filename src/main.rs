@@ -32,6 +32,7 @@ mod probe;
 mod render;
 #[cfg(feature = "runtime")]
 mod resume;
+mod review;
 #[cfg(feature = "runtime")]
 mod run;
 #[cfg(feature = "runtime")]
@@ -85,6 +86,7 @@ fn run(verb: Verb) -> Exit {
         Verb::Explain(arguments) => explain::run(&arguments),
         Verb::Render(arguments) => render::run(&arguments),
         Verb::Build(arguments) => build::run(&arguments),
+        Verb::Review(arguments) => review::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::See(arguments) => see::run(&arguments),
         #[cfg(feature = "runtime")]
