@@ -8,6 +8,10 @@ mod cli;
 mod estimate;
 mod exit;
 mod output;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "what writes snapshots is another verb")
+)]
 mod snapshots;
 mod sources;
 

@@ -6,10 +6,14 @@
 use super::find::Pending;
 use crate::snapshots::{Metadata, Origin};
 use serde::Serialize;
-use similar::{Algorithm, DiffTag, capture_diff_slices};
+use similar::{Algorithm, DiffOp, DiffTag, capture_diff_slices};
+use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Unchanged lines that are shown before and after an edit.
 const CONTEXT: usize = 2;
+/// The longest texts that are compared line by line; the time for it grows with the square. Longer ones are one edit.
+const MAX_COMPARED_LINES: usize = 10_000;
 
 /// What caused a change.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -34,7 +38,7 @@ impl Cause {
 }
 
 /// Lines of one component that became others.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Edit {
     /// Where the lines come from; of lines that were added, where they are now, else where they were.
     pub causes: Vec<Cause>,
@@ -66,91 +70,101 @@ struct Line<'a> {
     origin: Option<&'a Origin>,
 }
 
+/// A text's lines, and where they come from.
+struct Lines<'a> {
+    lines: Vec<&'a str>,
+    /// In order of their first lines.
+    origins: Vec<&'a Origin>,
+}
+
+impl<'a> Lines<'a> {
+    fn of(text: &'a str, metadata: &'a Metadata) -> Lines<'a> {
+        let info = metadata.info.iter();
+        let mut origins: Vec<&Origin> = info.flat_map(|info| &info.origin).collect();
+        origins.sort_by_key(|origin| origin.from);
+        Lines {
+            lines: text.lines().collect(),
+            origins,
+        }
+    }
+
+    fn some(&self, range: Range<usize>) -> Vec<Line<'a>> {
+        range.map(|at| self.line(at)).collect()
+    }
+
+    fn line(&self, at: usize) -> Line<'a> {
+        let number = u32::try_from(at + 1).unwrap_or(u32::MAX);
+        let after = self.origins.partition_point(|origin| origin.from <= number);
+        let last = after.checked_sub(1).map(|at| self.origins[at]);
+        Line {
+            text: self.lines[at],
+            origin: last.filter(|origin| number <= origin.to),
+        }
+    }
+
+    fn owned(&self, range: Range<usize>) -> Vec<String> {
+        let lines = self.lines[range].iter();
+        lines.map(|line| (*line).to_owned()).collect()
+    }
+}
+
 /// Returns the edits of a snapshot whose text changed.
 pub fn edits(pending: &Pending) -> Vec<Edit> {
     let (Some((before, after)), Some(accepted)) = (pending.texts(), &pending.accepted) else {
         return Vec::new();
     };
-    let old: Vec<&str> = before.lines().collect();
-    let new: Vec<&str> = after.lines().collect();
+    let old = Lines::of(before, &accepted.metadata);
+    let new = Lines::of(after, &pending.proposed.metadata);
+    let count = new.lines.len();
+    let changes = match old.lines.len().max(count) > MAX_COMPARED_LINES {
+        true => vec![DiffOp::Replace {
+            old_index: 0,
+            old_len: old.lines.len(),
+            new_index: 0,
+            new_len: count,
+        }],
+        false => capture_diff_slices(Algorithm::Myers, &old.lines, &new.lines),
+    };
     let mut edits = Vec::new();
-    for change in capture_diff_slices(Algorithm::Myers, &old, &new) {
+    for change in changes {
         if change.tag() == DiffTag::Equal {
             continue;
         }
-        let removed: Vec<Line<'_>> = change
-            .old_range()
-            .map(|at| line(old[at], at, &accepted.metadata))
-            .collect();
-        let added: Vec<Line<'_>> = change
-            .new_range()
-            .map(|at| line(new[at], at, &pending.proposed.metadata))
-            .collect();
-        let start = change.new_range().start;
-        let end = change.new_range().end;
-        let owned = |lines: &[&str]| lines.iter().map(|line| (*line).to_owned()).collect();
-        let around: [Vec<String>; 2] = [
-            owned(&new[start.saturating_sub(CONTEXT)..start]),
-            owned(&new[end..new.len().min(end + CONTEXT)]),
-        ];
-        edits.extend(by_component(&removed, &added, &around));
+        let Range { start, end } = change.new_range();
+        let mut found = by_component(&old.some(change.old_range()), &new.some(start..end));
+        if let Some(first) = found.first_mut() {
+            first.before = new.owned(start.saturating_sub(CONTEXT)..start);
+        }
+        if let Some(last) = found.last_mut() {
+            last.after = new.owned(end..count.min(end + CONTEXT));
+        }
+        edits.append(&mut found);
     }
     edits
 }
 
-fn line<'a>(text: &'a str, at: usize, metadata: &'a Metadata) -> Line<'a> {
-    let number = u32::try_from(at + 1).unwrap_or(u32::MAX);
-    let origins = metadata.info.iter().flat_map(|info| &info.origin);
-    Line {
-        text,
-        origin: origins
-            .into_iter()
-            .find(|origin| (origin.from..=origin.to).contains(&number)),
-    }
-}
-
-fn by_component(
-    removed: &[Line<'_>],
-    added: &[Line<'_>],
-    [before, after]: &[Vec<String>; 2],
-) -> Vec<Edit> {
-    let component = |line: &Line<'_>| line.origin.map(|origin| origin.component.clone());
-    let mut components = Vec::new();
-    for line in added.iter().chain(removed) {
-        let component = component(line);
-        if !components.contains(&component) {
-            components.push(component);
-        }
-    }
-    let of = |lines: &[Line<'_>], wanted: &Option<String>| -> Vec<String> {
-        lines
-            .iter()
-            .filter(|line| component(line) == *wanted)
-            .map(|line| line.text.to_owned())
-            .collect()
-    };
-    let mut edits: Vec<Edit> = components
-        .iter()
-        .map(|wanted| {
-            let origins = added.iter().chain(removed).filter_map(|line| line.origin);
-            // The new place says it where there is one: the file that was removed from may have moved.
-            let origin = origins
-                .into_iter()
-                .find(|origin| Some(&origin.component) == wanted.as_ref());
-            Edit {
-                causes: origin.map(cause).into_iter().collect(),
-                removed: of(removed, wanted),
-                added: of(added, wanted),
-                before: Vec::new(),
-                after: Vec::new(),
-            }
-        })
-        .collect();
-    if let Some(first) = edits.first_mut() {
-        first.before.clone_from(before);
-    }
-    if let Some(last) = edits.last_mut() {
-        last.after.clone_from(after);
+/// Returns an edit for each component that lines go from or come from, in the order of the new text.
+///
+/// The new place of a component says its cause where there is one: what was removed may have moved since.
+fn by_component(removed: &[Line<'_>], added: &[Line<'_>]) -> Vec<Edit> {
+    let mut edits: Vec<Edit> = Vec::new();
+    let mut known: BTreeMap<Option<&str>, usize> = BTreeMap::new();
+    let added = added.iter().map(|line| (line, DiffTag::Insert));
+    let removed = removed.iter().map(|line| (line, DiffTag::Delete));
+    for (line, tag) in added.chain(removed) {
+        let component = line.origin.map(|origin| origin.component.as_str());
+        let at = *known.entry(component).or_insert_with(|| {
+            edits.push(Edit {
+                causes: line.origin.map(cause).into_iter().collect(),
+                ..Edit::default()
+            });
+            edits.len() - 1
+        });
+        let side = match tag {
+            DiffTag::Insert => &mut edits[at].added,
+            _ => &mut edits[at].removed,
+        };
+        side.push(line.text.to_owned());
     }
     edits
 }

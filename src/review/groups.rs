@@ -18,7 +18,7 @@ pub enum Kind {
     Edit,
     /// Scenes that change.
     Scene,
-    /// Pictures that change.
+    /// Pictures that change, or become texts.
     Picture,
     /// Snapshots that were not there.
     New,
@@ -129,11 +129,13 @@ fn once(edits: &[Edit]) -> Vec<Edit> {
 }
 
 fn kind(one: &Pending) -> Kind {
-    match (&one.accepted, &one.proposed.contents) {
-        (None, _) => Kind::New,
-        (Some(_), Contents::Picture(_)) => Kind::Picture,
-        (Some(_), Contents::Text(_)) if one.info.stage.is_none() => Kind::Scene,
-        (Some(_), Contents::Text(_)) => Kind::Edit,
+    let Some(accepted) = &one.accepted else {
+        return Kind::New;
+    };
+    match (&accepted.contents, &one.proposed.contents) {
+        (Contents::Text(_), Contents::Text(_)) if one.info.stage.is_none() => Kind::Scene,
+        (Contents::Text(_), Contents::Text(_)) => Kind::Edit,
+        _ => Kind::Picture,
     }
 }
 
@@ -146,7 +148,7 @@ fn key(one: &Pending, kind: Kind, edits: &[Edit]) -> String {
         ],
         (_, Some((before, after))) => vec![hash(before), hash(after)],
         // A text in place of a picture, or the other way round, is like no other.
-        _ if one.texts().is_none() => vec![one.path.display().to_string()],
+        (Kind::Picture, None) => vec![one.name.to_string()],
         _ => {
             let keys: BTreeSet<String> = edits.iter().map(Edit::key).collect();
             keys.into_iter().collect()

@@ -14,10 +14,13 @@ mod session;
 mod sheets;
 mod show;
 mod styled;
+#[cfg(test)]
+mod tests;
 
 use crate::cli::review::ReviewArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
+use crate::snapshots::Name;
 use cost::Pricing;
 use decide::Decision;
 use find::{Found, Pending};
@@ -51,8 +54,7 @@ pub fn run(arguments: &ReviewArguments) -> Result<Exit, Failure> {
         );
     }
     if arguments.json {
-        let all: Vec<usize> = (0..found.pending.len()).collect();
-        let value = as_json(&found, &groups, &all, pricing.as_ref(), &mut sheets)?;
+        let value = as_json(&found, &groups, pricing.as_ref(), &mut sheets)?;
         output::json(&value);
         return Ok(Exit::Done);
     }
@@ -108,18 +110,23 @@ fn by_id(
     }
     let decided: Vec<(usize, Decision)> = decisions.into_iter().collect();
     decide::apply(found, &decided)?;
-    let names = |wanted: Decision| -> Vec<&str> {
+    let names = |wanted: Decision| -> Vec<Name> {
         decided
             .iter()
             .filter(|(_, decision)| *decision == wanted)
-            .map(|(at, _)| found.pending[*at].name.as_str())
+            .map(|(at, _)| found.pending[*at].name.clone())
             .collect()
     };
     let (accepted, rejected) = (names(Decision::Accept), names(Decision::Reject));
-    let is_left = |at: &usize| decided.iter().all(|(decided, _)| decided != at);
-    let left: Vec<usize> = (0..found.pending.len()).filter(is_left).collect();
+    let mut number = 0..;
+    found.pending.retain(|_| {
+        number
+            .next()
+            .is_some_and(|at| !decided.iter().any(|(decided, _)| *decided == at))
+    });
     if arguments.json {
-        let mut value = as_json(found, groups, &left, pricing, sheets)?;
+        let left = groups::group(&found.pending);
+        let mut value = as_json(found, &left, pricing, sheets)?;
         value["accepted"] = json!(accepted);
         value["rejected"] = json!(rejected);
         output::json(&value);
@@ -128,37 +135,31 @@ fn by_id(
             "accepted {}, rejected {}, still pending {}",
             accepted.len(),
             rejected.len(),
-            left.len()
+            found.pending.len()
         ));
     }
     Ok(Exit::Done)
 }
 
-/// Returns the groups of the snapshots that are left, as JSON.
+/// Returns what is pending as JSON.
 fn as_json(
     found: &Found,
     groups: &[Group],
-    left: &[usize],
     pricing: Option<&Pricing>,
     sheets: &mut Sheets,
 ) -> Result<Value, Failure> {
     let mut shown = Vec::new();
     for group in groups {
-        let members: Vec<&Pending> = group
-            .members
-            .iter()
-            .filter(|at| left.contains(at))
-            .map(|at| &found.pending[*at])
-            .collect();
-        let Some(first) = members.first() else {
-            continue;
-        };
-        let picture = match group.kind == Kind::Picture && sheets.has_folder() {
-            true => {
+        let members = || group.members.iter().map(|at| &found.pending[*at]);
+        let first = members()
+            .next()
+            .filter(|_| group.kind == Kind::Picture && sheets.has_folder());
+        let picture = match first {
+            Some(first) => {
                 let sheet = sheets.draw(&group.id, first)?;
                 json!({ "path": sheet.path, "changed_pixels": sheet.n_changed, "bounds": sheet.bounds })
             }
-            false => Value::Null,
+            None => Value::Null,
         };
         let edits: Vec<Value> = group
             .edits
@@ -174,10 +175,10 @@ fn as_json(
             "tokens": sums.map(|[before, after]| json!({ "before": before, "after": after })),
             "cost": cost::to_json(&group.tokens, pricing),
             "picture": picture,
-            "snapshots": members.iter().map(|one| snapshot(one)).collect::<Vec<_>>(),
+            "snapshots": members().map(snapshot).collect::<Vec<_>>(),
         }));
     }
-    Ok(json!({ "groups": shown, "pending": left.len(), "foreign": found.n_foreign }))
+    Ok(json!({ "groups": shown, "pending": found.pending.len(), "foreign": found.n_foreign }))
 }
 
 fn snapshot(one: &Pending) -> Value {

@@ -58,6 +58,8 @@ const FOLDED_CAUSES: usize = 4;
 const FOLDED_LINES: usize = 12;
 /// Below this likeness of two lines, marking the words that differ would mark nearly all.
 const LIKE: f32 = 0.4;
+/// The longest lines whose words are compared, bytes; the time for it grows with their square.
+const MAX_COMPARED_BYTES: usize = 10_000;
 
 /// Returns a group as lines for the terminal.
 pub fn group(group: &Group, pending: &[Pending], pricing: Option<&Pricing>, view: &View) -> String {
@@ -66,11 +68,9 @@ pub fn group(group: &Group, pending: &[Pending], pricing: Option<&Pricing>, view
         lines: Vec::new(),
     };
     page.line(Line::of(&head(group, pending), Style::Head));
-    let shown = limited(group.causes.len(), FOLDED_CAUSES, view.extent);
-    for cause in &group.causes[..shown] {
-        page.line(Line::of(&format!("  {}", place(cause)), Style::Head));
+    if group.kind != Kind::Edit {
+        page.causes(&group.causes);
     }
-    page.rest(group.causes.len() - shown, "more places");
     for edit in &group.edits {
         page.edit(edit);
     }
@@ -80,10 +80,7 @@ pub fn group(group: &Group, pending: &[Pending], pricing: Option<&Pricing>, view
     if group.kind == Kind::New {
         page.new_texts(group, pending);
     }
-    page.plain(match group.members.len() {
-        1 => "touches:",
-        _ => "touch:",
-    });
+    page.plain("snapshots:");
     let shown = limited(group.members.len(), FOLDED_SNAPSHOTS, view.extent);
     for member in &group.members[..shown] {
         page.plain(&format!("  {}", pending[*member].name));
@@ -105,7 +102,11 @@ fn head(group: &Group, pending: &[Pending]) -> String {
         Kind::Edit if group.edits.len() > 1 => {
             format!("{} edits change {count} {snapshots}", group.edits.len())
         }
-        Kind::Edit => format!("one edit changes {count} {snapshots}"),
+        Kind::Edit => {
+            let cause = group.causes.first();
+            let place = cause.map_or(String::new(), |cause| format!(": {}", place(cause)));
+            format!("one edit changes {count} {snapshots}{place}")
+        }
         Kind::Scene => format!("{count} pinned {snapshots} of scenes changed"),
         Kind::Picture => format!("{count} {snapshots} of pictures changed alike"),
         Kind::New => {
@@ -173,9 +174,18 @@ impl Page<'_> {
         }
     }
 
+    fn causes(&mut self, causes: &[Cause]) {
+        let shown = limited(causes.len(), FOLDED_CAUSES, self.view.extent);
+        for cause in &causes[..shown] {
+            self.plain(&format!("   {}", place(cause)));
+        }
+        self.rest(causes.len() - shown, "more places");
+    }
+
     fn edit(&mut self, edit: &Edit) {
-        let places: Vec<String> = edit.causes.iter().take(1).map(place).collect();
-        self.line(Line::of(&format!("@@ {}", places.join(", ")), Style::Faint));
+        let first = edit.causes.first().map_or(String::new(), place);
+        self.line(Line::of(&format!("@@ {first}"), Style::Faint));
+        self.causes(edit.causes.get(1..).unwrap_or_default());
         for line in &edit.before {
             self.signed(" ", &Line::of(line, Style::Faint), Style::Faint);
         }
@@ -250,6 +260,9 @@ fn marked(removed: &[String], added: &[String]) -> (Vec<Line>, Vec<Line>) {
     let mut old: Vec<Line> = whole(removed, Style::Removed);
     let mut new: Vec<Line> = whole(added, Style::Added);
     for (at, (before, after)) in removed.iter().zip(added).enumerate() {
+        if before.len().max(after.len()) > MAX_COMPARED_BYTES {
+            continue;
+        }
         let words = TextDiff::from_words(before.as_str(), after.as_str());
         if words.ratio() < LIKE {
             continue;

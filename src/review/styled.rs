@@ -92,11 +92,12 @@ impl Line {
         self
     }
 
-    /// Returns it as a terminal shows it.
+    /// Returns it as a terminal shows it, without the blanks at its end.
     pub fn painted(&self, color: compiler::diag::Color) -> String {
         let mut text = String::new();
         let mut now = Style::Plain;
-        for (letter, style) in &self.0 {
+        let last = self.0.iter().rposition(|cell| cell.0 != ' ');
+        for (letter, style) in &self.0[..last.map_or(0, |last| last + 1)] {
             if color == compiler::diag::Color::Ansi && *style != now {
                 text.push_str("\x1b[0m");
                 text.push_str(code(*style));
@@ -107,7 +108,6 @@ impl Line {
         if now != Style::Plain {
             text.push_str("\x1b[0m");
         }
-        text.truncate(text.trim_end_matches(' ').len());
         text
     }
 }

@@ -1,5 +1,6 @@
 //! `fabc review`: what is pending, as JSON and on a terminal, and what becomes of it.
 
+mod documented;
 mod made;
 mod peer_cargo_insta;
 mod scripts;

@@ -52,8 +52,16 @@ pub fn one_edit(folder: &Path, n_tasks: usize) {
     for number in 1..=n_tasks {
         let task = format!("fold_{number:02}");
         let name = format!("{task}.describe@start");
-        accepted(folder, &name, &prompt(&task, "The red dots are corners.", 810));
-        pending(folder, &name, &prompt(&task, "The blue dots are corners.", 812));
+        accepted(
+            folder,
+            &name,
+            &prompt(&task, "The red dots are corners.", 810),
+        );
+        pending(
+            folder,
+            &name,
+            &prompt(&task, "The blue dots are corners.", 812),
+        );
     }
 }
 
@@ -78,7 +86,11 @@ pub fn each_kind(folder: &Path) {
     );
     pending(folder, "half.describe@start", &prompt("half", "Dots.", 700));
     pending(folder, "half.act@start", &prompt("half", "More dots.", 90));
-    pending(folder, "crate__theirs", "---\nsource: a.rs\nexpression: x\n---\nx\n");
+    pending(
+        folder,
+        "crate__theirs",
+        "---\nsource: a.rs\nexpression: x\n---\nx\n",
+    );
 }
 
 /// Returns a grey PNG file, with a red square of four pixels at a place.

@@ -13,7 +13,6 @@ fn cargo_insta(folder: &Path, arguments: &[&str]) -> Output {
     );
     let output = Command::new(program)
         .current_dir(folder)
-        .arg("insta")
         .args(arguments)
         .env_remove("CARGO_MANIFEST_DIR")
         .env("NO_COLOR", "1")
@@ -62,7 +61,10 @@ fn peer_cargo_insta_lists_and_accepts_what_is_pending() {
         panic!("{value:#}");
     };
     assert_eq!(edit["cause"][0]["component"], "visual_context");
-    assert_eq!(edit["tokens"], serde_json::json!({ "before": 700, "after": 702 }));
+    assert_eq!(
+        edit["tokens"],
+        serde_json::json!({ "before": 700, "after": 702 })
+    );
     assert_eq!(scene["cause"][1]["component"], "drawn_from changed");
     let said = finish(fabc(folder.path()).args(["review", "--accept-all"]));
     assert_eq!(said.stdout, "accepted 2, rejected 0, still pending 0\n");

@@ -46,9 +46,9 @@ fn one_edit_of_forty_snapshots_is_one_group() {
 fn what_is_pending_is_told_as_json() {
     let folder = tempfile::tempdir().unwrap();
     each_kind(&folder.path().join("snapshots"));
-    let facts = "[[model]]\nprovider = \"vllm\"\nid = \"mine\"\nprice = [{ input = 2, output = 10 }]\nas_of = \"2026-11-20\"\nsource = \"a test\"\n";
+    let facts = "[[model]]\nprovider = \"openai\"\nid = \"mine\"\nprice = [{ input = 2, output = 10 }]\nas_of = \"2026-11-20\"\nsource = \"a test\"\n";
     fs::write(folder.path().join("facts.toml"), facts).unwrap();
-    let model = ["--model", "vllm:mine", "--models", "facts.toml"];
+    let model = ["--model", "openai:mine", "--models", "facts.toml"];
     let value = json(folder.path(), &[&model[..], &["--out", "drawn"]].concat());
     insta::assert_snapshot!(serde_json::to_string_pretty(&value).unwrap());
     let group = value["groups"].as_array().unwrap();
@@ -98,22 +98,34 @@ fn groups_and_snapshots_are_accepted_and_rejected_by_id() {
     assert_eq!(left(&snapshots), ["crate__theirs", "half@start"]);
     let after = files(&snapshots);
     for (was, is) in [
-        ("half@start.subgoal_1.snap.new.png", "half@start.subgoal_1.snap.png"),
-        ("fold_01.describe@start.snap.new", "fold_01.describe@start.snap"),
+        (
+            "half@start.subgoal_1.snap.new.png",
+            "half@start.subgoal_1.snap.png",
+        ),
+        (
+            "fold_01.describe@start.snap.new",
+            "fold_01.describe@start.snap",
+        ),
         ("fold_02.describe@start.snap", "fold_02.describe@start.snap"),
     ] {
         assert_eq!(before[was], after[is]);
     }
     let value = json(folder.path(), &["--accept-all"]);
     assert_eq!(value["accepted"], serde_json::json!(["half@start"]));
-    assert_eq!((&value["pending"], &value["foreign"]), (&0.into(), &1.into()));
+    assert_eq!(
+        (&value["pending"], &value["foreign"]),
+        (&0.into(), &1.into())
+    );
     assert_eq!(left(&snapshots), ["crate__theirs"]);
 }
 
 #[test]
 fn an_id_that_names_nothing_or_too_much_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let (one, two) = (folder.path().join("a/snapshots"), folder.path().join("b/snapshots"));
+    let (one, two) = (
+        folder.path().join("a/snapshots"),
+        folder.path().join("b/snapshots"),
+    );
     one_edit(&one, 2);
     one_edit(&two, 1);
     let before = (files(&one), files(&two));
@@ -127,7 +139,12 @@ fn an_id_that_names_nothing_or_too_much_changes_nothing() {
             "`fold_01.describe@start` names several snapshots: `a/snapshots/fold_01.describe@start.snap.new`, `b/snapshots/fold_01.describe@start.snap.new`",
         ),
         (
-            &["--accept", "fold_02.describe@start", "--reject", "fold_02.describe@start"],
+            &[
+                "--accept",
+                "fold_02.describe@start",
+                "--reject",
+                "fold_02.describe@start",
+            ],
             "`fold_02.describe@start` is both accepted and rejected",
         ),
         (
@@ -171,8 +188,20 @@ fn places_and_patterns_say_what_is_meant() {
     assert_eq!(count(&["--only", "fold_*@nowhere"]), 0);
     let said = review(root, &["nowhere"]);
     assert_eq!(said.code, 2);
-    assert!(said.stderr.contains("cannot read `nowhere`"), "{}", said.stderr);
-    let said = review(root, &["--accept-all", "--reject", "fold_03.describe@start", "tasks"]);
+    assert!(
+        said.stderr.contains("cannot read `nowhere`"),
+        "{}",
+        said.stderr
+    );
+    let said = review(
+        root,
+        &[
+            "--accept-all",
+            "--reject",
+            "fold_03.describe@start",
+            "tasks",
+        ],
+    );
     assert_eq!(said.stdout, "accepted 2, rejected 1, still pending 0\n");
 }
 
@@ -203,12 +232,16 @@ fn two_components_that_change_side_by_side_are_two_edits() {
 fn without_a_terminal_it_says_what_to_use() {
     let folder = tempfile::tempdir().unwrap();
     let said = review(folder.path(), &[]);
-    assert_eq!((said.code, said.stderr.as_str()), (0, "nothing is pending\n"));
+    assert_eq!(
+        (said.code, said.stderr.as_str()),
+        (0, "nothing is pending\n")
+    );
     one_edit(&folder.path().join("snapshots"), 2);
     let said = review(folder.path(), &[]);
     assert_eq!(said.code, 64);
     assert!(
-        said.stderr.contains("this is no terminal; use --json, --accept"),
+        said.stderr
+            .contains("this is no terminal; use --json, --accept"),
         "{}",
         said.stderr
     );
@@ -219,7 +252,11 @@ fn a_file_that_cannot_be_read_is_named_and_nothing_changes() {
     let folder = tempfile::tempdir().unwrap();
     let snapshots = folder.path().join("snapshots");
     one_edit(&snapshots, 2);
-    write(&snapshots, "fold_02.describe@start.snap.new", b"---\n---\n\xff");
+    write(
+        &snapshots,
+        "fold_02.describe@start.snap.new",
+        b"---\n---\n\xff",
+    );
     let before = files(&snapshots);
     for arguments in [&["--accept-all"][..], &["--json"]] {
         let said = review(folder.path(), arguments);

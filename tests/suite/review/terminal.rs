@@ -71,7 +71,8 @@ impl Session {
             }
             let bytes = self.shown.recv_timeout(PATIENCE);
             let bytes = bytes.unwrap_or_else(|_| panic!("no `{words}` in:\n{}", self.text));
-            self.text.push_str(&String::from_utf8(bytes).unwrap().replace('\r', ""));
+            self.text
+                .push_str(&String::from_utf8(bytes).unwrap().replace('\r', ""));
         }
     }
 
@@ -83,7 +84,8 @@ impl Session {
     fn end(mut self) -> (Option<i32>, String) {
         let code = self.child.wait().unwrap().code();
         while let Ok(bytes) = self.shown.recv_timeout(PATIENCE) {
-            self.text.push_str(&String::from_utf8(bytes).unwrap().replace('\r', ""));
+            self.text
+                .push_str(&String::from_utf8(bytes).unwrap().replace('\r', ""));
         }
         (code, self.text)
     }
@@ -95,7 +97,11 @@ const PROMPT: &str = "[q]uit [?] ";
 fn three_groups(folder: &Path) {
     one_edit(folder, 2);
     accepted(folder, "half.describe@start", &prompt("half", "Dots.", 700));
-    pending(folder, "half.describe@start", &prompt("half", "Red dots.", 690));
+    pending(
+        folder,
+        "half.describe@start",
+        &prompt("half", "Red dots.", 690),
+    );
     pending(folder, "new.describe@start", &prompt("new", "Dots.", 500));
 }
 
@@ -116,8 +122,14 @@ fn one_is_accepted_one_rejected_and_one_skipped() {
     assert_eq!(files(&snapshots), before, "nothing was decided");
     session.press("a");
     let shown = session.until(PROMPT);
-    assert!(shown.contains("2 of 3") && shown.contains("-10 per question"), "{shown}");
-    assert_eq!(left(&snapshots), ["half.describe@start", "new.describe@start"]);
+    assert!(
+        shown.contains("2 of 3") && shown.contains("-10 per question"),
+        "{shown}"
+    );
+    assert_eq!(
+        left(&snapshots),
+        ["half.describe@start", "new.describe@start"]
+    );
     session.press("r");
     let shown = session.until(PROMPT);
     assert!(shown.contains("1 new snapshot of `new`"), "{shown}");
@@ -125,11 +137,20 @@ fn one_is_accepted_one_rejected_and_one_skipped() {
     session.press("s");
     let (code, shown) = session.end();
     assert_eq!(code, Some(0));
-    assert!(shown.ends_with("accepted 2, rejected 1, skipped 1\n"), "{shown}");
+    assert!(
+        shown.ends_with("accepted 2, rejected 1, skipped 1\n"),
+        "{shown}"
+    );
     let after = files(&snapshots);
-    let (old, new) = ("fold_01.describe@start.snap", "fold_01.describe@start.snap.new");
+    let (old, new) = (
+        "fold_01.describe@start.snap",
+        "fold_01.describe@start.snap.new",
+    );
     assert_eq!(after[old], before[new]);
-    assert_eq!(after["half.describe@start.snap"], before["half.describe@start.snap"]);
+    assert_eq!(
+        after["half.describe@start.snap"],
+        before["half.describe@start.snap"]
+    );
 }
 
 #[test]
@@ -149,7 +170,10 @@ fn one_who_stops_keeps_what_was_decided() {
             shown.ends_with("accepted 0, rejected 2, skipped 0, not decided 2\n"),
             "{shown}"
         );
-        assert_eq!(left(&snapshots), ["half.describe@start", "new.describe@start"]);
+        assert_eq!(
+            left(&snapshots),
+            ["half.describe@start", "new.describe@start"]
+        );
     }
 }
 
@@ -161,21 +185,36 @@ fn all_that_are_left_are_accepted_at_once() {
     let mut session = Session::start(folder.path(), 100, &["--out", "drawn"]);
     session.until(PROMPT);
     session.press("?");
-    assert!(session.until(PROMPT).contains("quit; what was decided is kept"));
-    session.press("s");
-    let shown = session.until(PROMPT);
-    assert!(shown.contains("corners moved\n") && shown.contains("drawn_from changed\n"), "{shown}");
+    assert!(
+        session
+            .until(PROMPT)
+            .contains("quit; what was decided is kept")
+    );
     session.press("s");
     let shown = session.until(PROMPT);
     assert!(
-        shown.contains("pixels differ, columns 0 to 23, rows 3 to 19; the size was 24 x 16 and is 24 x 20"),
+        shown.contains("   corners moved\n") && shown.contains("   drawn_from changed\n"),
         "{shown}"
     );
-    assert!(shown.contains("before, after and difference: drawn/"), "{shown}");
+    session.press("s");
+    let shown = session.until(PROMPT);
+    assert!(
+        shown.contains(
+            "pixels differ, columns 0 to 23, rows 3 to 19; the size was 24 x 16 and is 24 x 20"
+        ),
+        "{shown}"
+    );
+    assert!(
+        shown.contains("before, after and difference: drawn/"),
+        "{shown}"
+    );
     session.press("A");
     let (code, shown) = session.end();
     assert_eq!(code, Some(0));
-    assert!(shown.ends_with("accepted 3, rejected 0, skipped 3\n"), "{shown}");
+    assert!(
+        shown.ends_with("accepted 3, rejected 0, skipped 3\n"),
+        "{shown}"
+    );
     let left = left(&snapshots);
     assert_eq!(left.len(), 4, "{left:?}");
 }
@@ -189,7 +228,10 @@ fn a_narrow_terminal_and_a_long_list_are_enough() {
     let shown = session.until(prompt);
     assert!(shown.contains("one edit changes 40 snapshots"), "{shown}");
     assert!(shown.contains("… and 32 more\n"), "{shown}");
-    assert!(shown.lines().all(|line| line.chars().count() <= 60), "{shown}");
+    assert!(
+        shown.lines().all(|line| line.chars().count() <= 60),
+        "{shown}"
+    );
     session.press("f");
     let shown = session.until(prompt);
     assert!(shown.contains("fold_40.describe@start\n"), "{shown}");
