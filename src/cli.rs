@@ -6,6 +6,7 @@ pub mod asked;
 pub mod bench;
 #[cfg(feature = "runtime")]
 pub mod models;
+pub mod review;
 #[cfg(feature = "runtime")]
 pub mod sim;
 pub mod snap;
@@ -47,6 +48,8 @@ pub enum Verb {
     Snap(snap::SnapArguments),
     /// Writes tasks as prompt templates, an answer schema and verifiers for other systems.
     Build(BuildArguments),
+    /// Shows what changed in prompts, scenes and pictures, and accepts or rejects it.
+    Review(review::ReviewArguments),
     /// Finds a task's keypoints in a picture of yours, and draws its layers on it, without a model.
     #[cfg(feature = "runtime")]
     See(SeeArguments),
@@ -92,6 +95,7 @@ impl Verb {
             Verb::Render(arguments) => arguments.json,
             Verb::Snap(arguments) => arguments.json,
             Verb::Build(arguments) => arguments.json,
+            Verb::Review(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::See(arguments) => arguments.json,
             #[cfg(feature = "runtime")]

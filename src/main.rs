@@ -35,6 +35,7 @@ mod probe;
 mod render;
 #[cfg(feature = "runtime")]
 mod resume;
+mod review;
 #[cfg(feature = "runtime")]
 mod run;
 #[cfg(feature = "runtime")]
@@ -89,6 +90,7 @@ fn run(verb: Verb) -> Exit {
         Verb::Render(arguments) => render::run(&arguments),
         Verb::Snap(arguments) => snap::run(&arguments),
         Verb::Build(arguments) => build::run(&arguments),
+        Verb::Review(arguments) => review::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::See(arguments) => see::run(&arguments),
         #[cfg(feature = "runtime")]

@@ -32,6 +32,7 @@ mod readme;
 mod recorded_starts;
 mod resumed;
 mod retried_steps;
+mod review;
 mod see;
 mod serve;
 mod sim_outlines;

@@ -135,6 +135,7 @@ fn a_change_that_is_stopped_anywhere_is_whole_or_did_not_happen() {
     let folder = tempfile::tempdir().unwrap();
     let change = prepared(folder.path());
     let before = files(folder.path());
+    assert!(!before.contains_key(".change"));
     Folder::open(folder.path()).unwrap().apply(&change).unwrap();
     let after = files(folder.path());
     assert_eq!(before.len(), 19);
@@ -156,7 +157,9 @@ fn a_change_that_is_stopped_anywhere_is_whole_or_did_not_happen() {
     let (mut undone, mut done) = (0, 0);
     for stop in 1.. {
         let folder = tempfile::tempdir().unwrap();
-        let change = prepared(folder.path());
+        for (name, bytes) in &before {
+            fs::write(folder.path().join(name), bytes).unwrap();
+        }
         let mut opened = Folder::open(folder.path()).unwrap();
         let outcome = opened.apply_on(&Stopping::after(stop), &change);
         if outcome.is_ok() {
