@@ -67,7 +67,8 @@ fn compiled(files: &[String]) -> Result<BTreeMap<PathBuf, Vec<Declared>>, Failur
         {
             continue;
         }
-        match sources::compile_tasks(file, None) {
+        let programs = sources::compile_tasks(file, None);
+        match programs.and_then(|programs| camera::fitted(file, programs)) {
             Ok(programs) => declared.push(Declared {
                 file: file.clone(),
                 programs,
@@ -103,6 +104,7 @@ fn as_json(found: &[Found]) -> Value {
     json!({
         "snapshots": snapshots.collect::<Vec<Value>>(),
         "same": count(State::Same),
+        "unseen": count(State::Unseen),
         "changed": count(State::Changed),
         "new": count(State::New),
         "orphaned": count(State::Orphaned),
@@ -112,7 +114,11 @@ fn as_json(found: &[Found]) -> Value {
 
 fn report(found: &[Found], arguments: &SnapArguments) {
     let counted = |state: State| found.iter().filter(move |found| found.state == state);
-    for found in found.iter().filter(|found| found.state != State::Same) {
+    let as_it_was = [State::Same, State::Unseen];
+    for found in found
+        .iter()
+        .filter(|found| !as_it_was.contains(&found.state))
+    {
         output::data(&format!(
             "{:8} {}",
             found.state.word(),
@@ -124,6 +130,12 @@ fn report(found: &[Found], arguments: &SnapArguments) {
     output::talk(&format!(
         "{same} as accepted, {changed} changed, {new} new, {orphaned} orphaned"
     ));
+    let unseen = counted(State::Unseen).count();
+    if unseen > 0 {
+        output::talk(&format!(
+            "{unseen} were not looked at by this build of fabc"
+        ));
+    }
     if changed + new > 0 {
         output::talk("`fabc review` shows what waits, and accepts or rejects it");
     }

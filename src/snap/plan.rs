@@ -45,6 +45,8 @@ pub struct Found {
 pub enum State {
     /// Not at all.
     Same,
+    /// This build cannot tell.
+    Unseen,
     /// In what it holds.
     Changed,
     /// It is not there.
@@ -58,6 +60,7 @@ impl State {
     pub fn word(self) -> &'static str {
         match self {
             State::Same => "same",
+            State::Unseen => "unseen",
             State::Changed => "changed",
             State::New => "new",
             State::Orphaned => "orphaned",
@@ -68,7 +71,7 @@ impl State {
 impl Found {
     /// Returns whether there is nothing to do about it.
     pub fn is_clean(&self) -> bool {
-        self.state == State::Same && !self.is_pending
+        matches!(self.state, State::Same | State::Unseen) && !self.is_pending
     }
 }
 
@@ -106,7 +109,8 @@ impl Plan {
         let mut found = Vec::with_capacity(self.wanted.len());
         for (name, wanted) in &self.wanted {
             let (info, state) = match wanted {
-                Wanted::AsAccepted(info) | Wanted::Unseen(info) => (info.clone(), State::Same),
+                Wanted::AsAccepted(info) => (info.clone(), State::Same),
+                Wanted::Unseen(info) => (info.clone(), State::Unseen),
                 Wanted::Taken(taken) => {
                     let accepted = self.folder.accepted(name).map_err(Failure::environment)?;
                     let state = match accepted {

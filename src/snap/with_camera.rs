@@ -3,14 +3,14 @@
 //! Nothing is simulated before it is asked for: where scenes and pictures are pinned, no cloth is laid.
 
 use super::scene::{self, Moment, PinnedAction, PinnedScene};
-use crate::cli::{FrameArguments, StartArguments};
+use crate::cli::{FrameArguments, StartArguments, TaskArguments};
 use crate::exit::Failure;
 use crate::look::{self, Seen};
 use crate::render::page::Shown;
 use crate::render::shown_without_drawing;
-use crate::setting;
+use crate::{setting, sources};
 use compiler::facts::SceneView;
-use compiler::program::{KeypointShape, Picture, Program, Stage};
+use compiler::program::{ClothStart, KeypointShape, Picture, Program, Stage};
 use compiler::render::Values;
 use runtime::agent;
 use runtime::examples::Examples;
@@ -21,6 +21,35 @@ use runtime::world::World;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// Puts programs whose cloth comes from a file of another grid in the place of those declared, as a run does.
+pub fn fitted(file: &str, programs: Vec<Program>) -> Result<Vec<Program>, Failure> {
+    let fit = |program: Program| {
+        if !matches!(program.cloth.start, ClothStart::File { .. }) {
+            return Ok(program);
+        }
+        let world = setting::world(&program).map_err(Failure::environment)?;
+        let folder = sources::folder_of(file);
+        let interrupt = Interrupt::default();
+        let start = setting::start(&program, &folder, &AS_DECLARED, world.as_ref(), &interrupt)?;
+        let task = TaskArguments {
+            file: file.to_owned(),
+            task: Some(program.task.clone()),
+            variant: program.variant.clone(),
+        };
+        setting::fitted(&task, &program, &start)
+    };
+    programs.into_iter().map(fit).collect()
+}
+
+/// The start that the task itself states.
+const AS_DECLARED: StartArguments = StartArguments {
+    start: None,
+    frame: FrameArguments {
+        dims: None,
+        up: None,
+    },
+};
 
 /// A camera over the cloth of one program.
 pub struct Camera<'p> {
@@ -132,10 +161,7 @@ impl<'p> Camera<'p> {
         if !self.seen.contains_key(moment) {
             let start = StartArguments {
                 start: moment.start.map(|seed| seed.to_string()),
-                frame: FrameArguments {
-                    dims: None,
-                    up: None,
-                },
+                ..AS_DECLARED
             };
             let interrupt = Interrupt::default();
             let (program, folder) = (self.program, self.folder);
