@@ -18,7 +18,6 @@ pub enum Exit {
     /// The command line is wrong.
     Usage,
     /// The user stopped it.
-    #[cfg(feature = "runtime")]
     Interrupted,
 }
 
@@ -32,7 +31,6 @@ impl Exit {
             #[cfg(feature = "runtime")]
             Exit::Unreached => 3,
             Exit::Usage => 64,
-            #[cfg(feature = "runtime")]
             Exit::Interrupted => 130,
         }
     }
