@@ -4,8 +4,10 @@
 pub mod asked;
 #[cfg(feature = "runtime")]
 pub mod bench;
+pub mod completions;
 #[cfg(feature = "runtime")]
 pub mod models;
+pub mod new;
 pub mod review;
 #[cfg(feature = "runtime")]
 pub mod sim;
@@ -13,7 +15,7 @@ pub mod snap;
 
 #[cfg(feature = "runtime")]
 use asked::{ModelArguments, SpendArguments, dollars};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 #[cfg(feature = "runtime")]
 use compiler::program::PixelPoint;
 #[cfg(feature = "runtime")]
@@ -36,6 +38,8 @@ pub struct Cli {
 /// What to do.
 #[derive(Subcommand)]
 pub enum Verb {
+    /// Writes a commented task that runs at once.
+    New(new::NewArguments),
     /// Says what is wrong with .fab files, and repairs what is certain.
     Check(CheckArguments),
     /// Runs the tests that tasks carry: what comes of an answer, without a model or a camera.
@@ -83,15 +87,18 @@ pub enum Verb {
     /// Works on the cloth simulator itself: replays, speed, starts, pictures, meshes.
     #[cfg(feature = "runtime")]
     Sim(sim::SimArguments),
+    /// Writes what a shell needs to complete words of this command line.
+    Completions(completions::CompletionsArguments),
 }
 
 impl Verb {
     /// Returns whether stdout must be one JSON document, whatever happens.
     pub fn wants_json(&self) -> bool {
         match self {
+            Verb::New(arguments) => arguments.what.wants_json(),
             Verb::Check(arguments) => arguments.json,
             Verb::Test(arguments) => arguments.json,
-            Verb::Explain(_) => false,
+            Verb::Explain(_) | Verb::Completions(_) => false,
             Verb::Render(arguments) => arguments.json,
             Verb::Snap(arguments) => arguments.json,
             Verb::Build(arguments) => arguments.json,
@@ -126,11 +133,14 @@ impl Verb {
 #[derive(Args)]
 pub struct CheckArguments {
     /// The files to check.
-    #[arg(required = true, value_name = "FILE")]
+    #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<String>,
     /// Repair what can be meant in one way only; the rest is reported.
     #[arg(long)]
     pub fix: bool,
+    /// Do it again whenever a file that it used changes, until Ctrl-C.
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
@@ -140,11 +150,14 @@ pub struct CheckArguments {
 #[derive(Args)]
 pub struct TestArguments {
     /// The files whose tests are run.
-    #[arg(required = true, value_name = "FILE")]
+    #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<String>,
     /// Only tests whose name contains this.
     #[arg(long, value_name = "WORDS")]
     pub only: Option<String>,
+    /// Do it again whenever a file that it used changes, until Ctrl-C.
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
@@ -154,7 +167,7 @@ pub struct TestArguments {
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct TaskArguments {
     /// The file that declares the task.
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub file: String,
     /// The task, where the file declares several.
     #[arg(long, value_name = "NAME")]
@@ -184,7 +197,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub step: u32,
     /// Points by keypoint name, as JSON: `{"corners": [[u, v], …], "center": [[u, v]]}`, instead of a camera's.
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,
     #[cfg(feature = "runtime")]
     #[command(flatten)]
@@ -200,8 +213,11 @@ pub struct RenderArguments {
     #[arg(long)]
     pub why: bool,
     /// Write the messages and the pictures into this folder.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
+    /// Do it again whenever a file that it used changes, until Ctrl-C.
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
@@ -225,10 +241,10 @@ pub struct ShownArguments {
 #[derive(Args)]
 pub struct BuildArguments {
     /// The file that declares the tasks.
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub file: String,
     /// The folder that gets one folder per task.
-    #[arg(short = 'o', long = "out", value_name = "DIR")]
+    #[arg(short = 'o', long = "out", value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: PathBuf,
     /// Only this task.
     #[arg(long, value_name = "NAME")]
@@ -257,7 +273,7 @@ pub enum EmitArgument {
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct StartArguments {
     /// Particle positions (.npy), or a seed that turns the flat cloth; default: flat and straight.
-    #[arg(long, value_name = "FILE.npy|SEED")]
+    #[arg(long, value_name = "FILE.npy|SEED", value_hint = ValueHint::FilePath)]
     pub start: Option<String>,
     #[command(flatten)]
     pub frame: FrameArguments,
@@ -282,10 +298,10 @@ pub struct SeeArguments {
     #[command(flatten)]
     pub task: TaskArguments,
     /// The picture, of the size that the task's camera takes.
-    #[arg(long, value_name = "PNG")]
+    #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
     pub image: PathBuf,
     /// Its depth, in grey: 255 levels a metre in 8 bits, or millimetres in 16; 0 is no reading.
-    #[arg(long, value_name = "PNG")]
+    #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
     pub depth: Option<PathBuf>,
     /// Where the action before this one placed the cloth, for layers that show it.
     #[arg(long, value_name = "U,V", value_parser = crate::see::pixel, allow_hyphen_values = true)]
@@ -294,7 +310,7 @@ pub struct SeeArguments {
     #[arg(long, value_name = "U,V", value_parser = crate::see::pixel, allow_hyphen_values = true, requires = "last_place")]
     pub last_pick: Option<PixelPoint>,
     /// Write a picture of each keypoint and layer into this folder, and `annotated.png`, what a model would see.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
@@ -308,7 +324,7 @@ pub struct SubgoalsArguments {
     #[command(flatten)]
     pub task: TaskArguments,
     /// Also draw all pictures with their arrows on one sheet.
-    #[arg(long, value_name = "PNG")]
+    #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
     pub sheet: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
@@ -328,7 +344,7 @@ pub struct DemosArguments {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// The file; default: the one that the task names.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
@@ -351,7 +367,7 @@ pub struct RunArguments {
     #[command(flatten)]
     pub start: StartArguments,
     /// The run folder; default: the next free `runs/TASK-NNNN`.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
@@ -363,7 +379,7 @@ pub struct RunArguments {
 #[derive(Args)]
 pub struct ResumeArguments {
     /// The run folder.
-    #[arg(value_name = "RUN")]
+    #[arg(value_name = "RUN", value_hint = ValueHint::DirPath)]
     pub run: PathBuf,
     /// Another cap on what the whole run may cost, US dollars.
     #[arg(long, value_name = "USD", value_parser = dollars)]
