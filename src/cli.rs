@@ -4,6 +4,8 @@
 pub mod asked;
 #[cfg(feature = "runtime")]
 pub mod bench;
+#[cfg(all(test, feature = "runtime"))]
+mod book;
 #[cfg(feature = "runtime")]
 pub mod models;
 #[cfg(feature = "runtime")]
