@@ -40,7 +40,7 @@ pub enum Verb {
     Check(CheckArguments),
     /// Runs the tests that tasks carry: what comes of an answer, without a model or a camera.
     Test(TestArguments),
-    /// Says what a diagnostic means and what to do.
+    /// Says what a diagnostic means and what to do, by an example.
     Explain(ExplainArguments),
     /// Prints the exact messages that a model gets, without asking one.
     Render(RenderArguments),
@@ -161,9 +161,12 @@ pub struct TaskArguments {
 /// Arguments of `explain`.
 #[derive(Args)]
 pub struct ExplainArguments {
-    /// The code of a message, such as F0203.
+    /// The code of a message, such as F0203; default: list all codes.
     #[arg(value_name = "CODE")]
-    pub code: String,
+    pub code: Option<String>,
+    /// Write a page of Markdown for each code, and `index.md`, into this folder.
+    #[arg(long, value_name = "DIR", conflicts_with = "code")]
+    pub pages: Option<PathBuf>,
 }
 
 /// Arguments of `render`.

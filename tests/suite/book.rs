@@ -64,6 +64,28 @@ fn the_library_example_of_the_simulator_page_is_the_one_that_rustdoc_runs() {
 }
 
 #[test]
+fn files_that_the_pages_for_developers_name_are_there() {
+    let mut n_named = 0;
+    for page in pages(root())
+        .iter()
+        .filter(|page| page.path.starts_with("docs/adding/"))
+    {
+        for span in page.text.split('`').skip(1).step_by(2) {
+            let is_path = span.contains('/') && !span.contains([' ', ':', '\n']);
+            if is_path {
+                n_named += 1;
+                assert!(
+                    root().join(span).exists(),
+                    "{}: there is no `{span}`",
+                    page.path
+                );
+            }
+        }
+    }
+    assert!(n_named > 30, "only {n_named} files are named");
+}
+
+#[test]
 fn a_page_that_is_wrong_is_found_out() {
     for (text, words) in [
         ("```fab\ntask a {\n```\n", "F0103"),
@@ -80,7 +102,10 @@ fn a_page_that_is_wrong_is_found_out() {
           given cloth = (40px, 50px) to (60px, 60px)\nreply \"?\" expect accept }\n```\n",
             "test `a`",
         ),
-        ("```console\n$ fabc explain F9999\n```\n", "+? 64"),
+        (
+            "```console\n$ fabc explain F9999\n```\n",
+            "ends with 64, not 0",
+        ),
         (
             "```console\n$ fabc explain F0301\nsomething else\n```\n",
             "-something else",
@@ -91,6 +116,10 @@ fn a_page_that_is_wrong_is_found_out() {
         ("```sh\nmake gold\n```\n", "`make gold` is no target"),
         ("```haskell\nx\n```\n", "no test runs"),
         ("```\nx\n```\n", "no test runs"),
+        (
+            "```rust from=src/main.rs\nfn main_no() {\n```\n",
+            "does not stand in",
+        ),
         (
             "```json file=a.json\n{}\n```\n```diff a.json\n-[]\n+{}\n```\n",
             "0 times",

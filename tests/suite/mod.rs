@@ -14,6 +14,7 @@ mod book;
 mod bought;
 mod build;
 mod demos;
+mod explained;
 mod faulty;
 mod free_pick;
 mod job_options;

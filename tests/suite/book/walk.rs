@@ -7,13 +7,15 @@
 //! | `fab wrong`, `fab task wrong` | likewise, and the next block, of `text`, is what the compiler says of it |
 //! | `diff PATH` | an edit of a file: the lines that stay or go stand there once |
 //! | `LANGUAGE file=PATH` | the file |
+//! | `LANGUAGE from=PATH` | stands in that file of the project, however deep |
 //! | `console` | commands behind `$ `, what they print, and `? N` where they end with another code than 0 |
 //! | `console slow` | likewise, in the slow test only |
 //! | `console not-run: REASON` | read by the command line's own parser (`src/cli/book.rs`), and not run |
 //! | `sh` | targets of the Makefile, and commands that are listed here with the reason |
 //! | `text` | nothing |
 //!
-//! A comment `<!-- starts-with: PATH, … -->` names what of the project lies in the folder at first, `<!-- recorded: PATH -->`
+//! A comment `<!-- starts-with: PATH, … -->` names what of the project lies in the folder at first (`half.fab`:
+//! that task), `<!-- recorded: PATH -->`
 //! which of the recorded data the slow test finds there, `<!-- varies: WORDS, … -->` the beginnings of lines whose numbers vary.
 
 use super::matching::{fits, refreshed};
@@ -60,6 +62,9 @@ const TESTED_ELSEWHERE: [(&str, &str, &str); 5] = [
     ("docs/review.md", "yaml", "tests/suite/review.rs"),
 ];
 
+/// The file of the task that `fab task` blocks extend.
+const HALF: &str = "half.fab";
+
 /// What takes long is run or left out.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Pace {
@@ -100,6 +105,10 @@ pub fn walk(page: &Page, half: &str, pace: Pace) -> Walked {
         },
     };
     for path in page.stated("starts-with") {
+        if path == HALF {
+            fs::write(walk.folder.path().join(path), half).unwrap();
+            continue;
+        }
         copy(&root().join(&path), &walk.folder.path().join(&path));
     }
     if let (Pace::Slow, Some(data)) = (pace, std::env::var_os("FABC_REFERENCE_DATA")) {
@@ -142,6 +151,7 @@ impl Walk<'_> {
             ("sh", "") => block.text.lines().try_for_each(is_known),
             ("text", "") => Ok(()),
             _ if path.is_some() => Ok(()),
+            (_, rest) if rest.starts_with("from=") => quotes(&rest["from=".len()..], &block.text),
             (language, "") => {
                 let elsewhere = TESTED_ELSEWHERE
                     .iter()
@@ -228,7 +238,14 @@ impl Walk<'_> {
         for step in block.steps()? {
             self.walked.n_commands += 1;
             let (printed, code) = self.output_of(&step.command)?;
-            does_fit &= fits(&step.output, &printed, &varying) && step.code == code;
+            if step.code != code {
+                // Not written anew: that a command fails is for the author to say.
+                let (command, stated) = (&step.command, step.code);
+                return Err(format!(
+                    "`{command}` ends with {code}, not {stated}:\n{printed}"
+                ));
+            }
+            does_fit &= fits(&step.output, &printed, &varying);
             shown.push_str(&step.shown);
             shown.push_str(&refreshed(&step.output, &printed, &varying));
             if code != 0 {
@@ -306,7 +323,7 @@ impl Loader for Files<'_> {
             return Ok(self.text.clone());
         }
         match fs::read_to_string(self.folder.join(name)) {
-            Err(_) if name == "half.fab" => Ok(self.half.to_owned()),
+            Err(_) if name == HALF => Ok(self.half.to_owned()),
             read => read.map_err(|_| LoadError {
                 message: format!("there is no file `{name}`"),
             }),
@@ -320,6 +337,20 @@ fn task_of(block: &Block) -> String {
     let sections: String = lines.collect();
     let experts = "experts folded { sequence { fold corner(back_left) -> corner(front_left) } }";
     format!("use \"half.fab\"\n{experts}\ntask example extends half {{\n{sections}}}\n")
+}
+
+/// Returns whether a block stands in a file of the project, whose lines may be indented farther.
+fn quotes(path: &str, quoted: &str) -> Result<(), String> {
+    let source =
+        fs::read_to_string(root().join(path)).map_err(|error| format!("{path}: {error}"))?;
+    let bare = |text: &str| -> String {
+        let lines = text.lines();
+        lines.map(|line| format!("\n{}", line.trim())).collect()
+    };
+    match bare(&source).contains(&bare(quoted)) {
+        true => Ok(()),
+        false => Err(format!("this does not stand in {path} any more")),
+    }
 }
 
 /// Returns whether a line of a `sh` block is a target of the Makefile, or listed as not to be run.
