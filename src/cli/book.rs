@@ -12,6 +12,11 @@ use clap::{CommandFactory, Parser};
 use page::Page;
 use std::path::Path;
 
+/// Splits a call into words as a shell does.
+fn words_of(call: &str) -> Vec<String> {
+    shlex::split(call).unwrap_or_else(|| panic!("`{call}` has a quote without an end"))
+}
+
 fn pages() -> Vec<Page> {
     page::pages(Path::new(env!("CARGO_MANIFEST_DIR")))
 }
@@ -26,7 +31,7 @@ fn every_call_in_a_block_can_be_parsed() {
                 .unwrap_or_else(|wrong| panic!("{}: {wrong}", page.path));
             for step in steps.iter().filter(|step| step.command.starts_with("fabc")) {
                 n_calls += 1;
-                let parsed = Cli::try_parse_from(shlex::split(&step.command).unwrap());
+                let parsed = Cli::try_parse_from(words_of(&step.command));
                 match parsed.map(|_| ()).map_err(|error| (error.kind(), error)) {
                     Ok(()) | Err((ErrorKind::DisplayHelp | ErrorKind::DisplayVersion, _)) => {}
                     Err(_) if step.code == 64 => {}
@@ -46,7 +51,7 @@ fn every_call_in_running_text_names_verbs_and_flags_that_there_are() {
         for call in inline_calls(&page) {
             n_calls += 1;
             let words = call.replace(['[', ']', '…'], "");
-            let parsed = Cli::try_parse_from(shlex::split(&words).unwrap());
+            let parsed = Cli::try_parse_from(words_of(&words));
             let Err(error) = parsed else { continue };
             let is_abbreviated = matches!(
                 error.kind(),

@@ -3,6 +3,7 @@
 //! In: README.md, ARCHITECTURE.md and the pages of `docs/`. What a block means stands in `book/walk.rs`. Where a page says
 //! something else than what comes, the difference is shown, and `FABC_WRITE_DOCS=1` writes the page anew.
 
+mod links;
 mod matching;
 pub mod page;
 mod walk;
@@ -23,7 +24,7 @@ const WRITE: &str = "FABC_WRITE_DOCS";
 
 #[test]
 fn every_block_of_the_book_does_what_its_page_says() {
-    let walked = walk_all(&pages(root()), Pace::Fast);
+    let walked = walk_all(&pages(root()), &Pace::Fast);
     let n_files: usize = walked.iter().map(|walked| walked.n_files).sum();
     let n_commands: usize = walked.iter().map(|walked| walked.n_commands).sum();
     assert!(n_files > 25, "only {n_files} files were compiled");
@@ -36,13 +37,11 @@ fn long_slow_blocks_of_the_book_do_what_their_pages_say() {
     let is_slow = |page: &Page| page.blocks.iter().any(|block| block.info == "console slow");
     let mut pages = pages(root());
     pages.retain(is_slow);
-    let needs_data = |page: &Page| !page.stated("recorded").is_empty();
-    if pages.iter().any(needs_data)
-        && recorded_data("long_slow_blocks_of_the_book_do_what_their_pages_say").is_none()
-    {
-        pages.retain(|page| !needs_data(page));
+    let data = recorded_data("long_slow_blocks_of_the_book_do_what_their_pages_say");
+    if data.is_none() {
+        pages.retain(|page| page.stated("recorded").is_empty());
     }
-    walk_all(&pages, Pace::Slow);
+    walk_all(&pages, &Pace::Slow(data));
 }
 
 #[test]
@@ -126,7 +125,7 @@ fn a_page_that_is_wrong_is_found_out() {
         ),
     ] {
         let page = Page::read("page.md", text.to_owned()).unwrap();
-        let wrong = walk(&page, &half(), Pace::Fast).wrong.join("\n");
+        let wrong = walk(&page, &half(), &Pace::Fast).wrong.join("\n");
         assert!(wrong.contains(words), "{text}\n{wrong}");
     }
     assert!(Page::read("page.md", "```fab\ntask".to_owned()).is_err());
@@ -138,7 +137,10 @@ fn files_edits_and_commands_of_a_page_follow_each_other() {
                 ```diff a.fab\n task a extends half {\n-    horizon 1\n+    horizon 2\n```\n\
                 ```console\n$ cat a.fab\n...\n    horizon 2\n}\n```\n";
     let page = Page::read("page.md", text.to_owned()).unwrap();
-    assert_eq!(walk(&page, &half(), Pace::Fast).wrong, Vec::<String>::new());
+    assert_eq!(
+        walk(&page, &half(), &Pace::Fast).wrong,
+        Vec::<String>::new()
+    );
 }
 
 /// The whole task that the language page begins with.
@@ -151,7 +153,7 @@ fn half() -> String {
 }
 
 /// Goes through pages; panics with all that is wrong in them, or writes them anew where that is asked for and enough.
-fn walk_all(pages: &[Page], pace: Pace) -> Vec<Walked> {
+fn walk_all(pages: &[Page], pace: &Pace) -> Vec<Walked> {
     let half = half();
     let next = AtomicUsize::new(0);
     let done = Mutex::new(Vec::new());

@@ -65,11 +65,11 @@ const TESTED_ELSEWHERE: [(&str, &str, &str); 5] = [
 /// The file of the task that `fab task` blocks extend.
 const HALF: &str = "half.fab";
 
-/// What takes long is run or left out.
-#[derive(Clone, Copy, PartialEq, Eq)]
+/// What takes long is left out or run.
 pub enum Pace {
     Fast,
-    Slow,
+    /// With the recorded data, where they are there.
+    Slow(Option<PathBuf>),
 }
 
 /// What came of a page.
@@ -85,13 +85,13 @@ pub struct Walked {
 struct Walk<'p> {
     page: &'p Page,
     half: &'p str,
-    pace: Pace,
+    pace: &'p Pace,
     folder: TempDir,
     walked: Walked,
 }
 
 /// Goes through a page. `half` is the task that the sections of a `fab task` block extend.
-pub fn walk(page: &Page, half: &str, pace: Pace) -> Walked {
+pub fn walk(page: &Page, half: &str, pace: &Pace) -> Walked {
     let mut walk = Walk {
         page,
         half,
@@ -111,10 +111,10 @@ pub fn walk(page: &Page, half: &str, pace: Pace) -> Walked {
         }
         copy(&root().join(&path), &walk.folder.path().join(&path));
     }
-    if let (Pace::Slow, Some(data)) = (pace, std::env::var_os("FABC_REFERENCE_DATA")) {
+    if let Pace::Slow(Some(data)) = pace {
         for path in page.stated("recorded") {
-            let recorded = Path::new(&data).join(&path);
-            std::os::unix::fs::symlink(recorded, walk.folder.path().join(path)).unwrap();
+            let place = walk.folder.path().join(&path);
+            std::os::unix::fs::symlink(data.join(path), place).unwrap();
         }
     }
     for (index, block) in page.blocks.iter().enumerate() {
@@ -144,7 +144,7 @@ impl Walk<'_> {
             ("diff", file) if !file.is_empty() => self.edit(file, &block.text),
             ("console", "") => self.run(block),
             ("console", "slow") => match self.pace {
-                Pace::Slow => self.run(block),
+                Pace::Slow(_) => self.run(block),
                 Pace::Fast => block.steps().map(|_| ()),
             },
             ("console", rest) if rest.starts_with("not-run: ") => block.steps().map(|_| ()),
