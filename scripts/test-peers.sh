@@ -4,9 +4,11 @@
 # By convention these tests are #[ignore]d and named after the reason: peer_ compares with
 # a program by others, long_ takes long. The peers live in a Python environment under the
 # target folder (peers-requirements.txt); tests find it through FABC_PEER_PYTHON. Without
-# Python nothing is run: it says what is missing, and fails. Where WebAssembly cannot be
-# built or run (wasm-parts.sh), the peer_node_ tests alone are left out, counted as
-# skipped, and the reason is printed.
+# Python nothing is run: it says what is missing, and fails. cargo-insta, which reads and
+# writes the same snapshots, is installed beside it and found through FABC_PEER_CARGO_INSTA.
+# Where WebAssembly cannot be built or run (wasm-parts.sh), or cargo-insta not installed,
+# the peer_node_ or peer_cargo_insta_ tests alone are left out, counted as skipped, and the
+# reason is printed.
 set -u
 here=$(dirname "$0")
 
@@ -42,6 +44,18 @@ if [ -n "$missing" ]; then
     exit 1
 fi
 without_wasm=$(sh "$here/wasm-parts.sh")
+
+# The version of insta in Cargo.lock, whose files the tests compare with.
+insta_version=$(sed -n '/^name = "insta"$/{n;s/^version = "\(.*\)"$/\1/p;}' Cargo.lock)
+insta_root=$(CDPATH='' cd -- "$target" && pwd)/peers-cargo
+FABC_PEER_CARGO_INSTA=$insta_root/bin/cargo-insta
+export FABC_PEER_CARGO_INSTA
+without_insta=
+if [ "$("$FABC_PEER_CARGO_INSTA" --version 2>/dev/null)" != "cargo-insta $insta_version" ]; then
+    echo "installing cargo-insta $insta_version, which takes some minutes" >&2
+    cargo install --quiet --locked --root "$insta_root" cargo-insta --version "$insta_version" ||
+        without_insta="cargo could not install cargo-insta $insta_version"
+fi
 # Doctests and examples cannot carry the names, so only these kinds of target are built.
 set -- --workspace --locked --no-fail-fast --lib --bins --tests
 
@@ -58,8 +72,14 @@ leave_out() {
 arguments="$*"
 FABC_PEER_PYTHON=$environment/bin/python
 export FABC_PEER_PYTHON
+skipped=
 if [ -n "$without_wasm" ]; then
     leave_out "$arguments" peer_node_ "$without_wasm"
-    exec sh "$here/test.sh" "$@" -- --ignored --skip peer_node_ peer_ long_
+    skipped="--skip peer_node_"
 fi
-exec sh "$here/test.sh" "$@" -- --ignored peer_ long_
+if [ -n "$without_insta" ]; then
+    leave_out "$arguments" peer_cargo_insta_ "$without_insta"
+    skipped="$skipped --skip peer_cargo_insta_"
+fi
+# shellcheck disable=SC2086  # words without blanks
+exec sh "$here/test.sh" "$@" -- --ignored $skipped peer_ long_

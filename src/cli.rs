@@ -8,8 +8,10 @@ pub mod bench;
 mod book;
 #[cfg(feature = "runtime")]
 pub mod models;
+pub mod review;
 #[cfg(feature = "runtime")]
 pub mod sim;
+pub mod snap;
 
 #[cfg(feature = "runtime")]
 use asked::{ModelArguments, SpendArguments, dollars};
@@ -44,8 +46,12 @@ pub enum Verb {
     Explain(ExplainArguments),
     /// Prints the exact messages that a model gets, without asking one.
     Render(RenderArguments),
+    /// Pins what tasks say to models as snapshots beside their files; `--check` fails where they differ.
+    Snap(snap::SnapArguments),
     /// Writes tasks as prompt templates, an answer schema and verifiers for other systems.
     Build(BuildArguments),
+    /// Shows what changed in prompts, scenes and pictures, and accepts or rejects it.
+    Review(review::ReviewArguments),
     /// Finds a task's keypoints in a picture of yours, and draws its layers on it, without a model.
     #[cfg(feature = "runtime")]
     See(SeeArguments),
@@ -89,7 +95,9 @@ impl Verb {
             Verb::Test(arguments) => arguments.json,
             Verb::Explain(_) => false,
             Verb::Render(arguments) => arguments.json,
+            Verb::Snap(arguments) => arguments.json,
             Verb::Build(arguments) => arguments.json,
+            Verb::Review(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::See(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
@@ -189,6 +197,13 @@ pub struct RenderArguments {
     #[cfg(feature = "runtime")]
     #[command(flatten)]
     pub shown: ShownArguments,
+    /// What a model answered, in the order of the questions; shows what follows, such as the message of a refusal.
+    #[cfg(feature = "runtime")]
+    #[arg(long = "reply", value_name = "TEXT", conflicts_with = "scene")]
+    pub replies: Vec<String>,
+    /// Show which component, file and line each line comes from, and what each component weighs in tokens.
+    #[arg(long)]
+    pub why: bool,
     /// Write the messages and the pictures into this folder.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -18,7 +18,6 @@ pub enum Exit {
     /// The command line is wrong.
     Usage,
     /// The user stopped it.
-    #[cfg(feature = "runtime")]
     Interrupted,
 }
 
@@ -32,7 +31,6 @@ impl Exit {
             #[cfg(feature = "runtime")]
             Exit::Unreached => 3,
             Exit::Usage => 64,
-            #[cfg(feature = "runtime")]
             Exit::Interrupted => 130,
         }
     }
@@ -70,6 +68,14 @@ impl Failure {
         Failure {
             diagnostics: Some(diagnostics),
             ..Failure::new(Exit::Author, message.into())
+        }
+    }
+
+    /// Says more about what that means.
+    pub fn saying(self, more: &str) -> Failure {
+        Failure {
+            message: format!("{}; {more}", self.message),
+            ..self
         }
     }
 

@@ -8,6 +8,8 @@ mod cli;
 mod estimate;
 mod exit;
 mod output;
+mod snap;
+mod snapshots;
 mod sources;
 
 // The authoring tool writes files too, and has no runtime to take this from.
@@ -25,12 +27,15 @@ mod doctor;
 mod explain;
 mod fix;
 #[cfg(feature = "runtime")]
+mod look;
+#[cfg(feature = "runtime")]
 mod models;
 #[cfg(feature = "runtime")]
 mod probe;
 mod render;
 #[cfg(feature = "runtime")]
 mod resume;
+mod review;
 #[cfg(feature = "runtime")]
 mod run;
 #[cfg(feature = "runtime")]
@@ -83,7 +88,9 @@ fn run(verb: Verb) -> Exit {
         Verb::Test(arguments) => test::run(&arguments),
         Verb::Explain(arguments) => explain::run(&arguments),
         Verb::Render(arguments) => render::run(&arguments),
+        Verb::Snap(arguments) => snap::run(&arguments),
         Verb::Build(arguments) => build::run(&arguments),
+        Verb::Review(arguments) => review::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::See(arguments) => see::run(&arguments),
         #[cfg(feature = "runtime")]

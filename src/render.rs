@@ -1,41 +1,30 @@
 //! `fabc render`: the exact messages of each stage, without asking a model.
 //!
 //! Points come from the camera at the chosen step, or from `--scene`. What only a model can say
-//! (an earlier stage's answer) stands as a typed placeholder, and a line on stderr says so.
+//! (an earlier stage's answer) comes from `--reply`, or stands as a typed placeholder, and a line on stderr says so.
 
 #[cfg_attr(feature = "runtime", path = "render/with_camera.rs")]
 #[cfg_attr(not(feature = "runtime"), path = "render/without_camera.rs")]
 mod camera;
+mod listed;
+pub mod page;
+mod why;
+
+#[cfg(feature = "runtime")]
+pub use camera::shown_without_drawing;
+#[cfg(not(feature = "runtime"))]
+pub use camera::shown_without_pictures;
 
 use crate::cli::RenderArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, sources};
-use compiler::facts::SceneView;
-use compiler::program::{
-    Arrow, KeypointShape, Layers, Picture, PixelPoint, Program, Read, Stage, Which,
-};
-use compiler::render::PromptPicture;
+use compiler::program::{Arrow, Layers, Picture, Program, Read, Stage, Which};
+use compiler::render::{PromptPicture, Said};
+use listed::Listed;
+use page::{Shown, ShownPart, ShownStage};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-
-/// One message as it is shown.
-struct Shown {
-    role: &'static str,
-    parts: Vec<ShownPart>,
-}
-
-/// A piece of a shown message.
-enum ShownPart {
-    Text(String),
-    Picture {
-        /// What the picture shows.
-        title: String,
-        /// The file's bytes, where this build can draw it.
-        png: Option<Vec<u8>>,
-    },
-}
 
 /// Renders every stage, or the one that is asked for.
 pub fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
@@ -55,31 +44,35 @@ pub fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
         None => None,
     };
     let view = camera::View::at(&program, &declared, arguments)?;
-    say_placeholders(&program, &stages);
-    let mut shown = Vec::with_capacity(stages.len());
-    for stage in stages {
-        let messages = view
-            .messages(&program, stage, listed.as_ref())
-            .map_err(Failure::environment)?;
-        shown.push((stage.name.as_str(), messages));
-    }
+    let shown = view.stages(&program, &stages, listed.as_ref(), arguments)?;
+    say_placeholders(&program, &shown);
     if let Some(folder) = &arguments.out {
         write(folder, &shown).map_err(|error| {
             Failure::environment(format!("cannot write into `{}`: {error}", folder.display()))
         })?;
     }
+    let folder = sources::folder_of(&arguments.task.file);
+    let rates = view.rates();
     if arguments.json {
-        let stages: Vec<Value> = shown
-            .iter()
-            .map(|(stage, messages)| as_json(stage, messages))
-            .collect();
-        output::json(&json!({ "stages": stages }));
-    } else if arguments.out.is_none() {
-        let texts: Vec<String> = shown
-            .iter()
-            .map(|(stage, messages)| format!("=== stage {stage}\n{}", as_text(messages)))
-            .collect();
-        output::data(texts.join("\n").trim_end());
+        let stages = shown.iter().map(|stage| {
+            let mut json = as_json(stage);
+            if arguments.why {
+                json["why"] = why::as_json(stage, &folder, rates);
+            }
+            json
+        });
+        output::json(&json!({ "stages": stages.collect::<Vec<Value>>() }));
+    } else if arguments.out.is_none() || arguments.why {
+        let texts = shown.iter().map(|stage| match arguments.why {
+            true => why::text(stage, &folder, rates),
+            false => format!("=== stage {}\n{}", stage.name, stage.text()),
+        });
+        output::data(texts.collect::<Vec<String>>().join("\n").trim_end());
+    }
+    for stage in &shown {
+        for (finding, number) in stage.findings.iter().zip(1..) {
+            output::talk(&format!("`{}`, answer {number}: {finding}", stage.name));
+        }
     }
     Ok(Exit::Done)
 }
@@ -108,11 +101,15 @@ fn chosen_stages<'p>(
     }
 }
 
-fn say_placeholders(program: &Program, stages: &[&Stage]) {
+/// Says which texts stand as placeholders.
+fn say_placeholders(program: &Program, shown: &[ShownStage]) {
     for stage in &program.stages {
-        if let Read::Text { name, .. } = &stage.read
-            && stages.iter().any(|later| later.name != stage.name)
-        {
+        let Read::Text { name, .. } = &stage.read else {
+            continue;
+        };
+        let placeholder = format!("<{name}: ");
+        let mut texts = shown.iter().flat_map(ShownStage::texts);
+        if texts.any(|said| said.text.contains(&placeholder)) {
             output::talk(&format!(
                 "note: `{name}` is what a model answers in stage `{}`; it stands as a placeholder",
                 stage.name
@@ -121,58 +118,8 @@ fn say_placeholders(program: &Program, stages: &[&Stage]) {
     }
 }
 
-/// A scene whose points come from a file; its masks and boxes are not known.
-struct Listed {
-    points: BTreeMap<String, Vec<PixelPoint>>,
-}
-
-impl Listed {
-    /// Reads the points of every keypoint.
-    fn read(program: &Program, path: &Path) -> Result<Listed, Failure> {
-        let wrong = |why: String| {
-            Failure::environment(format!(
-                "the scene `{}` cannot be used: {why}",
-                path.display()
-            ))
-        };
-        let bytes = sources::read_bounded(path).map_err(wrong)?;
-        let points: BTreeMap<String, Vec<PixelPoint>> = serde_json::from_slice(&bytes)
-            .map_err(|error| wrong(format!("{error}; right would be {{\"corners\": [[12, 34], [56, 78]], \"center\": [[40, 50]]}}")))?;
-        for keypoint in &program.keypoints {
-            let name = keypoint.name.as_str();
-            let found = points.get(name).map_or(0, Vec::len);
-            match keypoint.extractor.shape() {
-                KeypointShape::Point if found != 1 => {
-                    return Err(wrong(format!(
-                        "`{name}` needs exactly one point, it has {found}"
-                    )));
-                }
-                KeypointShape::Points if found == 0 => {
-                    return Err(wrong(format!("`{name}` needs at least one point")));
-                }
-                _ => {}
-            }
-        }
-        Ok(Listed { points })
-    }
-}
-
-impl SceneView for Listed {
-    fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
-        self.points.get(keypoint).cloned()
-    }
-
-    fn distance_px(&self, _: &str, _: PixelPoint) -> Option<f64> {
-        None
-    }
-
-    fn area_px(&self, _: &str) -> Option<f64> {
-        None
-    }
-}
-
 /// Says what a picture of a prompt shows.
-fn title(picture: &PromptPicture, step: u32) -> String {
+pub fn title(picture: &PromptPicture, step: u32) -> String {
     match picture {
         PromptPicture::File(file) => file.path.clone(),
         PromptPicture::Drawn(Picture::Scene { layers }) => match layers {
@@ -193,46 +140,48 @@ fn title(picture: &PromptPicture, step: u32) -> String {
     }
 }
 
-fn as_json(stage: &str, messages: &[Shown]) -> Value {
+/// Returns what a model would be told where an answer is refused; none where the stage reads no action.
+pub fn corrections_of(
+    program: &Program,
+    stage: &Stage,
+    values: compiler::render::Values<'_>,
+) -> Result<Vec<(String, Said)>, compiler::render::RenderError> {
+    match stage.read {
+        Read::Action => compiler::render::corrections(program, values),
+        Read::Text { .. } => Ok(Vec::new()),
+    }
+}
+
+fn as_json(stage: &ShownStage) -> Value {
     let part = |part: &ShownPart| match part {
-        ShownPart::Text(text) => json!({ "type": "text", "text": text }),
+        ShownPart::Text(said) => json!({ "type": "text", "text": said.text }),
         ShownPart::Picture { title, png } => {
             json!({ "type": "image", "shows": title, "bytes": png.as_ref().map(Vec::len) })
         }
     };
     let message = |message: &Shown| json!({ "role": message.role, "parts": message.parts.iter().map(part).collect::<Vec<_>>() });
-    json!({ "stage": stage, "messages": messages.iter().map(message).collect::<Vec<_>>() })
-}
-
-fn as_text(messages: &[Shown]) -> String {
-    let mut text = String::new();
-    for message in messages {
-        text.push_str(&format!("--- {}\n", message.role));
-        for part in &message.parts {
-            match part {
-                ShownPart::Text(words) => text.push_str(words),
-                ShownPart::Picture { title, .. } => text.push_str(&format!("[picture: {title}]")),
-            }
-            text.push('\n');
-        }
-    }
-    text
+    let correction = |(check, said): &(String, Said)| json!({ "check": check, "text": said.text });
+    json!({
+        "stage": stage.name,
+        "messages": stage.messages.iter().map(message).collect::<Vec<_>>(),
+        "corrections": stage.corrections.iter().map(correction).collect::<Vec<_>>(),
+        "findings": stage.findings,
+    })
 }
 
 /// Writes `STAGE.txt` and `STAGE_N.png` for every stage.
-fn write(folder: &Path, shown: &[(&str, Vec<Shown>)]) -> std::io::Result<()> {
+fn write(folder: &Path, shown: &[ShownStage]) -> std::io::Result<()> {
     fs::create_dir_all(folder)?;
-    for (stage, messages) in shown {
-        fs::write(folder.join(format!("{stage}.txt")), as_text(messages))?;
-        let pictures = messages
-            .iter()
-            .flat_map(|message| &message.parts)
-            .filter_map(|part| match part {
-                ShownPart::Picture { png, .. } => png.as_ref(),
-                ShownPart::Text(_) => None,
-            });
+    for stage in shown {
+        let name = &stage.name;
+        fs::write(folder.join(format!("{name}.txt")), stage.text())?;
+        let parts = stage.messages.iter().flat_map(|message| &message.parts);
+        let pictures = parts.filter_map(|part| match part {
+            ShownPart::Picture { png, .. } => png.as_ref(),
+            ShownPart::Text(_) => None,
+        });
         for (number, png) in pictures.enumerate() {
-            fs::write(folder.join(format!("{stage}_{}.png", number + 1)), png)?;
+            fs::write(folder.join(format!("{name}_{}.png", number + 1)), png)?;
         }
     }
     Ok(())

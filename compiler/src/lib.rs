@@ -55,6 +55,7 @@ pub mod render;
 pub mod reply;
 mod source;
 pub mod space;
+pub mod tokens;
 pub mod trial;
 pub mod verify;
 

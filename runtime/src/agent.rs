@@ -5,13 +5,14 @@
 //! here moves anything.
 
 mod asking;
+mod conversation;
 mod judge;
+mod rehearsal;
 mod talk;
 
 use crate::calls::{CallRefused, Fault};
 use crate::demos::DemosError;
-use crate::examples::Told;
-use crate::model::{Lowering, Message, Model, ModelRole, Nature, Part, Reply, Request, Speaker};
+use crate::model::{Model, ModelRole, Nature, Reply, Request};
 use crate::observation::Observation;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
@@ -20,14 +21,16 @@ use crate::scene::Scene;
 pub use asking::{Asking, Step};
 use compiler::facts::{Done, Facts};
 use compiler::pointing::Pointing;
-use compiler::program::{Exhausted, Picture, Program, Stage, Value};
-use compiler::render::{self, NUMBERED_POINTS, PromptPicture, PromptSpeaker, RenderError, Values};
+use compiler::program::{Exhausted, Program, Value};
+use compiler::render::RenderError;
 use compiler::reply::Proposal;
 use compiler::verify::Verdict;
+pub use conversation::{Conversation, PromptError, Spoken, SpokenPart, conversation, opening};
+pub use rehearsal::{Rehearsed, rehearse};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Duration;
-use talk::{Answer, Next, Talk};
+use talk::{Answer, Missing, Next, Talk};
 
 /// Which model answers which role.
 #[derive(Clone, Copy)]
@@ -195,7 +198,10 @@ pub struct Situation<'a> {
 }
 
 impl<'a> Situation<'a> {
-    fn facts(self, texts: &'a BTreeMap<String, String>, pointing: Pointing) -> Facts<'a> {
+    fn facts<'t>(self, texts: &'t BTreeMap<String, String>, pointing: Pointing) -> Facts<'t>
+    where
+        'a: 't,
+    {
         Facts {
             scene: self.scene,
             texts,
@@ -205,17 +211,6 @@ impl<'a> Situation<'a> {
             pointing,
         }
     }
-}
-
-/// Why the messages of a stage cannot be written.
-#[derive(Debug, thiserror::Error)]
-pub enum PromptError {
-    /// A template and its values do not fit, or the stage cannot be asked of a model that writes points so.
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    /// The demonstrations cannot be told.
-    #[error(transparent)]
-    Demos(#[from] DemosError),
 }
 
 impl<E> From<PromptError> for AgentError<E> {
@@ -241,7 +236,13 @@ pub fn decide<E: std::error::Error>(
     let mut decision = Decision::Stop(Outcome::MalformedReply);
     for stage in &program.stages {
         let model = models.of(stage.model);
-        let mut talk = Talk::begin(situation, stage, &texts, model.lowering())?;
+        let mut talk = Talk::begin(
+            situation,
+            stage,
+            &texts,
+            model.lowering(),
+            Missing::IsAnError,
+        )?;
         let answer = loop {
             let attempt = talk.ask(model, asking, &texts)?;
             record(&attempt).map_err(AgentError::Record)?;
@@ -271,57 +272,4 @@ fn without_answer(program: &Program, outcome: Outcome) -> Decision {
         }
         _ => Decision::Stop(outcome),
     }
-}
-
-/// Renders the opening messages of a stage as a model with this lowering is sent them; `fabc render` shows what this
-/// returns.
-///
-/// - `values`: what is known; points are written as the lowering says, whatever `values` says of them.
-/// - `step`: from 1; chooses the demonstrations, which stand just before the question.
-pub fn conversation(
-    program: &Program,
-    stage: &Stage,
-    values: Values<'_>,
-    pictures: &Pictures,
-    step: u32,
-    lowering: &Lowering,
-) -> Result<Vec<Message>, PromptError> {
-    let pointing = lowering.pointing(pictures.size());
-    let values = values.with_pointing(pointing);
-    let notation = values.notation(program);
-    let mut messages = Vec::new();
-    for prompt in render::messages(program, stage, values)? {
-        let speaker = match prompt.speaker {
-            PromptSpeaker::System => Speaker::System,
-            PromptSpeaker::User => Speaker::User,
-            PromptSpeaker::Assistant => Speaker::Assistant,
-        };
-        let mut parts = vec![Part::Text(prompt.text)];
-        for picture in &prompt.pictures {
-            let found = pictures.png(picture, lowering, &notation);
-            let found = found.ok_or_else(|| RenderError::MissingFact {
-                name: format!("{picture:?}"),
-            })?;
-            parts.push(Part::Image(found));
-        }
-        let is_scene = |picture: &PromptPicture| {
-            matches!(picture, PromptPicture::Drawn(Picture::Scene { .. }))
-        };
-        if !notation.marks().is_empty() && prompt.pictures.iter().any(is_scene) {
-            parts.push(Part::Text(NUMBERED_POINTS.to_owned()));
-        }
-        messages.push(Message { speaker, parts });
-    }
-    let question = messages.len().saturating_sub(1);
-    let told = pictures
-        .examples
-        .told(program, &stage.name, step, pointing)?;
-    let told = told.iter().flat_map(|Told { question, answer }| {
-        [
-            Message::text(Speaker::User, question),
-            Message::text(Speaker::Assistant, answer),
-        ]
-    });
-    messages.splice(question..question, told);
-    Ok(messages)
 }

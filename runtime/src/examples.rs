@@ -11,6 +11,7 @@ use crate::picture;
 use crate::start::Start;
 use compiler::pointing::Pointing;
 use compiler::program::{FileRef, Program};
+use compiler::render::Said;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -18,9 +19,9 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Told {
     /// What was asked.
-    pub question: String,
+    pub question: Said,
     /// What was answered.
-    pub answer: String,
+    pub answer: Said,
 }
 
 /// The examples of one task.

@@ -111,7 +111,7 @@ const PINS_FILE: &str = "pins.json";
 
 impl SubgoalSet {
     /// Returns the set of a task without subgoals.
-    fn none() -> SubgoalSet {
+    pub fn none() -> SubgoalSet {
         SubgoalSet {
             pictures: Vec::new(),
             arrows: Vec::new(),

@@ -1,24 +1,28 @@
 //! Prompts on a scene that the world's camera sees, with the pictures that a model gets.
 
-use super::{Listed, Shown, ShownPart, title};
+use super::listed::Listed;
+use super::page::{Shown, ShownPart, ShownStage};
+use super::title;
+use super::why::Rates;
 use crate::cli::RenderArguments;
 use crate::exit::Failure;
-use crate::setting::models;
+use crate::look::{self, Seen};
+use crate::setting::known;
+use crate::setting::models::Told;
 use crate::{setting, sources};
-use compiler::facts::{Done, Facts, SceneView};
-use compiler::program::{ClothStart, PixelPoint, Program, Stage, Subgoals, Value};
-use compiler::render::{PromptPicture, Values};
-use compiler::reply::Proposal;
-use runtime::agent::{self, PromptError};
+use compiler::facts::{Facts, SceneView};
+use compiler::program::{ClothStart, Program, Stage};
+use compiler::render::Values;
+use compiler::verify::Verdict;
+use runtime::agent::{self, Conversation, Finding, Rehearsed, Situation, Spoken, SpokenPart};
+use runtime::calls::Usage;
 use runtime::examples::Examples;
-use runtime::expert;
 use runtime::interrupt::Interrupt;
-use runtime::model::{Lowering, Message, Part, Speaker};
+use runtime::model::catalogue::Profile;
+use runtime::model::{Message, Part, Speaker};
+use runtime::picture;
 use runtime::pictures::Pictures;
-use runtime::scene::Scene;
-use runtime::start::Start;
 use runtime::subgoals::SubgoalSet;
-use runtime::world::World;
 use std::collections::BTreeMap;
 
 /// Returns the task for the cloth of the start file that is named, where one is; else the task as it is.
@@ -46,11 +50,10 @@ pub fn fitted(declared: &Program, arguments: &RenderArguments) -> Result<Program
 
 /// A scene and what can be shown of it.
 pub struct View {
-    scene: Scene,
+    seen: Seen,
     pictures: Pictures,
-    last: Option<Done>,
     step: u32,
-    lowering: Lowering,
+    told: Told,
 }
 
 impl View {
@@ -67,7 +70,7 @@ impl View {
             let both = "`--scene` gives the points and `--start` lets the camera find them; give one of them";
             return Err(Failure::usage(both));
         }
-        let lowering = models::lowering(&arguments.shown)?;
+        let told = Told::of(&arguments.shown)?;
         let interrupt = Interrupt::default();
         let mut world = setting::world(program).map_err(Failure::environment)?;
         let folder = sources::folder_of(&arguments.task.file);
@@ -82,138 +85,203 @@ impl View {
             &interrupt,
         )?;
         let step = arguments.step;
-        let seen = look(program, &start, step, world.as_mut(), &interrupt)?;
-        let annotated = seen
-            .scene
-            .annotated(program, &seen.rgb, seen.last.as_ref())
-            .map_err(Failure::environment)?;
+        let seen = look::at(program, &start, step, &subgoals, world.as_mut(), &interrupt)?;
+        let picture = &seen.observation.rgb;
+        let annotated = seen.scene.annotated(program, picture, seen.last.as_ref());
+        let pictures = Pictures {
+            subgoals: subgoals
+                .step(step as usize - 1)
+                .map_err(Failure::environment)?,
+            scene: picture.clone(),
+            annotated: annotated.map_err(Failure::environment)?,
+            examples,
+        };
         Ok(View {
-            pictures: Pictures {
-                subgoals: subgoals
-                    .step(step as usize - 1)
-                    .map_err(Failure::environment)?,
-                scene: seen.rgb,
-                annotated,
-                examples,
-            },
-            scene: seen.scene,
-            last: seen.last,
+            seen,
+            pictures,
             step,
-            lowering,
+            told,
         })
     }
 
-    /// Renders one stage as the chosen model is sent it, by the function that a rollout uses.
-    pub fn messages(
+    /// Returns what is known of the model to which the messages are shown, where one is named.
+    pub fn rates(&self) -> Option<&dyn Rates> {
+        let told = &self.told;
+        told.profile.as_ref().map(|profile| profile as &dyn Rates)
+    }
+
+    /// Goes through stages as a rollout does, by the functions that a rollout uses.
+    pub fn stages(
         &self,
         program: &Program,
-        stage: &Stage,
+        stages: &[&Stage],
         listed: Option<&Listed>,
-    ) -> Result<Vec<Shown>, PromptError> {
-        let lowering = &self.lowering;
+        arguments: &RenderArguments,
+    ) -> Result<Vec<ShownStage>, Failure> {
+        let rehearsed = match listed {
+            Some(listed) => self.listed(program, stages, listed)?,
+            None => self.rehearsed(program, stages, arguments.replies.clone())?,
+        };
         let texts = BTreeMap::new();
         let scene: &dyn SceneView = match listed {
             Some(listed) => listed,
-            None => &self.scene,
+            None => &self.seen.scene,
         };
-        let values = Values::Partly(Facts {
+        let values = Values::Partly(self.facts(scene, &texts));
+        let shown = rehearsed.into_iter().map(|rehearsed| {
+            let name = rehearsed.stage.as_str();
+            let stage = program.stages.iter().find(|stage| stage.name == name);
+            let stage = stage.expect("a rehearsed stage is one of the program's");
+            let corrections = super::corrections_of(program, stage, values);
+            Ok(ShownStage {
+                corrections: corrections.map_err(Failure::environment)?,
+                messages: shown(&rehearsed.conversation, self.step),
+                findings: rehearsed.findings.iter().map(in_words).collect(),
+                name: rehearsed.stage,
+            })
+        });
+        shown.collect()
+    }
+
+    fn facts<'t>(
+        &'t self,
+        scene: &'t dyn SceneView,
+        texts: &'t BTreeMap<String, String>,
+    ) -> Facts<'t> {
+        Facts {
             scene,
-            texts: &texts,
+            texts,
             step: self.step,
-            last: self.last.as_ref(),
+            last: self.seen.last.as_ref(),
             proposal: None,
-            pointing: lowering.pointing(self.pictures.size()),
-        });
-        let step = self.step;
-        let messages = agent::conversation(program, stage, values, &self.pictures, step, lowering)?;
-        let files = stage.examples.iter().flat_map(|example| &example.images);
-        let files = files.cloned().map(PromptPicture::File);
-        let drawn = stage.show.iter().copied().map(PromptPicture::Drawn);
-        let mut titles = files.chain(drawn).map(|picture| title(&picture, step));
-        Ok(messages
-            .into_iter()
-            .map(|message| shown(message, &mut titles))
-            .collect())
-    }
-}
-
-/// What the camera sees at a step, and the action before it.
-struct Seen {
-    scene: Scene,
-    rgb: image::RgbImage,
-    last: Option<Done>,
-}
-
-fn look(
-    program: &Program,
-    start: &Start,
-    step: u32,
-    world: &mut dyn World,
-    interrupt: &Interrupt,
-) -> Result<Seen, Failure> {
-    let mut seen: Option<Seen> = None;
-    world.reset(start).map_err(Failure::environment)?;
-    for earlier in 0..step {
-        let mut last = None;
-        if earlier > 0 {
-            let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
-                return Err(Failure::usage(
-                    "the task demonstrates no folds, so that only step 1 can be shown; give `--scene FILE.json`",
-                ));
-            };
-            let fold = &folds[(earlier as usize - 1).min(folds.len() - 1)];
-            let motion = expert::motion(fold, start, world).map_err(Failure::environment)?;
-            let camera = world.observe().map_err(Failure::environment)?.camera;
-            let pixel = |point| {
-                let [column, row]: [f64; 2] = camera.pixel_from_world(point)?;
-                Some(PixelPoint::new(column.floor() as i32, row.floor() as i32))
-            };
-            last = pixel(motion.pick)
-                .zip(pixel(motion.place))
-                .map(|(pick, place)| done(pick, place));
-            world
-                .act(&motion, interrupt)
-                .map_err(Failure::environment)?;
+            pointing: self.told.lowering.pointing(self.pictures.size()),
         }
-        let observation = world.observe().map_err(Failure::environment)?;
-        let first = seen.as_ref().map(|seen| &seen.scene);
-        let scene = Scene::of(program, &observation, first).map_err(Failure::environment)?;
-        seen = Some(Seen {
-            scene,
-            rgb: observation.rgb,
-            last,
+    }
+
+    fn rehearsed(
+        &self,
+        program: &Program,
+        stages: &[&Stage],
+        answers: Vec<String>,
+    ) -> Result<Vec<Rehearsed>, Failure> {
+        let situation = Situation {
+            program,
+            scene: &self.seen.scene,
+            observation: &self.seen.observation,
+            number: self.step,
+            step: self.step,
+            before: None,
+            last: self.seen.last.as_ref(),
+            pictures: &self.pictures,
+            repetition: 0,
+        };
+        let lowering = |_| self.told.lowering;
+        let rehearsed = agent::rehearse(situation, stages, &lowering, answers);
+        let (rehearsed, left) = rehearsed.map_err(Failure::environment)?;
+        match left.len() {
+            0 => Ok(rehearsed),
+            beyond => Err(Failure::usage(format!(
+                "the last {beyond} of the answers given by `--reply` are to no question: no more are asked"
+            ))),
+        }
+    }
+
+    fn listed(
+        &self,
+        program: &Program,
+        stages: &[&Stage],
+        listed: &Listed,
+    ) -> Result<Vec<Rehearsed>, Failure> {
+        let texts = BTreeMap::new();
+        let values = Values::Partly(self.facts(listed, &texts));
+        let lowering = &self.told.lowering;
+        let stages = stages.iter().map(|stage| {
+            let conversation =
+                agent::conversation(program, stage, values, &self.pictures, self.step, lowering);
+            Ok(Rehearsed {
+                stage: stage.name.clone(),
+                conversation: conversation.map_err(Failure::environment)?,
+                findings: Vec::new(),
+            })
         });
-    }
-    seen.ok_or_else(|| Failure::usage("steps are counted from 1"))
-}
-
-/// Makes the action that a demonstrated fold stands for.
-fn done(pick: PixelPoint, place: PixelPoint) -> Done {
-    let field = |name: &str, point| (name.to_owned(), Value::Point(point));
-    Done {
-        proposal: Proposal {
-            fields: vec![field("pick", pick), field("place", place)],
-        },
-        pick,
-        place,
+        stages.collect()
     }
 }
 
-fn shown(message: Message, titles: &mut impl Iterator<Item = String>) -> Shown {
-    let role = match message.speaker {
-        Speaker::System => "system",
-        Speaker::User => "user",
-        Speaker::Assistant => "assistant",
+/// Says what came of an answer.
+fn in_words(finding: &Finding) -> String {
+    match finding {
+        Finding::Text { name, value, .. } => format!("`{name}` is \"{value}\""),
+        Finding::Action {
+            verdict: Verdict::Accept,
+            ..
+        } => "accepted".to_owned(),
+        Finding::Action {
+            verdict: Verdict::Reject { check, .. },
+            ..
+        } => format!("refused by `{check}`"),
+        Finding::Malformed { field, .. } => format!("`{field}` cannot be read"),
+        Finding::Failed { why, .. } => why.clone(),
+    }
+}
+
+/// Returns messages as they are shown where their pictures are not wanted.
+pub fn shown_without_drawing(spoken: &[Spoken], step: u32) -> Vec<Shown> {
+    spoken
+        .iter()
+        .map(|spoken| one(spoken, None, step))
+        .collect()
+}
+
+/// Puts what is said and what is sent together.
+fn shown(conversation: &Conversation, step: u32) -> Vec<Shown> {
+    let both = conversation.spoken.iter().zip(&conversation.messages);
+    both.map(|(spoken, message)| one(spoken, Some(message), step))
+        .collect()
+}
+
+fn one(spoken: &Spoken, sent: Option<&Message>, step: u32) -> Shown {
+    let png = |number: usize| match sent?.parts.get(number)? {
+        Part::Image(png) => Some(png.bytes().to_vec()),
+        Part::Text(_) => None,
     };
-    let part = |part: Part| match part {
-        Part::Text(text) => ShownPart::Text(text),
-        Part::Image(png) => ShownPart::Picture {
-            title: titles.next().unwrap_or_default(),
-            png: Some(png.bytes().to_vec()),
-        },
+    let part = |(number, part): (usize, &SpokenPart)| {
+        let title = match part {
+            SpokenPart::Text(said) => return ShownPart::Text(said.clone()),
+            SpokenPart::Picture(picture) => title(picture, step),
+            SpokenPart::RefusedAction => "the refused action".to_owned(),
+        };
+        let png = png(number);
+        ShownPart::Picture { title, png }
     };
     Shown {
-        role,
-        parts: message.parts.into_iter().map(part).collect(),
+        role: match spoken.speaker {
+            Speaker::System => "system",
+            Speaker::User => "user",
+            Speaker::Assistant => "assistant",
+        },
+        parts: spoken.parts.iter().enumerate().map(part).collect(),
+    }
+}
+
+impl Rates for Profile {
+    fn model(&self) -> String {
+        self.title()
+    }
+
+    fn picture_tokens(&self, png: &[u8]) -> Option<(u64, u64)> {
+        let [width, height] = picture::size(png)?;
+        let tokens = self.facts.image_tokens.as_ref()?.of(width, height);
+        Some((tokens.at_least, tokens.at_most))
+    }
+
+    fn cost_nano_usd(&self, tokens: u64) -> Option<u64> {
+        let usage = Usage {
+            input_tokens: tokens,
+            cached_input_tokens: 0,
+            output_tokens: 0,
+        };
+        let price = self.price_on(known::today())?;
+        Some(price.cost(usage).nano())
     }
 }

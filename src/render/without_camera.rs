@@ -1,13 +1,16 @@
 //! Prompts in a build without simulator and vision: points are typed placeholders, or from `--scene`.
 
-use super::{Listed, Shown, ShownPart, title};
+use super::listed::Listed;
+use super::page::{Shown, ShownPart, ShownStage};
+use super::title;
+use super::why::Rates;
 use crate::cli::RenderArguments;
 use crate::exit::Failure;
 use crate::output;
 use compiler::facts::Facts;
 use compiler::pointing::Pointing;
 use compiler::program::{Program, Stage};
-use compiler::render::{self, PromptSpeaker, RenderError, Values};
+use compiler::render::{self, PromptMessage, PromptSpeaker, RenderError, Values};
 use std::collections::BTreeMap;
 
 /// Returns the task as it is: no start is laid.
@@ -37,13 +40,19 @@ impl View {
         })
     }
 
-    /// Renders one stage.
-    pub fn messages(
+    /// Returns nothing: this build knows no models.
+    pub fn rates(&self) -> Option<&dyn Rates> {
+        None
+    }
+
+    /// Renders stages.
+    pub fn stages(
         &self,
         program: &Program,
-        stage: &Stage,
+        stages: &[&Stage],
         listed: Option<&Listed>,
-    ) -> Result<Vec<Shown>, RenderError> {
+        _arguments: &RenderArguments,
+    ) -> Result<Vec<ShownStage>, Failure> {
         let texts = BTreeMap::new();
         let values = match listed {
             None => Values::Typed,
@@ -56,22 +65,39 @@ impl View {
                 pointing: Pointing::of_camera(&program.camera),
             }),
         };
-        let shown = |message: render::PromptMessage| {
-            let role = match message.speaker {
-                PromptSpeaker::System => "system",
-                PromptSpeaker::User => "user",
-                PromptSpeaker::Assistant => "assistant",
-            };
-            let mut parts = vec![ShownPart::Text(message.text)];
-            parts.extend(message.pictures.iter().map(|picture| ShownPart::Picture {
-                title: title(picture, self.step),
-                png: None,
-            }));
-            Shown { role, parts }
-        };
-        Ok(render::messages(program, stage, values)?
-            .into_iter()
-            .map(shown)
-            .collect())
+        let shown = stages.iter().map(|stage| {
+            let messages = render::messages(program, stage, values)?;
+            Ok(ShownStage {
+                name: stage.name.clone(),
+                messages: messages
+                    .into_iter()
+                    .map(|it| shown(it, self.step))
+                    .collect(),
+                corrections: super::corrections_of(program, stage, values)?,
+                findings: Vec::new(),
+            })
+        });
+        let shown: Result<Vec<ShownStage>, RenderError> = shown.collect();
+        shown.map_err(Failure::environment)
     }
+}
+
+/// Returns messages as they are shown by a build that cannot draw.
+pub fn shown_without_pictures(messages: Vec<PromptMessage>, step: u32) -> Vec<Shown> {
+    let messages = messages.into_iter();
+    messages.map(|message| shown(message, step)).collect()
+}
+
+fn shown(message: PromptMessage, step: u32) -> Shown {
+    let role = match message.speaker {
+        PromptSpeaker::System => "system",
+        PromptSpeaker::User => "user",
+        PromptSpeaker::Assistant => "assistant",
+    };
+    let mut parts = vec![ShownPart::Text(message.said)];
+    parts.extend(message.pictures.iter().map(|picture| ShownPart::Picture {
+        title: title(picture, step),
+        png: None,
+    }));
+    Shown { role, parts }
 }

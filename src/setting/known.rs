@@ -4,7 +4,7 @@
 //! where such files lie.
 
 use crate::exit::Failure;
-use runtime::model::catalogue::{Catalogue, Date};
+use runtime::model::catalogue::{Catalogue, Date, Profile};
 use std::env;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -70,6 +70,13 @@ pub fn catalogue(flag: Option<&Path>) -> Result<Catalogue, Failure> {
             .map_err(Failure::environment),
         None => Ok(builtin),
     }
+}
+
+/// Returns what is known of a provider's model, `PROVIDER:NAME`.
+pub fn profile(name: &str, models: Option<&Path>) -> Result<Profile, Failure> {
+    let catalogue = catalogue(models)?;
+    let found = catalogue.find(name);
+    found.map_err(|error| Failure::usage(error.to_string()))
 }
 
 /// Returns the day, in UTC.

@@ -204,28 +204,36 @@ pub fn without_provider(name: &str) -> Result<Arc<dyn Model>, Failure> {
     })
 }
 
-/// Returns how points are written for the model to which messages are shown.
-pub fn lowering(shown: &ShownArguments) -> Result<Lowering, Failure> {
-    let known = match &shown.model {
-        None => Lowering::PIXELS,
-        Some(name) => match embedded(name, ModelRole::Text)? {
-            Some(model) => model.lowering(),
-            None => {
-                let catalogue = known::catalogue(shown.facts.models.as_deref())?;
-                let profile = catalogue.find(name);
-                profile
-                    .map_err(|error| Failure::usage(error.to_string()))?
-                    .lowering()
-            }
-        },
-    };
-    Ok(match shown.marks {
-        true => Lowering {
-            points: Points::Marks,
-            ..known
-        },
-        false => known,
-    })
+/// The model to which messages are shown.
+pub struct Told {
+    /// How it is told of points and pictures.
+    pub lowering: Lowering,
+    /// What is known of it; none for embedded models, and where none is named.
+    pub profile: Option<Profile>,
+}
+
+impl Told {
+    /// Finds the model that the command line names.
+    pub fn of(shown: &ShownArguments) -> Result<Told, Failure> {
+        let (known, profile) = match &shown.model {
+            None => (Lowering::PIXELS, None),
+            Some(name) => match embedded(name, ModelRole::Text)? {
+                Some(model) => (model.lowering(), None),
+                None => {
+                    let profile = known::profile(name, shown.facts.models.as_deref())?;
+                    (profile.lowering(), Some(profile))
+                }
+            },
+        };
+        let lowering = match shown.marks {
+            true => Lowering {
+                points: Points::Marks,
+                ..known
+            },
+            false => known,
+        };
+        Ok(Told { lowering, profile })
+    }
 }
 
 /// Something that may be said for both roles or for each.

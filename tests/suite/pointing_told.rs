@@ -42,30 +42,32 @@ fn demonstrations_are_told_in_the_frame_of_the_model() {
     };
     let in_pixels = told(Lowering::PIXELS);
     assert_eq!(
-        in_pixels.answer,
+        in_pixels.answer.text,
         "Pick Point = (65, 28)\nPlace Point = (158, 195)\n\
          Of the listed points (65, 28) is the corner at the top left, and (158, 195) is the corner at the bottom right."
     );
     let in_thousandths = told(THOUSANDTHS_Y_FIRST);
     assert_eq!(
-        in_thousandths.answer,
+        in_thousandths.answer.text,
         "Pick Point = [127, 292]\nPlace Point = [873, 708]\n\
          Of the listed points [127, 292] is the corner at the top left, and [873, 708] is the corner at the bottom right."
     );
     assert!(
         in_thousandths
             .question
+            .text
             .contains("- Cloth corners: [873, 708], [292, 873], [708, 127], [127, 292]\n")
     );
     let by_number = told(MARKS);
     assert_eq!(
-        by_number.answer,
+        by_number.answer.text,
         "Pick Point = 4\nPlace Point = 1\n\
          Of the listed points 4 at (65, 28) is the corner at the top left, and 1 at (158, 195) is the corner at the bottom right."
     );
     assert!(
         by_number
             .question
+            .text
             .contains("- Cloth corners: 1 at (158, 195), 2 at (195, 65), ")
     );
 }

@@ -7,7 +7,7 @@ use compiler::facts::SceneView;
 use compiler::program::{
     ActionField, Choices, Comparison, Direction, End, Example, Extractor, FileRef, Goal, ImageUp,
     Keypoint, Layer, Layers, LengthChoice, LengthUnit, Mark, Metric, Moment, Picture, PixelPoint,
-    Point, Program, Spot,
+    Point, Program, Spot, Words,
 };
 use compiler::space;
 use runtime::agent::Models;
@@ -129,6 +129,14 @@ fn an_exhausted_step_ends_the_rollout_where_no_answer_passes_the_relaxed_checks(
     assert_eq!(played.steps[0]["accepted"], Value::Null);
 }
 
+fn words(text: &str) -> Words {
+    Words {
+        text: text.to_owned(),
+        declared_in: "example.fab".to_owned(),
+        line: 1,
+    }
+}
+
 #[test]
 fn examples_are_told_as_turns_with_their_pictures() {
     let folder = tempfile::tempdir().unwrap();
@@ -136,11 +144,11 @@ fn examples_are_told_as_turns_with_their_pictures() {
     picture.save(folder.path().join("shown.png")).unwrap();
     let mut program = planning();
     program.stages[0].examples = vec![Example {
-        say: "Which points?".to_owned(),
+        say: vec![words("Which points?")],
         images: vec![FileRef {
             path: "shown.png".to_owned(),
         }],
-        reply: "Pick Point = (1, 1)\nPlace Point = (2, 2)".to_owned(),
+        reply: words("Pick Point = (1, 1)\nPlace Point = (2, 2)"),
     }];
     let played = play(&program, folder.path(), &[]);
     assert_eq!(played.report.outcome, Outcome::ModelFailed);

@@ -6,7 +6,7 @@ use crate::ast::{self, Reply, Saying, Sayings, Stage, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::once;
 use crate::pointing::Notation;
-use crate::program::{ActionField, Example, ModelRole, Read, Value};
+use crate::program::{ActionField, Example, ModelRole, Read, Value, Words};
 use crate::reply;
 use crate::space;
 
@@ -83,11 +83,11 @@ fn one(
     is_whole.then_some(example)
 }
 
-fn question(say: &Sayings, context: &mut Context<'_>) -> Option<String> {
+fn question(say: &Sayings, context: &mut Context<'_>) -> Option<Vec<Words>> {
     let mut texts = Vec::with_capacity(say.list.len());
     for saying in &say.list {
         match saying {
-            Saying::Text(text) => texts.push(literal(text, context)?),
+            Saying::Text(text) => texts.push(words(text, context)?),
             Saying::Component(name) => {
                 let message = "an example says its own words, not components";
                 context.push(
@@ -98,7 +98,17 @@ fn question(say: &Sayings, context: &mut Context<'_>) -> Option<String> {
             }
         }
     }
-    Some(texts.join("\n\n"))
+    Some(texts)
+}
+
+fn words(text: &Text, context: &mut Context<'_>) -> Option<Words> {
+    let plain = literal(text, context)?;
+    let source = context.loaded.sources.get(text.span.file);
+    Some(Words {
+        text: plain,
+        declared_in: context.loaded.portable_names[text.span.file.0].clone(),
+        line: source.line_and_column(text.start).0 as u32,
+    })
 }
 
 /// Returns a text without placeholders.
@@ -115,20 +125,21 @@ pub(super) fn literal(text: &Text, context: &mut Context<'_>) -> Option<String> 
 }
 
 /// Returns the answer, if the stage can read it.
-fn answer(reply: &Reply, read: Option<&Read>, context: &mut Context<'_>) -> Option<String> {
-    let said = literal(&reply.text, context)?;
+fn answer(reply: &Reply, read: Option<&Read>, context: &mut Context<'_>) -> Option<Words> {
+    let answer = words(&reply.text, context)?;
+    let said = answer.text.as_str();
     let unreadable = match read? {
-        Read::Text { before, after, .. } => reply::read_text(before, after, &said)
+        Read::Text { before, after, .. } => reply::read_text(before, after, said)
             .err()
             .map(|malformed| malformed.message),
-        Read::Action => unreadable_action(&said, context),
+        Read::Action => unreadable_action(said, context),
     };
     if let Some(why) = unreadable {
         let message = "the answer of this example is not one that the stage accepts";
         context.push(Diagnostic::new(Code::BadExample, reply.text.span, message).help(why));
         return None;
     }
-    Some(said)
+    Some(answer)
 }
 
 /// Says why an answer cannot be read as an action whose fixed choices are offered; None: it can.

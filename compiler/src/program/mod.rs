@@ -33,7 +33,7 @@ pub use goal::{Goal, Metric};
 pub use keypoints::{Extractor, Keypoint, KeypointShape, Moment, Response, Sight};
 pub use picker::Picker;
 pub use prompts::{
-    Arrow, Example, Layers, ModelRole, Picture, Read, Stage, Template, Variable, Which,
+    Arrow, Example, Layers, ModelRole, Picture, Read, Stage, Template, Variable, Which, Words,
 };
 pub use shown::{Shown, Written};
 pub use subgoals::{SubgoalImage, Subgoals};
@@ -45,7 +45,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// Version of the shape of [`Program`]; it changes whenever an older reader would misread the data.
-pub const PROGRAM_FORMAT: u32 = 6;
+pub const PROGRAM_FORMAT: u32 = 7;
 
 /// Everything a rollout needs to know about one task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -120,6 +120,17 @@ impl Program {
             Some(variant) => format!("{}/{variant}", self.task),
             None => self.task.clone(),
         }
+    }
+
+    /// Returns whether a question or its picture says something of the action before, so that the first step does not
+    /// show all of it.
+    pub fn looks_back(&self) -> bool {
+        let stages = self.stages.iter();
+        let mut said = stages.flat_map(|stage| stage.system.iter().chain(&stage.say));
+        let mut guards = said
+            .by_ref()
+            .filter_map(|name| self.template(name)?.when.as_ref());
+        guards.any(Condition::looks_back) || self.layers.iter().any(Layer::uses_last)
     }
 
     /// Returns the largest number of model calls in one step: every stage, asked as often as it may be, for each

@@ -58,12 +58,23 @@ pub struct Stage {
 /// A question with its answer, told to a model as if it had been asked before.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Example {
-    /// The question.
-    pub say: String,
+    /// The question's texts, joined by a blank line.
+    pub say: Vec<Words>,
     /// Pictures that follow it.
     pub images: Vec<FileRef>,
     /// The answer; the stage's own reader can read it.
-    pub reply: String,
+    pub reply: Words,
+}
+
+/// A text that stands in a file as it is said.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Words {
+    /// The text.
+    pub text: String,
+    /// The file that holds it, as in [`super::SourceStamp::name`].
+    pub declared_in: String,
+    /// The line of its first character there, from 1.
+    pub line: u32,
 }
 
 /// The kind of model that a stage asks.

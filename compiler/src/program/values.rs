@@ -274,6 +274,21 @@ impl Condition {
     }
 }
 
+impl Condition {
+    /// Returns whether it may hold in a later step and not in the first one for the number of the step, or for the
+    /// action before.
+    pub fn looks_back(&self) -> bool {
+        match self {
+            Condition::All { of } | Condition::Any { of } => of.iter().any(Condition::looks_back),
+            Condition::Not { of } => of.looks_back(),
+            Condition::Number { left, .. } => matches!(left, Number::Step),
+            // Whatever else names the action before stands beside this one.
+            Condition::Last => true,
+            _ => false,
+        }
+    }
+}
+
 /// How two numbers compare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

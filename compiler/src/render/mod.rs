@@ -5,9 +5,11 @@
 //! a missing value is an error, nothing is escaped, and rendering is bounded.
 
 mod jinja;
+mod said;
 mod show;
 
 pub(crate) use jinja::{Jinja, escaped, placeholder};
+pub use said::{FABC, Origin, Place, Said, Stretch};
 pub(crate) use show::constant;
 
 use crate::eval::{Eval, Notes};
@@ -27,7 +29,7 @@ const FUEL: u64 = 1_000_000;
 const MAX_BYTES: usize = 1 << 20;
 
 /// What stands between two texts of a message.
-pub(crate) const BETWEEN: &str = "\n\n";
+pub const BETWEEN: &str = "\n\n";
 
 /// Where the values of a text come from.
 #[derive(Clone, Copy)]
@@ -60,7 +62,8 @@ impl Values<'_> {
         }
     }
 
-    fn pointing(&self, program: &Program) -> Pointing {
+    /// Returns in which frame they are written.
+    pub fn pointing(&self, program: &Program) -> Pointing {
         match self {
             Values::Known(facts) | Values::Partly(facts) => facts.pointing,
             Values::Typed => Pointing::of_camera(&program.camera),
@@ -84,8 +87,8 @@ pub enum PromptSpeaker {
 pub struct PromptMessage {
     /// Who speaks.
     pub speaker: PromptSpeaker,
-    /// The text.
-    pub text: String,
+    /// The text, and where it comes from.
+    pub said: Said,
     /// The pictures that follow it, in order.
     pub pictures: Vec<PromptPicture>,
 }
@@ -112,29 +115,32 @@ pub fn messages(
     let pointing = values.pointing(program);
     pointing.check(program, stage)?;
     let mut messages = Vec::with_capacity(2 + 2 * stage.examples.len());
-    let mut say = |speaker, text, pictures| {
+    let mut say = |speaker, said, pictures| {
         messages.push(PromptMessage {
             speaker,
-            text,
+            said,
             pictures,
         });
     };
     if !stage.system.is_empty() {
-        let text = joined(program, &stage.system, values)?;
-        say(PromptSpeaker::System, text, Vec::new());
+        let said = joined(program, &stage.system, values)?;
+        say(PromptSpeaker::System, said, Vec::new());
     }
-    for example in &stage.examples {
+    for (example, number) in stage.examples.iter().zip(1..) {
+        let name = format!("example {number}");
+        let texts = example.say.iter().map(|words| Said::words(words, &name));
         let images = example.images.iter().cloned().map(PromptPicture::File);
-        say(PromptSpeaker::User, example.say.clone(), images.collect());
-        say(PromptSpeaker::Assistant, example.reply.clone(), Vec::new());
+        let asked = Said::joined(texts, BETWEEN);
+        say(PromptSpeaker::User, asked, images.collect());
+        let answered = Said::words(&example.reply, &name);
+        say(PromptSpeaker::Assistant, answered, Vec::new());
     }
     let pictures = stage.show.iter().copied().map(PromptPicture::Drawn);
-    let mut text = joined(program, &stage.say, values)?;
+    let mut said = joined(program, &stage.say, values)?;
     if leaves_frame_open(program, stage, &pointing) {
-        text.push_str(BETWEEN);
-        text.push_str(&pointing.sentence());
+        said.push(BETWEEN, Said::by_fabc(pointing.sentence()));
     }
-    say(PromptSpeaker::User, text, pictures.collect());
+    say(PromptSpeaker::User, said, pictures.collect());
     Ok(messages)
 }
 
@@ -169,6 +175,26 @@ pub const NUMBERED_POINTS: &str =
 /// The runtime draws the marks; the words stand here, with all else that reaches a model.
 pub const REFUSED_ACTION: &str = "The picture shows the refused action: a green ring around the pick point, a green arrow along the move, and a purple ring around the place point.";
 
+/// Renders what a model would be told where a check fails, for each check, and then where a step's result is refused.
+///
+/// - Returns `NAME` of the check, or `result`, and the text. With [`Values::Partly`] the refused action, which nobody
+///   proposed yet, stands as placeholders.
+pub fn corrections(
+    program: &Program,
+    values: Values<'_>,
+) -> Result<Vec<(String, Said)>, RenderError> {
+    let checks = program.verify.checks.iter();
+    let checks = checks.map(|check| (check.name.as_str(), check.message.as_str()));
+    let result = program.verify.result.iter();
+    let result = result.map(|check| ("result", check.message.as_str()));
+    let mut told = Vec::new();
+    for (name, message) in checks.chain(result) {
+        let text = said(program, message, values)?;
+        told.extend(text.map(|text| (name.to_owned(), text)));
+    }
+    Ok(told)
+}
+
 /// Renders what a model is told when a check fails.
 pub fn correction(
     program: &Program,
@@ -187,6 +213,15 @@ pub fn one(
     name: &str,
     values: Values<'_>,
 ) -> Result<Option<String>, RenderError> {
+    Ok(said(program, name, values)?.map(|said| said.text))
+}
+
+/// Does what [`one`] does, and says where each stretch comes from.
+pub fn said(
+    program: &Program,
+    name: &str,
+    values: Values<'_>,
+) -> Result<Option<Said>, RenderError> {
     let Some(template) = program.template(name) else {
         return Err(RenderError::UnknownTemplate {
             template: name.to_owned(),
@@ -201,16 +236,16 @@ pub fn one(
             (Err(missing), _) => return Err(missing.into()),
         }
     }
-    let context = self::values(program, template, values)?
-        .into_iter()
-        .map(|(variable, text)| (variable, Value::from(text)))
+    let texts = self::values(program, template, values)?;
+    let context = texts
+        .iter()
+        .map(|(variable, text)| (variable.clone(), Value::from(text.as_str())))
         .collect();
-    fill(&template.text, &context)
-        .map(Some)
-        .map_err(|why| RenderError::BadTemplate {
-            template: name.to_owned(),
-            why,
-        })
+    let text = fill(&template.text, &context).map_err(|why| RenderError::BadTemplate {
+        template: name.to_owned(),
+        why,
+    })?;
+    Ok(Some(said::laid_over(template, &texts, text)))
 }
 
 /// Writes the values that a template shows, by variable.
@@ -232,12 +267,12 @@ pub(crate) fn values(
     Ok(texts)
 }
 
-fn joined(program: &Program, names: &[String], values: Values<'_>) -> Result<String, RenderError> {
+fn joined(program: &Program, names: &[String], values: Values<'_>) -> Result<Said, RenderError> {
     let mut texts = Vec::with_capacity(names.len());
     for name in names {
-        texts.extend(one(program, name, values)?);
+        texts.extend(said(program, name, values)?);
     }
-    Ok(texts.join(BETWEEN))
+    Ok(Said::joined(texts, BETWEEN))
 }
 
 /// Fills Jinja source; says why where that is impossible.

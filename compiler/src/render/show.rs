@@ -4,7 +4,7 @@ use crate::eval::{Eval, rounded};
 use crate::exact;
 use crate::facts::{Facts, Missing};
 use crate::pointing::Pointing;
-use crate::program::{ActionField, Choices, Length, Program, Read, Shown, Value, Written};
+use crate::program::{ActionField, Choices, Length, OVERLAP, Program, Read, Shown, Value, Written};
 use crate::space;
 
 /// How a length in pixels ends.
@@ -102,6 +102,9 @@ pub(super) fn typed(program: &Program, name: &str, shown: &Shown) -> String {
         reads.map_or("another stage", |stage| stage.name.as_str())
     };
     let what = match shown {
+        Shown::Text { name } if name == OVERLAP => {
+            "the share of the next subgoal's cloth that the result covers".to_owned()
+        }
         Shown::Text { name } => format!("the answer of stage {}", reader(name)),
         Shown::Points { .. } => "points (x, y), …".to_owned(),
         Shown::Point { .. } => "a point (x, y)".to_owned(),

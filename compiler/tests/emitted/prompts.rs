@@ -185,10 +185,10 @@ fn said<'p>(
         .iter()
         .find(|it| it.speaker == PromptSpeaker::System)
     {
-        said.push(("system", stage.system.as_slice(), system.text.clone()));
+        said.push(("system", stage.system.as_slice(), system.said.text.clone()));
     }
     let user = messages.last().unwrap();
-    said.push(("user", stage.say.as_slice(), user.text.clone()));
+    said.push(("user", stage.say.as_slice(), user.said.text.clone()));
     said
 }
 

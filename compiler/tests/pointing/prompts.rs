@@ -22,7 +22,7 @@ fn said(pointing: Pointing) -> (String, serde_json::Value) {
         .map(|field| (field.name.clone(), space::choices(field, &known)))
         .collect();
     let schema = reply::schema_in(program(), &facts.notation(program()), &offered);
-    let text = messages.unwrap().last().unwrap().text.clone();
+    let text = messages.unwrap().last().unwrap().said.text.clone();
     (text, schema["properties"]["pick"].clone())
 }
 
@@ -157,8 +157,8 @@ fn the_placeholder_says_how_points_are_written_and_keeps_the_sentence_away() {
         let values = Values::Known(in_frame(&known, pointing));
         let messages = render::messages(&program, &program.stages[1], values).unwrap();
         let expected = format!("A point is written {said} is far.");
-        assert_eq!(messages[0].text, expected);
-        assert!(!messages[1].text.contains("A point is written"));
+        assert_eq!(messages[0].said.text, expected);
+        assert!(!messages[1].said.text.contains("A point is written"));
         let is_open = |stage| render::leaves_frame_open(&program, stage, &pointing);
         assert!(!program.stages.iter().any(is_open), "{said}");
     }

@@ -1,23 +1,26 @@
 //! The conversation of one stage in one step: asks, and asks again with the reason of the refusal.
 
 use super::judge::judge;
-use super::{Accepted, AgentError, Asking, Attempt, Finding, PromptError, Situation, conversation};
+use super::{
+    Accepted, AgentError, Asking, Attempt, Conversation, Finding, PromptError, Situation,
+    conversation,
+};
 use crate::action::Action;
 use crate::calls::CallRefused;
-use crate::model::{Lowering, Message, Model, ModelError, Part, Png, Request, Speaker};
+use crate::model::{Lowering, Model, ModelError, Png, Reply, Request, Speaker};
 use crate::outcome::Outcome;
 use crate::pictures::scene_png;
 use crate::vision;
 use compiler::facts::Facts;
 use compiler::pointing::Notation;
 use compiler::program::{Layers, ModelRole, OVERLAP, Picture, Read, Stage};
-use compiler::render::{self, REFUSED_ACTION, RenderError, Values};
+use compiler::render::{self, BETWEEN, REFUSED_ACTION, RenderError, Said, Values};
 use compiler::reply::{self, Proposal};
 use compiler::space;
 use compiler::verify::{self, Strictness, Verdict};
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// What a stage comes to in the end.
 pub(super) enum Answer {
@@ -37,6 +40,15 @@ pub(super) enum Next {
     Done(Answer),
 }
 
+/// What becomes of a text that nobody has answered yet.
+#[derive(Clone, Copy)]
+pub(super) enum Missing {
+    /// Asking is impossible.
+    IsAnError,
+    /// It stands as words in angle brackets.
+    IsShown,
+}
+
 /// The conversation of one stage in one step.
 pub(super) struct Talk<'a> {
     situation: Situation<'a>,
@@ -44,7 +56,7 @@ pub(super) struct Talk<'a> {
     lowering: Lowering,
     /// How the scene's points are written for the model.
     notation: Notation,
-    messages: Vec<Message>,
+    conversation: Conversation,
     /// What the scene's answers look like, where the stage reads the action.
     schema: Option<Value>,
     asked: u32,
@@ -58,6 +70,7 @@ impl<'a> Talk<'a> {
         stage: &'a Stage,
         texts: &BTreeMap<String, String>,
         lowering: Lowering,
+        missing: Missing,
     ) -> Result<Self, PromptError> {
         let Situation {
             program,
@@ -66,10 +79,13 @@ impl<'a> Talk<'a> {
             ..
         } = situation;
         let facts = situation.facts(texts, lowering.pointing(pictures.size()));
-        let values = Values::Known(facts);
-        let mut messages = conversation(program, stage, values, pictures, step, &lowering)?;
-        if let (Some(remark), Some(question)) = (remark(situation, facts)?, messages.last_mut()) {
-            question.parts.push(Part::Text(remark));
+        let values = match missing {
+            Missing::IsAnError => Values::Known(facts),
+            Missing::IsShown => Values::Partly(facts),
+        };
+        let mut conversation = conversation(program, stage, values, pictures, step, &lowering)?;
+        if let Some(remark) = remark(situation, facts)? {
+            conversation.add(remark);
         }
         let notation = facts.notation(program);
         let reads_action = matches!(stage.read, Read::Action);
@@ -77,7 +93,7 @@ impl<'a> Talk<'a> {
             situation,
             stage,
             lowering,
-            messages,
+            conversation,
             schema: reads_action.then(|| schema(situation, &notation)),
             notation,
             asked: 0,
@@ -91,39 +107,62 @@ impl<'a> Talk<'a> {
         asking: &mut Asking<'_>,
         texts: &BTreeMap<String, String>,
     ) -> Result<Attempt, AgentError<E>> {
+        let request = self.request();
+        let begun = Instant::now();
+        let answered = asking.ask(model, &request);
+        let took = begun.elapsed();
+        match answered {
+            Ok(reply) => Ok(self.answered(request, reply, took, texts)?),
+            Err(ModelError::NotSent(
+                refused @ (CallRefused::NotNoted(_) | CallRefused::NotKept(_) | CallRefused::Lost),
+            )) => Err(AgentError::Calls(refused)),
+            Err(error) => Ok(self.attempt(request, None, failed(&error), took)),
+        }
+    }
+
+    /// Returns the question, which counts as asked from then on.
+    pub(super) fn request(&mut self) -> Request {
         self.asked += 1;
-        let request = Request {
+        Request {
             role: self.stage.model,
-            messages: self.messages.clone(),
+            messages: self.conversation.messages.clone(),
             temperature: self.stage.temperature,
             top_p: self.stage.top_p,
             max_tokens: self.stage.max_tokens,
             repetition: self.situation.repetition,
             step: self.situation.number,
             schema: self.schema.clone(),
-        };
-        let begun = Instant::now();
-        let answered = asking.ask(model, &request);
-        let took = begun.elapsed();
-        let (reply, finding) = match answered {
-            Ok(reply) => {
-                let facts = self.facts(texts);
-                let finding = judge(self.situation.program, self.stage, facts, &reply.text)?;
-                (Some(reply), finding)
-            }
-            Err(ModelError::NotSent(
-                refused @ (CallRefused::NotNoted(_) | CallRefused::NotKept(_) | CallRefused::Lost),
-            )) => return Err(AgentError::Calls(refused)),
-            Err(error) => (None, failed(&error)),
-        };
-        Ok(Attempt {
+        }
+    }
+
+    /// Reads and judges the answer to a question.
+    pub(super) fn answered(
+        &self,
+        request: Request,
+        reply: Reply,
+        took: Duration,
+        texts: &BTreeMap<String, String>,
+    ) -> Result<Attempt, RenderError> {
+        let facts = self.facts(texts);
+        let finding = judge(self.situation.program, self.stage, facts, &reply.text)?;
+        Ok(self.attempt(request, Some(reply), finding, took))
+    }
+
+    fn attempt(
+        &self,
+        request: Request,
+        reply: Option<Reply>,
+        finding: Finding,
+        took: Duration,
+    ) -> Attempt {
+        Attempt {
             stage: self.stage.name.clone(),
             number: self.asked,
             request,
             reply,
             finding,
             took,
-        })
+        }
     }
 
     pub(super) fn conclude(
@@ -147,36 +186,69 @@ impl<'a> Talk<'a> {
             Finding::Failed { outcome, .. } => return Ok(Next::Done(Answer::None(outcome))),
             Finding::Action {
                 fields,
-                verdict: Verdict::Reject { message, .. },
+                verdict: Verdict::Reject { check, message, .. },
                 ..
             } => {
                 let proposal = Proposal { fields };
+                let said = self.refusal(&check, message, &proposal, texts)?;
                 picture = self.refused_action(&proposal);
                 self.refused.push((attempt.number, proposal));
-                (message, Outcome::AttemptsExhausted)
+                (said, Outcome::AttemptsExhausted)
             }
-            Finding::Malformed { message, .. } => (message, Outcome::MalformedReply),
+            Finding::Malformed { message, .. } => (Said::by_fabc(message), Outcome::MalformedReply),
         };
         if self.asked >= self.situation.program.verify.attempts {
             let relaxed = self.relaxed(texts)?;
             return Ok(Next::Done(relaxed.unwrap_or(Answer::None(outcome))));
         }
-        let said = attempt.reply.map(|reply| reply.text).unwrap_or_default();
-        self.messages.push(Message::text(Speaker::Assistant, said));
-        self.messages.push(match picture {
-            None => Message::text(Speaker::User, correction),
-            Some(png) => Message {
-                speaker: Speaker::User,
-                parts: vec![
-                    Part::Text(format!("{correction}\n\n{REFUSED_ACTION}")),
-                    Part::Image(png),
-                ],
-            },
-        });
+        let answer = attempt.reply.map(|reply| reply.text).unwrap_or_default();
+        self.correct(answer, correction, picture);
         Ok(Next::AskAgain)
     }
 
-    fn facts(&self, texts: &'a BTreeMap<String, String>) -> Facts<'a> {
+    /// Returns the message of a verdict with where it comes from; what `fabc` itself refuses is its own words.
+    fn refusal(
+        &self,
+        check: &str,
+        message: String,
+        proposal: &Proposal,
+        texts: &BTreeMap<String, String>,
+    ) -> Result<Said, RenderError> {
+        let program = self.situation.program;
+        let checks = &program.verify.checks;
+        let declared = checks.iter().find(|declared| declared.name == check);
+        let facts = self.facts(texts);
+        let facts = facts.judging(proposal);
+        let said = match declared {
+            Some(check) => render::said(program, &check.message, Values::Known(facts))?,
+            None => None,
+        };
+        let same = said.filter(|said| said.text == message);
+        Ok(same.unwrap_or_else(|| Said::by_fabc(message)))
+    }
+
+    /// Adds an answer and what is told of it.
+    fn correct(&mut self, answer: String, mut told: Said, picture: Option<Png>) {
+        let answer = Said {
+            text: answer,
+            stretches: Vec::new(),
+        };
+        self.conversation.say(Speaker::Assistant, answer);
+        if picture.is_some() {
+            told.push(BETWEEN, Said::by_fabc(REFUSED_ACTION));
+        }
+        self.conversation.say(Speaker::User, told);
+        if let Some(png) = picture {
+            self.conversation.add_refused_action(png);
+        }
+    }
+
+    /// Returns what has been said and sent so far.
+    pub(super) fn conversation(&self) -> &Conversation {
+        &self.conversation
+    }
+
+    fn facts<'t>(&'t self, texts: &'t BTreeMap<String, String>) -> Facts<'t> {
         self.situation.facts(texts, *self.notation.pointing())
     }
 
@@ -256,7 +328,7 @@ fn schema(situation: Situation<'_>, notation: &Notation) -> Value {
 }
 
 /// Returns what a model is told of the action before, where the step is tried again.
-fn remark(situation: Situation<'_>, facts: Facts<'_>) -> Result<Option<String>, RenderError> {
+fn remark(situation: Situation<'_>, facts: Facts<'_>) -> Result<Option<Said>, RenderError> {
     let program = situation.program;
     let (Some(before), Some(check)) = (situation.before, &program.verify.result) else {
         return Ok(None);
@@ -267,5 +339,5 @@ fn remark(situation: Situation<'_>, facts: Facts<'_>) -> Result<Option<String>, 
         texts: &texts,
         ..facts
     };
-    render::one(program, &check.message, Values::Known(facts))
+    render::said(program, &check.message, Values::Known(facts))
 }

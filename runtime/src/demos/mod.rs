@@ -16,7 +16,7 @@ use crate::start::Start;
 use compiler::facts::{Facts, SceneView};
 use compiler::pointing::Pointing;
 use compiler::program::{self, Cloth, ClothStart, PixelPoint, Program, Value};
-use compiler::render::{self, RenderError, Values};
+use compiler::render::{self, Origin, Place, RenderError, Said, Values};
 use compiler::reply::{self, Proposal};
 use compiler::space;
 use serde::{Deserialize, Serialize};
@@ -110,8 +110,11 @@ pub enum DemosError {
 #[derive(Clone, Debug)]
 pub struct Demonstrations {
     stage: String,
+    /// The file as the task names it.
+    file: String,
     starts: Vec<Start>,
-    by_step: Vec<Vec<DemoStep>>,
+    /// What is told in each step, each with the line that holds it.
+    by_step: Vec<Vec<(u32, DemoStep)>>,
 }
 
 impl Demonstrations {
@@ -158,18 +161,20 @@ impl Demonstrations {
         }
         let mut told = Demonstrations {
             stage: demos.stage.clone(),
+            file: demos.file.path.clone(),
             starts: Vec::new(),
             by_step: Vec::new(),
         };
         for (line, number) in lines {
             let demo: Demo =
                 serde_json::from_str(line).map_err(|error| wrong(number, error.to_string()))?;
-            told.add(program, &demo).map_err(|why| wrong(number, why))?;
+            told.add(program, &demo, number as u32)
+                .map_err(|why| wrong(number, why))?;
         }
         Ok(told)
     }
 
-    fn add(&mut self, program: &Program, demo: &Demo) -> Result<(), String> {
+    fn add(&mut self, program: &Program, demo: &Demo, line: u32) -> Result<(), String> {
         self.starts.push(start_of(program, demo)?);
         let pointing = Pointing::of_camera(&program.camera);
         for (step, at) in demo.steps.iter().zip(0..) {
@@ -177,7 +182,7 @@ impl Demonstrations {
             if self.by_step.len() <= at {
                 self.by_step.push(Vec::new());
             }
-            self.by_step[at].push(step.clone());
+            self.by_step[at].push((line, step.clone()));
         }
         Ok(())
     }
@@ -198,7 +203,22 @@ impl Demonstrations {
         };
         steps
             .iter()
-            .map(|demo| told(program, stage, demo, step, pointing))
+            .zip(1..)
+            .map(|((line, demo), number)| {
+                let (question, answer) = told(program, stage, demo, step, pointing)?;
+                let origin = Origin {
+                    said_by: format!("demonstration {number}"),
+                    value: None,
+                    place: Some(Place {
+                        file: self.file.clone(),
+                        line: *line,
+                    }),
+                };
+                Ok(Told {
+                    question: Said::of(question, origin.clone()),
+                    answer: Said::of(answer, origin),
+                })
+            })
             .collect::<Result<_, _>>()
             .map_err(|why| DemosError::Frame { why })
     }
@@ -238,14 +258,14 @@ fn start_of(program: &Program, demo: &Demo) -> Result<Start, String> {
     Ok(Start::turned_by(&cloth, demo.turned_deg.to_radians()))
 }
 
-/// Writes one step as question and answer.
+/// Writes one step as a question and its answer.
 fn told(
     program: &Program,
     stage: &str,
     step: &DemoStep,
     number: u32,
     pointing: Pointing,
-) -> Result<Told, String> {
+) -> Result<(String, String), String> {
     let Some(stage) = program.stages.iter().find(|known| known.name == stage) else {
         return Err(format!("the task has no stage `{stage}`"));
     };
@@ -261,7 +281,7 @@ fn told(
     let notation = facts.notation(program);
     let mut messages = render::messages(program, stage, Values::Known(facts))
         .map_err(|error: RenderError| format!("the question cannot be written: {error}"))?;
-    let question = messages.pop().map(|message| message.text);
+    let question = messages.pop().map(|message| message.said.text);
     let mut lines = Vec::with_capacity(program.actions.len() + 1);
     let mut fields = Vec::with_capacity(program.actions.len());
     for field in &program.actions {
@@ -279,10 +299,7 @@ fn told(
     let answer = lines.join("\n");
     let proposal = Proposal { fields };
     match reply::read_action_in(program, &notation, &answer) {
-        Ok(reading) if reading.value == proposal => Ok(Told {
-            question: question.unwrap_or_default(),
-            answer,
-        }),
+        Ok(reading) if reading.value == proposal => Ok((question.unwrap_or_default(), answer)),
         Ok(_) => Err(format!("the answer of step {number} reads as another one")),
         Err(malformed) => Err(format!(
             "the answer of step {number} is not readable: {}",

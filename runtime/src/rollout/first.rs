@@ -48,7 +48,7 @@ pub fn first_questions(job: &Job<'_>) -> Result<Vec<FirstQuestion>, RunError> {
             proposal: None,
             pointing: lowering.pointing(pictures.size()),
         });
-        let messages = agent::conversation(program, stage, values, &pictures, 1, &lowering)?;
+        let asked = agent::conversation(program, stage, values, &pictures, 1, &lowering)?;
         Ok(FirstQuestion {
             stage: stage.name.clone(),
             request: Request {
@@ -56,7 +56,7 @@ pub fn first_questions(job: &Job<'_>) -> Result<Vec<FirstQuestion>, RunError> {
                 top_p: stage.top_p,
                 max_tokens: stage.max_tokens,
                 schema: matches!(stage.read, Read::Action).then(|| reply::static_schema(program)),
-                ..Request::new(stage.model, messages)
+                ..Request::new(stage.model, asked.messages)
             },
         })
     };

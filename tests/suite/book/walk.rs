@@ -13,6 +13,7 @@
 //! | `console not-run: REASON` | read by the command line's own parser (`src/cli/book.rs`), and not run |
 //! | `sh` | targets of the Makefile, and commands that are listed here with the reason |
 //! | `text` | nothing |
+//! | `json` | read as JSON |
 //!
 //! A comment `<!-- starts-with: PATH, … -->` names what of the project lies in the folder at first (`half.fab`:
 //! that task), `<!-- recorded: PATH -->`
@@ -59,7 +60,7 @@ const TESTED_ELSEWHERE: [(&str, &str, &str); 5] = [
     ),
     ("docs/build.md", "rust", "compiler/tests/emitted/docs.rs"),
     ("docs/simulator.md", "rust", "tests/suite/book.rs"),
-    ("docs/review.md", "yaml", "tests/suite/review.rs"),
+    ("docs/review.md", "yaml", "tests/suite/review/documented.rs"),
 ];
 
 /// The file of the task that `fab task` blocks extend.
@@ -150,6 +151,10 @@ impl Walk<'_> {
             ("console", rest) if rest.starts_with("not-run: ") => block.steps().map(|_| ()),
             ("sh", "") => block.text.lines().try_for_each(is_known),
             ("text", "") => Ok(()),
+            ("json", "") => match serde_json::from_str::<serde_json::Value>(&block.text) {
+                Ok(_) => Ok(()),
+                Err(error) => Err(format!("this is no JSON: {error}")),
+            },
             _ if path.is_some() => Ok(()),
             (_, rest) if rest.starts_with("from=") => quotes(&rest["from=".len()..], &block.text),
             (language, "") => {

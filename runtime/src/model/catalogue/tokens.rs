@@ -6,12 +6,10 @@
 use super::facts::{Flat, ImageTokens, Patches, Tiles};
 use crate::model::{Message, Part};
 use crate::picture;
+pub use compiler::tokens::of_text;
 use serde::Serialize;
 use std::fmt;
 use std::ops::Add;
-
-/// Letters of a token, on average of English text.
-const LETTERS: u64 = 4;
 
 /// A number of tokens that is not known exactly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -100,11 +98,6 @@ impl ImageTokens {
     }
 }
 
-/// Estimates the tokens of a text: a quarter of its letters, rounded up.
-pub fn of_text(text: &str) -> u64 {
-    (text.chars().count() as u64).div_ceil(LETTERS)
-}
-
 /// Estimates the tokens of a conversation; None where it has pictures whose tokens cannot be told.
 pub fn of_messages(messages: &[Message], formula: Option<&ImageTokens>) -> Option<Tokens> {
     let parts = messages.iter().flat_map(|message| &message.parts);
@@ -177,14 +170,6 @@ mod tests {
                 );
             }
         }
-    }
-
-    #[test]
-    fn text_counts_letters_and_not_bytes() {
-        assert_eq!(
-            ["", "a", "abcd", "abcde", "äöüß"].map(of_text),
-            [0, 1, 1, 2, 1]
-        );
     }
 
     #[test]

@@ -1,0 +1,170 @@
+//! Brings the cloth to a step of a task, and looks at it.
+//!
+//! In: a program, a start, the number of a step. Out: what the camera sees then, and the action before. The steps before
+//! are done as the task demonstrates them; where it demonstrates none, the embedded stand-in decides them.
+
+use crate::exit::Failure;
+use crate::output;
+use compiler::facts::Done;
+use compiler::program::{Fold, PixelPoint, Program, Subgoals, Value};
+use compiler::reply::Proposal;
+use runtime::action::Action;
+use runtime::agent::{self, Asking, Decision, Models, Situation};
+use runtime::examples::Examples;
+use runtime::expert;
+use runtime::interrupt::Interrupt;
+use runtime::model::Geometric;
+use runtime::observation::Observation;
+use runtime::pictures::Pictures;
+use runtime::scene::Scene;
+use runtime::start::Start;
+use runtime::subgoals::SubgoalSet;
+use runtime::world::{Motion, World};
+use std::convert::Infallible;
+
+/// What the camera sees at a step, and the action before it.
+pub struct Seen {
+    /// The keypoints.
+    pub scene: Scene,
+    /// The picture that they were found in.
+    pub observation: Observation,
+    /// The action before.
+    pub last: Option<Done>,
+}
+
+/// Lays the cloth, does the steps before `step`, which is counted from 1, and looks.
+///
+/// Fails where the cloth cannot be laid, nothing is found in the picture, or the stand-in gives no answer.
+pub fn at(
+    program: &Program,
+    start: &Start,
+    step: u32,
+    subgoals: &SubgoalSet,
+    world: &mut dyn World,
+    interrupt: &Interrupt,
+) -> Result<Seen, Failure> {
+    let folds = match &program.subgoals {
+        Some(Subgoals::Demonstrate { folds }) => folds.as_slice(),
+        _ => &[],
+    };
+    if step > 1 && folds.is_empty() {
+        output::talk(&format!(
+            "note: what is done before step {step} is decided by `geometric`, the embedded stand-in"
+        ));
+    }
+    world.reset(start).map_err(Failure::environment)?;
+    let mut seen = observe(program, None, None, world)?;
+    let mut first: Option<Scene> = None;
+    for earlier in 1..step {
+        let (motion, done) = match folds.get((earlier as usize - 1).min(folds.len().max(1) - 1)) {
+            Some(fold) => demonstrated(fold, start, world)?,
+            None => decided(program, &seen, earlier, subgoals)?,
+        };
+        world
+            .act(&motion, interrupt)
+            .map_err(Failure::environment)?;
+        let first = first.get_or_insert_with(|| seen.scene.clone());
+        seen = observe(program, Some(first), done, world)?;
+    }
+    Ok(seen)
+}
+
+fn observe(
+    program: &Program,
+    first: Option<&Scene>,
+    last: Option<Done>,
+    world: &mut dyn World,
+) -> Result<Seen, Failure> {
+    let observation = world.observe().map_err(Failure::environment)?;
+    let scene = Scene::of(program, &observation, first).map_err(Failure::environment)?;
+    Ok(Seen {
+        scene,
+        observation,
+        last,
+    })
+}
+
+/// Returns the motion of a demonstrated fold, and the action that it stands for, where its ends are in the picture.
+fn demonstrated(
+    fold: &Fold,
+    start: &Start,
+    world: &mut dyn World,
+) -> Result<(Motion, Option<Done>), Failure> {
+    let motion = expert::motion(fold, start, world).map_err(Failure::environment)?;
+    let camera = world.observe().map_err(Failure::environment)?.camera;
+    let pixel = |point| {
+        let [column, row]: [f64; 2] = camera.pixel_from_world(point)?;
+        Some(PixelPoint::new(column.floor() as i32, row.floor() as i32))
+    };
+    let ends = pixel(motion.pick).zip(pixel(motion.place));
+    let done = ends.map(|(pick, place)| {
+        let field = |name: &str, point| (name.to_owned(), Value::Point(point));
+        Done {
+            proposal: Proposal {
+                fields: vec![field("pick", pick), field("place", place)],
+            },
+            pick,
+            place,
+        }
+    });
+    Ok((motion, done))
+}
+
+/// Lets the stand-in decide a step.
+fn decided(
+    program: &Program,
+    seen: &Seen,
+    step: u32,
+    subgoals: &SubgoalSet,
+) -> Result<(Motion, Option<Done>), Failure> {
+    let Seen {
+        scene,
+        observation,
+        last,
+    } = seen;
+    let annotated = scene.annotated(program, &observation.rgb, last.as_ref());
+    let pictures = Pictures {
+        subgoals: subgoals
+            .step(step as usize - 1)
+            .map_err(Failure::environment)?,
+        scene: observation.rgb.clone(),
+        annotated: annotated.map_err(Failure::environment)?,
+        examples: Examples::default(),
+    };
+    let situation = Situation {
+        program,
+        scene,
+        observation,
+        number: step,
+        step,
+        before: None,
+        last: last.as_ref(),
+        pictures: &pictures,
+        repetition: 0,
+    };
+    let models = Models {
+        vision: &Geometric,
+        text: &Geometric,
+    };
+    let mut ignore = |_: &_| Ok::<_, Infallible>(());
+    let decision = agent::decide(situation, models, &mut Asking::unkept(), &mut ignore);
+    let action = match decision.map_err(Failure::environment)? {
+        Decision::Act { proposal, .. } => {
+            let action = Action::lower(program, &proposal, scene, observation);
+            action.map(|action| (action, proposal))
+        }
+        Decision::Skip(_) | Decision::Stop(_) => None,
+    };
+    let Some((action, proposal)) = action else {
+        return Err(Failure::environment(format!(
+            "`geometric`, the embedded stand-in, finds no action for step {step} of `{}`; give the points with `--scene FILE.json`",
+            program.title()
+        )));
+    };
+    let done = Done {
+        proposal,
+        pick: action.pick_on_cloth_px,
+        place: action.place_px,
+    };
+    Ok((action.motion, Some(done)))
+}

@@ -1,0 +1,58 @@
+//! A scene whose points come from a file instead of a camera.
+
+use crate::exit::Failure;
+use crate::sources;
+use compiler::facts::SceneView;
+use compiler::program::{KeypointShape, PixelPoint, Program};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A scene whose points come from a file; its masks and boxes are not known.
+pub struct Listed {
+    points: BTreeMap<String, Vec<PixelPoint>>,
+}
+
+impl Listed {
+    /// Reads the points of every keypoint.
+    pub fn read(program: &Program, path: &Path) -> Result<Listed, Failure> {
+        let wrong = |why: String| {
+            Failure::environment(format!(
+                "the scene `{}` cannot be used: {why}",
+                path.display()
+            ))
+        };
+        let bytes = sources::read_bounded(path).map_err(wrong)?;
+        let points: BTreeMap<String, Vec<PixelPoint>> = serde_json::from_slice(&bytes)
+            .map_err(|error| wrong(format!("{error}; right would be {{\"corners\": [[12, 34], [56, 78]], \"center\": [[40, 50]]}}")))?;
+        for keypoint in &program.keypoints {
+            let name = keypoint.name.as_str();
+            let found = points.get(name).map_or(0, Vec::len);
+            match keypoint.extractor.shape() {
+                KeypointShape::Point if found != 1 => {
+                    return Err(wrong(format!(
+                        "`{name}` needs exactly one point, it has {found}"
+                    )));
+                }
+                KeypointShape::Points if found == 0 => {
+                    return Err(wrong(format!("`{name}` needs at least one point")));
+                }
+                _ => {}
+            }
+        }
+        Ok(Listed { points })
+    }
+}
+
+impl SceneView for Listed {
+    fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
+        self.points.get(keypoint).cloned()
+    }
+
+    fn distance_px(&self, _: &str, _: PixelPoint) -> Option<f64> {
+        None
+    }
+
+    fn area_px(&self, _: &str) -> Option<f64> {
+        None
+    }
+}

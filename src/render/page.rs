@@ -1,0 +1,219 @@
+//! What a stage says, as lines that know where they come from.
+//!
+//! In: a stage's messages, whose texts know their stretches. Out: the lines that `fabc render` prints and `fabc snap`
+//! pins, the same for both.
+
+use compiler::render::{Origin, Said};
+
+/// One message as it is shown.
+pub struct Shown {
+    /// Who speaks.
+    pub role: &'static str,
+    /// Its pieces, in order.
+    pub parts: Vec<ShownPart>,
+}
+
+/// A piece of a shown message.
+pub enum ShownPart {
+    /// Words.
+    Text(Said),
+    /// A picture.
+    Picture {
+        /// What the picture shows.
+        title: String,
+        /// The file's bytes, where they are wanted and this build can draw it.
+        png: Option<Vec<u8>>,
+    },
+}
+
+/// A stage as it is shown.
+pub struct ShownStage {
+    /// Its name.
+    pub name: String,
+    /// What is said, in order.
+    pub messages: Vec<Shown>,
+    /// What a model would be told where a check refuses its answer, by the check's name.
+    pub corrections: Vec<(String, Said)>,
+    /// What came of the answers that were given, in words.
+    pub findings: Vec<String>,
+}
+
+/// A line of a page.
+pub struct Line {
+    /// The line.
+    pub text: String,
+    /// Where its words come from; none for headings, blank lines between texts, and pictures.
+    pub origin: Option<Origin>,
+    /// Values in it: from which to which character, from 0, and the variable.
+    pub values: Vec<(usize, usize, String)>,
+}
+
+impl ShownStage {
+    /// Returns all that the stage says, with a heading above each message.
+    pub fn lines(&self) -> Vec<Line> {
+        let mut lines = Vec::new();
+        for message in &self.messages {
+            lines.push(Line::bare(format!("--- {}", message.role)));
+            for part in &message.parts {
+                match part {
+                    ShownPart::Text(said) => lines.extend(of_text(said)),
+                    ShownPart::Picture { title, .. } => {
+                        lines.push(Line::bare(format!("[picture: {title}]")));
+                    }
+                }
+            }
+        }
+        for (check, said) in &self.corrections {
+            lines.push(Line::bare(format!("--- told where `{check}` refuses")));
+            lines.extend(of_text(said));
+        }
+        lines
+    }
+
+    /// Returns the texts of the first question, without headings.
+    pub fn texts(&self) -> impl Iterator<Item = &Said> {
+        let parts = self.messages.iter().flat_map(|message| &message.parts);
+        parts.filter_map(|part| match part {
+            ShownPart::Text(said) => Some(said),
+            ShownPart::Picture { .. } => None,
+        })
+    }
+
+    /// Returns the page as text.
+    pub fn text(&self) -> String {
+        let lines = self.lines().into_iter();
+        lines.map(|line| line.text + "\n").collect()
+    }
+}
+
+impl Line {
+    fn bare(text: String) -> Line {
+        Line {
+            text,
+            origin: None,
+            values: Vec::new(),
+        }
+    }
+}
+
+/// Splits a text into its lines.
+fn of_text(said: &Said) -> Vec<Line> {
+    let mut lines = Vec::new();
+    let mut start = 0;
+    let mut next = 0;
+    for text in said.text.split('\n') {
+        let end = start + text.len();
+        let mut line = Line::bare(text.to_owned());
+        // Stretches are in order; one that goes on in the next line is looked at again there.
+        while let Some(stretch) = said.stretches.get(next) {
+            let bytes = &stretch.bytes;
+            if bytes.start > end {
+                break;
+            }
+            let from = bytes.start.max(start);
+            let to = bytes.end.min(end);
+            if from < to || bytes.end > end {
+                line.origin.get_or_insert_with(|| stretch.origin.clone());
+            }
+            if let (Some(variable), true) = (&stretch.origin.value, from < to) {
+                let characters = |range: &str| range.chars().count();
+                let column = characters(&said.text[start..from]);
+                let width = characters(&said.text[from..to]);
+                line.values.push((column, column + width, variable.clone()));
+            }
+            if bytes.end > end + 1 {
+                break;
+            }
+            next += 1;
+        }
+        lines.push(line);
+        start = end + 1;
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use compiler::render::{Place, Stretch};
+
+    fn origin(line: u32, value: Option<&str>) -> Origin {
+        Origin {
+            said_by: "role".to_owned(),
+            value: value.map(str::to_owned),
+            place: Some(Place {
+                file: "a.fab".to_owned(),
+                line,
+            }),
+        }
+    }
+
+    /// A text of stretches that follow each other.
+    fn said(pieces: &[(&str, u32, Option<&str>)]) -> Said {
+        let mut said = Said::default();
+        for (text, line, value) in pieces {
+            let start = said.text.len();
+            said.text.push_str(text);
+            said.stretches.push(Stretch {
+                bytes: start..said.text.len(),
+                origin: origin(*line, *value),
+            });
+        }
+        said
+    }
+
+    fn shown(said: &Said) -> Vec<(String, Option<u32>, usize)> {
+        let line = |line: Line| {
+            let place = line.origin.and_then(|origin| origin.place);
+            (line.text, place.map(|place| place.line), line.values.len())
+        };
+        of_text(said).into_iter().map(line).collect()
+    }
+
+    #[test]
+    fn a_line_knows_its_file_and_its_values() {
+        let said = said(&[
+            ("Corners: ", 3, None),
+            ("(1, 2), (3, 4)", 3, Some("corners")),
+            (".\n", 3, None),
+            ("\n", 4, None),
+            ("Go.", 5, None),
+        ]);
+        let expected = [
+            ("Corners: (1, 2), (3, 4).".to_owned(), Some(3), 1),
+            (String::new(), Some(4), 0),
+            ("Go.".to_owned(), Some(5), 0),
+        ];
+        assert_eq!(shown(&said), expected);
+        assert_eq!(of_text(&said)[0].values, [(9, 23, "corners".to_owned())]);
+    }
+
+    #[test]
+    fn a_value_of_several_lines_belongs_to_the_line_that_shows_it() {
+        let said = said(&[
+            ("Answer:\n", 7, None),
+            ("Pick = (x, y)\nPlace = (x, y)", 8, Some("format")),
+            ("\n", 8, None),
+            ("End", 9, None),
+        ]);
+        let expected = [
+            ("Answer:".to_owned(), Some(7), 0),
+            ("Pick = (x, y)".to_owned(), Some(8), 1),
+            ("Place = (x, y)".to_owned(), Some(8), 1),
+            ("End".to_owned(), Some(9), 0),
+        ];
+        assert_eq!(shown(&said), expected);
+    }
+
+    #[test]
+    fn what_stands_between_two_texts_is_nobodys() {
+        let mut both = said(&[("One", 1, None)]);
+        both.push("\n\n", said(&[("Two", 5, None)]));
+        let expected = [
+            ("One".to_owned(), Some(1), 0),
+            (String::new(), None, 0),
+            ("Two".to_owned(), Some(5), 0),
+        ];
+        assert_eq!(shown(&both), expected);
+    }
+}

@@ -1,0 +1,184 @@
+//! Puts what is pending into groups: an edit that changes forty snapshots is one thing to look at.
+//!
+//! In: what is pending. Out: groups, whose ids are the same from run to run. A snapshot is in one group: that of all
+//! its edits together, since it is accepted as a whole.
+
+use super::edits::{self, Cause, Edit};
+use super::find::Pending;
+use crate::snapshots::Contents;
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What kind of change a group is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Prompt texts that change.
+    Edit,
+    /// Scenes that change.
+    Scene,
+    /// Pictures that change, or become texts.
+    Picture,
+    /// Snapshots that were not there.
+    New,
+}
+
+/// Pending snapshots that change alike.
+#[derive(Debug)]
+pub struct Group {
+    /// Eight letters of the hash of what makes it a group.
+    pub id: String,
+    /// What kind of change it is.
+    pub kind: Kind,
+    /// What caused it, in order, each once.
+    pub causes: Vec<Cause>,
+    /// The edits, each once; none of pictures and new snapshots.
+    pub edits: Vec<Edit>,
+    /// Which of the pending ones it holds.
+    pub members: Vec<usize>,
+    /// Estimated tokens of its prompt texts.
+    pub tokens: Tokens,
+}
+
+/// Estimated tokens of the prompt texts of a group, where they are known.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tokens {
+    /// Before and after, of each question.
+    pub questions: Vec<[u64; 2]>,
+}
+
+impl Tokens {
+    /// Returns the sums before and after; none where no question is in the group.
+    pub fn sums(&self) -> Option<[u64; 2]> {
+        let sum = |side: usize| self.questions.iter().map(|question| question[side]).sum();
+        (!self.questions.is_empty()).then(|| [sum(0), sum(1)])
+    }
+
+    /// Returns the smallest and the largest change of a question.
+    pub fn range(&self) -> Option<[i64; 2]> {
+        let changes = self.questions.iter().map(|[before, after]| {
+            i64::try_from(i128::from(*after) - i128::from(*before)).unwrap_or(i64::MAX)
+        });
+        Some([changes.clone().min()?, changes.max()?])
+    }
+}
+
+/// Groups what is pending: edits first, then scenes, pictures and new ones.
+pub fn group(pending: &[Pending]) -> Vec<Group> {
+    let mut groups: BTreeMap<(Kind, String), Group> = BTreeMap::new();
+    let mut order = Vec::new();
+    for (number, one) in pending.iter().enumerate() {
+        let kind = kind(one);
+        let found = match kind {
+            Kind::Edit | Kind::Scene => edits::edits(one),
+            Kind::Picture | Kind::New => Vec::new(),
+        };
+        let key = (kind, key(one, kind, &found));
+        let group = groups.entry(key.clone()).or_insert_with(|| {
+            order.push(key.clone());
+            Group {
+                id: id(&key.1),
+                kind,
+                causes: Vec::new(),
+                edits: once(&found),
+                members: Vec::new(),
+                tokens: Tokens::default(),
+            }
+        });
+        group.members.push(number);
+        for edit in &found {
+            let again = group
+                .edits
+                .iter_mut()
+                .find(|again| again.key() == edit.key());
+            if let Some(again) = again {
+                add(&mut again.causes, edit.causes.iter().cloned());
+            }
+        }
+        add(&mut group.causes, causes(one, kind, &found));
+        if one.info.stage.is_some()
+            && let Some(after) = one.info.tokens
+        {
+            let before = one.accepted.as_ref().map_or(Some(0), |accepted| {
+                accepted.metadata.info.as_ref().and_then(|info| info.tokens)
+            });
+            group
+                .tokens
+                .questions
+                .extend(before.map(|before| [before, after]));
+        }
+    }
+    order.sort_by_key(|(kind, _)| *kind);
+    order.iter().filter_map(|key| groups.remove(key)).collect()
+}
+
+fn add(causes: &mut Vec<Cause>, more: impl IntoIterator<Item = Cause>) {
+    for cause in more {
+        if !causes.contains(&cause) {
+            causes.push(cause);
+        }
+    }
+}
+
+/// Returns each edit once, at its first place.
+fn once(edits: &[Edit]) -> Vec<Edit> {
+    let mut keys = BTreeSet::new();
+    let first = edits.iter().filter(|edit| keys.insert(edit.key()));
+    first.cloned().collect()
+}
+
+fn kind(one: &Pending) -> Kind {
+    let Some(accepted) = &one.accepted else {
+        return Kind::New;
+    };
+    match (&accepted.contents, &one.proposed.contents) {
+        (Contents::Text(_), Contents::Text(_)) if one.info.stage.is_none() => Kind::Scene,
+        (Contents::Text(_), Contents::Text(_)) => Kind::Edit,
+        _ => Kind::Picture,
+    }
+}
+
+/// Returns what is equal for snapshots that change alike.
+fn key(one: &Pending, kind: Kind, edits: &[Edit]) -> String {
+    let parts: Vec<String> = match (kind, one.pictures()) {
+        (Kind::New, _) => vec![
+            one.info.task.clone(),
+            one.proposed.metadata.source.clone().unwrap_or_default(),
+        ],
+        (_, Some((before, after))) => vec![hash(before), hash(after)],
+        // A text in place of a picture, or the other way round, is like no other.
+        (Kind::Picture, None) => vec![one.name.to_string()],
+        _ => {
+            let keys: BTreeSet<String> = edits.iter().map(Edit::key).collect();
+            keys.into_iter().collect()
+        }
+    };
+    serde_json::json!([kind, parts]).to_string()
+}
+
+fn causes(one: &Pending, kind: Kind, edits: &[Edit]) -> Vec<Cause> {
+    match kind {
+        Kind::Scene => edits::scene_causes(one),
+        Kind::Edit => edits
+            .iter()
+            .flat_map(|edit| edit.causes.iter().cloned())
+            .collect(),
+        Kind::Picture => {
+            let words = edits::drawn_from(one).into_iter();
+            words.map(Cause::in_words).collect()
+        }
+        Kind::New => Vec::new(),
+    }
+}
+
+fn hash(bytes: &[u8]) -> String {
+    Sha256::digest(bytes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+fn id(key: &str) -> String {
+    hash(key.as_bytes()).chars().take(8).collect()
+}

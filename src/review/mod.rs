@@ -1,0 +1,230 @@
+//! `fabc review`: shows what changed in prompts, scenes and pictures, and accepts or rejects it.
+//!
+//! In: snapshot folders. Out: changed folders, and what is pending, on a terminal or as JSON. What is pending was
+//! written by `fabc snap`; nothing is rendered here.
+
+mod cost;
+mod decide;
+mod edits;
+mod find;
+mod groups;
+#[cfg(feature = "runtime")]
+mod pictures;
+mod session;
+mod sheets;
+mod show;
+mod styled;
+#[cfg(test)]
+mod tests;
+
+use crate::cli::review::ReviewArguments;
+use crate::exit::{Exit, Failure};
+use crate::output;
+use crate::snapshots::Name;
+use cost::Pricing;
+use decide::Decision;
+use find::{Found, Pending};
+use groups::{Group, Kind};
+use serde_json::{Value, json};
+use sheets::Sheets;
+use show::Layout;
+use std::collections::BTreeMap;
+use std::io::IsTerminal;
+
+/// Reviews what is pending.
+pub fn run(arguments: &ReviewArguments) -> Result<Exit, Failure> {
+    let mut found = find::find(&arguments.places)?;
+    if let Some(pattern) = &arguments.only {
+        found
+            .pending
+            .retain(|one| decide::fits(pattern, one.name.as_str()));
+    }
+    let groups = groups::group(&found.pending);
+    let pricing = pricing(arguments)?;
+    let mut sheets = Sheets::new(folder_of_sheets(arguments));
+    let decides =
+        arguments.accept_all || !arguments.accept.is_empty() || !arguments.reject.is_empty();
+    if decides {
+        return by_id(
+            arguments,
+            &mut found,
+            &groups,
+            pricing.as_ref(),
+            &mut sheets,
+        );
+    }
+    if arguments.json {
+        let value = as_json(&found, &groups, pricing.as_ref(), &mut sheets)?;
+        output::json(&value);
+        return Ok(Exit::Done);
+    }
+    if found.n_foreign > 0 {
+        output::talk(&format!(
+            "left alone: {} pending snapshots that fabc did not write",
+            found.n_foreign
+        ));
+    }
+    if found.pending.is_empty() {
+        output::talk("nothing is pending");
+        return Ok(Exit::Done);
+    }
+    if !(std::io::stdin().is_terminal() && std::io::stdout().is_terminal()) {
+        return Err(Failure::usage(format!(
+            "{} snapshots are pending, and this is no terminal; use --json, --accept, --reject or --accept-all",
+            found.pending.len()
+        )));
+    }
+    let layout = match arguments.side_by_side {
+        true => Layout::SideBySide,
+        false => Layout::Unified,
+    };
+    session::run(&mut found, &groups, pricing.as_ref(), &mut sheets, layout)
+}
+
+/// Does what the command line decides; an id that names nothing ends it before anything is done.
+fn by_id(
+    arguments: &ReviewArguments,
+    found: &mut Found,
+    groups: &[Group],
+    pricing: Option<&Pricing>,
+    sheets: &mut Sheets,
+) -> Result<Exit, Failure> {
+    let mut decisions: BTreeMap<usize, Decision> = BTreeMap::new();
+    if arguments.accept_all {
+        decisions.extend((0..found.pending.len()).map(|at| (at, Decision::Accept)));
+    }
+    for id in &arguments.accept {
+        let numbers = decide::named(id, &found.pending, groups)?;
+        decisions.extend(numbers.into_iter().map(|at| (at, Decision::Accept)));
+    }
+    for id in &arguments.reject {
+        for number in decide::named(id, &found.pending, groups)? {
+            let other = decisions.insert(number, Decision::Reject);
+            if other == Some(Decision::Accept) && !arguments.accept_all {
+                return Err(Failure::usage(format!(
+                    "`{}` is both accepted and rejected; nothing was done",
+                    found.pending[number].name
+                )));
+            }
+        }
+    }
+    let decided: Vec<(usize, Decision)> = decisions.into_iter().collect();
+    decide::apply(found, &decided)?;
+    let names = |wanted: Decision| -> Vec<Name> {
+        decided
+            .iter()
+            .filter(|(_, decision)| *decision == wanted)
+            .map(|(at, _)| found.pending[*at].name.clone())
+            .collect()
+    };
+    let (accepted, rejected) = (names(Decision::Accept), names(Decision::Reject));
+    let mut number = 0..;
+    found.pending.retain(|_| {
+        number
+            .next()
+            .is_some_and(|at| !decided.iter().any(|(decided, _)| *decided == at))
+    });
+    if arguments.json {
+        let left = groups::group(&found.pending);
+        let mut value = as_json(found, &left, pricing, sheets)?;
+        value["accepted"] = json!(accepted);
+        value["rejected"] = json!(rejected);
+        output::json(&value);
+    } else {
+        output::data(&format!(
+            "accepted {}, rejected {}, still pending {}",
+            accepted.len(),
+            rejected.len(),
+            found.pending.len()
+        ));
+    }
+    Ok(Exit::Done)
+}
+
+/// Returns what is pending as JSON.
+fn as_json(
+    found: &Found,
+    groups: &[Group],
+    pricing: Option<&Pricing>,
+    sheets: &mut Sheets,
+) -> Result<Value, Failure> {
+    let mut shown = Vec::new();
+    for group in groups {
+        let members = || group.members.iter().map(|at| &found.pending[*at]);
+        let first = members()
+            .next()
+            .filter(|_| group.kind == Kind::Picture && sheets.has_folder());
+        let picture = match first {
+            Some(first) => {
+                let sheet = sheets.draw(&group.id, first)?;
+                json!({ "path": sheet.path, "changed_pixels": sheet.n_changed, "bounds": sheet.bounds })
+            }
+            None => Value::Null,
+        };
+        let edits: Vec<Value> = group
+            .edits
+            .iter()
+            .map(|edit| json!({ "removed": edit.removed, "added": edit.added }))
+            .collect();
+        let sums = group.tokens.sums();
+        shown.push(json!({
+            "id": group.id,
+            "kind": group.kind,
+            "cause": group.causes,
+            "edits": edits,
+            "tokens": sums.map(|[before, after]| json!({ "before": before, "after": after })),
+            "cost": cost::to_json(&group.tokens, pricing),
+            "picture": picture,
+            "snapshots": members().map(snapshot).collect::<Vec<_>>(),
+        }));
+    }
+    Ok(json!({ "groups": shown, "pending": found.pending.len(), "foreign": found.n_foreign }))
+}
+
+fn snapshot(one: &Pending) -> Value {
+    json!({
+        "id": one.name,
+        "path": one.path,
+        "task": one.info.task,
+        "variant": one.info.variant,
+        "stage": one.info.stage,
+        "scene": one.info.scene,
+        "picture": one.info.picture,
+    })
+}
+
+#[cfg(feature = "runtime")]
+fn pricing(arguments: &ReviewArguments) -> Result<Option<Pricing>, Failure> {
+    use crate::setting::known;
+    let Some(model) = &arguments.model else {
+        return Ok(None);
+    };
+    let catalogue = known::catalogue(arguments.facts.models.as_deref())?;
+    let profile = catalogue
+        .find(model)
+        .map_err(|error| Failure::usage(error.to_string()))?;
+    let price = profile.price_on(known::today()).ok_or_else(|| {
+        Failure::usage(format!(
+            "the price of `{model}` is not known; say it in a file of facts (--models)"
+        ))
+    })?;
+    Ok(Some(Pricing {
+        model: profile.title(),
+        price,
+    }))
+}
+
+#[cfg(not(feature = "runtime"))]
+fn pricing(_arguments: &ReviewArguments) -> Result<Option<Pricing>, Failure> {
+    Ok(None)
+}
+
+fn folder_of_sheets(arguments: &ReviewArguments) -> Option<std::path::PathBuf> {
+    #[cfg(feature = "runtime")]
+    return arguments.out.clone();
+    #[cfg(not(feature = "runtime"))]
+    {
+        let _ = arguments;
+        None
+    }
+}

@@ -1,0 +1,207 @@
+//! The review on a terminal: one group after the other, one key each.
+//!
+//! In: what is pending, and keys. Out: changed folders, and what was decided. Each decision is done at once, so that one
+//! who stops keeps what was decided.
+
+use super::cost::Pricing;
+use super::decide::{self, Decision};
+use super::find::Found;
+use super::groups::{Group, Kind};
+use super::sheets::Sheets;
+use super::show::{self, Extent, Layout, View};
+use crate::exit::{Exit, Failure};
+use crate::output;
+use console::{Key, Term};
+
+const KEYS: &str = "\
+a  accept: from now on this is what is compared with
+r  reject: what is pending goes, what was accepted stays
+s  skip: it stays pending
+d  beside each other, or below
+f  all of the lists and texts, or the first of them
+A  accept all that are left
+q  quit; what was decided is kept
+?  these keys";
+const PROMPT: &str =
+    "[a]ccept [r]eject [s]kip [d] side by side [f]ull [A]ccept all left [q]uit [?] ";
+/// Below this, a prompt that would be broken is shortened.
+const SHORT_PROMPT: &str = "a r s d f A q, ? says what they do: ";
+/// The narrowest that is laid out for; a terminal that does not know its width says 0.
+const MIN_COLUMNS: usize = 20;
+
+/// How many snapshots were decided which way.
+#[derive(Debug, Default)]
+struct Count {
+    accepted: usize,
+    rejected: usize,
+    skipped: usize,
+    left: usize,
+}
+
+/// How a session ended.
+enum End {
+    Through,
+    Quit,
+    Interrupted,
+}
+
+/// Shows group after group and does what is decided of each.
+///
+/// Fails where there is no terminal, and where a folder cannot be changed.
+pub fn run(
+    found: &mut Found,
+    groups: &[Group],
+    pricing: Option<&Pricing>,
+    sheets: &mut Sheets,
+    layout: Layout,
+) -> Result<Exit, Failure> {
+    let term = Term::stdout();
+    let mut session = Session {
+        found,
+        groups,
+        pricing,
+        sheets,
+        term,
+        layout,
+        extent: Extent::Folded,
+        count: Count::default(),
+    };
+    let ended = session.through();
+    let decided: usize = session.count.accepted + session.count.rejected + session.count.skipped;
+    let all: usize = groups.iter().map(|group| group.members.len()).sum();
+    session.count.left = all - decided;
+    output::data(&session.count.in_words());
+    match ended? {
+        End::Interrupted => Ok(Exit::Interrupted),
+        End::Through | End::Quit => Ok(Exit::Done),
+    }
+}
+
+struct Session<'a> {
+    found: &'a mut Found,
+    groups: &'a [Group],
+    pricing: Option<&'a Pricing>,
+    sheets: &'a mut Sheets,
+    term: Term,
+    layout: Layout,
+    extent: Extent,
+    count: Count,
+}
+
+impl Session<'_> {
+    fn through(&mut self) -> Result<End, Failure> {
+        for number in 0..self.groups.len() {
+            self.show(number)?;
+            loop {
+                match self.key()? {
+                    Key::Char('a') => self.decide(&[number], Decision::Accept)?,
+                    Key::Char('r') => self.decide(&[number], Decision::Reject)?,
+                    Key::Char('s') => {
+                        self.count.skipped += self.groups[number].members.len();
+                    }
+                    Key::Char('A') => {
+                        let left: Vec<usize> = (number..self.groups.len()).collect();
+                        self.decide(&left, Decision::Accept)?;
+                        return Ok(End::Through);
+                    }
+                    Key::Char('d') => {
+                        self.layout = self.layout.other();
+                        self.show(number)?;
+                        continue;
+                    }
+                    Key::Char('f') => {
+                        self.extent = match self.extent {
+                            Extent::Folded => Extent::Full,
+                            Extent::Full => Extent::Folded,
+                        };
+                        self.show(number)?;
+                        continue;
+                    }
+                    Key::Char('q') => return Ok(End::Quit),
+                    Key::CtrlC => return Ok(End::Interrupted),
+                    Key::Char('?') => {
+                        output::data(KEYS);
+                        continue;
+                    }
+                    _ => continue,
+                }
+                break;
+            }
+        }
+        Ok(End::Through)
+    }
+
+    fn show(&mut self, number: usize) -> Result<(), Failure> {
+        let group = &self.groups[number];
+        let columns = usize::from(self.term.size().1).max(MIN_COLUMNS);
+        let view = View {
+            columns,
+            color: output::data_color(),
+            layout: self.layout,
+            extent: self.extent,
+        };
+        output::data(&format!("\n{} of {}", number + 1, self.groups.len()));
+        output::data(&show::group(
+            group,
+            &self.found.pending,
+            self.pricing,
+            &view,
+        ));
+        if group.kind == Kind::Picture
+            && let Some(first) = group.members.first()
+        {
+            output::data(
+                &self
+                    .sheets
+                    .draw(&group.id, &self.found.pending[*first])?
+                    .in_words(),
+            );
+        }
+        Ok(())
+    }
+
+    /// Asks for a key, in a line of its own.
+    fn key(&mut self) -> Result<Key, Failure> {
+        let columns = usize::from(self.term.size().1);
+        let prompt = match PROMPT.len() < columns {
+            true => PROMPT,
+            false => SHORT_PROMPT,
+        };
+        self.term.write_str(prompt)?;
+        self.term.flush()?;
+        let key = self.term.read_key_raw()?;
+        let echo = match key {
+            Key::Char(letter) if !letter.is_control() => letter.to_string(),
+            _ => String::new(),
+        };
+        self.term.write_line(&echo)?;
+        Ok(key)
+    }
+
+    fn decide(&mut self, groups: &[usize], decision: Decision) -> Result<(), Failure> {
+        let decided: Vec<(usize, Decision)> = groups
+            .iter()
+            .flat_map(|number| &self.groups[*number].members)
+            .map(|member| (*member, decision))
+            .collect();
+        decide::apply(self.found, &decided)?;
+        match decision {
+            Decision::Accept => self.count.accepted += decided.len(),
+            Decision::Reject => self.count.rejected += decided.len(),
+        }
+        Ok(())
+    }
+}
+
+impl Count {
+    fn in_words(&self) -> String {
+        let mut words = format!(
+            "accepted {}, rejected {}, skipped {}",
+            self.accepted, self.rejected, self.skipped
+        );
+        if self.left > 0 {
+            words.push_str(&format!(", not decided {}", self.left));
+        }
+        words
+    }
+}

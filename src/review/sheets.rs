@@ -1,0 +1,116 @@
+//! Writes what pictures were, are, and how they differ, for people to look at.
+//!
+//! In: a pending picture. Out: a PNG file in the folder that was named, or in a temporary one whose path is told.
+
+use super::find::Pending;
+use crate::exit::Failure;
+#[cfg(feature = "runtime")]
+use crate::store;
+#[cfg(feature = "runtime")]
+use runtime::picture;
+use std::path::PathBuf;
+
+/// Where such files go.
+pub struct Sheets {
+    /// The folder; none where it is to be made at the first picture.
+    folder: Option<PathBuf>,
+}
+
+/// A comparison that was written.
+pub struct Sheet {
+    /// The file; none where this build cannot draw.
+    pub path: Option<PathBuf>,
+    /// What differs.
+    pub words: String,
+    /// How many pixels differ, where that is known.
+    pub n_changed: Option<u64>,
+    /// Leftmost column, top row, rightmost column and bottom row of those, pixels.
+    pub bounds: Option<[u32; 4]>,
+}
+
+impl Sheet {
+    /// Says what differs, and which file shows it.
+    pub fn in_words(&self) -> String {
+        match &self.path {
+            Some(path) => format!(
+                "{}\nbefore, after and difference: {}",
+                self.words,
+                path.display()
+            ),
+            None => self.words.clone(),
+        }
+    }
+}
+
+impl Sheets {
+    /// Takes the folder that was named, if one was.
+    pub fn new(folder: Option<PathBuf>) -> Sheets {
+        Sheets { folder }
+    }
+
+    /// Returns whether a folder was named.
+    pub fn has_folder(&self) -> bool {
+        self.folder.is_some()
+    }
+
+    /// Draws the pictures of a pending snapshot under a name; fails where they are no PNG files.
+    #[cfg(feature = "runtime")]
+    pub fn draw(&mut self, name: &str, pending: &Pending) -> Result<Sheet, Failure> {
+        let Some((before, after)) = pending.pictures() else {
+            return Ok(Sheet {
+                path: None,
+                words: "a text became a picture, or a picture a text".to_owned(),
+                n_changed: None,
+                bounds: None,
+            });
+        };
+        let compared =
+            super::pictures::compare(before, after, &pending.path).map_err(Failure::environment)?;
+        let path = self.made()?.join(format!("{name}.png"));
+        store::write_whole(&path, &picture::encode(&compared.sheet)).map_err(|error| {
+            Failure::environment(format!("cannot write `{}`: {error}", path.display()))
+        })?;
+        Ok(Sheet {
+            path: Some(path),
+            words: compared.in_words(),
+            n_changed: Some(compared.n_changed),
+            bounds: compared.bounds,
+        })
+    }
+
+    /// Says that this build cannot draw.
+    #[cfg(not(feature = "runtime"))]
+    pub fn draw(&mut self, _name: &str, _pending: &Pending) -> Result<Sheet, Failure> {
+        Ok(Sheet {
+            path: None,
+            words: "the pictures differ; this build cannot draw them".to_owned(),
+            n_changed: None,
+            bounds: None,
+        })
+    }
+
+    #[cfg(feature = "runtime")]
+    fn made(&mut self) -> Result<PathBuf, Failure> {
+        let unwritable = |path: &std::path::Path, error: std::io::Error| {
+            Failure::environment(format!("cannot write `{}`: {error}", path.display()))
+        };
+        if let Some(folder) = &self.folder {
+            std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, error))?;
+            return Ok(folder.clone());
+        }
+        let mut number = 0;
+        loop {
+            let name = format!("fabc-review-{}-{number}", std::process::id());
+            let folder = std::env::temp_dir().join(name);
+            match std::fs::create_dir(&folder) {
+                Ok(()) => {
+                    self.folder = Some(folder.clone());
+                    return Ok(folder);
+                }
+                // Somebody else's, or one of an earlier process of this number.
+                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => number += 1,
+                Err(error) => return Err(unwritable(&folder, error)),
+            }
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Text with a meaning per part, wrapped to a width and painted where colours are wanted.
+
+use console::measure_text_width;
+
+/// What a part of a line means; the signs before the line say it too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    Plain,
+    Head,
+    Faint,
+    Removed,
+    RemovedWord,
+    Added,
+    AddedWord,
+}
+
+/// A letter and what it means.
+type Cell = (char, Style);
+
+/// A line, as the letters that are shown.
+#[derive(Clone, Debug, Default)]
+pub struct Line(Vec<Cell>);
+
+impl Line {
+    /// Makes a line of one meaning.
+    pub fn of(text: &str, style: Style) -> Line {
+        let mut line = Line::default();
+        line.push(text, style);
+        line
+    }
+
+    /// Adds a part; what a terminal would obey instead of showing is replaced by a sign for it.
+    pub fn push(&mut self, text: &str, style: Style) {
+        for letter in text.chars() {
+            match letter {
+                '\t' => self.0.extend([(' ', style); 4]),
+                '\0'..='\u{1f}' => {
+                    let sign = char::from_u32(0x2400 + u32::from(letter));
+                    self.0.push((sign.unwrap_or('\u{fffd}'), style));
+                }
+                // Further control letters, and those that turn the order of what follows.
+                '\u{7f}'..='\u{9f}'
+                | '\u{200e}'..='\u{200f}'
+                | '\u{202a}'..='\u{202e}'
+                | '\u{2066}'..='\u{2069}' => self.0.push(('\u{fffd}', style)),
+                letter => self.0.push((letter, style)),
+            }
+        }
+    }
+
+    /// Returns its parts, none wider than so many columns, broken at blanks where there are any.
+    pub fn wrapped(&self, columns: usize) -> Vec<Line> {
+        let mut lines = Vec::new();
+        let mut rest = self.0.as_slice();
+        loop {
+            let mut width = 0;
+            let fits = rest
+                .iter()
+                .take_while(|cell| {
+                    width += width_of(cell.0);
+                    width <= columns
+                })
+                .count();
+            if fits == rest.len() {
+                lines.push(Line(rest.to_vec()));
+                return lines;
+            }
+            let blank = rest[..fits].iter().rposition(|cell| cell.0 == ' ');
+            // A letter wider than the column is shown all the same.
+            let end = blank.map_or(fits, |blank| blank + 1).max(1);
+            lines.push(Line(rest[..end].to_vec()));
+            rest = &rest[end..];
+        }
+    }
+
+    /// Returns how many columns it takes.
+    pub fn width(&self) -> usize {
+        self.0.iter().map(|cell| width_of(cell.0)).sum()
+    }
+
+    /// Adds blanks up to a width.
+    pub fn padded(mut self, columns: usize) -> Line {
+        let missing = columns.saturating_sub(self.width());
+        self.0
+            .extend(std::iter::repeat_n((' ', Style::Plain), missing));
+        self
+    }
+
+    /// Adds another line's letters.
+    pub fn followed_by(mut self, other: &Line) -> Line {
+        self.0.extend(&other.0);
+        self
+    }
+
+    /// Returns it as a terminal shows it, without the blanks at its end.
+    pub fn painted(&self, color: compiler::diag::Color) -> String {
+        let mut text = String::new();
+        let mut now = Style::Plain;
+        let last = self.0.iter().rposition(|cell| cell.0 != ' ');
+        for (letter, style) in &self.0[..last.map_or(0, |last| last + 1)] {
+            if color == compiler::diag::Color::Ansi && *style != now {
+                text.push_str("\x1b[0m");
+                text.push_str(code(*style));
+                now = *style;
+            }
+            text.push(*letter);
+        }
+        if now != Style::Plain {
+            text.push_str("\x1b[0m");
+        }
+        text
+    }
+}
+
+fn width_of(letter: char) -> usize {
+    match letter {
+        ' '..='~' => 1,
+        letter => measure_text_width(letter.encode_utf8(&mut [0; 4])),
+    }
+}
+
+fn code(style: Style) -> &'static str {
+    match style {
+        Style::Plain => "",
+        Style::Head => "\x1b[1m",
+        Style::Faint => "\x1b[2m",
+        Style::Removed => "\x1b[31m",
+        Style::RemovedWord => "\x1b[1;4;31m",
+        Style::Added => "\x1b[32m",
+        Style::AddedWord => "\x1b[1;4;32m",
+    }
+}

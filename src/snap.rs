@@ -1,0 +1,155 @@
+//! `fabc snap`: pins what tasks say to models, as files that are reviewed like code.
+//!
+//! In: `.fab` files. Out: pending snapshots beside them for whatever differs from the accepted ones, all or nothing for
+//! each folder; or with `--check`, which snapshots differ, wait, or belong to nothing, and exit 1.
+
+#[cfg_attr(feature = "runtime", path = "snap/with_camera.rs")]
+#[cfg_attr(not(feature = "runtime"), path = "snap/without_camera.rs")]
+mod camera;
+mod origins;
+mod plan;
+mod scene;
+mod wanted;
+
+use crate::cli::snap::SnapArguments;
+use crate::exit::{Exit, Failure};
+use crate::{output, sources};
+use compiler::program::Program;
+use plan::{Found, Plan, State};
+pub use scene::{Moment, USUAL};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A file and what it declares.
+pub struct Declared {
+    /// The file, as the user named it.
+    pub file: String,
+    /// Its tasks, each followed by its variants.
+    pub programs: Vec<Program>,
+}
+
+/// Takes snapshots, or says how they differ.
+pub fn run(arguments: &SnapArguments) -> Result<Exit, Failure> {
+    let mut found = Vec::new();
+    for (folder, declared) in compiled(&arguments.files)? {
+        let mut plan = Plan::open(&folder)?;
+        wanted::of(&declared, arguments, &mut plan)?;
+        let states = plan.states()?;
+        if !arguments.check {
+            plan.carry_out(&states, arguments)?;
+        }
+        found.extend(states);
+    }
+    if arguments.json {
+        output::json(&as_json(&found));
+    } else {
+        report(&found, arguments);
+    }
+    let is_clean = found.iter().all(|found| found.is_clean());
+    Ok(match arguments.check && !is_clean {
+        true => Exit::Author,
+        false => Exit::Done,
+    })
+}
+
+/// Compiles every file before anything is written, and puts those of one folder together.
+fn compiled(files: &[String]) -> Result<BTreeMap<PathBuf, Vec<Declared>>, Failure> {
+    let mut folders: BTreeMap<PathBuf, Vec<Declared>> = BTreeMap::new();
+    let mut failed: Option<Failure> = None;
+    for file in files {
+        let folder = sources::folder_of(file);
+        let declared = folders.entry(folder).or_default();
+        let name = Path::new(file).file_name();
+        if declared
+            .iter()
+            .any(|known| Path::new(&known.file).file_name() == name)
+        {
+            continue;
+        }
+        let programs = sources::compile_tasks(file, None);
+        match programs.and_then(|programs| camera::fitted(file, programs)) {
+            Ok(programs) => declared.push(Declared {
+                file: file.clone(),
+                programs,
+            }),
+            Err(failure) => {
+                if let Some(earlier) = failed.replace(failure) {
+                    output::talk(&format!("error: {earlier}"));
+                }
+            }
+        }
+    }
+    match failed {
+        None => Ok(folders),
+        Some(failure) => Err(failure.saying("no snapshot was taken")),
+    }
+}
+
+fn as_json(found: &[Found]) -> Value {
+    let snapshots = found.iter().map(|found| {
+        let info = &found.info;
+        json!({
+            "id": found.name.as_str(),
+            "path": found.path.display().to_string(),
+            "state": found.state.word(),
+            "pending": found.is_pending,
+            "task": info.task,
+            "variant": info.variant,
+            "stage": info.stage,
+            "scene": info.scene,
+        })
+    });
+    let count = |state| found.iter().filter(|found| found.state == state).count();
+    json!({
+        "snapshots": snapshots.collect::<Vec<Value>>(),
+        "same": count(State::Same),
+        "unseen": count(State::Unseen),
+        "changed": count(State::Changed),
+        "new": count(State::New),
+        "orphaned": count(State::Orphaned),
+        "pending": found.iter().filter(|found| found.is_pending).count(),
+    })
+}
+
+fn report(found: &[Found], arguments: &SnapArguments) {
+    let counted = |state: State| found.iter().filter(move |found| found.state == state);
+    let as_it_was = [State::Same, State::Unseen];
+    for found in found
+        .iter()
+        .filter(|found| !as_it_was.contains(&found.state))
+    {
+        output::data(&format!(
+            "{:8} {}",
+            found.state.word(),
+            found.path.display()
+        ));
+    }
+    let [same, changed, new, orphaned] = [State::Same, State::Changed, State::New, State::Orphaned]
+        .map(|state| counted(state).count());
+    output::talk(&format!(
+        "{same} as accepted, {changed} changed, {new} new, {orphaned} orphaned"
+    ));
+    let unseen = counted(State::Unseen).count();
+    if unseen > 0 {
+        output::talk(&format!(
+            "{unseen} were not looked at by this build of fabc"
+        ));
+    }
+    if changed + new > 0 {
+        output::talk("`fabc review` shows what waits, and accepts or rejects it");
+    }
+    if orphaned > 0 && !arguments.prune {
+        output::talk(
+            "an orphaned snapshot is of something that its file no longer declares; `fabc snap --prune` removes it",
+        );
+    }
+    let waits = counted(State::Same)
+        .filter(|found| found.is_pending)
+        .count();
+    if waits > 0 && arguments.check {
+        output::talk(&format!(
+            "{waits} are pending and no longer needed; `fabc snap` takes them away"
+        ));
+    }
+}

@@ -1,0 +1,249 @@
+//! A pinned scene: what the camera saw once, so that prompts can be rendered again without a camera.
+//!
+//! In: a program, what was seen. Out: JSON that a person can read and edit, and a [`SceneView`] of it. The hash in it
+//! says what it was seen of: cloth, camera, picker, keypoints, and the way to its step.
+
+use crate::exit::Failure;
+use crate::sources;
+use compiler::facts::{Done, SceneView};
+use compiler::program::{PixelPoint, Program, Subgoals, Value};
+use compiler::reply::Proposal;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A pinned scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PinnedScene {
+    /// Hash of what it was seen of.
+    pub seen_of: String,
+    /// How the cloth lay at first: a seed, or as the task says.
+    pub start: Option<u64>,
+    /// The step, from 1.
+    pub step: u32,
+    /// The action before.
+    pub last: Option<PinnedAction>,
+    /// The points, by keypoint.
+    pub points: BTreeMap<String, Vec<PixelPoint>>,
+    /// The number of pixels of each mask.
+    pub areas: BTreeMap<String, f64>,
+}
+
+/// The action before a pinned scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PinnedAction {
+    /// The fields of its answer.
+    pub fields: BTreeMap<String, Value>,
+    /// The pixel that was picked.
+    pub pick: PixelPoint,
+    /// The pixel that it was placed on.
+    pub place: PixelPoint,
+}
+
+/// Names of the scenes that are pinned unasked.
+pub const USUAL: [&str; 2] = ["start", "later"];
+
+/// Which scene is wanted.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Moment {
+    /// Its name in the snapshots.
+    pub name: String,
+    /// How the cloth lies at first: a seed, or as the task says.
+    pub start: Option<u64>,
+    /// The step, from 1.
+    pub step: u32,
+}
+
+impl Moment {
+    /// Returns the moments that every task is looked at in: the start, and where a prompt looks back, the second step.
+    pub fn of(program: &Program) -> Vec<Moment> {
+        let moment = |name: &str, step| Moment {
+            name: name.to_owned(),
+            start: None,
+            step,
+        };
+        let [start, later] = USUAL;
+        let mut moments = vec![moment(start, 1)];
+        if program.looks_back() && program.horizon > 1 {
+            moments.push(moment(later, 2));
+        }
+        moments
+    }
+
+    /// Returns the hash of all that a scene of this moment is seen of.
+    pub fn seen_of(&self, program: &Program) -> String {
+        let folds = match &program.subgoals {
+            Some(Subgoals::Demonstrate { folds }) => folds.as_slice(),
+            _ => &[],
+        };
+        let before = folds.len().min(self.step as usize - 1);
+        let what = json!({
+            "cloth": program.cloth,
+            "camera": program.camera,
+            "picker": program.picker,
+            "keypoints": program.keypoints,
+            "start": self.start,
+            "step": self.step,
+            "folds": folds[..before],
+        });
+        short_hash(what.to_string())
+    }
+}
+
+impl PinnedScene {
+    /// Reads one; says what is wrong with the text.
+    pub fn parse(text: &str) -> Result<PinnedScene, String> {
+        let scene: PinnedScene = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        match scene.step {
+            0 => Err("its `step` is 0, and steps are counted from 1".to_owned()),
+            _ => Ok(scene),
+        }
+    }
+
+    /// Writes it, a line for each keypoint.
+    pub fn text(&self) -> String {
+        let value = serde_json::to_value(self).expect("a scene has string keys and finite numbers");
+        let mut text = String::from("{\n");
+        let entries = value.as_object().into_iter().flatten();
+        let lines: Vec<String> = entries
+            .map(|(key, value)| match value.as_object() {
+                Some(map) if key != "last" && !map.is_empty() => {
+                    let inner = map
+                        .iter()
+                        .map(|(key, value)| format!("    \"{key}\": {value}"));
+                    format!(
+                        "  \"{key}\": {{\n{}\n  }}",
+                        inner.collect::<Vec<_>>().join(",\n")
+                    )
+                }
+                _ => format!("  \"{key}\": {value}"),
+            })
+            .collect();
+        text.push_str(&lines.join(",\n"));
+        text.push_str("\n}\n");
+        text
+    }
+
+    /// Returns the moment that it is of.
+    pub fn moment(&self, name: &str) -> Moment {
+        Moment {
+            name: name.to_owned(),
+            start: self.start,
+            step: self.step,
+        }
+    }
+
+    /// Returns the action before, with its fields in the program's order.
+    pub fn last(&self, program: &Program) -> Option<Done> {
+        let last = self.last.as_ref()?;
+        let names = program.actions.iter().map(|field| &field.name);
+        let fields = names
+            .filter_map(|name| Some((name.clone(), last.fields.get(name)?.clone())))
+            .collect();
+        Some(Done {
+            proposal: Proposal { fields },
+            pick: last.pick,
+            place: last.place,
+        })
+    }
+}
+
+impl SceneView for PinnedScene {
+    fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
+        self.points.get(keypoint).cloned()
+    }
+
+    fn distance_px(&self, _: &str, _: PixelPoint) -> Option<f64> {
+        None
+    }
+
+    fn area_px(&self, mask: &str) -> Option<f64> {
+        self.areas.get(mask).copied()
+    }
+}
+
+/// Returns hashes of the author's subgoal pictures, in order.
+pub fn hashes_of_images(program: &Program, folder: &Path) -> Result<Vec<String>, Failure> {
+    let Some(Subgoals::Images { images }) = &program.subgoals else {
+        return Ok(Vec::new());
+    };
+    let hash = |path: &str| {
+        let path = folder.join(path);
+        let bytes = sources::inside(folder, &path).and_then(|path| sources::read_bounded(&path));
+        bytes.map(|bytes| short_hash(&bytes)).map_err(|why| {
+            Failure::environment(format!(
+                "cannot read the picture `{}`: {why}",
+                path.display()
+            ))
+        })
+    };
+    images.iter().map(|image| hash(&image.file.path)).collect()
+}
+
+/// Returns the first 16 hex digits of the SHA-256 of bytes.
+pub fn short_hash(bytes: impl AsRef<[u8]>) -> String {
+    let digest = Sha256::digest(bytes);
+    digest[..8]
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene() -> PinnedScene {
+        PinnedScene {
+            seen_of: "0123456789abcdef".to_owned(),
+            start: Some(7),
+            step: 2,
+            last: Some(PinnedAction {
+                fields: BTreeMap::from([
+                    ("direction".to_owned(), Value::Word("up".to_owned())),
+                    ("pick".to_owned(), Value::Point(PixelPoint::new(1, 2))),
+                ]),
+                pick: PixelPoint::new(1, 2),
+                place: PixelPoint::new(3, -4),
+            }),
+            points: BTreeMap::from([
+                ("center".to_owned(), vec![PixelPoint::new(5, 6)]),
+                ("corners".to_owned(), Vec::new()),
+            ]),
+            areas: BTreeMap::from([("cloth".to_owned(), 12.0)]),
+        }
+    }
+
+    #[test]
+    fn a_scene_is_read_as_it_was_written() {
+        let scene = scene();
+        assert_eq!(PinnedScene::parse(&scene.text()), Ok(scene.clone()));
+        assert_eq!(scene.text().lines().count(), 13);
+        let bare = PinnedScene {
+            last: None,
+            points: BTreeMap::new(),
+            areas: BTreeMap::new(),
+            ..scene
+        };
+        assert_eq!(PinnedScene::parse(&bare.text()), Ok(bare));
+    }
+
+    #[test]
+    fn what_is_no_scene_is_refused_with_words() {
+        let wrong = [
+            ("", "EOF"),
+            ("[]", "invalid"),
+            (r#"{"step": 1}"#, "missing field"),
+        ];
+        for (text, words) in wrong {
+            let why = PinnedScene::parse(text).unwrap_err();
+            assert!(why.contains(words), "{text}: {why}");
+        }
+        let zeroth = PinnedScene { step: 0, ..scene() };
+        assert!(PinnedScene::parse(&zeroth.text()).is_err());
+    }
+}

@@ -1,0 +1,386 @@
+//! Which snapshots a file should have: scenes, what each stage says in each of them, and the pictures drawn for it.
+
+use super::camera::Camera;
+use super::origins;
+use super::plan::{Plan, Wanted};
+use super::scene::{Moment, PinnedScene, USUAL, short_hash};
+use super::{Declared, SnapArguments};
+use crate::exit::Failure;
+use crate::render::page::ShownStage;
+use crate::render::title;
+use crate::snapshots::{Contents, Info, Metadata, Name, Snapshot};
+use crate::sources;
+use compiler::facts::Facts;
+use compiler::pointing::Pointing;
+use compiler::program::{Arrow, Layers, Picture, Program, Stage};
+use compiler::render::{PromptPicture, Values};
+use compiler::tokens;
+use serde_json::json;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// Says to a plan what the snapshots of files should be.
+pub fn of(
+    declared: &[Declared],
+    arguments: &SnapArguments,
+    plan: &mut Plan,
+) -> Result<(), Failure> {
+    for Declared { file, programs } in declared {
+        let source = Path::new(file).file_name().unwrap_or_default();
+        let source = source.to_string_lossy().into_owned();
+        plan.looked_at(&source);
+        // A task and its variants follow each other.
+        for programs in programs.chunk_by(|one, other| one.task == other.task) {
+            let mut task = Task::of(programs, &source, arguments, plan)?;
+            for program in programs {
+                task.want(program, file, plan)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A task, and what its variants share with it.
+struct Task {
+    source: String,
+    /// Its scenes: the usual ones of the task and its variants, and those that somebody asked for.
+    moments: BTreeSet<Moment>,
+    /// The task's own scenes, which a variant shares where it would see the same.
+    scenes: BTreeMap<Moment, PinnedScene>,
+    /// Hashes of the task's own pictures, likewise.
+    pictures: BTreeMap<(Moment, String), String>,
+}
+
+/// A stage of one program in one scene.
+struct Page<'p> {
+    program: &'p Program,
+    moment: &'p Moment,
+    scene: &'p PinnedScene,
+}
+
+impl Task {
+    fn of(
+        programs: &[Program],
+        source: &str,
+        arguments: &SnapArguments,
+        plan: &Plan,
+    ) -> Result<Task, Failure> {
+        let mut moments: BTreeSet<Moment> = programs.iter().flat_map(Moment::of).collect();
+        let mut more: BTreeSet<Moment> = arguments.moment()?.into_iter().collect();
+        for name in plan.folder.names() {
+            let Some(moment) = moment_of(name, &programs[0]) else {
+                continue;
+            };
+            if !USUAL.contains(&moment)
+                && let Some(scene) = known_scene(name, plan)?
+            {
+                more.insert(scene.moment(moment));
+            }
+        }
+        moments.extend(more);
+        Ok(Task {
+            source: source.to_owned(),
+            moments,
+            scenes: BTreeMap::new(),
+            pictures: BTreeMap::new(),
+        })
+    }
+
+    /// Wants everything of a program: the task itself, or a variant after it.
+    fn want(&mut self, program: &Program, file: &str, plan: &mut Plan) -> Result<(), Failure> {
+        let folder = sources::folder_of(file);
+        let mut camera = Camera::of(program, &folder);
+        let moments = self.moments.clone();
+        for moment in moments.iter().filter(|it| it.step <= program.horizon) {
+            let scene = self.scene(program, moment, &mut camera, plan)?;
+            let page = Page {
+                program,
+                moment,
+                scene: &scene,
+            };
+            for stage in &program.stages {
+                let info = self.info(&page, Some(&stage.name));
+                let name = page.name(Some(&stage.name), None)?;
+                let wanted = match page.shown(stage, &camera)? {
+                    Some(shown) => Wanted::Taken(Box::new(self.text(info, &shown))),
+                    None => Wanted::Unseen(info),
+                };
+                plan.want(name, wanted)?;
+            }
+            self.pictures(&page, &mut camera, plan)?;
+        }
+        Ok(())
+    }
+
+    /// Returns a scene: the accepted or pending one where it is still of this task, else a new one from the camera.
+    fn scene(
+        &mut self,
+        program: &Program,
+        moment: &Moment,
+        camera: &mut Camera<'_>,
+        plan: &mut Plan,
+    ) -> Result<PinnedScene, Failure> {
+        let seen_of = moment.seen_of(program);
+        if program.variant.is_some()
+            && let Some(shared) = self.scenes.get(moment).filter(|it| it.seen_of == seen_of)
+        {
+            return Ok(shared.clone());
+        }
+        let name = scene_name(program, &moment.name)?;
+        let known = known_scene(&name, plan)?;
+        let scene = match known.filter(|known| known.seen_of == seen_of) {
+            Some(known) => known,
+            None => camera.scene(moment, seen_of)?,
+        };
+        if program.variant.is_none() {
+            self.scenes.insert(moment.clone(), scene.clone());
+        }
+        let page = Page {
+            program,
+            moment,
+            scene: &scene,
+        };
+        let metadata = Metadata {
+            source: Some(self.source.clone()),
+            description: Some(format!("the points seen in {}", page.title())),
+            info: Some(self.info(&page, None)),
+            ..Metadata::default()
+        };
+        let contents = Contents::Text(scene.text().trim_end().to_owned());
+        let snapshot = Snapshot { metadata, contents };
+        plan.want(name, Wanted::Taken(Box::new(snapshot)))?;
+        Ok(scene)
+    }
+
+    fn info(&self, page: &Page<'_>, stage: Option<&str>) -> Info {
+        Info {
+            task: page.program.task.clone(),
+            variant: page.program.variant.clone(),
+            stage: stage.map(str::to_owned),
+            scene: Some(page.moment.name.clone()),
+            ..Info::default()
+        }
+    }
+
+    fn text(&self, info: Info, shown: &ShownStage) -> Snapshot {
+        let texts = shown.texts().map(|said| tokens::of_text(&said.text));
+        let stage = info.stage.clone().unwrap_or_default();
+        let scene = info.scene.clone().unwrap_or_default();
+        let title = match &info.variant {
+            Some(variant) => format!("{}/{variant}", info.task),
+            None => info.task.clone(),
+        };
+        let info = Info {
+            tokens: Some(texts.sum()),
+            origin: origins::of(shown),
+            ..info
+        };
+        Snapshot {
+            metadata: Metadata {
+                source: Some(self.source.clone()),
+                description: Some(format!(
+                    "what a model is told in stage {stage} of {title}, scene {scene}"
+                )),
+                info: Some(info),
+                ..Metadata::default()
+            },
+            contents: Contents::Text(shown.text().trim_end().to_owned()),
+        }
+    }
+
+    /// Wants the pictures that something is drawn on.
+    fn pictures(
+        &mut self,
+        page: &Page<'_>,
+        camera: &mut Camera<'_>,
+        plan: &mut Plan,
+    ) -> Result<(), Failure> {
+        let Page {
+            program,
+            moment,
+            scene,
+        } = page;
+        let shown = program.stages.iter().flat_map(|stage| &stage.show);
+        let mut seen = BTreeSet::new();
+        for picture in shown {
+            let title = title(&PromptPicture::Drawn(*picture), moment.step);
+            if !is_drawn_on(program, picture) || !seen.insert(title.clone()) {
+                continue;
+            }
+            let drawn_from = drawn_from(program, picture, scene, camera)?;
+            let key = ((*moment).clone(), title.clone());
+            if program.variant.is_none() {
+                self.pictures.insert(key, drawn_from.clone());
+            } else if self.pictures.get(&key) == Some(&drawn_from) {
+                continue;
+            }
+            let name = page.name(None, Some(&title.replace(' ', "_")))?;
+            let info = Info {
+                picture: Some(title.clone()),
+                drawn_from: Some(drawn_from),
+                ..self.info(page, None)
+            };
+            let wanted = self.picture(&name, info, page, picture, camera, plan)?;
+            plan.want(name, wanted)?;
+        }
+        Ok(())
+    }
+
+    fn picture(
+        &self,
+        name: &Name,
+        info: Info,
+        page: &Page<'_>,
+        picture: &Picture,
+        camera: &mut Camera<'_>,
+        plan: &Plan,
+    ) -> Result<Wanted, Failure> {
+        let is_of_this = |snapshot: &Snapshot| {
+            let known = snapshot.metadata.info.as_ref();
+            known.is_some_and(|known| known.drawn_from == info.drawn_from)
+        };
+        let accepted = plan.folder.accepted(name).map_err(Failure::environment)?;
+        if accepted.is_some_and(|accepted| is_of_this(&accepted)) {
+            return Ok(Wanted::AsAccepted(info));
+        }
+        let pending = plan.folder.pending(name).map_err(Failure::environment)?;
+        if let Some(pending) = pending.filter(is_of_this) {
+            return Ok(Wanted::Taken(Box::new(pending)));
+        }
+        let Some(png) = camera.picture(page.moment, picture)? else {
+            return Ok(Wanted::Unseen(info));
+        };
+        let shows = info.picture.clone().unwrap_or_default();
+        let metadata = Metadata {
+            source: Some(self.source.clone()),
+            description: Some(format!("{shows} of {}", page.title())),
+            info: Some(info),
+            ..Metadata::default()
+        };
+        let contents = Contents::Picture(png);
+        Ok(Wanted::Taken(Box::new(Snapshot { metadata, contents })))
+    }
+}
+
+impl Page<'_> {
+    fn title(&self) -> String {
+        format!("{}, scene {}", self.program.title(), self.moment.name)
+    }
+
+    /// Returns `TASK.STAGE@SCENE`, `TASK.VARIANT.STAGE@SCENE`, or `TASK@SCENE.PICTURE`.
+    fn name(&self, stage: Option<&str>, picture: Option<&str>) -> Result<Name, Failure> {
+        name(self.program, stage, &self.moment.name, picture)
+    }
+
+    /// Returns what a stage says in this scene; none where this build cannot tell.
+    fn shown(&self, stage: &Stage, camera: &Camera<'_>) -> Result<Option<ShownStage>, Failure> {
+        let program = self.program;
+        let texts = BTreeMap::new();
+        let last = self.scene.last(program);
+        let values = Values::Partly(Facts {
+            scene: self.scene,
+            texts: &texts,
+            step: self.moment.step,
+            last: last.as_ref(),
+            proposal: None,
+            pointing: Pointing::of_camera(&program.camera),
+        });
+        let Some(messages) = camera.messages(stage, values, self.moment.step)? else {
+            return Ok(None);
+        };
+        let corrections = crate::render::corrections_of(program, stage, values);
+        Ok(Some(ShownStage {
+            name: stage.name.clone(),
+            messages,
+            corrections: corrections.map_err(Failure::environment)?,
+            findings: Vec::new(),
+        }))
+    }
+}
+
+fn name(
+    program: &Program,
+    stage: Option<&str>,
+    scene: &str,
+    part: Option<&str>,
+) -> Result<Name, Failure> {
+    let mut name = program.title().replace('/', ".");
+    if let Some(stage) = stage {
+        name.push_str(&format!(".{stage}"));
+    }
+    name.push_str(&format!("@{scene}"));
+    if let Some(part) = part {
+        name.push_str(&format!(".{part}"));
+    }
+    Name::new(name).map_err(Failure::environment)
+}
+
+fn scene_name(program: &Program, scene: &str) -> Result<Name, Failure> {
+    name(program, None, scene, Some(POINTS))
+}
+
+/// What the name of a scene's snapshot ends with.
+const POINTS: &str = "points";
+
+/// Returns the scene that a snapshot of the task itself pins, by its name.
+fn moment_of<'n>(name: &'n Name, program: &Program) -> Option<&'n str> {
+    let rest = name.as_str().strip_prefix(&program.task)?;
+    let scene = rest.strip_prefix('@')?.strip_suffix(POINTS)?;
+    scene.strip_suffix('.')
+}
+
+/// Reads a scene: the pending one where there is one, for it is the newer.
+fn known_scene(name: &Name, plan: &Plan) -> Result<Option<PinnedScene>, Failure> {
+    let folder = &plan.folder;
+    let pending = folder.pending(name).map_err(Failure::environment)?;
+    let known = match pending {
+        Some(pending) => Some((pending, folder.pending_path(name))),
+        None => {
+            let accepted = folder.accepted(name).map_err(Failure::environment)?;
+            accepted.map(|accepted| (accepted, folder.accepted_path(name)))
+        }
+    };
+    let Some((snapshot, path)) = known else {
+        return Ok(None);
+    };
+    let wrong =
+        |why: String| Failure::environment(format!("`{}` is no scene: {why}", path.display()));
+    match snapshot.contents {
+        Contents::Text(text) => PinnedScene::parse(&text).map(Some).map_err(wrong),
+        Contents::Picture(_) => Err(wrong("it is a picture".to_owned())),
+    }
+}
+
+/// Returns whether `fabc` draws anything on a picture; what it does not is kept elsewhere.
+fn is_drawn_on(program: &Program, picture: &Picture) -> bool {
+    match picture {
+        Picture::Subgoal { arrow, .. } => *arrow == Arrow::Drawn,
+        Picture::Scene { layers } => *layers == Layers::Drawn && !program.layers.is_empty(),
+    }
+}
+
+/// Returns the hash of all that a picture is drawn from.
+fn drawn_from(
+    program: &Program,
+    picture: &Picture,
+    scene: &PinnedScene,
+    camera: &Camera<'_>,
+) -> Result<String, Failure> {
+    let what = match picture {
+        Picture::Subgoal { .. } => json!({
+            "picture": picture,
+            "step": scene.step,
+            "cloth": program.cloth,
+            "camera": program.camera,
+            "picker": program.picker,
+            "subgoals": program.subgoals,
+            "files": camera.hashes_of_images()?,
+        }),
+        Picture::Scene { .. } => json!({
+            "picture": picture,
+            "scene": scene.text(),
+            "layers": program.layers,
+        }),
+    };
+    Ok(short_hash(what.to_string()))
+}

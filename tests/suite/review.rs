@@ -1,0 +1,8 @@
+//! `fabc review`: what is pending, as JSON and on a terminal, and what becomes of it.
+
+mod documented;
+mod made;
+mod peer_cargo_insta;
+mod scripts;
+#[cfg(unix)]
+mod terminal;

@@ -1,0 +1,71 @@
+//! What the real `cargo insta` makes of pending snapshots, and what we make of those that it accepted.
+
+use super::super::support::{fabc, finish};
+use super::made::{each_kind, files, left};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn cargo_insta(folder: &Path, arguments: &[&str]) -> Output {
+    let program = std::env::var("FABC_PEER_CARGO_INSTA").expect(
+        "FABC_PEER_CARGO_INSTA names no `cargo-insta`; `make test-peers` sets it, or says what is missing",
+    );
+    let output = Command::new(program)
+        .current_dir(folder)
+        .args(arguments)
+        .env_remove("CARGO_MANIFEST_DIR")
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {said}");
+    output
+}
+
+#[test]
+#[ignore = "needs cargo-insta"]
+fn peer_cargo_insta_lists_and_accepts_what_is_pending() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    each_kind(&snapshots);
+    let manifest = "[package]\nname = \"tasks\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\npath = \"lib.rs\"\n[workspace]\n";
+    fs::write(folder.path().join("Cargo.toml"), manifest).unwrap();
+    fs::write(folder.path().join("lib.rs"), "").unwrap();
+    let listed = cargo_insta(folder.path(), &["pending-snapshots", "--as-json"]);
+    let listed: Vec<Value> = String::from_utf8(listed.stdout)
+        .unwrap()
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    assert_eq!(listed.len(), left(&snapshots).len(), "{listed:?}");
+    let before = files(&snapshots);
+    cargo_insta(folder.path(), &["accept"]);
+    assert!(left(&snapshots).is_empty());
+    let after = files(&snapshots);
+    let bytes = |name: &str| &after[name];
+    assert_eq!(
+        bytes("half@start.subgoal_1.snap.png"),
+        &before["half@start.subgoal_1.snap.new.png"]
+    );
+    // Proposed once more with another text, what it wrote is read as what was accepted.
+    let again = String::from_utf8(before["half.describe@start.snap.new"].clone()).unwrap();
+    let again = again.replace("Dots.", "Blue dots.").replace("700", "702");
+    fs::write(snapshots.join("half.describe@start.snap.new"), again).unwrap();
+    let scene = String::from_utf8(before["half@start.snap"].clone()).unwrap();
+    fs::write(snapshots.join("half@start.snap.new"), scene).unwrap();
+    let said = finish(fabc(folder.path()).args(["review", "--json"]));
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    let value: Value = serde_json::from_str(&said.stdout).unwrap();
+    let [edit, scene] = value["groups"].as_array().unwrap().as_slice() else {
+        panic!("{value:#}");
+    };
+    assert_eq!(edit["cause"][0]["component"], "visual_context");
+    assert_eq!(
+        edit["tokens"],
+        serde_json::json!({ "before": 700, "after": 702 })
+    );
+    assert_eq!(scene["cause"][1]["component"], "drawn_from changed");
+    let said = finish(fabc(folder.path()).args(["review", "--accept-all"]));
+    assert_eq!(said.stdout, "accepted 2, rejected 0, still pending 0\n");
+}

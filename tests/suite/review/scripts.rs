@@ -1,0 +1,273 @@
+//! `fabc review` without a terminal: JSON, ids, patterns, places, and what cannot be done.
+
+use super::super::support::{Said, fabc, finish};
+use super::made::{accepted, each_kind, files, left, one_edit, pending, prompt, write};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+fn review(folder: &Path, arguments: &[&str]) -> Said {
+    finish(fabc(folder).arg("review").args(arguments))
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> Value {
+    let said = review(folder, &[arguments, &["--json"]].concat());
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    serde_json::from_str(&said.stdout).unwrap()
+}
+
+#[test]
+fn one_edit_of_forty_snapshots_is_one_group() {
+    let folder = tempfile::tempdir().unwrap();
+    one_edit(&folder.path().join("snapshots"), 40);
+    let value = json(folder.path(), &[]);
+    assert_eq!(value["pending"], 40);
+    let [group] = value["groups"].as_array().unwrap().as_slice() else {
+        panic!("{value:#}");
+    };
+    assert_eq!(group["kind"], "edit");
+    let cause = serde_json::json!([
+        { "component": "visual_context", "file": "lib/folding.fab", "line": 28 }
+    ]);
+    assert_eq!(group["cause"], cause);
+    assert_eq!(
+        group["edits"],
+        serde_json::json!([{
+            "removed": ["The red dots are corners."],
+            "added": ["The blue dots are corners."],
+        }])
+    );
+    assert_eq!(group["snapshots"].as_array().unwrap().len(), 40);
+    assert_eq!(group["tokens"]["before"], 40 * 810);
+    assert_eq!(group["tokens"]["after"], 40 * 812);
+}
+
+#[test]
+fn what_is_pending_is_told_as_json() {
+    let folder = tempfile::tempdir().unwrap();
+    each_kind(&folder.path().join("snapshots"));
+    let facts = "[[model]]\nprovider = \"openai\"\nid = \"mine\"\nprice = [{ input = 2, output = 10 }]\nas_of = \"2026-11-20\"\nsource = \"a test\"\n";
+    fs::write(folder.path().join("facts.toml"), facts).unwrap();
+    let model = ["--model", "openai:mine", "--models", "facts.toml"];
+    let value = json(folder.path(), &[&model[..], &["--out", "drawn"]].concat());
+    insta::assert_snapshot!(serde_json::to_string_pretty(&value).unwrap());
+    let group = value["groups"].as_array().unwrap();
+    let drawn = group.iter().find(|group| group["kind"] == "picture");
+    let path = drawn.unwrap()["picture"]["path"].as_str().unwrap();
+    let sheet = image::open(folder.path().join(path)).unwrap().into_rgb8();
+    // Three panels of 24 x 20 pixels and two gaps of 8.
+    assert_eq!(sheet.dimensions(), (88, 20));
+    let at = |column, row| sheet.get_pixel(column, row).0;
+    assert_eq!(at(5, 3), [90; 3]);
+    assert_eq!(at(32 + 5, 3), [255, 0, 0]);
+    assert_eq!(at(64 + 5, 3), [255, 0, 160]);
+    assert_eq!(at(64 + 7, 3), [200; 3]);
+    assert_eq!((at(3, 18), at(32 + 3, 18)), ([160; 3], [90; 3]));
+    assert_eq!(at(64 + 3, 18), [255, 0, 160]);
+    assert_eq!(at(26, 3), [255; 3]);
+}
+
+#[test]
+fn groups_and_snapshots_are_accepted_and_rejected_by_id() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    each_kind(&snapshots);
+    let value = json(folder.path(), &[]);
+    assert_eq!(value, json(folder.path(), &[]), "ids last");
+    let groups = value["groups"].as_array().unwrap();
+    let id = |kind: &str| {
+        let group = groups.iter().find(|group| group["kind"] == kind);
+        group.unwrap()["id"].as_str().unwrap().to_owned()
+    };
+    let before = files(&snapshots);
+    let said = review(
+        folder.path(),
+        &[
+            "--accept",
+            &id("picture"),
+            "--accept",
+            "snapshots/fold_01.describe@start.snap.new",
+            "--reject",
+            "fold_02.describe@start",
+            "--reject",
+            &id("new"),
+        ],
+    );
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    assert_eq!(said.stdout, "accepted 2, rejected 3, still pending 1\n");
+    assert_eq!(left(&snapshots), ["crate__theirs", "half@start"]);
+    let after = files(&snapshots);
+    for (was, is) in [
+        (
+            "half@start.subgoal_1.snap.new.png",
+            "half@start.subgoal_1.snap.png",
+        ),
+        (
+            "fold_01.describe@start.snap.new",
+            "fold_01.describe@start.snap",
+        ),
+        ("fold_02.describe@start.snap", "fold_02.describe@start.snap"),
+    ] {
+        assert_eq!(before[was], after[is]);
+    }
+    let value = json(folder.path(), &["--accept-all"]);
+    assert_eq!(value["accepted"], serde_json::json!(["half@start"]));
+    assert_eq!(
+        (&value["pending"], &value["foreign"]),
+        (&0.into(), &1.into())
+    );
+    assert_eq!(left(&snapshots), ["crate__theirs"]);
+}
+
+#[test]
+fn an_id_that_names_nothing_or_too_much_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (one, two) = (
+        folder.path().join("a/snapshots"),
+        folder.path().join("b/snapshots"),
+    );
+    one_edit(&one, 2);
+    one_edit(&two, 1);
+    let before = (files(&one), files(&two));
+    let cases: [(&[&str], &str); 4] = [
+        (
+            &["--accept", "fold_02.describe@start", "--accept", "fold_09"],
+            "nothing that is pending has the id `fold_09`",
+        ),
+        (
+            &["--reject", "fold_01.describe@start"],
+            "`fold_01.describe@start` names several snapshots: `a/snapshots/fold_01.describe@start.snap.new`, `b/snapshots/fold_01.describe@start.snap.new`",
+        ),
+        (
+            &[
+                "--accept",
+                "fold_02.describe@start",
+                "--reject",
+                "fold_02.describe@start",
+            ],
+            "`fold_02.describe@start` is both accepted and rejected",
+        ),
+        (
+            &["--only", "fold_01*", "--accept", "fold_02.describe@start"],
+            "nothing that is pending has the id `fold_02.describe@start`",
+        ),
+    ];
+    for (arguments, message) in cases {
+        let said = review(folder.path(), arguments);
+        assert_eq!(said.code, 64, "{arguments:?}");
+        assert!(said.stderr.contains(message), "{}", said.stderr);
+        assert_eq!((files(&one), files(&two)), before);
+    }
+    // One edit in two folders is one group all the same.
+    let value = json(folder.path(), &[]);
+    assert_eq!(value["groups"].as_array().unwrap().len(), 1);
+    let id = value["groups"][0]["id"].as_str().unwrap();
+    assert_eq!(review(folder.path(), &["--accept", id]).code, 0);
+    assert!(left(&one).is_empty() && left(&two).is_empty());
+}
+
+#[test]
+fn places_and_patterns_say_what_is_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    one_edit(&root.join("tasks/snapshots"), 3);
+    one_edit(&root.join("more/deep/snapshots"), 1);
+    for skipped in ["target", "runs", "node_modules", ".hidden"] {
+        one_edit(&root.join(skipped).join("snapshots"), 1);
+    }
+    fs::write(root.join("tasks/fold_02.fab"), "").unwrap();
+    let count = |arguments: &[&str]| json(root, arguments)["pending"].as_u64().unwrap();
+    assert_eq!(count(&[]), 4);
+    assert_eq!(count(&["tasks"]), 3);
+    assert_eq!(count(&["tasks/snapshots", "tasks", "more"]), 4);
+    assert_eq!(count(&["tasks/fold_02.fab"]), 1);
+    assert_eq!(count(&["target"]), 1);
+    assert_eq!(count(&["--only", "02"]), 1);
+    assert_eq!(count(&["--only", "fold_?1.*@start"]), 2);
+    assert_eq!(count(&["--only", "fold"]), 4);
+    assert_eq!(count(&["--only", "fold_*@nowhere"]), 0);
+    let said = review(root, &["nowhere"]);
+    assert_eq!(said.code, 2);
+    assert!(
+        said.stderr.contains("cannot read `nowhere`"),
+        "{}",
+        said.stderr
+    );
+    let said = review(
+        root,
+        &[
+            "--accept-all",
+            "--reject",
+            "fold_03.describe@start",
+            "tasks",
+        ],
+    );
+    assert_eq!(said.stdout, "accepted 2, rejected 1, still pending 0\n");
+}
+
+#[test]
+fn two_components_that_change_side_by_side_are_two_edits() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    let old = prompt("half", "The red dots are corners.", 810);
+    let new = prompt("half", "The blue dots are corners.", 812)
+        .replace("You fold a cloth", "You fold a towel");
+    accepted(&snapshots, "half.describe@start", &old);
+    pending(&snapshots, "half.describe@start", &new);
+    let value = json(folder.path(), &[]);
+    let edits = value["groups"][0]["edits"].as_array().unwrap();
+    assert_eq!(edits.len(), 2, "{value:#}");
+    assert_eq!(edits[0]["removed"][0], "You fold a cloth in the task half.");
+    assert_eq!(edits[1]["added"][0], "The blue dots are corners.");
+    let causes: Vec<&str> = value["groups"][0]["cause"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|cause| cause["component"].as_str())
+        .collect();
+    assert_eq!(causes, ["describe.say", "visual_context"]);
+}
+
+#[test]
+fn without_a_terminal_it_says_what_to_use() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = review(folder.path(), &[]);
+    assert_eq!(
+        (said.code, said.stderr.as_str()),
+        (0, "nothing is pending\n")
+    );
+    one_edit(&folder.path().join("snapshots"), 2);
+    let said = review(folder.path(), &[]);
+    assert_eq!(said.code, 64);
+    assert!(
+        said.stderr
+            .contains("this is no terminal; use --json, --accept"),
+        "{}",
+        said.stderr
+    );
+}
+
+#[test]
+fn a_file_that_cannot_be_read_is_named_and_nothing_changes() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    one_edit(&snapshots, 2);
+    write(
+        &snapshots,
+        "fold_02.describe@start.snap.new",
+        b"---\n---\n\xff",
+    );
+    let before = files(&snapshots);
+    for arguments in [&["--accept-all"][..], &["--json"]] {
+        let said = review(folder.path(), arguments);
+        assert_eq!(said.code, 2);
+        let place = "`snapshots/fold_02.describe@start.snap.new` is not a snapshot that can be read: it is not UTF-8";
+        assert!(said.stderr.contains(place), "{}", said.stderr);
+        assert_eq!(files(&snapshots), before);
+    }
+    write(&snapshots, "fold_02.describe@start.snap.new", b"");
+    let said = review(folder.path(), &["--accept-all"]);
+    assert!(said.stderr.contains("does not begin with a line `---`"));
+    let said = review(folder.path(), &["--model", "nobody:none", "--json"]);
+    assert_ne!(said.code, 0);
+}

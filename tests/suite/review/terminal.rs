@@ -1,0 +1,242 @@
+//! `fabc review` in a pseudo-terminal, key by key.
+
+use super::super::support::fabc;
+use super::made::{accepted, each_kind, files, left, one_edit, pending, prompt};
+use nix::pty::{Winsize, openpty};
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::Path;
+use std::process::{Child, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+use std::time::Duration;
+
+/// Long enough for a loaded machine; nothing is measured.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A review that waits for keys.
+struct Session {
+    child: Child,
+    keys: File,
+    shown: Receiver<Vec<u8>>,
+    text: String,
+}
+
+impl Session {
+    fn start(folder: &Path, columns: u16, arguments: &[&str]) -> Session {
+        let size = Winsize {
+            ws_row: 40,
+            ws_col: columns,
+            ws_xpixel: 0,
+            ws_ypixel: 0,
+        };
+        let pty = openpty(&size, None).unwrap();
+        let end = || Stdio::from(pty.slave.try_clone().unwrap());
+        let child = fabc(folder)
+            .arg("review")
+            .args(arguments)
+            .env("TERM", "xterm")
+            .stdin(end())
+            .stdout(end())
+            .stderr(end())
+            .spawn()
+            .unwrap();
+        drop(pty.slave);
+        let keys = File::from(pty.master);
+        let mut screen = keys.try_clone().unwrap();
+        let (send, shown) = channel();
+        thread::spawn(move || {
+            let mut bytes = [0; 4096];
+            // The far end of a terminal that nobody holds any more fails to read.
+            while let Ok(count @ 1..) = screen.read(&mut bytes) {
+                if send.send(bytes[..count].to_vec()).is_err() {
+                    break;
+                }
+            }
+        });
+        Session {
+            child,
+            keys,
+            shown,
+            text: String::new(),
+        }
+    }
+
+    /// Waits for words, and returns all that was shown since the last call.
+    fn until(&mut self, words: &str) -> String {
+        loop {
+            if let Some(at) = self.text.find(words) {
+                let rest = self.text.split_off(at + words.len());
+                return std::mem::replace(&mut self.text, rest);
+            }
+            let bytes = self.shown.recv_timeout(PATIENCE);
+            let bytes = bytes.unwrap_or_else(|_| panic!("no `{words}` in:\n{}", self.text));
+            self.text
+                .push_str(&String::from_utf8(bytes).unwrap().replace('\r', ""));
+        }
+    }
+
+    fn press(&mut self, key: &str) {
+        self.keys.write_all(key.as_bytes()).unwrap();
+    }
+
+    /// Returns the exit code, and what was shown last.
+    fn end(mut self) -> (Option<i32>, String) {
+        let code = self.child.wait().unwrap().code();
+        while let Ok(bytes) = self.shown.recv_timeout(PATIENCE) {
+            self.text
+                .push_str(&String::from_utf8(bytes).unwrap().replace('\r', ""));
+        }
+        (code, self.text)
+    }
+}
+
+const PROMPT: &str = "[q]uit [?] ";
+
+/// Two edits, a new task: three groups.
+fn three_groups(folder: &Path) {
+    one_edit(folder, 2);
+    accepted(folder, "half.describe@start", &prompt("half", "Dots.", 700));
+    pending(
+        folder,
+        "half.describe@start",
+        &prompt("half", "Red dots.", 690),
+    );
+    pending(folder, "new.describe@start", &prompt("new", "Dots.", 500));
+}
+
+#[test]
+fn one_is_accepted_one_rejected_and_one_skipped() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    three_groups(&snapshots);
+    let before = files(&snapshots);
+    let mut session = Session::start(folder.path(), 100, &[]);
+    insta::assert_snapshot!("an_edit_below_each_other", session.until(PROMPT));
+    session.press("\r");
+    session.until(PROMPT);
+    session.press("d");
+    insta::assert_snapshot!("an_edit_side_by_side", session.until(PROMPT));
+    session.press("x");
+    session.until(PROMPT);
+    assert_eq!(files(&snapshots), before, "nothing was decided");
+    session.press("a");
+    let shown = session.until(PROMPT);
+    assert!(
+        shown.contains("2 of 3") && shown.contains("-10 per question"),
+        "{shown}"
+    );
+    assert_eq!(
+        left(&snapshots),
+        ["half.describe@start", "new.describe@start"]
+    );
+    session.press("r");
+    let shown = session.until(PROMPT);
+    assert!(shown.contains("1 new snapshot of `new`"), "{shown}");
+    assert_eq!(left(&snapshots), ["new.describe@start"]);
+    session.press("s");
+    let (code, shown) = session.end();
+    assert_eq!(code, Some(0));
+    assert!(
+        shown.ends_with("accepted 2, rejected 1, skipped 1\n"),
+        "{shown}"
+    );
+    let after = files(&snapshots);
+    let (old, new) = (
+        "fold_01.describe@start.snap",
+        "fold_01.describe@start.snap.new",
+    );
+    assert_eq!(after[old], before[new]);
+    assert_eq!(
+        after["half.describe@start.snap"],
+        before["half.describe@start.snap"]
+    );
+}
+
+#[test]
+fn one_who_stops_keeps_what_was_decided() {
+    for (key, code) in [("q", 0), ("\u{3}", 130)] {
+        let folder = tempfile::tempdir().unwrap();
+        let snapshots = folder.path().join("snapshots");
+        three_groups(&snapshots);
+        let mut session = Session::start(folder.path(), 100, &["--side-by-side"]);
+        assert!(session.until(PROMPT).contains(" │ + The blue dots"));
+        session.press("r");
+        session.until(PROMPT);
+        session.press(key);
+        let (found, shown) = session.end();
+        assert_eq!(found, Some(code));
+        assert!(
+            shown.ends_with("accepted 0, rejected 2, skipped 0, not decided 2\n"),
+            "{shown}"
+        );
+        assert_eq!(
+            left(&snapshots),
+            ["half.describe@start", "new.describe@start"]
+        );
+    }
+}
+
+#[test]
+fn all_that_are_left_are_accepted_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    each_kind(&snapshots);
+    let mut session = Session::start(folder.path(), 100, &["--out", "drawn"]);
+    session.until(PROMPT);
+    session.press("?");
+    assert!(
+        session
+            .until(PROMPT)
+            .contains("quit; what was decided is kept")
+    );
+    session.press("s");
+    let shown = session.until(PROMPT);
+    assert!(
+        shown.contains("   corners moved\n") && shown.contains("   drawn_from changed\n"),
+        "{shown}"
+    );
+    session.press("s");
+    let shown = session.until(PROMPT);
+    assert!(
+        shown.contains(
+            "pixels differ, columns 0 to 23, rows 3 to 19; the size was 24 x 16 and is 24 x 20"
+        ),
+        "{shown}"
+    );
+    assert!(
+        shown.contains("before, after and difference: drawn/"),
+        "{shown}"
+    );
+    session.press("A");
+    let (code, shown) = session.end();
+    assert_eq!(code, Some(0));
+    assert!(
+        shown.ends_with("accepted 3, rejected 0, skipped 3\n"),
+        "{shown}"
+    );
+    let left = left(&snapshots);
+    assert_eq!(left.len(), 4, "{left:?}");
+}
+
+#[test]
+fn a_narrow_terminal_and_a_long_list_are_enough() {
+    let folder = tempfile::tempdir().unwrap();
+    one_edit(&folder.path().join("snapshots"), 40);
+    let mut session = Session::start(folder.path(), 60, &[]);
+    let prompt = "? says what they do: ";
+    let shown = session.until(prompt);
+    assert!(shown.contains("one edit changes 40 snapshots"), "{shown}");
+    assert!(shown.contains("… and 32 more\n"), "{shown}");
+    assert!(
+        shown.lines().all(|line| line.chars().count() <= 60),
+        "{shown}"
+    );
+    session.press("f");
+    let shown = session.until(prompt);
+    assert!(shown.contains("fold_40.describe@start\n"), "{shown}");
+    session.press("q");
+    let (code, shown) = session.end();
+    assert_eq!(code, Some(0));
+    assert!(shown.ends_with("not decided 40\n"), "{shown}");
+}
