@@ -11,7 +11,7 @@ WITH_ENV = sh scripts/with-env.sh
 # More arguments for `fabc run`, as in: make run ARGS="--start 3"
 ARGS =
 
-.PHONY: help run test test-peers lint bench deps env
+.PHONY: help run test test-peers lint bench book deps env
 
 help:
 	@echo 'make run         build fabc and run tasks/double_straight.fab; more arguments: ARGS="..."'
@@ -19,6 +19,7 @@ help:
 	@echo 'make test-peers  the tests that take long or need large foreign parts'
 	@echo 'make lint        format, clippy, the build without system libraries, documentation'
 	@echo 'make bench       the benchmarks'
+	@echo 'make book        build the book of docs/ to target/book'
 	@echo 'make deps        install what a build needs and lacks; FABC_NO_INSTALL=1 only names it'
 	@echo 'make env         the variables for calling cargo directly: eval "$$(make -s env)"'
 
@@ -38,6 +39,9 @@ bench: deps
 	$(WITH_ENV) cargo bench --locked -p compiler --bench compile
 	$(WITH_ENV) cargo bench --locked -p sim --bench cloth
 	$(WITH_ENV) sh scripts/count-instructions.sh
+
+book:
+	@$(WITH_ENV) sh scripts/book.sh
 
 deps:
 	@sh scripts/deps.sh

@@ -1,25 +1,39 @@
-//! `fabc explain CODE`: what a diagnostic means and what to do.
+//! `fabc explain`: what diagnostics mean and what to do.
 
 use crate::cli::ExplainArguments;
 use crate::exit::{Exit, Failure};
-use crate::output;
+use crate::{output, store};
 use compiler::diag::Code;
+use compiler::explain;
+use std::path::Path;
 
-/// Prints the explanation of one code.
+/// Prints the explanation of one code or the list of all, or writes the pages of all.
 pub fn run(arguments: &ExplainArguments) -> Result<Exit, Failure> {
-    let Some(code) = Code::parse(&arguments.code) else {
-        let wanted = &arguments.code;
-        return Err(Failure::usage(format!(
-            "there is no diagnostic `{wanted}`; a code looks like `F0203` and stands in every message"
-        )));
-    };
-    let entry = code.entry();
-    let severity = entry.severity.as_str();
-    let title = entry.title;
-    output::data(&format!(
-        "{severity}[{}]: {title}\n\n{}",
-        code.as_str(),
-        entry.explanation
-    ));
+    match (&arguments.code, &arguments.pages) {
+        (Some(code), _) => output::data(explain::to_text(known(code)?).trim_end()),
+        (None, Some(folder)) => write_pages(folder)?,
+        (None, None) => output::data(explain::list().trim_end()),
+    }
     Ok(Exit::Done)
+}
+
+fn known(code: &str) -> Result<Code, Failure> {
+    Code::parse(code).ok_or_else(|| {
+        Failure::usage(format!(
+            "there is no diagnostic `{code}`; a code looks like `F0203` and stands in every message"
+        ))
+    })
+}
+
+fn write_pages(folder: &Path) -> Result<(), Failure> {
+    let failed = |path: &Path, error: std::io::Error| {
+        Failure::environment(format!("cannot write `{}`: {error}", path.display()))
+    };
+    std::fs::create_dir_all(folder).map_err(|error| failed(folder, error))?;
+    for (name, text) in explain::pages() {
+        let path = folder.join(name);
+        store::write_whole(&path, text.as_bytes()).map_err(|error| failed(&path, error))?;
+        output::data(&path.display().to_string());
+    }
+    Ok(())
 }

@@ -42,6 +42,7 @@ pub mod diag;
 pub mod emit;
 mod eval;
 mod exact;
+pub mod explain;
 pub mod facts;
 mod form;
 mod load;

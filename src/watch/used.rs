@@ -1,6 +1,6 @@
 //! Which files a verb reads for a task.
 
-use crate::cli::RenderArguments;
+use crate::cli::render::RenderArguments;
 use crate::sources::{self, Disk};
 use compiler::program::{ClothStart, FileRef, Program, Subgoals};
 use compiler::{LoadError, Loader};

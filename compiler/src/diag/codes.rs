@@ -1,8 +1,7 @@
 //! Every code: its title, what it means, and what to do.
 //!
-//! Groups: F00 files, F01 form, F02 quantities and arguments, F03 names, F04 composition, F05 folds and
-//! goals, F06 prompts, F07 actions and checks, F08 annotations, F09 tests. A code keeps its meaning for ever; the name describes
-//! the fault, not the cure.
+//! A code keeps its meaning for ever; the name describes the fault, not the cure. `examples/` holds a file for each code,
+//! which `explain` shows.
 
 use super::Severity::{self, Error, Note, Warning};
 
@@ -17,7 +16,23 @@ pub struct CodeEntry {
     pub title: &'static str,
     /// What it means and what to do.
     pub explanation: &'static str,
+    /// The file of `examples/`: lines that end in `# wrong` or `# right` belong to one of its two versions.
+    pub(crate) example: &'static str,
 }
+
+/// What the first digits of a code mean.
+pub const GROUPS: [(&str, &str); 10] = [
+    ("F00", "files"),
+    ("F01", "form"),
+    ("F02", "quantities and arguments"),
+    ("F03", "names"),
+    ("F04", "composition"),
+    ("F05", "folds and goals"),
+    ("F06", "prompts"),
+    ("F07", "actions and checks"),
+    ("F08", "annotations"),
+    ("F09", "tests"),
+];
 
 macro_rules! codes {
     ($($number:literal $name:ident $severity:ident $title:literal $explanation:literal)*) => {
@@ -29,7 +44,13 @@ macro_rules! codes {
 
         /// Every code, in order.
         pub const CODES: &[CodeEntry] = &[
-            $(CodeEntry { code: Code::$name, severity: $severity, title: $title, explanation: $explanation },)*
+            $(CodeEntry {
+                code: Code::$name,
+                severity: $severity,
+                title: $title,
+                explanation: $explanation,
+                example: include_str!(concat!("examples/", $number, ".fab")),
+            },)*
         ];
 
         impl Code {
@@ -310,11 +331,11 @@ codes! {
 
     "F0701" MissingField Error
     "an action lacks a field"
-    "An action has a `pick` and a `place`."
+    "An action has a `pick` and a `place`, or a `pick`, a `direction` and a `distance`. The message says which of them is missing."
 
     "F0702" UnknownField Error
     "an action has an unknown field"
-    "An action has a `pick` and a `place`, nothing else."
+    "What moves the cloth is called `pick` and `place`, or `pick`, `direction` and `distance`. One of them is missing, and the marked field is spelt nearly like it."
 
     "F0703" WrongExpression Error
     "an expression does not fit"

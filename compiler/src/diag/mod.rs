@@ -8,7 +8,7 @@ mod json;
 mod suggest;
 mod text;
 
-pub use codes::{CODES, Code, CodeEntry};
+pub use codes::{CODES, Code, CodeEntry, GROUPS};
 pub use json::to_json;
 pub use text::{Color, to_text};
 

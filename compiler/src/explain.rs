@@ -1,0 +1,155 @@
+//! Explains diagnostics, each by an example that is compiled when it is shown.
+//!
+//! In: the table of codes and the files of `diag/examples`. Out: text for a terminal, and pages of Markdown for the book.
+//! Writing them is left to others.
+
+use crate::diag::{self, CODES, Code, CodeEntry, Color, GROUPS};
+use crate::{LoadError, Loader};
+
+/// The name of an example's file.
+const FILE: &str = "example.fab";
+
+/// The task that most examples extend: the first one of the language page.
+pub const HALF: &str = include_str!("diag/examples/half.fab");
+
+/// The name of its file.
+const HALF_FILE: &str = "half.fab";
+
+/// A file to which a diagnostic applies, and the same file as it would be right.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Example {
+    /// With the fault.
+    pub wrong: String,
+    /// Without it.
+    pub right: String,
+}
+
+/// Returns the example of a code; `None` where it would be too large to be shown.
+pub fn example(code: Code) -> Option<Example> {
+    let text = code.entry().example;
+    let version = |mark: &str, other: &str| -> String {
+        let lines = text.lines().filter(|line| !line.ends_with(other));
+        let lines = lines.map(|line| line.strip_suffix(mark).unwrap_or(line).trim_end());
+        lines.map(|line| format!("{line}\n")).collect()
+    };
+    let (wrong, right) = (version("# wrong", "# right"), version("# right", "# wrong"));
+    (wrong != right).then_some(Example { wrong, right })
+}
+
+/// Returns what the compiler says of an example's file, as `fabc check` prints it.
+pub fn said_of(text: &str) -> String {
+    match crate::compile(FILE, &Files(text)) {
+        Ok(compiled) => diag::to_text(&compiled.diagnostics, &compiled.sources, Color::Plain),
+        Err(error) => error.message,
+    }
+}
+
+/// Explains a code for a terminal.
+pub fn to_text(code: Code) -> String {
+    let entry = code.entry();
+    let head = format!(
+        "{}[{}]: {}",
+        entry.severity.as_str(),
+        code.as_str(),
+        entry.title
+    );
+    let mut text = format!("{head}\n\n{}\n", entry.explanation);
+    if let Some(Example { wrong, right }) = example(code) {
+        let uses_half = wrong.contains(HALF_FILE) || right.contains(HALF_FILE);
+        let (said, wrong, right) = (said_of(&wrong), indented(&wrong), indented(&right));
+        text.push_str(&format!(
+            "\nFor example:\n\n{wrong}\n{said}\nRight would be:\n\n{right}"
+        ));
+        if uses_half {
+            text.push_str("\n(`half.fab` is the first task of docs/language.md.)\n");
+        }
+    }
+    text
+}
+
+/// Lists every code with its severity and its title, for a terminal.
+pub fn list() -> String {
+    let row = |entry: &CodeEntry| {
+        let (code, severity) = (entry.code.as_str(), entry.severity.as_str());
+        format!("{code}  {severity:<7}  {}\n", entry.title)
+    };
+    CODES.iter().map(row).collect()
+}
+
+/// Returns the pages of the book: the name of each file, `index.md` first, and its text.
+pub fn pages() -> Vec<(String, String)> {
+    let mut pages = vec![("index.md".to_owned(), index())];
+    pages.extend(CODES.iter().map(|entry| (file_of(entry), page(entry))));
+    pages
+}
+
+fn file_of(entry: &CodeEntry) -> String {
+    format!("{}.md", entry.code.as_str())
+}
+
+fn index() -> String {
+    let mut text = "# Diagnostics\n\nWhat the compiler says, by its codes. `fabc explain CODE` shows the same in a \
+                    terminal. An *error* keeps a task\nfrom running; with a *warning* it runs, but hardly as it is meant; \
+                    a *note* is good to know.\n"
+        .to_owned();
+    for (prefix, about) in GROUPS {
+        text.push_str(&format!(
+            "\n## {prefix}: {about}\n\n| code | severity | what |\n|---|---|---|\n"
+        ));
+        for entry in CODES
+            .iter()
+            .filter(|it| it.code.as_str().starts_with(prefix))
+        {
+            let (code, file) = (entry.code.as_str(), file_of(entry));
+            let severity = entry.severity.as_str();
+            text.push_str(&format!(
+                "| [{code}]({file}) | {severity} | {} |\n",
+                entry.title
+            ));
+        }
+    }
+    text
+}
+
+fn page(entry: &CodeEntry) -> String {
+    let (code, severity) = (entry.code.as_str(), entry.severity.as_str());
+    let group = GROUPS.iter().find(|(prefix, _)| code.starts_with(prefix));
+    let about = group.map_or("", |(_, about)| *about);
+    let mut text = format!(
+        "# {code}: {}\n\n*{severity}*, {about}\n\n{}\n",
+        entry.title, entry.explanation
+    );
+    if let Some(Example { wrong, right }) = example(entry.code) {
+        let said = said_of(&wrong);
+        text.push_str(&format!(
+            "\n## Wrong\n\n```fab wrong\n{wrong}```\n\n```text\n{said}```\n\n## Right\n\n```fab\n{right}```\n"
+        ));
+        if wrong.contains(HALF_FILE) || right.contains(HALF_FILE) {
+            text.push_str("\n`half.fab` is [the first task of the language page](../language.md#a-whole-task).\n");
+        }
+    }
+    text
+}
+
+fn indented(text: &str) -> String {
+    let line = |line: &str| match line {
+        "" => "\n".to_owned(),
+        line => format!("    {line}\n"),
+    };
+    text.lines().map(line).collect()
+}
+
+/// An example's file, and the one that it may use.
+struct Files<'t>(&'t str);
+
+impl Loader for Files<'_> {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        match name {
+            FILE => Ok(self.0.to_owned()),
+            HALF_FILE => Ok(HALF.to_owned()),
+            _ => Err(LoadError {
+                message: format!("there is no file `{name}`"),
+            }),
+        }
+    }
+}

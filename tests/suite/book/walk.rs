@@ -1,0 +1,389 @@
+//! Goes through one page as a reader would: writes its files, makes its edits, runs its commands, in one folder.
+//!
+//! | block | what becomes of it |
+//! |---|---|
+//! | `fab` | a whole file, compiled as `example.fab`; its tests are run; `file=PATH` keeps it under that path |
+//! | `fab task` | sections of a task that extends `half`, the first task of the language page |
+//! | `fab wrong`, `fab task wrong` | likewise, and the next block, of `text`, is what the compiler says of it |
+//! | `diff PATH` | an edit of a file: the lines that stay or go stand there once |
+//! | `LANGUAGE file=PATH` | the file |
+//! | `LANGUAGE from=PATH` | stands in that file of the project, however deep |
+//! | `console` | commands behind `$ `, what they print, and `? N` where they end with another code than 0 |
+//! | `console slow` | likewise, in the slow test only |
+//! | `console not-run: REASON` | read by the command line's own parser (`src/cli/book.rs`), and not run |
+//! | `sh` | targets of the Makefile, and commands that are listed here with the reason |
+//! | `text` | nothing |
+//! | `json` | read as JSON |
+//!
+//! A comment `<!-- starts-with: PATH, … -->` names what of the project lies in the folder at first (`half.fab`:
+//! that task), `<!-- recorded: PATH -->`
+//! which of the recorded data the slow test finds there, `<!-- varies: WORDS, … -->` the beginnings of lines whose numbers vary.
+
+use super::matching::{fits, refreshed};
+use super::page::{Block, Page};
+use crate::suite::support::{fabc, root};
+use compiler::diag::{self, Color};
+use compiler::{LoadError, Loader};
+use similar::TextDiff;
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use tempfile::TempDir;
+
+/// What a page may do to its files beside calling `fabc`.
+const TOOLS: [&str; 6] = ["cat", "cp", "ls", "mkdir", "mv", "rm"];
+
+/// Commands of `sh` blocks that no test can run, by their beginning, and why.
+const NOT_RUN: [(&str, &str); 6] = [
+    ("git clone ", "needs the network"),
+    (
+        "cargo install ",
+        "builds a release; `make run` does the same",
+    ),
+    ("cargo build --no-default-features", "`make lint` builds it"),
+    ("cargo test ", "this is a part of it"),
+    ("cargo insta ", "`make test-peers` runs it"),
+    (
+        "sh scripts/with-env.sh sh scripts/count-instructions.sh",
+        "needs valgrind; `make bench` runs it",
+    ),
+];
+
+/// Blocks that another test runs: the page, the language, the file of that test.
+const TESTED_ELSEWHERE: [(&str, &str, &str); 5] = [
+    ("docs/build.md", "python", "compiler/tests/emitted/docs.rs"),
+    (
+        "docs/build.md",
+        "python-jinja2",
+        "compiler/tests/emitted/docs.rs",
+    ),
+    ("docs/build.md", "rust", "compiler/tests/emitted/docs.rs"),
+    ("docs/simulator.md", "rust", "tests/suite/book.rs"),
+    ("docs/review.md", "yaml", "tests/suite/review/documented.rs"),
+];
+
+/// The file of the task that `fab task` blocks extend.
+const HALF: &str = "half.fab";
+
+/// What takes long is left out or run.
+pub enum Pace {
+    Fast,
+    /// With the recorded data, where they are there.
+    Slow(Option<PathBuf>),
+}
+
+/// What came of a page.
+pub struct Walked {
+    /// What is not as the page says, each with its place.
+    pub wrong: Vec<String>,
+    /// The blocks that should hold another text: messages and outputs.
+    pub changes: Vec<(Block, String)>,
+    pub n_commands: usize,
+    pub n_files: usize,
+}
+
+struct Walk<'p> {
+    page: &'p Page,
+    half: &'p str,
+    pace: &'p Pace,
+    folder: TempDir,
+    walked: Walked,
+}
+
+/// Goes through a page. `half` is the task that the sections of a `fab task` block extend.
+pub fn walk(page: &Page, half: &str, pace: &Pace) -> Walked {
+    let mut walk = Walk {
+        page,
+        half,
+        pace,
+        folder: tempfile::tempdir().unwrap(),
+        walked: Walked {
+            wrong: Vec::new(),
+            changes: Vec::new(),
+            n_commands: 0,
+            n_files: 0,
+        },
+    };
+    for path in page.stated("starts-with") {
+        if path == HALF {
+            fs::write(walk.folder.path().join(path), half).unwrap();
+            continue;
+        }
+        copy(&root().join(&path), &walk.folder.path().join(&path));
+    }
+    if let Pace::Slow(Some(data)) = pace {
+        for path in page.stated("recorded") {
+            let place = walk.folder.path().join(&path);
+            std::os::unix::fs::symlink(data.join(path), place).unwrap();
+        }
+    }
+    for (index, block) in page.blocks.iter().enumerate() {
+        let wrong = match walk.block(block, page.blocks.get(index + 1)) {
+            Ok(()) => continue,
+            Err(wrong) => format!("{}:{}: {wrong}", page.path, block.line),
+        };
+        walk.walked.wrong.push(wrong);
+    }
+    walk.walked
+}
+
+impl Walk<'_> {
+    fn block(&mut self, block: &Block, next: Option<&Block>) -> Result<(), String> {
+        let path = block.rest().strip_prefix("file=");
+        if let Some(path) = path {
+            let file = self.folder.path().join(path);
+            fs::create_dir_all(file.parent().unwrap()).unwrap();
+            fs::write(file, &block.text).unwrap();
+        }
+        match (block.language(), block.rest()) {
+            ("fab", "wrong") => self.is_refused("example.fab", &block.text, next),
+            ("fab", "task wrong") => self.is_refused("example.fab", &task_of(block), next),
+            ("fab", "") => self.compiles("example.fab", &block.text),
+            ("fab", "task") => self.compiles("example.fab", &task_of(block)),
+            ("fab", _) if path.is_some() => self.compiles(path.unwrap(), &block.text),
+            ("diff", file) if !file.is_empty() => self.edit(file, &block.text),
+            ("console", "") => self.run(block),
+            ("console", "slow") => match self.pace {
+                Pace::Slow(_) => self.run(block),
+                Pace::Fast => block.steps().map(|_| ()),
+            },
+            ("console", rest) if rest.starts_with("not-run: ") => block.steps().map(|_| ()),
+            ("sh", "") => block.text.lines().try_for_each(is_known),
+            ("text", "") => Ok(()),
+            ("json", "") => match serde_json::from_str::<serde_json::Value>(&block.text) {
+                Ok(_) => Ok(()),
+                Err(error) => Err(format!("this is no JSON: {error}")),
+            },
+            _ if path.is_some() => Ok(()),
+            (_, rest) if rest.starts_with("from=") => quotes(&rest["from=".len()..], &block.text),
+            (language, "") => {
+                let elsewhere = TESTED_ELSEWHERE
+                    .iter()
+                    .find(|(page, known, _)| (*page, *known) == (&self.page.path, language));
+                match elsewhere {
+                    Some((.., test)) if root().join(test).exists() => Ok(()),
+                    _ => Err(format!("no test runs a block of `{language}`")),
+                }
+            }
+            (_, _) => Err(format!("no test runs a block of `{}`", block.info)),
+        }
+    }
+
+    /// Compiles a right file, and runs the tests that it carries.
+    fn compiles(&mut self, name: &str, text: &str) -> Result<(), String> {
+        self.walked.n_files += 1;
+        let compiled = compiler::compile(name, &self.files(name, text)).unwrap();
+        if compiled.has_errors() || compiled.programs.is_empty() {
+            return Err(diag::to_text(
+                &compiled.diagnostics,
+                &compiled.sources,
+                Color::Plain,
+            ));
+        }
+        for test in &compiled.tests {
+            let mut programs = compiled.programs.iter();
+            let program =
+                programs.find(|program| program.task == test.task && program.variant.is_none());
+            let trial = compiler::trial::run(program.unwrap(), test);
+            if !trial.is_expected {
+                return Err(format!("test `{}`: {}", test.name, trial.finding));
+            }
+        }
+        Ok(())
+    }
+
+    /// Compiles a wrong file, and compares what is said of it with the next block.
+    fn is_refused(&mut self, name: &str, text: &str, next: Option<&Block>) -> Result<(), String> {
+        self.walked.n_files += 1;
+        let Some(stated) = next.filter(|next| next.info == "text") else {
+            return Err("a block of `text` with the compiler's words is to follow".to_owned());
+        };
+        let compiled = compiler::compile(name, &self.files(name, text)).unwrap();
+        let said = diag::to_text(&compiled.diagnostics, &compiled.sources, Color::Plain);
+        if said.is_empty() {
+            return Err("nothing is wrong with it".to_owned());
+        }
+        self.compare(stated, &said, fits(&stated.text, &said, &[]))
+    }
+
+    fn files(&self, name: &str, text: &str) -> Files<'_> {
+        Files {
+            folder: self.folder.path(),
+            half: self.half,
+            name: name.to_owned(),
+            text: text.to_owned(),
+        }
+    }
+
+    /// Changes a file as the block shows.
+    fn edit(&self, file: &str, diff: &str) -> Result<(), String> {
+        let of = |mark: char| -> String {
+            let lines = diff
+                .lines()
+                .filter(|line| line.starts_with([' ', mark]) || line.is_empty());
+            lines
+                .map(|line| format!("{}\n", line.get(1..).unwrap_or_default()))
+                .collect()
+        };
+        let (old, new) = (of('-'), of('+'));
+        let path = self.folder.path().join(file);
+        let text = fs::read_to_string(&path).map_err(|error| format!("`{file}`: {error}"))?;
+        match text.matches(&old).count() {
+            1 => fs::write(path, text.replacen(&old, &new, 1)).map_err(|error| error.to_string()),
+            n => Err(format!(
+                "`{file}` has {n} times what this edit replaces:\n{text}"
+            )),
+        }
+    }
+
+    fn run(&mut self, block: &Block) -> Result<(), String> {
+        let varying = self.page.stated("varies");
+        let (mut does_fit, mut shown) = (true, String::new());
+        for step in block.steps()? {
+            self.walked.n_commands += 1;
+            let (printed, code) = self.output_of(&step.command)?;
+            if step.code != code {
+                // Not written anew: that a command fails is for the author to say.
+                let (command, stated) = (&step.command, step.code);
+                return Err(format!(
+                    "`{command}` ends with {code}, not {stated}:\n{printed}"
+                ));
+            }
+            does_fit &= fits(&step.output, &printed, &varying);
+            shown.push_str(&step.shown);
+            shown.push_str(&refreshed(&step.output, &printed, &varying));
+            if code != 0 {
+                shown.push_str(&format!("? {code}\n"));
+            }
+        }
+        self.compare(block, &shown, does_fit)
+    }
+
+    /// Runs one command and returns what it printed, both streams as a terminal shows them, and its exit code.
+    fn output_of(&self, command: &str) -> Result<(String, i32), String> {
+        let words = shlex::split(command).ok_or("a quote has no end")?;
+        let (program, arguments) = words.split_first().ok_or("a command has a name")?;
+        let folder = self.folder.path();
+        let mut command = match program.as_str() {
+            "fabc" => fabc(folder),
+            tool if TOOLS.contains(&tool) => Command::new(tool),
+            other => return Err(format!("`{other}` is no command of a console block")),
+        };
+        for (name, _) in std::env::vars_os() {
+            let name = name.to_string_lossy().into_owned();
+            let is_ours = name.starts_with("FABC_") && name != "FABC_CACHE_DIR";
+            if is_ours || name.ends_with("_API_KEY") {
+                command.env_remove(name);
+            }
+        }
+        let home = self.folder.path().join(".home");
+        command
+            .args(arguments)
+            .current_dir(folder)
+            .env("HOME", home);
+        command.env_remove("XDG_CONFIG_HOME").env("COLUMNS", "100");
+        let (mut reader, writer) = std::io::pipe().unwrap();
+        command.stdout(writer.try_clone().unwrap()).stderr(writer);
+        let mut running = command.stdin(std::process::Stdio::null()).spawn().unwrap();
+        // It holds the writing ends, without whose end there is no end to read.
+        drop(command);
+        let mut printed = Vec::new();
+        reader.read_to_end(&mut printed).unwrap();
+        let code = running.wait().unwrap().code().unwrap_or(-1);
+        let printed = String::from_utf8_lossy(&printed).into_owned();
+        let here = [folder.canonicalize().unwrap(), folder.to_owned()];
+        let shown = here.iter().fold(printed, |printed, here| {
+            printed.replace(&here.display().to_string(), "/here")
+        });
+        Ok((shown, code))
+    }
+
+    /// Notes what a block should say instead, or says how it differs.
+    fn compare(&mut self, block: &Block, found: &str, does_fit: bool) -> Result<(), String> {
+        if does_fit {
+            return Ok(());
+        }
+        self.walked.changes.push((block.clone(), found.to_owned()));
+        let difference = TextDiff::from_lines(block.text.as_str(), found);
+        let shown = difference
+            .unified_diff()
+            .header("the page", "what comes")
+            .to_string();
+        Err(format!("`FABC_WRITE_DOCS=1` writes it anew\n{shown}"))
+    }
+}
+
+/// The files of the page's folder, the one that is compiled, and `half.fab`.
+struct Files<'w> {
+    folder: &'w Path,
+    half: &'w str,
+    name: String,
+    text: String,
+}
+
+impl Loader for Files<'_> {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        if name == self.name {
+            return Ok(self.text.clone());
+        }
+        match fs::read_to_string(self.folder.join(name)) {
+            Err(_) if name == HALF => Ok(self.half.to_owned()),
+            read => read.map_err(|_| LoadError {
+                message: format!("there is no file `{name}`"),
+            }),
+        }
+    }
+}
+
+/// Sections become those of a task that extends `half`.
+fn task_of(block: &Block) -> String {
+    let lines = block.text.lines().map(|line| format!("    {line}\n"));
+    let sections: String = lines.collect();
+    let experts = "experts folded { sequence { fold corner(back_left) -> corner(front_left) } }";
+    format!("use \"half.fab\"\n{experts}\ntask example extends half {{\n{sections}}}\n")
+}
+
+/// Returns whether a block stands in a file of the project, whose lines may be indented farther.
+fn quotes(path: &str, quoted: &str) -> Result<(), String> {
+    let source =
+        fs::read_to_string(root().join(path)).map_err(|error| format!("{path}: {error}"))?;
+    let bare = |text: &str| -> String {
+        let lines = text.lines();
+        lines.map(|line| format!("\n{}", line.trim())).collect()
+    };
+    match bare(&source).contains(&bare(quoted)) {
+        true => Ok(()),
+        false => Err(format!("this does not stand in {path} any more")),
+    }
+}
+
+/// Returns whether a line of a `sh` block is a target of the Makefile, or listed as not to be run.
+fn is_known(line: &str) -> Result<(), String> {
+    let command = line.split(" #").next().unwrap_or_default().trim();
+    let makefile = fs::read_to_string(root().join("Makefile")).unwrap();
+    let is_target = |target: &str| makefile.contains(&format!("\n{target}:"));
+    let is_known = match command.strip_prefix("make ") {
+        Some(target) => is_target(target.split(' ').next().unwrap_or_default()),
+        None => command.is_empty() || NOT_RUN.iter().any(|(known, _)| command.starts_with(known)),
+    };
+    match is_known {
+        true => Ok(()),
+        false => Err(format!(
+            "`{command}` is no target of the Makefile, and not listed as not to be run"
+        )),
+    }
+}
+
+fn copy(from: &Path, to: &PathBuf) {
+    if from.is_dir() {
+        fs::create_dir_all(to).unwrap();
+        for entry in fs::read_dir(from).unwrap() {
+            let entry = entry.unwrap();
+            copy(&entry.path(), &to.join(entry.file_name()));
+        }
+    } else {
+        fs::create_dir_all(to.parent().unwrap()).unwrap();
+        fs::copy(from, to).unwrap();
+    }
+}
