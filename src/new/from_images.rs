@@ -293,7 +293,8 @@ impl Page<'_> {
     /// Writes a pixel of the picture; a point beside it is moved onto it.
     fn written(&self, at: [f64; 2]) -> String {
         let last = f64::from(self.found.camera.image_px - 1);
-        let [u, v] = at.map(|at| at.floor().clamp(0.0, last));
+        // A hair short of the middle is the middle.
+        let [u, v] = at.map(|at| (at + 0.001).floor().clamp(0.0, last));
         format!("({u}px, {v}px)")
     }
 

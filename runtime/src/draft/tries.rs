@@ -34,9 +34,10 @@ const HANDICAP: f64 = 0.03;
 const ALIKE_PX: f64 = 10.0;
 /// How far a picked point ends from the next outline, as a share of the farthest that any point of the cloth does.
 const FAR: f64 = 0.75;
-/// The most folds that are tried for a step without an arrow. In the shipped tasks' pictures the right one is among the
-/// first six.
-const MOST_TRIES: usize = 10;
+/// The most folds between points that people name that are tried for a step without an arrow.
+const MOST_MAIN: usize = 16;
+/// The most folds to or from quarter points likewise.
+const MOST_QUARTERS: usize = 6;
 /// How far above the table cloth begins, metres; a flat cloth lies 5 mm above it.
 const CLOTH_M: f64 = 0.004;
 
@@ -153,10 +154,10 @@ impl Step<'_> {
         Ok(world)
     }
 
-    /// Collects the folds that might explain what is gone, the likeliest first.
+    /// Collects the folds that might explain what is gone.
     ///
-    /// A pick is one of the points that end farthest from where the cloth lies afterwards, a place is covered
-    /// afterwards, and stiff paper folded so has about the next outline.
+    /// A pick is one of the points that were farthest from where the cloth lies afterwards, and a place is covered
+    /// afterwards. Stiff paper tells which of the rest are not worth a try.
     fn likely(&self, world: &dyn World) -> Result<Vec<Candidate>, DraftError> {
         let gone = self.before.without(self.after);
         let is_gone = |[u, v]: [f64; 2]| {
@@ -176,17 +177,25 @@ impl Step<'_> {
         let away = |candidate: &Candidate| self.after.distance_px(candidate.arrow[0]);
         let farthest = candidates.iter().map(away).fold(0.0, f64::max);
         candidates.retain(|candidate| away(candidate) >= FAR * farthest);
-        let mut rated: Vec<(f64, Candidate)> = candidates
+        let (quarters, main) = candidates
             .into_iter()
-            .map(|candidate| {
-                let paper = self.before.folded(candidate.arrow);
-                (paper.overlap(self.after), candidate)
-            })
-            .collect();
+            .partition(|candidate| handicap(candidate) > 0.0);
+        let mut likely = self.likeliest(main, MOST_MAIN);
+        likely.extend(self.likeliest(quarters, MOST_QUARTERS));
+        Ok(likely)
+    }
+
+    /// Keeps those with which stiff paper comes nearest to the next outline, the best first.
+    fn likeliest(&self, candidates: Vec<Candidate>, most: usize) -> Vec<Candidate> {
+        let rate = |candidate: Candidate| {
+            let paper = self.before.folded(candidate.arrow);
+            (paper.overlap(self.after), candidate)
+        };
+        let mut rated: Vec<(f64, Candidate)> = candidates.into_iter().map(rate).collect();
         // Equals stay in the order of their points, so that those with simple names come first.
         rated.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-        rated.truncate(MOST_TRIES);
-        Ok(rated.into_iter().map(|(_, candidate)| candidate).collect())
+        rated.truncate(most);
+        rated.into_iter().map(|(_, candidate)| candidate).collect()
     }
 
     /// Collects the folds that a drawn arrow may mean; the arrow as it is where it joins no named points.
