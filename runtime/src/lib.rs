@@ -27,6 +27,7 @@ pub mod camera;
 pub mod chance;
 pub mod crumple;
 pub mod demos;
+pub mod draft;
 pub mod examples;
 pub mod expert;
 pub mod files;

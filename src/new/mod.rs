@@ -8,6 +8,8 @@ mod staging;
 
 #[cfg(feature = "runtime")]
 mod drawn;
+#[cfg(feature = "runtime")]
+mod from_images;
 
 use crate::cli::new::{NewArguments, NewFoldArguments, NewTaskArguments, NewVerb};
 use crate::exit::{Exit, Failure};
@@ -58,6 +60,12 @@ pub fn run(arguments: &NewArguments) -> Result<Exit, Failure> {
 
 fn fold(arguments: &NewFoldArguments) -> Result<Exit, Failure> {
     let task = &arguments.task;
+    #[cfg(feature = "runtime")]
+    if !arguments.from_images.is_empty() {
+        // Before the pictures are looked at, which takes a while.
+        check_place(task)?;
+        return begin(task, from_images::draft(arguments)?);
+    }
     begin(task, Draft::of(include_str!("fold.fab"), FOLDING, task))
 }
 
@@ -66,7 +74,7 @@ impl Draft {
     fn of(template: &str, library: Library, arguments: &NewTaskArguments) -> Draft {
         let file = shown(&file_of(arguments));
         Draft {
-            text: template.replace("NAME", &arguments.name),
+            text: template.replace("@NAME@", &arguments.name),
             library,
             pictures: Vec::new(),
             guesses: Vec::new(),
@@ -79,14 +87,8 @@ impl Draft {
 
 /// Compiles the draft, draws its pictures, and writes everything.
 fn begin(arguments: &NewTaskArguments, draft: Draft) -> Result<Exit, Failure> {
-    names::check(&arguments.name)?;
+    check_place(arguments)?;
     let folder = folder_of(arguments);
-    let places = [
-        format!("{}.fab", arguments.name),
-        format!("{}.subgoals", arguments.name),
-    ];
-    refuse_existing(&folder, places.iter().map(PathBuf::from))?;
-    refuse_existing(&folder, draft.pictures.iter().map(|(path, _)| path.clone()))?;
     let (path, shipped) = draft.library;
     let present = present_library(&folder, path)?;
     let library = present.as_deref().unwrap_or(shipped);
@@ -138,9 +140,11 @@ fn begin(arguments: &NewTaskArguments, draft: Draft) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Refuses to write over anything, before any work is done.
-fn refuse_existing(folder: &Path, places: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
-    for place in places.map(|place| folder.join(place)) {
+/// Refuses names that are none, and to write over anything, before any work is done.
+fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
+    names::check(&arguments.name)?;
+    for ending in ["fab", "subgoals"] {
+        let place = folder_of(arguments).join(format!("{}.{ending}", arguments.name));
         if place.symlink_metadata().is_ok() {
             return Err(Failure::environment(format!(
                 "`{}` exists already and is left as it is; choose another name, or another folder with `--in DIR`",

@@ -65,7 +65,7 @@ impl Staging {
                 make_folders(folder, &mut self.made)?;
             }
             if place.symlink_metadata().is_ok() {
-                let why = format!("`{}` exists by now", place.display());
+                let why = format!("`{}` exists already", place.display());
                 return Err(io::Error::new(io::ErrorKind::AlreadyExists, why));
             }
             fs::rename(self.aside.join(unit), &place)?;
@@ -143,7 +143,7 @@ mod tests {
         }
         fs::write(root.path().join("a.fab"), "old").unwrap();
         let error = staging.commit().unwrap_err();
-        assert!(error.to_string().contains("exists by now"), "{error}");
+        assert!(error.to_string().contains("exists already"), "{error}");
         assert_eq!(names(root.path()), ["a.fab"]);
         let kept = fs::read_to_string(root.path().join("a.fab")).unwrap();
         assert_eq!(kept, "old");

@@ -9,8 +9,8 @@
 //! point, which the caller's reader reports like any other unusable answer. A question for anything else than
 //! a pick point and a place point is an error of the model's.
 
-mod arrow;
-mod frame;
+pub(crate) mod arrow;
+pub(crate) mod frame;
 mod plan;
 mod prompt;
 
