@@ -89,6 +89,10 @@ fn a_page_that_is_wrong_is_found_out() {
     for (text, words) in [
         ("```fab\ntask a {\n```\n", "F0103"),
         (
+            "```fab file=a.fab\nuse \"half.fab\"\ntask a extends half { horizon 1 }\n```\n",
+            "F0505",
+        ),
+        (
             "```fab wrong\ntask a { cloth grid(3, 3) }\n```\n",
             "to follow",
         ),
