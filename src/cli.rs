@@ -6,8 +6,11 @@ pub mod asked;
 pub mod bench;
 #[cfg(all(test, feature = "runtime"))]
 mod book;
+pub mod completions;
 #[cfg(feature = "runtime")]
 pub mod models;
+pub mod new;
+pub mod render;
 pub mod review;
 #[cfg(feature = "runtime")]
 pub mod sim;
@@ -15,7 +18,7 @@ pub mod snap;
 
 #[cfg(feature = "runtime")]
 use asked::{ModelArguments, SpendArguments, dollars};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 #[cfg(feature = "runtime")]
 use compiler::program::PixelPoint;
 #[cfg(feature = "runtime")]
@@ -38,6 +41,8 @@ pub struct Cli {
 /// What to do.
 #[derive(Subcommand)]
 pub enum Verb {
+    /// Writes a commented task that runs at once.
+    New(new::NewArguments),
     /// Says what is wrong with .fab files, and repairs what is certain.
     Check(CheckArguments),
     /// Runs the tests that tasks carry: what comes of an answer, without a model or a camera.
@@ -45,7 +50,7 @@ pub enum Verb {
     /// Says what a diagnostic means and what to do, by an example.
     Explain(ExplainArguments),
     /// Prints the exact messages that a model gets, without asking one.
-    Render(RenderArguments),
+    Render(render::RenderArguments),
     /// Pins what tasks say to models as snapshots beside their files; `--check` fails where they differ.
     Snap(snap::SnapArguments),
     /// Writes tasks as prompt templates, an answer schema and verifiers for other systems.
@@ -85,15 +90,18 @@ pub enum Verb {
     /// Works on the cloth simulator itself: replays, speed, starts, pictures, meshes.
     #[cfg(feature = "runtime")]
     Sim(sim::SimArguments),
+    /// Writes what a shell needs to complete words of this command line.
+    Completions(completions::CompletionsArguments),
 }
 
 impl Verb {
     /// Returns whether stdout must be one JSON document, whatever happens.
     pub fn wants_json(&self) -> bool {
         match self {
+            Verb::New(arguments) => arguments.what.wants_json(),
             Verb::Check(arguments) => arguments.json,
             Verb::Test(arguments) => arguments.json,
-            Verb::Explain(_) => false,
+            Verb::Explain(_) | Verb::Completions(_) => false,
             Verb::Render(arguments) => arguments.json,
             Verb::Snap(arguments) => arguments.json,
             Verb::Build(arguments) => arguments.json,
@@ -128,11 +136,14 @@ impl Verb {
 #[derive(Args)]
 pub struct CheckArguments {
     /// The files to check.
-    #[arg(required = true, value_name = "FILE")]
+    #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<String>,
     /// Repair what can be meant in one way only; the rest is reported.
     #[arg(long)]
     pub fix: bool,
+    /// Do it again whenever a file that it used changes, until Ctrl-C.
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
@@ -142,11 +153,14 @@ pub struct CheckArguments {
 #[derive(Args)]
 pub struct TestArguments {
     /// The files whose tests are run.
-    #[arg(required = true, value_name = "FILE")]
+    #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub files: Vec<String>,
     /// Only tests whose name contains this.
     #[arg(long, value_name = "WORDS")]
     pub only: Option<String>,
+    /// Do it again whenever a file that it used changes, until Ctrl-C.
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
@@ -156,7 +170,7 @@ pub struct TestArguments {
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct TaskArguments {
     /// The file that declares the task.
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub file: String,
     /// The task, where the file declares several.
     #[arg(long, value_name = "NAME")]
@@ -177,63 +191,14 @@ pub struct ExplainArguments {
     pub pages: Option<PathBuf>,
 }
 
-/// Arguments of `render`.
-#[derive(Args)]
-pub struct RenderArguments {
-    #[command(flatten)]
-    pub task: TaskArguments,
-    /// Only this stage.
-    #[arg(long, value_name = "NAME")]
-    pub stage: Option<String>,
-    /// The step whose prompts are shown; earlier steps are executed as demonstrated.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
-    pub step: u32,
-    /// Points by keypoint name, as JSON: `{"corners": [[u, v], …], "center": [[u, v]]}`, instead of a camera's.
-    #[arg(long, value_name = "FILE.json")]
-    pub scene: Option<PathBuf>,
-    #[cfg(feature = "runtime")]
-    #[command(flatten)]
-    pub start: StartArguments,
-    #[cfg(feature = "runtime")]
-    #[command(flatten)]
-    pub shown: ShownArguments,
-    /// What a model answered, in the order of the questions; shows what follows, such as the message of a refusal.
-    #[cfg(feature = "runtime")]
-    #[arg(long = "reply", value_name = "TEXT", conflicts_with = "scene")]
-    pub replies: Vec<String>,
-    /// Show which component, file and line each line comes from, and what each component weighs in tokens.
-    #[arg(long)]
-    pub why: bool,
-    /// Write the messages and the pictures into this folder.
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Print one JSON document.
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// To which model messages are shown as it would be sent them.
-#[cfg(feature = "runtime")]
-#[derive(Args)]
-pub struct ShownArguments {
-    /// Show what this `PROVIDER:NAME` would be sent, with points as it writes them; default: in the task's pixels.
-    #[arg(long, value_name = "MODEL")]
-    pub model: Option<String>,
-    /// Show what a model would be sent that chooses numbered points.
-    #[arg(long)]
-    pub marks: bool,
-    #[command(flatten)]
-    pub facts: models::FactsArguments,
-}
-
 /// Arguments of `build`.
 #[derive(Args)]
 pub struct BuildArguments {
     /// The file that declares the tasks.
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub file: String,
     /// The folder that gets one folder per task.
-    #[arg(short = 'o', long = "out", value_name = "DIR")]
+    #[arg(short = 'o', long = "out", value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: PathBuf,
     /// Only this task.
     #[arg(long, value_name = "NAME")]
@@ -262,7 +227,7 @@ pub enum EmitArgument {
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct StartArguments {
     /// Particle positions (.npy), or a seed that turns the flat cloth; default: flat and straight.
-    #[arg(long, value_name = "FILE.npy|SEED")]
+    #[arg(long, value_name = "FILE.npy|SEED", value_hint = ValueHint::FilePath)]
     pub start: Option<String>,
     #[command(flatten)]
     pub frame: FrameArguments,
@@ -287,10 +252,10 @@ pub struct SeeArguments {
     #[command(flatten)]
     pub task: TaskArguments,
     /// The picture, of the size that the task's camera takes.
-    #[arg(long, value_name = "PNG")]
+    #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
     pub image: PathBuf,
     /// Its depth, in grey: 255 levels a metre in 8 bits, or millimetres in 16; 0 is no reading.
-    #[arg(long, value_name = "PNG")]
+    #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
     pub depth: Option<PathBuf>,
     /// Where the action before this one placed the cloth, for layers that show it.
     #[arg(long, value_name = "U,V", value_parser = crate::see::pixel, allow_hyphen_values = true)]
@@ -299,7 +264,7 @@ pub struct SeeArguments {
     #[arg(long, value_name = "U,V", value_parser = crate::see::pixel, allow_hyphen_values = true, requires = "last_place")]
     pub last_pick: Option<PixelPoint>,
     /// Write a picture of each keypoint and layer into this folder, and `annotated.png`, what a model would see.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
@@ -313,7 +278,7 @@ pub struct SubgoalsArguments {
     #[command(flatten)]
     pub task: TaskArguments,
     /// Also draw all pictures with their arrows on one sheet.
-    #[arg(long, value_name = "PNG")]
+    #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
     pub sheet: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
@@ -333,7 +298,7 @@ pub struct DemosArguments {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// The file; default: the one that the task names.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
@@ -356,7 +321,7 @@ pub struct RunArguments {
     #[command(flatten)]
     pub start: StartArguments,
     /// The run folder; default: the next free `runs/TASK-NNNN`.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
@@ -368,7 +333,7 @@ pub struct RunArguments {
 #[derive(Args)]
 pub struct ResumeArguments {
     /// The run folder.
-    #[arg(value_name = "RUN")]
+    #[arg(value_name = "RUN", value_hint = ValueHint::DirPath)]
     pub run: PathBuf,
     /// Another cap on what the whole run may cost, US dollars.
     #[arg(long, value_name = "USD", value_parser = dollars)]

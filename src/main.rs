@@ -20,6 +20,7 @@ mod store;
 mod bench;
 mod build;
 mod check;
+mod completions;
 #[cfg(feature = "runtime")]
 mod demos;
 #[cfg(feature = "runtime")]
@@ -30,6 +31,7 @@ mod fix;
 mod look;
 #[cfg(feature = "runtime")]
 mod models;
+mod new;
 #[cfg(feature = "runtime")]
 mod probe;
 mod render;
@@ -47,6 +49,7 @@ mod sim;
 #[cfg(feature = "runtime")]
 mod subgoals;
 mod test;
+mod watch;
 
 #[cfg(feature = "runtime")]
 mod setting;
@@ -84,9 +87,23 @@ fn main() -> ExitCode {
 fn run(verb: Verb) -> Exit {
     let wants_json = verb.wants_json();
     let done = match verb {
+        Verb::Completions(arguments) => completions::run(&arguments),
+        Verb::New(arguments) => new::run(&arguments),
+        Verb::Check(arguments) if arguments.watch => {
+            watch::run(&arguments.files, &[], || check::run(&arguments))
+        }
         Verb::Check(arguments) => check::run(&arguments),
+        Verb::Test(arguments) if arguments.watch => {
+            watch::run(&arguments.files, &[], || test::run(&arguments))
+        }
         Verb::Test(arguments) => test::run(&arguments),
         Verb::Explain(arguments) => explain::run(&arguments),
+        Verb::Render(arguments) if arguments.watch => {
+            let entry = std::slice::from_ref(&arguments.task.file);
+            watch::run(entry, &watch::used::rendered(&arguments), || {
+                render::run(&arguments)
+            })
+        }
         Verb::Render(arguments) => render::run(&arguments),
         Verb::Snap(arguments) => snap::run(&arguments),
         Verb::Build(arguments) => build::run(&arguments),

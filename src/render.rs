@@ -15,7 +15,7 @@ pub use camera::shown_without_drawing;
 #[cfg(not(feature = "runtime"))]
 pub use camera::shown_without_pictures;
 
-use crate::cli::RenderArguments;
+use crate::cli::render::RenderArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, sources};
 use compiler::program::{Arrow, Layers, Picture, Program, Read, Stage, Which};

@@ -60,6 +60,7 @@ pub mod trial;
 pub mod verify;
 
 pub use check::MAX_INHERITED_BYTES;
+pub use grammar::is_keyword;
 pub use load::{MAX_FILES, MAX_TOTAL_BYTES, MAX_USE_DEPTH};
 pub use merge::MAX_EXTENDS_DEPTH;
 pub use source::{FileId, Source, Sources, Span, line_and_column};

@@ -1,7 +1,7 @@
 //! The part of the command line that says who answers, and what that may cost; `run` and `bench` share it.
 
 use super::models::FactsArguments;
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 use runtime::calls::Usd;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -62,7 +62,7 @@ pub struct SpendArguments {
     #[arg(long)]
     pub estimate: bool,
     /// Add every question with its answer to this recording, for `--model replay:FILE`.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub record: Option<PathBuf>,
     /// Stop before models may cost more than this, US dollars, for the whole run with its earlier parts.
     #[arg(long, value_name = "USD", value_parser = dollars)]

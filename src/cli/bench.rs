@@ -1,7 +1,7 @@
 //! The command line of `fabc bench`.
 
 use super::asked::{ModelArguments, SpendArguments};
-use clap::Args;
+use clap::{Args, ValueHint};
 use std::path::PathBuf;
 
 /// The most rollouts side by side.
@@ -22,7 +22,7 @@ pub struct BenchArguments {
     #[arg(long, value_name = "NAME")]
     pub variant: Option<String>,
     /// Recorded starts in place of the suite's: a folder with manifest.json, or of .npy files with descriptions.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub starts: Option<PathBuf>,
     /// Rollouts per start of a model that varies; default: as the suite says.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -34,7 +34,7 @@ pub struct BenchArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub limit: Option<u32>,
     /// Where run folders and tables go; what has ended there is not run again. Default: the next free runs/bench-SUITE-NNNN.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
     /// Only part I of N of the starts, counted from 1; with one `--out`, the last call may leave it away.
     #[arg(long, value_name = "I/N", value_parser = shard)]

@@ -1,7 +1,7 @@
 //! Arguments of the verbs that are about models and set-up.
 
 use super::asked::{ReachArguments, dollars};
-use clap::Args;
+use clap::{Args, ValueHint};
 use runtime::calls::Usd;
 use runtime::model::catalogue::Date;
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ A file of facts has the form of the embedded one. The fields that an entry gives
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct FactsArguments {
     /// Facts of yours, laid over the embedded ones; default: FABC_MODELS, or `fabc/models.toml` in your folder of settings.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub models: Option<PathBuf>,
 }
 

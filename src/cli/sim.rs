@@ -1,7 +1,7 @@
 //! The command line of `fabc sim`.
 
 use super::FrameArguments;
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum, ValueHint};
 use std::path::PathBuf;
 
 /// The most threads that a verb starts.
@@ -55,7 +55,7 @@ pub struct ThreadArguments {
 #[derive(Args)]
 pub struct ReplayArguments {
     /// The folder with manifest.json; the manifest's paths begin at the folder above it.
-    #[arg(value_name = "DIR")]
+    #[arg(value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub folder: PathBuf,
     /// Only demonstrations with these ids.
     #[arg(long, value_name = "ID,…", value_delimiter = ',')]
@@ -100,7 +100,7 @@ pub struct CrumpleArguments {
     #[arg(long, value_name = "44x40")]
     pub dims: Option<String>,
     /// Which particles of the grid there are: rows of `#` and `.`, seen from above; its size is the cloth's.
-    #[arg(long, value_name = "FILE.txt")]
+    #[arg(long, value_name = "FILE.txt", value_hint = ValueHint::FilePath)]
     pub outline: Option<PathBuf>,
     /// The first cloth's seed; the others have the numbers after it.
     #[arg(long, value_name = "SEED", default_value_t = 0)]
@@ -109,7 +109,7 @@ pub struct CrumpleArguments {
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub count: u32,
     /// The folder that gets positions (.npy) and what describes them (.json beside it).
-    #[arg(short = 'o', long = "out", value_name = "DIR")]
+    #[arg(short = 'o', long = "out", value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,
     #[command(flatten)]
     pub threads: ThreadArguments,
@@ -122,12 +122,12 @@ pub struct CrumpleArguments {
 #[derive(Args)]
 pub struct StateArguments {
     /// Particle positions.
-    #[arg(value_name = "STATE.npy")]
+    #[arg(value_name = "STATE.npy", value_hint = ValueHint::FilePath)]
     pub file: PathBuf,
     #[command(flatten)]
     pub frame: FrameArguments,
     /// Which particles of the grid there are: rows of `#` and `.`, seen from above; default: as described, else all.
-    #[arg(long, value_name = "FILE.txt")]
+    #[arg(long, value_name = "FILE.txt", value_hint = ValueHint::FilePath)]
     pub outline: Option<PathBuf>,
 }
 
@@ -137,7 +137,7 @@ pub struct DrawArguments {
     #[command(flatten)]
     pub state: StateArguments,
     /// The picture; default: STATE.png in the working folder.
-    #[arg(short = 'o', long = "out", value_name = "FILE.png")]
+    #[arg(short = 'o', long = "out", value_name = "FILE.png", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
     /// Whose camera looks.
     #[arg(long, value_enum, default_value = "folding")]
@@ -168,7 +168,7 @@ pub struct ExportArguments {
     #[command(flatten)]
     pub state: StateArguments,
     /// Positions with a description beside them (.npy), or a mesh (.obj).
-    #[arg(short = 'o', long = "out", value_name = "FILE.npy|FILE.obj")]
+    #[arg(short = 'o', long = "out", value_name = "FILE.npy|FILE.obj", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
     /// Print one JSON document.
     #[arg(long)]

@@ -4,7 +4,7 @@ use super::listed::Listed;
 use super::page::{Shown, ShownPart, ShownStage};
 use super::title;
 use super::why::Rates;
-use crate::cli::RenderArguments;
+use crate::cli::render::RenderArguments;
 use crate::exit::Failure;
 use crate::look::{self, Seen};
 use crate::setting::known;

@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Between panels, pixels.
 const GAP_PX: u32 = 8;
-const GAP: Rgb<u8> = Rgb([255, 255, 255]);
+const GAP: Rgb<u8> = Rgb([40, 40, 40]);
 /// Where a smaller picture has nothing.
 const NOTHING: Rgb<u8> = Rgb([160, 160, 160]);
 /// A pixel that differs; no cloth of a task and no layer has this colour.

@@ -118,7 +118,7 @@ fn what_a_terminal_would_obey_is_shown_as_a_sign() {
 }
 
 #[test]
-fn long_texts_are_compared_in_bounded_time() {
+fn texts_of_any_length_are_compared_in_bounded_time() {
     let many = |start: usize| -> String {
         (start..start + 60_000)
             .map(|line| format!("{line}\n"))

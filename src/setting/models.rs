@@ -2,8 +2,8 @@
 
 use super::known;
 use super::remote::Providers;
-use crate::cli::ShownArguments;
 use crate::cli::asked::{ModelArguments, Purpose, SpendArguments};
+use crate::cli::render::ShownArguments;
 use crate::exit::Failure;
 use runtime::agent::Models;
 use runtime::calls::{Budget, Caps, Spent};

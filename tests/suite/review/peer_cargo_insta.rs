@@ -1,7 +1,7 @@
 //! What the real `cargo insta` makes of pending snapshots, and what we make of those that it accepted.
 
 use super::super::support::{fabc, finish};
-use super::made::{each_kind, files, left};
+use super::made::{each_kind, files, left, one_edit};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -23,22 +23,41 @@ fn cargo_insta(folder: &Path, arguments: &[&str]) -> Output {
     output
 }
 
+/// Writes a package, in which alone `cargo insta` works.
+fn package(folder: &Path) {
+    let manifest = "[package]\nname = \"tasks\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\npath = \"lib.rs\"\n[workspace]\n";
+    fs::write(folder.join("Cargo.toml"), manifest).unwrap();
+    fs::write(folder.join("lib.rs"), "").unwrap();
+}
+
+/// cargo-insta 1.49 panics where a picture is to be listed as JSON, so there is none.
 #[test]
 #[ignore = "needs cargo-insta"]
-fn peer_cargo_insta_lists_and_accepts_what_is_pending() {
+fn peer_cargo_insta_lists_pending_texts() {
     let folder = tempfile::tempdir().unwrap();
     let snapshots = folder.path().join("snapshots");
-    each_kind(&snapshots);
-    let manifest = "[package]\nname = \"tasks\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\npath = \"lib.rs\"\n[workspace]\n";
-    fs::write(folder.path().join("Cargo.toml"), manifest).unwrap();
-    fs::write(folder.path().join("lib.rs"), "").unwrap();
+    one_edit(&snapshots, 3);
+    package(folder.path());
     let listed = cargo_insta(folder.path(), &["pending-snapshots", "--as-json"]);
     let listed: Vec<Value> = String::from_utf8(listed.stdout)
         .unwrap()
         .lines()
         .map(|line| serde_json::from_str(line).unwrap())
         .collect();
-    assert_eq!(listed.len(), left(&snapshots).len(), "{listed:?}");
+    assert_eq!(listed.len(), 3, "{listed:?}");
+    for one in &listed {
+        let path = Path::new(one["path"].as_str().unwrap());
+        assert!(path.with_added_extension("new").exists(), "{one}");
+    }
+}
+
+#[test]
+#[ignore = "needs cargo-insta"]
+fn peer_cargo_insta_accepts_what_is_pending() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    each_kind(&snapshots);
+    package(folder.path());
     let before = files(&snapshots);
     cargo_insta(folder.path(), &["accept"]);
     assert!(left(&snapshots).is_empty());

@@ -64,7 +64,7 @@ fn what_is_pending_is_told_as_json() {
     assert_eq!(at(64 + 7, 3), [200; 3]);
     assert_eq!((at(3, 18), at(32 + 3, 18)), ([160; 3], [90; 3]));
     assert_eq!(at(64 + 3, 18), [255, 0, 160]);
-    assert_eq!(at(26, 3), [255; 3]);
+    assert_eq!(at(26, 3), [40; 3]);
 }
 
 #[test]

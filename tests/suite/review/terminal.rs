@@ -3,6 +3,7 @@
 use super::super::support::fabc;
 use super::made::{accepted, each_kind, files, left, one_edit, pending, prompt};
 use nix::pty::{Winsize, openpty};
+use nix::sys::termios::{LocalFlags, tcgetattr};
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::Path;
@@ -76,7 +77,18 @@ impl Session {
         }
     }
 
+    /// Presses a key when it is waited for; before that, the terminal itself would show it, or obey Ctrl-C.
     fn press(&mut self, key: &str) {
+        let is_raw = |keys: &File| {
+            let flags = tcgetattr(keys).unwrap().local_flags;
+            !flags.contains(LocalFlags::ICANON)
+        };
+        for _ in 0..PATIENCE.as_millis() {
+            if is_raw(&self.keys) {
+                break;
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
         self.keys.write_all(key.as_bytes()).unwrap();
     }
 

@@ -1,0 +1,235 @@
+//! `fabc new`: a commented task that runs at once, with the libraries that it uses.
+//!
+//! In: a name, and pictures where a fold is drafted from them. Out: files, which were compiled before any of them
+//! was written; what to do next. What pictures show is found by `runtime::draft`.
+
+mod names;
+mod staging;
+
+#[cfg(feature = "runtime")]
+mod drawn;
+
+use crate::cli::new::{NewArguments, NewFoldArguments, NewTaskArguments, NewVerb};
+use crate::exit::{Exit, Failure};
+use crate::{output, sources};
+use compiler::program::Program;
+use compiler::{LoadError, Loader};
+use serde_json::json;
+use staging::Staging;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A shipped file that tasks build on: its path beside them, and its text.
+type Library = (&'static str, &'static str);
+
+const FOLDING: Library = (
+    "lib/folding.fab",
+    include_str!("../../tasks/lib/folding.fab"),
+);
+const SMOOTHING: Library = (
+    "lib/smoothing.fab",
+    include_str!("../../tasks/lib/smoothing.fab"),
+);
+
+/// A task that is not written yet.
+struct Draft {
+    /// Its file's text.
+    text: String,
+    /// What it uses.
+    library: Library,
+    /// Pictures of the user's that go beside it, by their paths there.
+    pictures: Vec<(PathBuf, Vec<u8>)>,
+    /// What was not known and had to be guessed.
+    guesses: Vec<String>,
+    /// What to do with it, in this order.
+    next: Vec<String>,
+}
+
+/// Writes the task, and says what to do with it.
+pub fn run(arguments: &NewArguments) -> Result<Exit, Failure> {
+    match &arguments.what {
+        NewVerb::Fold(arguments) => fold(arguments),
+        NewVerb::Smoothing(arguments) => {
+            let draft = Draft::of(include_str!("smoothing.fab"), SMOOTHING, arguments);
+            begin(arguments, draft)
+        }
+    }
+}
+
+fn fold(arguments: &NewFoldArguments) -> Result<Exit, Failure> {
+    let task = &arguments.task;
+    begin(task, Draft::of(include_str!("fold.fab"), FOLDING, task))
+}
+
+impl Draft {
+    /// Fills in the name.
+    fn of(template: &str, library: Library, arguments: &NewTaskArguments) -> Draft {
+        let file = shown(&file_of(arguments));
+        Draft {
+            text: template.replace("NAME", &arguments.name),
+            library,
+            pictures: Vec::new(),
+            guesses: Vec::new(),
+            next: ["render", "test", "run"]
+                .map(|verb| format!("fabc {verb} {file}"))
+                .to_vec(),
+        }
+    }
+}
+
+/// Compiles the draft, draws its pictures, and writes everything.
+fn begin(arguments: &NewTaskArguments, draft: Draft) -> Result<Exit, Failure> {
+    names::check(&arguments.name)?;
+    let folder = folder_of(arguments);
+    let places = [
+        format!("{}.fab", arguments.name),
+        format!("{}.subgoals", arguments.name),
+    ];
+    refuse_existing(&folder, places.iter().map(PathBuf::from))?;
+    refuse_existing(&folder, draft.pictures.iter().map(|(path, _)| path.clone()))?;
+    let (path, shipped) = draft.library;
+    let present = present_library(&folder, path)?;
+    let library = present.as_deref().unwrap_or(shipped);
+    let program = compile(arguments, &draft, library)?;
+    #[cfg(feature = "runtime")]
+    let drawn = drawn::Drawn::of(&program)?;
+    #[cfg(not(feature = "runtime"))]
+    if matches!(
+        program.subgoals,
+        Some(compiler::program::Subgoals::Demonstrate { .. })
+    ) {
+        output::talk(
+            "note: no subgoal pictures are drawn, since this build of fabc has no simulator",
+        );
+    }
+    let unwritable = |error: std::io::Error| {
+        Failure::environment(format!(
+            "nothing is written, since `{}` takes no files: {error}",
+            shown(&folder)
+        ))
+    };
+    let mut staging = Staging::begin(&folder, &arguments.name).map_err(unwritable)?;
+    let mut files = Vec::new();
+    match present {
+        Some(text) if text != shipped => output::talk(&format!(
+            "note: `{}` is not as fabc ships it; it is left as it is, and the new task uses it",
+            shown(&folder.join(path))
+        )),
+        Some(_) => {}
+        None => {
+            let written = staging.write(Path::new(path), shipped.as_bytes());
+            written.map_err(unwritable)?;
+            files.push(PathBuf::from(path));
+        }
+    }
+    for (path, bytes) in &draft.pictures {
+        staging.write(path, bytes).map_err(unwritable)?;
+        files.push(path.clone());
+    }
+    #[cfg(feature = "runtime")]
+    files.extend(drawn.stage(&program, &mut staging)?);
+    let file = PathBuf::from(format!("{}.fab", arguments.name));
+    let written = staging.write(&file, draft.text.as_bytes());
+    written.map_err(unwritable)?;
+    files.insert(0, file);
+    staging.commit().map_err(unwritable)?;
+    let files = files.iter().map(|file| shown(&folder.join(file)));
+    report(arguments, files.collect(), &draft);
+    Ok(Exit::Done)
+}
+
+/// Refuses to write over anything, before any work is done.
+fn refuse_existing(folder: &Path, places: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
+    for place in places.map(|place| folder.join(place)) {
+        if place.symlink_metadata().is_ok() {
+            return Err(Failure::environment(format!(
+                "`{}` exists already and is left as it is; choose another name, or another folder with `--in DIR`",
+                shown(&place)
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Returns the text of a library that lies there already.
+fn present_library(folder: &Path, path: &str) -> Result<Option<String>, Failure> {
+    let place = folder.join(path);
+    if place.symlink_metadata().is_err() {
+        return Ok(None);
+    }
+    let wrong = |why: String| {
+        Failure::environment(format!(
+            "the new task needs `{}`, and it cannot be used: {why}; choose another folder with `--in DIR`",
+            shown(&place)
+        ))
+    };
+    let real = sources::inside(folder, &place).map_err(wrong)?;
+    let bytes = sources::read_bounded(&real).map_err(wrong)?;
+    let text = String::from_utf8(bytes).map_err(|_| wrong("it is not UTF-8 text".to_owned()))?;
+    Ok(Some(text))
+}
+
+/// Gives the compiler the draft as it will lie there.
+struct Beside<'d>(BTreeMap<&'d str, &'d str>);
+
+impl Loader for Beside<'_> {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        let text = self.0.get(name).ok_or_else(|| LoadError {
+            message: format!("cannot read `{name}`: it is not part of the new task"),
+        })?;
+        Ok((*text).to_owned())
+    }
+}
+
+fn compile(arguments: &NewTaskArguments, draft: &Draft, library: &str) -> Result<Program, Failure> {
+    let entry = format!("{}.fab", arguments.name);
+    let files = Beside(BTreeMap::from([
+        (entry.as_str(), draft.text.as_str()),
+        (draft.library.0, library),
+    ]));
+    let mut compiled = compiler::compile(&entry, &files).map_err(Failure::environment)?;
+    if compiled.has_errors() || compiled.programs.is_empty() {
+        let path = draft.library.0;
+        // Every name that the language allows compiles, but those that the library gives to its own tasks.
+        if library == draft.library.1 {
+            let name = &arguments.name;
+            return Err(Failure::usage(format!(
+                "`{name}` cannot name a task: `{path}` has one of this name; `my_{name}` would be right"
+            )));
+        }
+        output::talk(&sources::findings(&compiled, output::talk_color()));
+        return Err(Failure::environment(format!(
+            "nothing is written, since the new task would not compile with `{path}`, which is not as fabc ships it; \
+             choose another folder with `--in DIR`"
+        )));
+    }
+    Ok(compiled.programs.swap_remove(0))
+}
+
+fn report(arguments: &NewTaskArguments, files: Vec<String>, draft: &Draft) {
+    if arguments.json {
+        output::json(&json!({ "files": files, "guesses": draft.guesses, "next": draft.next }));
+        return;
+    }
+    for guess in &draft.guesses {
+        output::talk(&format!("guessed: {guess}"));
+    }
+    output::data(&files.join("\n"));
+    let next = draft.next.iter().map(|command| format!("\n  {command}"));
+    output::talk(&format!("next:{}", next.collect::<String>()));
+}
+
+fn folder_of(arguments: &NewTaskArguments) -> PathBuf {
+    arguments.folder.clone().unwrap_or_default()
+}
+
+fn file_of(arguments: &NewTaskArguments) -> PathBuf {
+    folder_of(arguments).join(format!("{}.fab", arguments.name))
+}
+
+fn shown(path: &Path) -> String {
+    match path.as_os_str().is_empty() {
+        true => ".".to_owned(),
+        false => path.display().to_string(),
+    }
+}

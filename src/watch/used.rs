@@ -1,0 +1,72 @@
+//! Which files a verb reads for a task.
+
+use crate::cli::render::RenderArguments;
+use crate::sources::{self, Disk};
+use compiler::program::{ClothStart, FileRef, Program, Subgoals};
+use compiler::{LoadError, Loader};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Returns the files of a command line and all that they use, also those that are missing.
+pub fn files(entries: &[String], others: &[PathBuf]) -> BTreeSet<PathBuf> {
+    let mut files: BTreeSet<PathBuf> = others.iter().cloned().collect();
+    for entry in entries {
+        let loader = Noting {
+            disk: Disk::beside(entry),
+            asked: RefCell::default(),
+        };
+        let compiled = compiler::compile(entry, &loader);
+        files.extend(loader.asked.into_inner());
+        let folder = sources::folder_of(entry);
+        for program in compiled.iter().flat_map(|compiled| &compiled.programs) {
+            files.extend(beside(program).iter().map(|path| folder.join(path)));
+        }
+    }
+    files
+}
+
+/// Returns the files that `render` reads beside the task's own.
+pub fn rendered(arguments: &RenderArguments) -> Vec<PathBuf> {
+    let files = arguments.scene.iter().cloned();
+    #[cfg(feature = "runtime")]
+    let files = files
+        .chain(arguments.start.start.iter().map(PathBuf::from))
+        .chain(arguments.shown.facts.models.iter().cloned());
+    files.collect()
+}
+
+/// Reads from disk and keeps what was asked for.
+struct Noting {
+    disk: Disk,
+    asked: RefCell<BTreeSet<PathBuf>>,
+}
+
+impl Loader for Noting {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        self.asked.borrow_mut().insert(PathBuf::from(name));
+        self.disk.load(name)
+    }
+}
+
+/// Returns the files that a task names, relative to its own, and the one that describes its pinned pictures.
+fn beside(program: &Program) -> Vec<PathBuf> {
+    let examples = program.stages.iter().flat_map(|stage| &stage.examples);
+    let mut named: Vec<&FileRef> = examples.flat_map(|example| &example.images).collect();
+    named.extend(program.demos.iter().map(|demos| &demos.file));
+    if let ClothStart::File { file } = &program.cloth.start {
+        named.push(file);
+    }
+    let mut pins = None;
+    match &program.subgoals {
+        Some(Subgoals::Images { images }) => named.extend(images.iter().map(|image| &image.file)),
+        // `fabc subgoals` writes this file after the pictures.
+        Some(Subgoals::Demonstrate { .. }) => {
+            let folder = format!("{}.subgoals", program.title().replace('/', "."));
+            pins = Some(Path::new(&folder).join("pins.json"));
+        }
+        None => {}
+    }
+    let named = named.into_iter().map(|file| PathBuf::from(&file.path));
+    named.chain(pins).collect()
+}

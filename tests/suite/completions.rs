@@ -1,0 +1,56 @@
+//! `fabc completions`: scripts that shells can read, and that complete verbs and files.
+
+use super::support::{fabc, finish};
+use std::process::Command;
+
+#[test]
+fn every_shell_gets_a_script_that_names_the_verbs() {
+    let folder = tempfile::tempdir().unwrap();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let said = finish(fabc(folder.path()).args(["completions", shell]));
+        assert_eq!((said.code, said.stderr.as_str()), (0, ""), "{shell}");
+        for word in ["subgoals", "resume", "watch", "smoothing"] {
+            assert!(said.stdout.contains(word), "{shell}: no `{word}`");
+        }
+    }
+    let said = finish(fabc(folder.path()).args(["completions", "cmd"]));
+    assert_eq!(said.code, 64, "{}", said.stderr);
+}
+
+/// What bash offers after some words, the last of which is being written.
+fn offered(words: &[&str]) -> Vec<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("fabc.bash");
+    let said = finish(fabc(folder.path()).args(["completions", "bash"]));
+    std::fs::write(&script, said.stdout).unwrap();
+    std::fs::write(folder.path().join("napkin.fab"), "").unwrap();
+    let line = words.join(" ");
+    let (last, before) = (words[words.len() - 1], words[words.len() - 2]);
+    // Outside of a real completion bash has no `compopt`.
+    let ask = format!(
+        "compopt() {{ :; }}; source ./fabc.bash && COMP_WORDS=({line}) COMP_CWORD={} COMP_LINE='{line}' && _fabc fabc '{last}' '{before}' \
+         && printf '%s\\n' \"${{COMPREPLY[@]}}\"",
+        words.len() - 1
+    );
+    let bash = Command::new("bash")
+        .args(["--norc", "-c", &ask])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let errors = String::from_utf8(bash.stderr).unwrap();
+    assert!(bash.status.success() && errors.is_empty(), "{errors}");
+    let offered = String::from_utf8(bash.stdout).unwrap();
+    offered.lines().map(str::to_owned).collect()
+}
+
+#[test]
+#[cfg(unix)]
+fn bash_reads_its_script_and_completes_verbs_and_files() {
+    let verbs = offered(&["fabc", "re"]);
+    assert!(verbs.contains(&"render".to_owned()), "{verbs:?}");
+    assert!(verbs.contains(&"resume".to_owned()), "{verbs:?}");
+    assert!(verbs.iter().all(|verb| verb.starts_with("re")), "{verbs:?}");
+    // A verb's own files are left to bash, which the script tells to complete them.
+    let files = offered(&["fabc", "render", "a.fab", "--scene", "nap"]);
+    assert_eq!(files, ["napkin.fab"]);
+}

@@ -1,0 +1,173 @@
+//! `fabc new`: what it writes runs at once, and it writes all of it or nothing.
+
+use super::support::{Said, fabc, finish, root};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+fn said(folder: &Path, arguments: &[&str]) -> Said {
+    finish(fabc(folder).args(arguments))
+}
+
+fn json(said: &Said) -> Value {
+    let read = serde_json::from_str(&said.stdout);
+    read.unwrap_or_else(|error| panic!("{error}\n{}\n{}", said.stdout, said.stderr))
+}
+
+/// Every file below a folder, in order.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            match path.is_dir() {
+                true => folders.push(path),
+                false => found.push(path.strip_prefix(folder).unwrap().to_owned()),
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn a_new_fold_compiles_without_a_word_and_runs_to_its_goal() {
+    let folder = tempfile::tempdir().unwrap();
+    let begun = said(folder.path(), &["new", "fold", "napkin", "--json"]);
+    assert_eq!((begun.code, begun.stderr.as_str()), (0, ""));
+    let written = json(&begun);
+    let listed: Vec<PathBuf> = serde_json::from_value(written["files"].clone()).unwrap();
+    let there = files(folder.path());
+    assert_eq!(there.len(), 6, "{there:?}");
+    assert!(there.iter().all(|file| listed.contains(file)), "{listed:?}");
+    assert_eq!(written["guesses"], serde_json::json!([]));
+
+    let checked = said(folder.path(), &["check", "napkin.fab", "--json"]);
+    assert_eq!(json(&checked)["diagnostics"], serde_json::json!([]));
+    let next = serde_json::json!([
+        "fabc render napkin.fab",
+        "fabc test napkin.fab",
+        "fabc run napkin.fab"
+    ]);
+    assert_eq!(written["next"], next);
+    assert_eq!(said(folder.path(), &["render", "napkin.fab"]).code, 0);
+    assert_eq!(said(folder.path(), &["test", "napkin.fab"]).code, 0);
+    let ended = said(folder.path(), &["run", "napkin.fab", "--json"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert_eq!(json(&ended)["outcome"], "goal_reached");
+}
+
+#[test]
+fn the_pictures_of_a_new_fold_are_those_that_subgoals_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    said(folder.path(), &["new", "fold", "napkin"]);
+    let pictures = ["0.png", "1.png", "2.png", "pins.json"].map(|name| {
+        let path = folder.path().join("napkin.subgoals").join(name);
+        std::fs::read(path).unwrap()
+    });
+    assert_eq!(said(folder.path(), &["subgoals", "napkin.fab"]).code, 0);
+    for (name, bytes) in ["0.png", "1.png", "2.png", "pins.json"]
+        .iter()
+        .zip(pictures)
+    {
+        let path = folder.path().join("napkin.subgoals").join(name);
+        assert!(std::fs::read(path).unwrap() == bytes, "{name} differs");
+    }
+}
+
+#[test]
+fn a_new_smoothing_compiles_without_a_word_and_runs_to_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let begun = said(folder.path(), &["new", "smoothing", "towel", "--in", "a/b"]);
+    assert_eq!(begun.code, 0, "{}", begun.stderr);
+    assert_eq!(begun.stdout, "a/b/towel.fab\na/b/lib/smoothing.fab\n");
+    assert!(begun.stderr.contains("fabc run a/b/towel.fab"));
+    let checked = said(folder.path(), &["check", "a/b/towel.fab", "--json"]);
+    assert_eq!(json(&checked)["diagnostics"], serde_json::json!([]));
+    assert_eq!(said(folder.path(), &["test", "a/b/towel.fab"]).code, 0);
+    let ended = said(folder.path(), &["run", "a/b/towel.fab", "--json"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert_eq!(json(&ended)["outcome"], "goal_reached");
+}
+
+#[test]
+fn what_exists_is_left_and_nothing_is_written_beside_it() {
+    for taken in ["napkin.fab", "napkin.subgoals"] {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(taken), "mine").unwrap();
+        let ended = said(folder.path(), &["new", "fold", "napkin"]);
+        assert_eq!(ended.code, 2, "{}", ended.stderr);
+        let told = format!("`{taken}` exists already and is left as it is; choose another name");
+        assert!(ended.stderr.contains(&told), "{}", ended.stderr);
+        assert_eq!(files(folder.path()), [PathBuf::from(taken)]);
+        let kept = std::fs::read_to_string(folder.path().join(taken)).unwrap();
+        assert_eq!(kept, "mine");
+    }
+}
+
+#[test]
+fn names_that_the_language_or_the_library_uses_are_wrong_usage() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, right) in [
+        ("two words", "`two_words` would be right"),
+        ("stage", "`my_stage` would be right"),
+        ("folding", "`my_folding` would be right"),
+    ] {
+        let ended = said(folder.path(), &["new", "fold", name, "--json"]);
+        assert_eq!(ended.code, 64, "{}", ended.stderr);
+        assert!(ended.stderr.contains(right), "{}", ended.stderr);
+        assert_eq!(json(&ended)["exit"], 64);
+        assert_eq!(files(folder.path()), Vec::<PathBuf>::new());
+    }
+}
+
+#[test]
+fn a_library_of_the_users_is_used_and_one_that_does_not_fit_stops_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let library = folder.path().join("lib/folding.fab");
+    std::fs::create_dir(library.parent().unwrap()).unwrap();
+    let shipped = std::fs::read_to_string(root().join("tasks/lib/folding.fab")).unwrap();
+
+    std::fs::write(&library, format!("{shipped}\n# mine\n")).unwrap();
+    let begun = said(folder.path(), &["new", "fold", "one"]);
+    assert_eq!(begun.code, 0, "{}", begun.stderr);
+    assert!(begun.stderr.contains("is not as fabc ships it"));
+    assert!(!begun.stdout.contains("folding.fab"), "{}", begun.stdout);
+    assert!(
+        std::fs::read_to_string(&library)
+            .unwrap()
+            .ends_with("# mine\n")
+    );
+
+    std::fs::write(&library, &shipped).unwrap();
+    let begun = said(folder.path(), &["new", "fold", "two"]);
+    assert_eq!(begun.code, 0, "{}", begun.stderr);
+    assert!(!begun.stderr.contains("note:"), "{}", begun.stderr);
+
+    let before = files(folder.path());
+    for broken in ["task folding { }\n", "\u{0}"] {
+        std::fs::write(&library, broken).unwrap();
+        let ended = said(folder.path(), &["new", "fold", "three"]);
+        assert_eq!(ended.code, 2, "{}", ended.stderr);
+        assert!(
+            ended.stderr.contains("would not compile with"),
+            "{}",
+            ended.stderr
+        );
+        assert_eq!(files(folder.path()), before);
+    }
+}
+
+#[test]
+fn a_folder_that_takes_no_files_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    let ended = said(
+        folder.path(),
+        &["new", "smoothing", "towel", "--in", "file/below"],
+    );
+    assert_eq!(ended.code, 2, "{}", ended.stderr);
+    let told = "nothing is written, since `file/below` takes no files";
+    assert!(ended.stderr.contains(told), "{}", ended.stderr);
+    assert_eq!(files(folder.path()), [PathBuf::from("file")]);
+}

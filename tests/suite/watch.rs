@@ -1,0 +1,180 @@
+//! `--watch`: a verb runs again after each change of a file that it used, and Ctrl-C ends it.
+#![cfg(unix)]
+
+use super::support::{bring_library, fabc, finish, root};
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// How long a test waits for what must come; only a failure takes as long.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A watching command and what it has said so far.
+struct Watching {
+    child: Child,
+    said: Arc<Mutex<String>>,
+}
+
+impl Watching {
+    fn begin(folder: &Path, arguments: &[&str]) -> Watching {
+        let mut command = fabc(folder);
+        command.args(arguments);
+        let mut child = command
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let said = Arc::new(Mutex::new(String::new()));
+        let outputs: [Box<dyn Read + Send>; 2] = [
+            Box::new(child.stdout.take().unwrap()),
+            Box::new(child.stderr.take().unwrap()),
+        ];
+        for mut output in outputs {
+            let said = Arc::clone(&said);
+            std::thread::spawn(move || {
+                let mut bytes = [0; 4096];
+                while let Ok(count @ 1..) = output.read(&mut bytes) {
+                    let text = String::from_utf8_lossy(&bytes[..count]);
+                    said.lock().unwrap().push_str(&text);
+                }
+            });
+        }
+        Watching { child, said }
+    }
+
+    /// Waits until it has said some words a number of times.
+    fn until(&self, words: &str, times: usize) {
+        let begun = Instant::now();
+        while self.said.lock().unwrap().matches(words).count() < times {
+            let said = self.said.lock().unwrap().clone();
+            assert!(
+                begun.elapsed() < PATIENCE,
+                "no {times} of `{words}` in:\n{said}"
+            );
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    fn count(&self, words: &str) -> usize {
+        self.said.lock().unwrap().matches(words).count()
+    }
+
+    /// Presses Ctrl-C and returns the exit code.
+    fn interrupt(mut self) -> Option<i32> {
+        let id = self.child.id().to_string();
+        assert!(
+            Command::new("kill")
+                .args(["-INT", &id])
+                .status()
+                .unwrap()
+                .success()
+        );
+        self.child.wait().unwrap().code()
+    }
+}
+
+impl Drop for Watching {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn bring_task(folder: &Path) {
+    bring_library(folder);
+    let text = fs::read_to_string(root().join("tasks/house.fab")).unwrap();
+    fs::write(folder.join("house.fab"), text).unwrap();
+}
+
+#[test]
+fn check_runs_again_after_each_change_of_the_task_and_of_what_it_uses() {
+    let folder = tempfile::tempdir().unwrap();
+    bring_task(folder.path());
+    let watching = Watching::begin(folder.path(), &["check", "house.fab", "--watch"]);
+    watching.until("watching 2 files; Ctrl-C ends", 1);
+    assert_eq!(watching.count("`house` is right"), 1);
+
+    let task = folder.path().join("house.fab");
+    let text = fs::read_to_string(&task).unwrap();
+    fs::write(&task, text.replace("10mm", "10deg")).unwrap();
+    watching.until("error[F0203]", 1);
+    watching.until("Ctrl-C ends", 2);
+
+    // As editors do it: another file takes the place.
+    let other = folder.path().join("house.fab~");
+    fs::write(&other, &text).unwrap();
+    fs::rename(&other, &task).unwrap();
+    watching.until("`house` is right", 2);
+    watching.until("Ctrl-C ends", 3);
+
+    let library = folder.path().join("lib/folding.fab");
+    fs::write(&library, "task folding { }\n").unwrap();
+    watching.until("Ctrl-C ends", 4);
+    assert_eq!(watching.count("`house` is right"), 2);
+    assert_eq!(watching.interrupt(), Some(130));
+}
+
+#[test]
+fn a_deleted_file_is_told_of_once_and_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    bring_task(folder.path());
+    let watching = Watching::begin(folder.path(), &["check", "house.fab", "--watch"]);
+    watching.until("Ctrl-C ends", 1);
+    let library = folder.path().join("lib");
+    fs::rename(&library, folder.path().join("elsewhere")).unwrap();
+    watching.until("`lib/folding.fab` is gone; waiting until it is back", 1);
+    fs::write(folder.path().join("another"), "of no use").unwrap();
+    fs::rename(folder.path().join("elsewhere"), &library).unwrap();
+    watching.until("`house` is right", 2);
+    assert_eq!(watching.count("is gone"), 1);
+    assert_eq!(watching.count("error"), 0);
+    assert_eq!(watching.interrupt(), Some(130));
+}
+
+#[test]
+fn a_file_that_is_not_there_yet_is_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let watching = Watching::begin(folder.path(), &["test", "house.fab", "--watch"]);
+    watching.until("watching 0 files; Ctrl-C ends", 1);
+    bring_task(folder.path());
+    watching.until("0 passed, 0 failed", 2);
+    assert_eq!(watching.interrupt(), Some(130));
+}
+
+#[test]
+fn render_runs_again_after_a_change_of_its_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    bring_task(folder.path());
+    let scene = folder.path().join("scene.json");
+    let points = |u: u32| {
+        format!(r#"{{ "corners": [[{u}, 50]], "center": [[112, 112]], "cloth": [[40, 40]] }}"#)
+    };
+    fs::write(&scene, points(77)).unwrap();
+    let arguments = [
+        "render",
+        "house.fab",
+        "--stage",
+        "plan",
+        "--scene",
+        "scene.json",
+        "--watch",
+    ];
+    let watching = Watching::begin(folder.path(), &arguments);
+    watching.until("Ctrl-C ends", 1);
+    assert_eq!(watching.count("(77, 50)"), 1);
+    fs::write(&scene, points(88)).unwrap();
+    watching.until("(88, 50)", 1);
+    assert_eq!(watching.interrupt(), Some(130));
+}
+
+#[test]
+fn watching_does_not_go_with_one_json_document() {
+    let folder = tempfile::tempdir().unwrap();
+    for verb in ["check", "test", "render"] {
+        let said = finish(fabc(folder.path()).args([verb, "a.fab", "--watch", "--json"]));
+        assert_eq!(said.code, 64, "{}", said.stderr);
+    }
+}
