@@ -9,7 +9,7 @@ version=0.5.2
 target=${CARGO_TARGET_DIR:-$here/../target}
 mkdir -p "$target"
 target=$(CDPATH='' cd -- "$target" && pwd)
-mdbook=$target/peers-mdbook/bin/mdbook
+mdbook=$target/peers-cargo/bin/mdbook
 
 if [ "$("$mdbook" --version 2>/dev/null || true)" != "mdbook v$version" ]; then
     if [ -n "${FABC_NO_INSTALL:-}" ]; then
@@ -17,9 +17,9 @@ if [ "$("$mdbook" --version 2>/dev/null || true)" != "mdbook v$version" ]; then
         exit 2
     fi
     # Unoptimised it is built in half the time, and writes the book in a second or two. Its objects are not kept.
-    cargo install --locked --quiet --debug --root "$target/peers-mdbook" --target-dir "$target/peers-mdbook/build" \
+    cargo install --locked --quiet --debug --root "$target/peers-cargo" --target-dir "$target/peers-cargo/build" \
         --no-default-features --features search "mdbook@$version"
-    rm -rf "$target/peers-mdbook/build"
+    rm -rf "$target/peers-cargo/build"
 fi
 "$mdbook" build "$here/../docs" --dest-dir "$target/book"
 echo "$target/book/index.html"

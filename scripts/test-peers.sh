@@ -6,9 +6,9 @@
 # target folder (peers-requirements.txt); tests find it through FABC_PEER_PYTHON. Without
 # Python nothing is run: it says what is missing, and fails. cargo-insta, which reads and
 # writes the same snapshots, is installed beside it and found through FABC_PEER_CARGO_INSTA.
-# Where WebAssembly cannot be built or run (wasm-parts.sh), or cargo-insta not installed,
-# the peer_node_ or peer_cargo_insta_ tests alone are left out, counted as skipped, and the
-# reason is printed.
+# mdBook, which builds the book, is installed by book.sh. Where WebAssembly cannot be built or
+# run (wasm-parts.sh), or cargo-insta or mdBook not installed, the peer_node_, peer_cargo_insta_
+# or peer_mdbook_ tests alone are left out, counted as skipped, and the reason is printed.
 set -u
 here=$(dirname "$0")
 
@@ -56,6 +56,9 @@ if [ "$("$FABC_PEER_CARGO_INSTA" --version 2>/dev/null)" != "cargo-insta $insta_
     cargo install --quiet --locked --root "$insta_root" cargo-insta --version "$insta_version" ||
         without_insta="cargo could not install cargo-insta $insta_version"
 fi
+without_mdbook=
+# A book that cannot be built is a failed test, and no reason to leave it out.
+sh "$here/book.sh" >/dev/null || [ -x "$insta_root/bin/mdbook" ] || without_mdbook="cargo could not install mdBook"
 # Doctests and examples cannot carry the names, so only these kinds of target are built.
 set -- --workspace --locked --no-fail-fast --lib --bins --tests
 
@@ -80,6 +83,10 @@ fi
 if [ -n "$without_insta" ]; then
     leave_out "$arguments" peer_cargo_insta_ "$without_insta"
     skipped="$skipped --skip peer_cargo_insta_"
+fi
+if [ -n "$without_mdbook" ]; then
+    leave_out "$arguments" peer_mdbook_ "$without_mdbook"
+    skipped="$skipped --skip peer_mdbook_"
 fi
 # shellcheck disable=SC2086  # words without blanks
 exec sh "$here/test.sh" "$@" -- --ignored $skipped peer_ long_

@@ -89,6 +89,10 @@ fn a_page_that_is_wrong_is_found_out() {
     for (text, words) in [
         ("```fab\ntask a {\n```\n", "F0103"),
         (
+            "```fab file=a.fab\nuse \"half.fab\"\ntask a extends half { horizon 1 }\n```\n",
+            "F0505",
+        ),
+        (
             "```fab wrong\ntask a { cloth grid(3, 3) }\n```\n",
             "to follow",
         ),
@@ -133,9 +137,9 @@ fn a_page_that_is_wrong_is_found_out() {
 
 #[test]
 fn files_edits_and_commands_of_a_page_follow_each_other() {
-    let text = "```fab file=a.fab\nuse \"half.fab\"\ntask a extends half {\n    horizon 1\n}\n```\n\
-                ```diff a.fab\n task a extends half {\n-    horizon 1\n+    horizon 2\n```\n\
-                ```console\n$ cat a.fab\n...\n    horizon 2\n}\n```\n";
+    let text = "```fab file=a.fab\nuse \"half.fab\"\ntask a extends half {\n    horizon 2\n}\n```\n\
+                ```diff a.fab\n task a extends half {\n-    horizon 2\n+    horizon 1\n```\n\
+                ```console\n$ cat a.fab\n...\n    horizon 1\n}\n```\n";
     let page = Page::read("page.md", text.to_owned()).unwrap();
     assert_eq!(
         walk(&page, &half(), &Pace::Fast).wrong,

@@ -63,6 +63,9 @@ const TESTED_ELSEWHERE: [(&str, &str, &str); 5] = [
     ("docs/review.md", "yaml", "tests/suite/review/documented.rs"),
 ];
 
+/// The name under which a block without one is compiled.
+const EXAMPLE: &str = "example.fab";
+
 /// The file of the task that `fab task` blocks extend.
 const HALF: &str = "half.fab";
 
@@ -137,10 +140,10 @@ impl Walk<'_> {
             fs::write(file, &block.text).unwrap();
         }
         match (block.language(), block.rest()) {
-            ("fab", "wrong") => self.is_refused("example.fab", &block.text, next),
-            ("fab", "task wrong") => self.is_refused("example.fab", &task_of(block), next),
-            ("fab", "") => self.compiles("example.fab", &block.text),
-            ("fab", "task") => self.compiles("example.fab", &task_of(block)),
+            ("fab", "wrong") => self.is_refused(EXAMPLE, &block.text, next),
+            ("fab", "task wrong") => self.is_refused(EXAMPLE, &task_of(block), next),
+            ("fab", "") => self.compiles(EXAMPLE, &block.text),
+            ("fab", "task") => self.compiles(EXAMPLE, &task_of(block)),
             ("fab", _) if path.is_some() => self.compiles(path.unwrap(), &block.text),
             ("diff", file) if !file.is_empty() => self.edit(file, &block.text),
             ("console", "") => self.run(block),
@@ -174,7 +177,9 @@ impl Walk<'_> {
     fn compiles(&mut self, name: &str, text: &str) -> Result<(), String> {
         self.walked.n_files += 1;
         let compiled = compiler::compile(name, &self.files(name, text)).unwrap();
-        if compiled.has_errors() || compiled.programs.is_empty() {
+        // A file that a reader is to write gives no warning either.
+        let is_unclean = name != EXAMPLE && !compiled.diagnostics.is_empty();
+        if compiled.has_errors() || compiled.programs.is_empty() || is_unclean {
             return Err(diag::to_text(
                 &compiled.diagnostics,
                 &compiled.sources,
