@@ -43,11 +43,6 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Returns the folder's path.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// Returns the names of all snapshots, accepted or pending, in order.
     pub fn names(&self) -> impl Iterator<Item = &Name> {
         self.accepted.union(&self.pending)
