@@ -33,6 +33,12 @@ const SMOOTHING: Library = (
     include_str!("../../tasks/lib/smoothing.fab"),
 );
 
+/// The verbs to go on with, as far as this build has them.
+#[cfg(feature = "runtime")]
+const NEXT: [&str; 3] = ["render", "test", "run"];
+#[cfg(not(feature = "runtime"))]
+const NEXT: [&str; 3] = ["check", "render", "test"];
+
 /// A task that is not written yet.
 struct Draft {
     /// Its file's text.
@@ -78,9 +84,7 @@ impl Draft {
             library,
             pictures: Vec::new(),
             guesses: Vec::new(),
-            next: ["render", "test", "run"]
-                .map(|verb| format!("fabc {verb} {file}"))
-                .to_vec(),
+            next: NEXT.map(|verb| format!("fabc {verb} {file}")).to_vec(),
         }
     }
 }

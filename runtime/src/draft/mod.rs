@@ -265,7 +265,8 @@ pub fn draft(
     let start = Start::flat(&cloth);
     let mut state = State::at(&start);
     let mut steps = Vec::with_capacity(pictures.len() - 1);
-    for number in 0..pictures.len() - 1 {
+    let first_of_steps = shown.iter().take(pictures.len() - 1);
+    for (number, now) in first_of_steps.enumerate() {
         let [before, after] = [number, number + 1].map(|index| &outlines[index]);
         let names = [number, number + 1].map(|index| pictures[index].name.clone());
         let unchanged = before.overlap(after);
@@ -274,9 +275,7 @@ pub fn draft(
             start: &start,
             before,
             after,
-            arrow: shown[number]
-                .arrow
-                .map(|arrow| arrow.map(|at| pose.straighten(at))),
+            arrow: now.arrow.map(|arrow| arrow.map(|at| pose.straighten(at))),
             make_world,
             interrupt,
             announce: &|tries| announce(number + 1, tries),
@@ -286,11 +285,11 @@ pub fn draft(
             return Err(DraftError::NoFold { before, after });
         };
         steps.push(DraftStep {
-            arrow: match shown[number].arrow {
+            arrow: match now.arrow {
                 Some(arrow) => arrow,
                 None => found.arrow.map(|at| pose.as_shown(at)),
             },
-            origin: match shown[number].arrow {
+            origin: match now.arrow {
                 Some(_) => ArrowOrigin::Drawn,
                 None => ArrowOrigin::Proposed,
             },
