@@ -164,9 +164,9 @@ fn render_runs_again_after_a_change_of_its_scene() {
     ];
     let watching = Watching::begin(folder.path(), &arguments);
     watching.until("Ctrl-C ends", 1);
-    assert_eq!(watching.count("(77, 50)"), 1);
+    assert_eq!(watching.count("Cloth corners: (77, 50)"), 1);
     fs::write(&scene, points(88)).unwrap();
-    watching.until("(88, 50)", 1);
+    watching.until("Cloth corners: (88, 50)", 1);
     assert_eq!(watching.interrupt(), Some(130));
 }
 
