@@ -1,7 +1,8 @@
 //! Does what was decided: accepts and rejects snapshots.
 //!
-//! In: which snapshots, and what is to become of each. Out: changed folders. The snapshots of one folder change all
-//! together or not at all; before the first of several folders changes, all are looked at.
+//! In: what was decided of groups. Out: what becomes of which snapshot, and changed folders. A snapshot is accepted when
+//! every edit in it was, and rejected when one was. The snapshots of one folder change all together or not at all; before
+//! the first of several folders changes, all are looked at.
 
 use super::find::{Found, Pending};
 use super::groups::Group;
@@ -17,6 +18,50 @@ pub enum Decision {
     Accept,
     /// It goes; what was accepted stays.
     Reject,
+}
+
+/// What is left to be decided of each pending snapshot.
+pub struct Ballot {
+    /// How many groups of each snapshot were not accepted yet; none once it is settled.
+    open: Vec<Option<usize>>,
+}
+
+impl Ballot {
+    /// Begins with nothing decided.
+    pub fn of(n_pending: usize, groups: &[Group]) -> Ballot {
+        let mut open = vec![Some(0); n_pending];
+        for member in groups.iter().flat_map(|group| &group.members) {
+            if let Some(count) = &mut open[*member] {
+                *count += 1;
+            }
+        }
+        Ballot { open }
+    }
+
+    /// Counts what was decided of a group, once, and returns what that settles.
+    pub fn decide(&mut self, group: &Group, decision: Decision) -> Vec<(usize, Decision)> {
+        let mut settled = Vec::new();
+        for member in &group.members {
+            let Some(count) = &mut self.open[*member] else {
+                continue;
+            };
+            *count -= 1;
+            if decision == Decision::Reject || *count == 0 {
+                settled.extend(self.settle(*member, decision));
+            }
+        }
+        settled
+    }
+
+    /// Decides a snapshot whatever was decided of its edits; nothing where it is settled already.
+    pub fn settle(&mut self, member: usize, decision: Decision) -> Option<(usize, Decision)> {
+        self.open[member].take().map(|_| (member, decision))
+    }
+
+    /// Returns whether a snapshot is settled.
+    pub fn is_settled(&self, member: usize) -> bool {
+        self.open[member].is_none()
+    }
 }
 
 /// Does what was decided of some pending snapshots, by their numbers.
@@ -47,10 +92,19 @@ pub fn apply(found: &mut Found, decided: &[(usize, Decision)]) -> Result<(), Fai
     Ok(())
 }
 
-/// Returns the snapshots that an id names: of a group, or one; fails where it names none, or several by one name.
-pub fn named(id: &str, pending: &[Pending], groups: &[Group]) -> Result<Vec<usize>, Failure> {
-    if let Some(group) = groups.iter().find(|group| group.id == id) {
-        return Ok(group.members.clone());
+/// What an id names, by its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Named {
+    /// A group.
+    Group(usize),
+    /// A pending snapshot.
+    Snapshot(usize),
+}
+
+/// Returns what an id names; fails where it names nothing, or several snapshots by one name.
+pub fn named(id: &str, pending: &[Pending], groups: &[Group]) -> Result<Named, Failure> {
+    if let Some(group) = groups.iter().position(|group| group.id == id) {
+        return Ok(Named::Group(group));
     }
     let by_name = |one: &Pending| one.name.as_str() == id;
     let place = fs::canonicalize(id).ok();
@@ -64,7 +118,7 @@ pub fn named(id: &str, pending: &[Pending], groups: &[Group]) -> Result<Vec<usiz
         [] => Err(Failure::usage(format!(
             "nothing that is pending has the id `{id}`; `fabc review --json` lists them; nothing was done"
         ))),
-        [_] => Ok(numbers),
+        [one] => Ok(Named::Snapshot(*one)),
         several => {
             let paths: Vec<String> = several
                 .iter()

@@ -1,11 +1,12 @@
 //! Puts what is pending into groups: an edit that changes forty snapshots is one thing to look at.
 //!
-//! In: what is pending. Out: groups, whose ids are the same from run to run. A snapshot is in one group: that of all
-//! its edits together, since it is accepted as a whole.
+//! In: what is pending. Out: groups, whose ids are the same from run to run. Each edit is one group, so that it is looked
+//! at once; a text that several edits change is in a group of each. What becomes of it then is up to [`super::decide`].
 
 use super::edits::{self, Cause, Edit};
 use super::find::Pending;
 use crate::snapshots::Contents;
+use compiler::tokens;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,7 +34,7 @@ pub struct Group {
     pub kind: Kind,
     /// What caused it, in order, each once.
     pub causes: Vec<Cause>,
-    /// The edits, each once; none of pictures and new snapshots.
+    /// The edits: one of texts, all of a scene, none of pictures and new snapshots.
     pub edits: Vec<Edit>,
     /// Which of the pending ones it holds.
     pub members: Vec<usize>,
@@ -74,43 +75,60 @@ pub fn group(pending: &[Pending]) -> Vec<Group> {
             Kind::Edit | Kind::Scene => edits::edits(one),
             Kind::Picture | Kind::New => Vec::new(),
         };
-        let key = (kind, key(one, kind, &found));
-        let group = groups.entry(key.clone()).or_insert_with(|| {
-            order.push(key.clone());
-            Group {
-                id: id(&key.1),
-                kind,
-                causes: Vec::new(),
-                edits: once(&found),
-                members: Vec::new(),
-                tokens: Tokens::default(),
-            }
-        });
-        group.members.push(number);
-        for edit in &found {
-            let again = group
-                .edits
-                .iter_mut()
-                .find(|again| again.key() == edit.key());
-            if let Some(again) = again {
-                add(&mut again.causes, edit.causes.iter().cloned());
-            }
-        }
-        add(&mut group.causes, causes(one, kind, &found));
-        if one.info.stage.is_some()
-            && let Some(after) = one.info.tokens
-        {
-            let before = one.accepted.as_ref().map_or(Some(0), |accepted| {
-                accepted.metadata.info.as_ref().and_then(|info| info.tokens)
+        let each = once(&found);
+        let parts: Vec<&[Edit]> = match kind {
+            Kind::Edit if each.len() > 1 => each.chunks(1).collect(),
+            _ => vec![&each],
+        };
+        for part in &parts {
+            let key = (kind, key(one, kind, part));
+            let group = groups.entry(key.clone()).or_insert_with(|| {
+                order.push(key.clone());
+                Group {
+                    id: id(&key.1),
+                    kind,
+                    causes: Vec::new(),
+                    edits: part.to_vec(),
+                    members: Vec::new(),
+                    tokens: Tokens::default(),
+                }
             });
-            group
-                .tokens
-                .questions
-                .extend(before.map(|before| [before, after]));
+            group.members.push(number);
+            for edit in &mut group.edits {
+                let key = edit.key();
+                let again = found.iter().filter(|again| again.key() == key);
+                let causes = again.flat_map(|again| again.causes.iter().cloned());
+                add(&mut edit.causes, causes);
+            }
+            add(&mut group.causes, causes(one, kind, part));
+            let question = question(one).map(|[before, after]| match parts.len() {
+                1 => [before, after],
+                _ => [before, before.saturating_add_signed(weight(&found, part))],
+            });
+            group.tokens.questions.extend(question);
         }
     }
     order.sort_by_key(|(kind, _)| *kind);
     order.iter().filter_map(|key| groups.remove(key)).collect()
+}
+
+/// Returns the estimated tokens of a prompt text before and after, where both are known.
+fn question(one: &Pending) -> Option<[u64; 2]> {
+    one.info.stage.as_ref()?;
+    let after = one.info.tokens?;
+    let before = match &one.accepted {
+        None => 0,
+        Some(accepted) => accepted.metadata.info.as_ref()?.tokens?,
+    };
+    Some([before, after])
+}
+
+/// Returns by how many tokens some of a text's edits make it longer, each as often as it is made.
+fn weight(found: &[Edit], part: &[Edit]) -> i64 {
+    let of = |lines: &[String]| tokens::of_text(&lines.join("\n")) as i64;
+    let is_part = |edit: &&Edit| part.iter().any(|one| one.key() == edit.key());
+    let made = found.iter().filter(is_part);
+    made.map(|edit| of(&edit.added) - of(&edit.removed)).sum()
 }
 
 fn add(causes: &mut Vec<Cause>, more: impl IntoIterator<Item = Cause>) {

@@ -22,13 +22,13 @@ use crate::exit::{Exit, Failure};
 use crate::output;
 use crate::snapshots::Name;
 use cost::Pricing;
-use decide::Decision;
+use decide::{Ballot, Decision, Named};
 use find::{Found, Pending};
 use groups::{Group, Kind};
 use serde_json::{Value, json};
 use sheets::Sheets;
 use show::Layout;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::io::IsTerminal;
 
 /// Reviews what is pending.
@@ -89,26 +89,51 @@ fn by_id(
     pricing: Option<&Pricing>,
     sheets: &mut Sheets,
 ) -> Result<Exit, Failure> {
-    let mut decisions: BTreeMap<usize, Decision> = BTreeMap::new();
-    if arguments.accept_all {
-        decisions.extend((0..found.pending.len()).map(|at| (at, Decision::Accept)));
+    let ids = |ids: &[String]| -> Result<BTreeSet<Named>, Failure> {
+        let named = |id: &String| decide::named(id, &found.pending, groups);
+        ids.iter().map(named).collect()
+    };
+    let (accepts, rejects) = (ids(&arguments.accept)?, ids(&arguments.reject)?);
+    if let Some(both) = accepts.intersection(&rejects).next() {
+        let name = match both {
+            Named::Group(number) => groups[*number].id.clone(),
+            Named::Snapshot(number) => found.pending[*number].name.to_string(),
+        };
+        return Err(Failure::usage(format!(
+            "`{name}` is both accepted and rejected; nothing was done"
+        )));
     }
-    for id in &arguments.accept {
-        let numbers = decide::named(id, &found.pending, groups)?;
-        decisions.extend(numbers.into_iter().map(|at| (at, Decision::Accept)));
-    }
-    for id in &arguments.reject {
-        for number in decide::named(id, &found.pending, groups)? {
-            let other = decisions.insert(number, Decision::Reject);
-            if other == Some(Decision::Accept) && !arguments.accept_all {
-                return Err(Failure::usage(format!(
-                    "`{}` is both accepted and rejected; nothing was done",
-                    found.pending[number].name
-                )));
-            }
+    let mut ballot = Ballot::of(found.pending.len(), groups);
+    let mut decided: Vec<(usize, Decision)> = Vec::new();
+    for (named, decision) in rejects
+        .iter()
+        .map(|named| (named, Decision::Reject))
+        .chain(accepts.iter().map(|named| (named, Decision::Accept)))
+    {
+        match named {
+            Named::Group(number) => decided.extend(ballot.decide(&groups[*number], decision)),
+            Named::Snapshot(number) => decided.extend(ballot.settle(*number, decision)),
         }
     }
-    let decided: Vec<(usize, Decision)> = decisions.into_iter().collect();
+    let all = match arguments.accept_all {
+        true => 0..found.pending.len(),
+        false => 0..0,
+    };
+    decided.extend(all.filter_map(|at| ballot.settle(at, Decision::Accept)));
+    // An accepted edit of a text that others change too is not enough to accept the text.
+    let waiting: BTreeSet<usize> = accepts
+        .iter()
+        .flat_map(|named| match named {
+            Named::Group(number) => groups[*number].members.as_slice(),
+            Named::Snapshot(_) => &[],
+        })
+        .copied()
+        .filter(|member| !ballot.is_settled(*member))
+        .collect();
+    let waiting: Vec<Name> = waiting
+        .into_iter()
+        .map(|at| found.pending[at].name.clone())
+        .collect();
     decide::apply(found, &decided)?;
     let names = |wanted: Decision| -> Vec<Name> {
         decided
@@ -129,6 +154,7 @@ fn by_id(
         let mut value = as_json(found, &left, pricing, sheets)?;
         value["accepted"] = json!(accepted);
         value["rejected"] = json!(rejected);
+        value["waiting"] = json!(waiting);
         output::json(&value);
     } else {
         output::data(&format!(
@@ -137,6 +163,9 @@ fn by_id(
             rejected.len(),
             found.pending.len()
         ));
+        if !waiting.is_empty() {
+            output::talk(&session::waiting(waiting.len()));
+        }
     }
     Ok(Exit::Done)
 }

@@ -4,7 +4,7 @@
 //! who stops keeps what was decided.
 
 use super::cost::Pricing;
-use super::decide::{self, Decision};
+use super::decide::{self, Ballot, Decision};
 use super::find::Found;
 use super::groups::{Group, Kind};
 use super::sheets::Sheets;
@@ -12,6 +12,7 @@ use super::show::{self, Extent, Layout, View};
 use crate::exit::{Exit, Failure};
 use crate::output;
 use console::{Key, Term};
+use std::collections::BTreeSet;
 
 const KEYS: &str = "\
 a  accept: from now on this is what is compared with
@@ -34,7 +35,7 @@ const MIN_COLUMNS: usize = 20;
 struct Count {
     accepted: usize,
     rejected: usize,
-    skipped: usize,
+    skipped: BTreeSet<usize>,
     left: usize,
 }
 
@@ -57,6 +58,7 @@ pub fn run(
 ) -> Result<Exit, Failure> {
     let term = Term::stdout();
     let mut session = Session {
+        ballot: Ballot::of(found.pending.len(), groups),
         found,
         groups,
         pricing,
@@ -67,9 +69,16 @@ pub fn run(
         count: Count::default(),
     };
     let ended = session.through();
-    let decided: usize = session.count.accepted + session.count.rejected + session.count.skipped;
-    let all: usize = groups.iter().map(|group| group.members.len()).sum();
-    session.count.left = all - decided;
+    let Session {
+        count,
+        ballot,
+        found,
+        ..
+    } = &mut session;
+    // What a later edit settled was not skipped after all.
+    count.skipped.retain(|member| !ballot.is_settled(*member));
+    let decided = count.accepted + count.rejected + count.skipped.len();
+    count.left = found.pending.len() - decided;
     output::data(&session.count.in_words());
     match ended? {
         End::Interrupted => Ok(Exit::Interrupted),
@@ -80,6 +89,7 @@ pub fn run(
 struct Session<'a> {
     found: &'a mut Found,
     groups: &'a [Group],
+    ballot: Ballot,
     pricing: Option<&'a Pricing>,
     sheets: &'a mut Sheets,
     term: Term,
@@ -91,17 +101,22 @@ struct Session<'a> {
 impl Session<'_> {
     fn through(&mut self) -> Result<End, Failure> {
         for number in 0..self.groups.len() {
+            let mut members = self.groups[number].members.iter();
+            if members.all(|member| self.ballot.is_settled(*member)) {
+                // Another edit of all these was rejected.
+                continue;
+            }
             self.show(number)?;
             loop {
                 match self.key()? {
-                    Key::Char('a') => self.decide(&[number], Decision::Accept)?,
-                    Key::Char('r') => self.decide(&[number], Decision::Reject)?,
+                    Key::Char('a') => self.decide(number, Decision::Accept)?,
+                    Key::Char('r') => self.decide(number, Decision::Reject)?,
                     Key::Char('s') => {
-                        self.count.skipped += self.groups[number].members.len();
+                        let members = self.groups[number].members.iter();
+                        self.count.skipped.extend(members);
                     }
                     Key::Char('A') => {
-                        let left: Vec<usize> = (number..self.groups.len()).collect();
-                        self.decide(&left, Decision::Accept)?;
+                        self.accept_from(number)?;
                         return Ok(End::Through);
                     }
                     Key::Char('d') => {
@@ -178,18 +193,45 @@ impl Session<'_> {
         Ok(key)
     }
 
-    fn decide(&mut self, groups: &[usize], decision: Decision) -> Result<(), Failure> {
-        let decided: Vec<(usize, Decision)> = groups
-            .iter()
-            .flat_map(|number| &self.groups[*number].members)
-            .map(|member| (*member, decision))
-            .collect();
-        decide::apply(self.found, &decided)?;
-        match decision {
-            Decision::Accept => self.count.accepted += decided.len(),
-            Decision::Reject => self.count.rejected += decided.len(),
+    fn decide(&mut self, number: usize, decision: Decision) -> Result<(), Failure> {
+        let group = &self.groups[number];
+        let settled = self.ballot.decide(group, decision);
+        self.settle(&settled)?;
+        let members = group.members.iter();
+        let is_open = |member: &&usize| !self.ballot.is_settled(**member);
+        match members.filter(is_open).count() {
+            0 => {}
+            count => output::data(&waiting(count)),
         }
         Ok(())
+    }
+
+    /// Accepts a group and all after it.
+    fn accept_from(&mut self, number: usize) -> Result<(), Failure> {
+        let mut settled = Vec::new();
+        for group in &self.groups[number..] {
+            settled.extend(self.ballot.decide(group, Decision::Accept));
+        }
+        self.settle(&settled)
+    }
+
+    fn settle(&mut self, settled: &[(usize, Decision)]) -> Result<(), Failure> {
+        decide::apply(self.found, settled)?;
+        for (_, decision) in settled {
+            match decision {
+                Decision::Accept => self.count.accepted += 1,
+                Decision::Reject => self.count.rejected += 1,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Says that accepted edits are not all that changed.
+pub fn waiting(count: usize) -> String {
+    match count {
+        1 => "1 snapshot waits until its other edits are decided".to_owned(),
+        _ => format!("{count} snapshots wait until their other edits are decided"),
     }
 }
 
@@ -197,7 +239,9 @@ impl Count {
     fn in_words(&self) -> String {
         let mut words = format!(
             "accepted {}, rejected {}, skipped {}",
-            self.accepted, self.rejected, self.skipped
+            self.accepted,
+            self.rejected,
+            self.skipped.len()
         );
         if self.left > 0 {
             words.push_str(&format!(", not decided {}", self.left));

@@ -99,9 +99,6 @@ fn head(group: &Group, pending: &[Pending]) -> String {
     let count = group.members.len();
     let snapshots = if count == 1 { "snapshot" } else { "snapshots" };
     let what = match group.kind {
-        Kind::Edit if group.edits.len() > 1 => {
-            format!("{} edits change {count} {snapshots}", group.edits.len())
-        }
         Kind::Edit => {
             let cause = group.causes.first();
             let place = cause.map_or(String::new(), |cause| format!(": {}", place(cause)));

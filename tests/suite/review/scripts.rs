@@ -210,22 +210,106 @@ fn two_components_that_change_side_by_side_are_two_edits() {
     let folder = tempfile::tempdir().unwrap();
     let snapshots = folder.path().join("snapshots");
     let old = prompt("half", "The red dots are corners.", 810);
-    let new = prompt("half", "The blue dots are corners.", 812)
-        .replace("You fold a cloth", "You fold a towel");
+    let new = prompt("half", "The blue dots are corners.", 812).replace(
+        "You fold a cloth",
+        "You fold a towel that is a good deal larger",
+    );
     accepted(&snapshots, "half.describe@start", &old);
     pending(&snapshots, "half.describe@start", &new);
     let value = json(folder.path(), &[]);
-    let edits = value["groups"][0]["edits"].as_array().unwrap();
-    assert_eq!(edits.len(), 2, "{value:#}");
-    assert_eq!(edits[0]["removed"][0], "You fold a cloth in the task half.");
-    assert_eq!(edits[1]["added"][0], "The blue dots are corners.");
-    let causes: Vec<&str> = value["groups"][0]["cause"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .filter_map(|cause| cause["component"].as_str())
-        .collect();
-    assert_eq!(causes, ["describe.say", "visual_context"]);
+    let [one, other] = value["groups"].as_array().unwrap().as_slice() else {
+        panic!("{value:#}");
+    };
+    assert_eq!(
+        one["edits"][0]["removed"][0],
+        "You fold a cloth in the task half."
+    );
+    assert_eq!(one["cause"][0]["component"], "describe.say");
+    assert_eq!(other["edits"][0]["added"][0], "The blue dots are corners.");
+    assert_eq!(other["cause"][0]["component"], "visual_context");
+    // Each of the two has the weight of its own words.
+    let weight = |group: &Value| {
+        let lines =
+            |key: &str| compiler::tokens::of_text(group["edits"][0][key][0].as_str().unwrap());
+        810 + lines("added") - lines("removed")
+    };
+    for group in [one, other] {
+        assert_eq!(group["tokens"]["before"], 810);
+        assert_eq!(group["tokens"]["after"], weight(group), "{group:#}");
+    }
+    assert!(weight(one) > 815);
+}
+
+/// Two edits of one text, of which another text has the second alone: the ids of both.
+fn two_edits(snapshots: &Path) -> [String; 2] {
+    let folder = snapshots.parent().unwrap();
+    let old = prompt("half", "The red dots are corners.", 810);
+    let second = prompt("half", "The blue dots are corners.", 812);
+    let both = second.replace("You fold a cloth", "You fold a towel");
+    for (name, new) in [
+        ("half.describe@start", &both),
+        ("half.describe@later", &second),
+    ] {
+        accepted(snapshots, name, &old);
+        pending(snapshots, name, new);
+    }
+    let value = json(folder, &[]);
+    let groups = value["groups"].as_array().unwrap().iter();
+    let of = |removed: &str| {
+        let group = groups.clone().find(|group| {
+            let line = group["edits"][0]["removed"][0].as_str().unwrap();
+            line.starts_with(removed)
+        });
+        group.unwrap()["id"].as_str().unwrap().to_owned()
+    };
+    [of("You fold"), of("The red")]
+}
+
+#[test]
+fn a_text_is_accepted_once_each_of_its_edits_is_and_rejected_with_any() {
+    let cases: [(&[&str], &[&str], &str); 5] = [
+        (
+            &["second"],
+            &[],
+            "accepted 1, rejected 0, still pending 1\n",
+        ),
+        (&["first"], &[], "accepted 0, rejected 0, still pending 2\n"),
+        (
+            &["first", "second"],
+            &[],
+            "accepted 2, rejected 0, still pending 0\n",
+        ),
+        (
+            &["second"],
+            &["first"],
+            "accepted 1, rejected 1, still pending 0\n",
+        ),
+        (
+            &[],
+            &["second"],
+            "accepted 0, rejected 2, still pending 0\n",
+        ),
+    ];
+    for (accepts, rejects, said) in cases {
+        let folder = tempfile::tempdir().unwrap();
+        let [first, second] = two_edits(&folder.path().join("snapshots"));
+        let id = |name: &&str| match *name {
+            "first" => first.clone(),
+            _ => second.clone(),
+        };
+        let mut arguments = Vec::new();
+        for (flag, names) in [("--accept", accepts), ("--reject", rejects)] {
+            arguments.extend(names.iter().flat_map(|name| [flag.to_owned(), id(name)]));
+        }
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let found = review(folder.path(), &arguments);
+        assert_eq!(found.stdout, said, "{accepts:?} {rejects:?}");
+        let waits = found
+            .stderr
+            .contains("1 snapshot waits until its other edits");
+        let expected = accepts.len() == 1 && rejects.is_empty();
+        assert_eq!(waits, expected, "{}", found.stderr);
+    }
 }
 
 #[test]

@@ -252,3 +252,42 @@ fn a_narrow_terminal_and_a_long_list_are_enough() {
     assert_eq!(code, Some(0));
     assert!(shown.ends_with("not decided 40\n"), "{shown}");
 }
+
+/// Two edits in three snapshots: each is shown once, and the snapshot that has both waits for the second.
+#[test]
+fn each_edit_is_asked_for_once_and_a_text_with_two_waits_for_both() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    let old = prompt("half", "The red dots are corners.", 810);
+    let second = prompt("half", "The blue dots are corners.", 812);
+    let first = old.replace("You fold a cloth", "You fold a towel");
+    let both = second.replace("You fold a cloth", "You fold a towel");
+    for (name, new) in [
+        ("a@start", &both),
+        ("b@start", &first),
+        ("c@start", &second),
+    ] {
+        accepted(&snapshots, name, &old);
+        pending(&snapshots, name, new);
+    }
+    let mut session = Session::start(folder.path(), 100, &[]);
+    let shown = session.until(PROMPT);
+    assert!(shown.contains("1 of 2"), "{shown}");
+    assert!(shown.contains("one edit changes 2 snapshots"), "{shown}");
+    session.press("a");
+    let shown = session.until(PROMPT);
+    assert!(
+        shown.contains("1 snapshot waits until its other edits"),
+        "{shown}"
+    );
+    assert!(shown.contains("one edit changes 2 snapshots"), "{shown}");
+    assert_eq!(left(&snapshots), ["a@start", "c@start"]);
+    session.press("a");
+    let (code, shown) = session.end();
+    assert_eq!(code, Some(0));
+    assert!(
+        shown.ends_with("accepted 3, rejected 0, skipped 0\n"),
+        "{shown}"
+    );
+    assert!(left(&snapshots).is_empty());
+}
