@@ -7,6 +7,7 @@
 #[cfg_attr(not(feature = "runtime"), path = "snap/without_camera.rs")]
 mod camera;
 mod origins;
+mod pinned;
 mod plan;
 mod scene;
 mod wanted;
@@ -18,7 +19,7 @@ use compiler::program::Program;
 use plan::{Found, Plan, State};
 pub use scene::{Moment, USUAL};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// A file and what it declares.
@@ -31,13 +32,18 @@ pub struct Declared {
 
 /// Takes snapshots, or says how they differ.
 pub fn run(arguments: &SnapArguments) -> Result<Exit, Failure> {
-    let mut found = Vec::new();
+    let mut plans = Vec::new();
     for (folder, declared) in compiled(&arguments.files)? {
         let mut plan = Plan::open(&folder)?;
         wanted::of(&declared, arguments, &mut plan)?;
-        let states = plan.states()?;
+        plans.push(plan);
+    }
+    // Nothing is written before all of it is known, so that what fails leaves every folder as it was.
+    let mut found = Vec::new();
+    for plan in &mut plans {
+        let mut states = plan.states();
         if !arguments.check {
-            plan.carry_out(&states, arguments)?;
+            plan.carry_out(&mut states, arguments)?;
         }
         found.extend(states);
     }
@@ -54,12 +60,18 @@ pub fn run(arguments: &SnapArguments) -> Result<Exit, Failure> {
 }
 
 /// Compiles every file before anything is written, and puts those of one folder together.
-fn compiled(files: &[String]) -> Result<BTreeMap<PathBuf, Vec<Declared>>, Failure> {
-    let mut folders: BTreeMap<PathBuf, Vec<Declared>> = BTreeMap::new();
+fn compiled(files: &[String]) -> Result<Vec<(PathBuf, Vec<Declared>)>, Failure> {
+    let mut folders: BTreeMap<PathBuf, (PathBuf, Vec<Declared>)> = BTreeMap::new();
     let mut failed: Option<Failure> = None;
     for file in files {
         let folder = sources::folder_of(file);
-        let declared = folders.entry(folder).or_default();
+        let shown = match folder.as_os_str().is_empty() {
+            true => Path::new("."),
+            false => &folder,
+        };
+        // One folder may be named in two ways.
+        let real = shown.canonicalize().unwrap_or_else(|_| folder.clone());
+        let (_, declared) = folders.entry(real).or_insert((folder, Vec::new()));
         let name = Path::new(file).file_name();
         if declared
             .iter()
@@ -81,7 +93,7 @@ fn compiled(files: &[String]) -> Result<BTreeMap<PathBuf, Vec<Declared>>, Failur
         }
     }
     match failed {
-        None => Ok(folders),
+        None => Ok(folders.into_values().collect()),
         Some(failure) => Err(failure.saying("no snapshot was taken")),
     }
 }
@@ -136,20 +148,37 @@ fn report(found: &[Found], arguments: &SnapArguments) {
             "{unseen} were not looked at by this build of fabc"
         ));
     }
-    if changed + new > 0 {
-        output::talk("`fabc review` shows what waits, and accepts or rejects it");
+    let waits = found.iter().filter(|found| found.is_pending).count();
+    let places = places(found);
+    match arguments.check {
+        true if changed + new > 0 => output::talk(&format!(
+            "`fabc snap {}` proposes what is new, `fabc review{places}` shows it and accepts or rejects it",
+            arguments.files.join(" ")
+        )),
+        true if waits > 0 => output::talk(&format!(
+            "{waits} are pending and no longer needed; `fabc snap` takes them away"
+        )),
+        false if waits > 0 => output::talk(&format!(
+            "`fabc review{places}` shows what waits, and accepts or rejects it"
+        )),
+        _ => {}
     }
     if orphaned > 0 && !arguments.prune {
         output::talk(
             "an orphaned snapshot is of something that its file no longer declares; `fabc snap --prune` removes it",
         );
     }
-    let waits = counted(State::Same)
-        .filter(|found| found.is_pending)
-        .count();
-    if waits > 0 && arguments.check {
-        output::talk(&format!(
-            "{waits} are pending and no longer needed; `fabc snap` takes them away"
-        ));
-    }
+}
+
+/// Returns the folders of snapshots that are not below the current one's own, as arguments for `fabc review`.
+fn places(found: &[Found]) -> String {
+    let folders: BTreeSet<&Path> = found
+        .iter()
+        .filter_map(|found| found.path.parent())
+        .collect();
+    let own = Path::new(crate::snapshots::FOLDER);
+    let others = folders.into_iter().filter(|folder| *folder != own);
+    others
+        .map(|folder| format!(" {}", folder.display()))
+        .collect()
 }

@@ -90,6 +90,9 @@ pub enum SubgoalError {
         /// What the system said.
         why: String,
     },
+    /// An arrow cannot be drawn.
+    #[error(transparent)]
+    Vision(#[from] VisionError),
     /// The demonstration cannot be executed.
     #[error("the demonstration cannot be executed: {0}")]
     World(#[from] WorldError),
@@ -178,6 +181,39 @@ impl SubgoalSet {
             }
         }
         Ok(Some(StepPictures { bare, with_arrow }))
+    }
+
+    /// Returns one picture around step `number`, from 0, as [`SubgoalSet::obtain`] and [`SubgoalSet::step`] would, and
+    /// folds no further than it needs; None where the task has no subgoals.
+    pub fn picture(
+        program: &Program,
+        folder: &Path,
+        number: usize,
+        (which, arrow): (Which, Arrow),
+        world: &mut dyn World,
+        interrupt: &Interrupt,
+    ) -> Result<Option<RgbImage>, SubgoalError> {
+        if let Some(Subgoals::Demonstrate { folds }) = &program.subgoals
+            && !matches!(
+                load_pins(program, folds, folder, world)?,
+                Pinned::Fitting(_)
+            )
+        {
+            let number = number.min(folds.len() - 1);
+            let shown = match which {
+                Which::Now => number,
+                Which::Next => number + 1,
+            };
+            let mut set = draw_until(shown, program, folds, Origin::Drawn, world, interrupt)?;
+            let mut picture = set.pictures.swap_remove(shown);
+            if let (Arrow::Drawn, Some([tail, tip])) = (arrow, set.arrows[number]) {
+                vision::draw_arrow(&mut picture, tail, tip)?;
+            }
+            return Ok(Some(picture));
+        }
+        let set = SubgoalSet::obtain(program, folder, world, interrupt)?;
+        let step = set.step(number)?;
+        Ok(step.map(|step| step.picture(which, arrow).clone()))
     }
 
     /// Writes the pictures where [`SubgoalSet::obtain`] looks for them, and returns the files.
@@ -307,6 +343,18 @@ fn draw(
     world: &mut dyn World,
     interrupt: &Interrupt,
 ) -> Result<SubgoalSet, SubgoalError> {
+    draw_until(folds.len(), program, folds, origin, world, interrupt)
+}
+
+/// Draws the pictures from the first to number `last`, from 0, and the arrows that leave them.
+fn draw_until(
+    last: usize,
+    program: &Program,
+    folds: &[Fold],
+    origin: Origin,
+    world: &mut dyn World,
+    interrupt: &Interrupt,
+) -> Result<SubgoalSet, SubgoalError> {
     let start = Start::flat(&program.cloth);
     world.reset(&start)?;
     let first = world.observe()?;
@@ -322,6 +370,9 @@ fn draw(
             [Some(tail), Some(tip)] => Some([tail, tip]),
             _ => None,
         });
+        if set.pictures.len() > last {
+            break;
+        }
         world.act(&motion, interrupt)?;
         set.pictures.push(world.observe()?.rgb);
     }

@@ -16,6 +16,9 @@ pub struct SnapArguments {
     /// Remove accepted snapshots of what the files no longer declare.
     #[arg(long)]
     pub prune: bool,
+    /// Draw every picture, also where nothing that it is drawn from has changed.
+    #[arg(long)]
+    pub redraw: bool,
     /// Pin one more scene, under this name; it is kept from then on.
     #[arg(long, value_name = "NAME")]
     pub scene: Option<String>,

@@ -32,6 +32,8 @@ pub struct ShownStage {
     pub name: String,
     /// What is said, in order.
     pub messages: Vec<Shown>,
+    /// How many of them make up the first question.
+    pub n_asked_first: usize,
     /// What a model would be told where a check refuses its answer, by the check's name.
     pub corrections: Vec<(String, Said)>,
     /// What came of the answers that were given, in words.
@@ -70,10 +72,15 @@ impl ShownStage {
         lines
     }
 
+    /// Returns the pieces of the first question.
+    pub fn first_question(&self) -> impl Iterator<Item = &ShownPart> {
+        let asked = self.messages.iter().take(self.n_asked_first);
+        asked.flat_map(|message| &message.parts)
+    }
+
     /// Returns the texts of the first question, without headings.
     pub fn texts(&self) -> impl Iterator<Item = &Said> {
-        let parts = self.messages.iter().flat_map(|message| &message.parts);
-        parts.filter_map(|part| match part {
+        self.first_question().filter_map(|part| match part {
             ShownPart::Text(said) => Some(said),
             ShownPart::Picture { .. } => None,
         })

@@ -119,8 +119,7 @@ fn weights(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> Vec<
             at_most: tokens,
         });
     }
-    let parts = stage.messages.iter().flat_map(|message| &message.parts);
-    for part in parts {
+    for part in stage.first_question() {
         if let (
             ShownPart::Picture {
                 title,
@@ -168,19 +167,33 @@ fn table(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> String
         let name = &weight.said_by;
         text.push_str(&format!("  {name:widest$}  {tokens:>7}{cost}\n"));
     }
-    let n_pictures = pictures(stage);
-    if n_pictures > 0 && rates.is_none() {
-        text.push_str(&format!(
+    let n_pictures = not_counted(stage, rates);
+    match rates {
+        None if n_pictures > 0 => text.push_str(&format!(
             "  {n_pictures} pictures are not counted; `--model PROVIDER:NAME` tells what they weigh and what all costs\n"
-        ));
+        )),
+        Some(rates) if n_pictures > 0 => text.push_str(&format!(
+            "  {n_pictures} pictures are not counted: how many tokens one has for {} is not known\n",
+            rates.model()
+        )),
+        _ => {}
+    }
+    if let Some(rates) = rates.filter(|rates| rates.cost_nano_usd(1).is_none()) {
+        text.push_str(&format!("  the price of {} is not known\n", rates.model()));
     }
     text
 }
 
-fn pictures(stage: &ShownStage) -> usize {
-    let parts = stage.messages.iter().flat_map(|message| &message.parts);
-    let is_picture = |part: &&ShownPart| matches!(part, ShownPart::Picture { .. });
-    parts.filter(is_picture).count()
+/// Returns how many pictures of the first question have no known weight.
+fn not_counted(stage: &ShownStage, rates: Option<&dyn Rates>) -> usize {
+    let is_unknown = |part: &&ShownPart| match (part, rates) {
+        (ShownPart::Text(_), _) => false,
+        (ShownPart::Picture { png: Some(png), .. }, Some(rates)) => {
+            rates.picture_tokens(png).is_none()
+        }
+        (ShownPart::Picture { .. }, _) => true,
+    };
+    stage.first_question().filter(is_unknown).count()
 }
 
 fn total(weights: &[Weight]) -> Weight {
@@ -242,9 +255,6 @@ pub fn as_json(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> 
     let mut by_component = BTreeMap::new();
     by_component.insert("components", Value::from_iter(weights.iter().map(weighed)));
     by_component.insert("all", weighed(&all));
-    by_component.insert(
-        "pictures_not_counted",
-        json!(if rates.is_none() { pictures(stage) } else { 0 }),
-    );
+    by_component.insert("pictures_not_counted", json!(not_counted(stage, rates)));
     json!({ "stretches": stretches, "estimated_tokens": by_component })
 }

@@ -135,6 +135,7 @@ impl View {
             let corrections = super::corrections_of(program, stage, values);
             Ok(ShownStage {
                 corrections: corrections.map_err(Failure::environment)?,
+                n_asked_first: rehearsed.n_asked_first,
                 messages: shown(&rehearsed.conversation, self.step),
                 findings: rehearsed.findings.iter().map(in_words).collect(),
                 name: rehearsed.stage,
@@ -198,9 +199,11 @@ impl View {
         let stages = stages.iter().map(|stage| {
             let conversation =
                 agent::conversation(program, stage, values, &self.pictures, self.step, lowering);
+            let conversation = conversation.map_err(Failure::environment)?;
             Ok(Rehearsed {
                 stage: stage.name.clone(),
-                conversation: conversation.map_err(Failure::environment)?,
+                n_asked_first: conversation.messages.len(),
+                conversation,
                 findings: Vec::new(),
             })
         });

@@ -69,6 +69,7 @@ impl View {
             let messages = render::messages(program, stage, values)?;
             Ok(ShownStage {
                 name: stage.name.clone(),
+                n_asked_first: messages.len(),
                 messages: messages
                     .into_iter()
                     .map(|it| shown(it, self.step))

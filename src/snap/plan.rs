@@ -2,7 +2,9 @@
 
 use crate::cli::snap::SnapArguments;
 use crate::exit::Failure;
+use crate::output;
 use crate::snapshots::{FOLDER, Folder, Info, Name, Operation, Snapshot};
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -14,6 +16,8 @@ pub struct Plan {
     wanted: BTreeMap<Name, Wanted>,
     /// The files that were looked at, as snapshots name them.
     sources: BTreeSet<String>,
+    /// Which snapshots were said to be unreadable.
+    told: RefCell<BTreeSet<Name>>,
 }
 
 /// What a snapshot should be.
@@ -24,6 +28,16 @@ pub enum Wanted {
     AsAccepted(Info),
     /// It should be there; this build cannot say what it should hold.
     Unseen(Info),
+    /// It is there, and holds other bytes than it says; this build cannot draw it.
+    Damaged(Info),
+}
+
+/// What became of reading an accepted snapshot.
+pub enum Readable {
+    /// It could be read, or is not there.
+    Yes(Option<Box<Snapshot>>),
+    /// It is there and cannot be read.
+    No,
 }
 
 /// What was found out about one snapshot.
@@ -83,6 +97,7 @@ impl Plan {
             folder: Folder::open(tasks.join(FOLDER)).map_err(Failure::environment)?,
             wanted: BTreeMap::new(),
             sources: BTreeSet::new(),
+            told: RefCell::default(),
         })
     }
 
@@ -104,19 +119,26 @@ impl Plan {
     }
 
     /// Compares what is wanted with what is accepted, and finds what nobody wants.
-    pub fn states(&self) -> Result<Vec<Found>, Failure> {
+    ///
+    /// An accepted snapshot that cannot be read counts as changed, with a note: it is proposed anew.
+    pub fn states(&self) -> Vec<Found> {
         let pending: BTreeSet<&Name> = self.folder.pending_names().collect();
         let mut found = Vec::with_capacity(self.wanted.len());
         for (name, wanted) in &self.wanted {
             let (info, state) = match wanted {
                 Wanted::AsAccepted(info) => (info.clone(), State::Same),
                 Wanted::Unseen(info) => (info.clone(), State::Unseen),
+                Wanted::Damaged(info) => (info.clone(), State::Changed),
                 Wanted::Taken(taken) => {
-                    let accepted = self.folder.accepted(name).map_err(Failure::environment)?;
-                    let state = match accepted {
-                        None => State::New,
-                        Some(accepted) if accepted.contents.is_same(&taken.contents) => State::Same,
-                        Some(_) => State::Changed,
+                    let state = match self.accepted(name) {
+                        Readable::No => State::Changed,
+                        Readable::Yes(None) => State::New,
+                        Readable::Yes(Some(accepted))
+                            if accepted.contents.is_same(&taken.contents) =>
+                        {
+                            State::Same
+                        }
+                        Readable::Yes(Some(_)) => State::Changed,
                     };
                     (taken.metadata.info.clone().unwrap_or_default(), state)
                 }
@@ -133,7 +155,8 @@ impl Plan {
             if self.wanted.contains_key(name) {
                 continue;
             }
-            let accepted = self.folder.accepted(name).map_err(Failure::environment)?;
+            // What cannot be read is nobody's that is known here; it is left alone.
+            let accepted = self.folder.accepted(name).ok().flatten();
             let Some(metadata) = accepted.map(|accepted| accepted.metadata) else {
                 continue;
             };
@@ -151,13 +174,33 @@ impl Plan {
                 });
             }
         }
-        Ok(found)
+        found
+    }
+
+    /// Reads an accepted snapshot; says on stderr why, where that is impossible.
+    pub fn accepted(&self, name: &Name) -> Readable {
+        match self.folder.accepted(name) {
+            Ok(accepted) => Readable::Yes(accepted.map(Box::new)),
+            Err(error) => {
+                if self.told.borrow_mut().insert(name.clone()) {
+                    output::talk(&format!("note: {error}; it counts as changed"));
+                }
+                Readable::No
+            }
+        }
+    }
+
+    /// Reads a pending snapshot; one that cannot be read is none, for it is proposed anew.
+    pub fn pending(&self, name: &Name) -> Option<Snapshot> {
+        self.folder.pending(name).ok().flatten()
     }
 
     /// Writes what differs as pending, takes away what waits for nothing, and removes orphans where that is asked for.
+    ///
+    /// Says in `states` which are pending then.
     pub fn carry_out(
         &mut self,
-        states: &[Found],
+        states: &mut [Found],
         arguments: &SnapArguments,
     ) -> Result<(), Failure> {
         let mut operations = Vec::new();
@@ -165,39 +208,39 @@ impl Plan {
             let name = found.name.clone();
             match (found.state, self.wanted.get(&name)) {
                 (State::Changed | State::New, Some(Wanted::Taken(taken))) => {
-                    let pending = self.folder.pending(&name).map_err(Failure::environment)?;
-                    if pending.as_ref() != Some(taken) {
+                    if self.pending(&name).as_ref() != Some(taken) {
                         operations.push(Operation::Propose(name, (**taken).clone()));
                     }
+                    found.is_pending = true;
                 }
                 (State::Same, Some(Wanted::Taken(_) | Wanted::AsAccepted(_)))
                     if found.is_pending =>
                 {
                     operations.push(Operation::Withdraw(name));
+                    found.is_pending = false;
                 }
                 (State::Orphaned, _) if arguments.prune => operations.push(Operation::Remove(name)),
                 _ => {}
             }
         }
-        operations.extend(self.forgotten()?);
+        operations.extend(self.forgotten());
         self.folder.apply(&operations).map_err(Failure::environment)
     }
 
     /// Returns what takes away pending snapshots that were never accepted, and that nobody wants any more.
-    fn forgotten(&self) -> Result<Vec<Operation>, Failure> {
+    fn forgotten(&self) -> Vec<Operation> {
         let accepted: BTreeSet<&Name> = self.folder.accepted_names().collect();
         let mut operations = Vec::new();
         for name in self.folder.pending_names() {
             if self.wanted.contains_key(name) || accepted.contains(name) {
                 continue;
             }
-            let pending = self.folder.pending(name).map_err(Failure::environment)?;
-            let metadata = pending.map(|pending| pending.metadata);
+            let metadata = self.pending(name).map(|pending| pending.metadata);
             let source = metadata.and_then(|it| it.info.and(it.source));
             if source.is_some_and(|source| self.sources.contains(&source)) {
                 operations.push(Operation::Withdraw(name.clone()));
             }
         }
-        Ok(operations)
+        operations
     }
 }

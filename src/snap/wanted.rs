@@ -2,7 +2,8 @@
 
 use super::camera::Camera;
 use super::origins;
-use super::plan::{Plan, Wanted};
+use super::pinned::{known_scenes, moment_of, pinned_alike, scene_name};
+use super::plan::{Plan, Readable, Wanted};
 use super::scene::{Moment, PinnedScene, USUAL, short_hash};
 use super::{Declared, SnapArguments};
 use crate::exit::Failure;
@@ -43,6 +44,8 @@ pub fn of(
 /// A task, and what its variants share with it.
 struct Task {
     source: String,
+    /// Whether pictures are drawn anew though nothing that they are drawn from has changed.
+    redraws: bool,
     /// Its scenes: the usual ones of the task and its variants, and those that somebody asked for.
     moments: BTreeSet<Moment>,
     /// The task's own scenes, which a variant shares where it would see the same.
@@ -66,20 +69,23 @@ impl Task {
         plan: &Plan,
     ) -> Result<Task, Failure> {
         let mut moments: BTreeSet<Moment> = programs.iter().flat_map(Moment::of).collect();
-        let mut more: BTreeSet<Moment> = arguments.moment()?.into_iter().collect();
         for name in plan.folder.names() {
-            let Some(moment) = moment_of(name, &programs[0]) else {
+            let Some(scene) = moment_of(name, &programs[0]) else {
                 continue;
             };
-            if !USUAL.contains(&moment)
-                && let Some(scene) = known_scene(name, plan)?
+            if !USUAL.contains(&scene)
+                && let Some(known) = known_scenes(name, plan)?.into_iter().next()
             {
-                more.insert(scene.moment(moment));
+                moments.insert(known.moment(scene));
             }
         }
-        moments.extend(more);
+        if let Some(wanted) = arguments.moment()? {
+            pinned_alike(&wanted, &moments, &programs[0])?;
+            moments.insert(wanted);
+        }
         Ok(Task {
             source: source.to_owned(),
+            redraws: arguments.redraw,
             moments,
             scenes: BTreeMap::new(),
             pictures: BTreeMap::new(),
@@ -127,8 +133,11 @@ impl Task {
             return Ok(shared.clone());
         }
         let name = scene_name(program, &moment.name)?;
-        let known = known_scene(&name, plan)?;
-        let scene = match known.filter(|known| known.seen_of == seen_of) {
+        // An undone edit leaves a pending scene of something else before an accepted one that fits, perhaps by hand.
+        let known = known_scenes(&name, plan)?.into_iter();
+        let fits =
+            |known: &PinnedScene| known.seen_of == seen_of && known.moment(&moment.name) == *moment;
+        let scene = match { known }.find(fits) {
             Some(known) => known,
             None => camera.scene(moment, seen_of)?,
         };
@@ -239,16 +248,38 @@ impl Task {
             let known = snapshot.metadata.info.as_ref();
             known.is_some_and(|known| known.drawn_from == info.drawn_from)
         };
-        let accepted = plan.folder.accepted(name).map_err(Failure::environment)?;
-        if accepted.is_some_and(|accepted| is_of_this(&accepted)) {
-            return Ok(Wanted::AsAccepted(info));
+        // Bytes that were exchanged, as by a bad merge, are those of no picture of ours.
+        let is_whole = |snapshot: &Snapshot| match &snapshot.contents {
+            Contents::Text(_) => false,
+            Contents::Picture(png) => {
+                let known = snapshot.metadata.info.as_ref();
+                known.is_some_and(|known| known.bytes == Some(short_hash(png)))
+            }
+        };
+        let mut is_damaged = false;
+        if let Readable::Yes(Some(accepted)) = plan.accepted(name)
+            && is_of_this(&accepted)
+        {
+            if is_whole(&accepted) && !self.redraws {
+                return Ok(Wanted::AsAccepted(info));
+            }
+            is_damaged = !is_whole(&accepted);
         }
-        let pending = plan.folder.pending(name).map_err(Failure::environment)?;
-        if let Some(pending) = pending.filter(is_of_this) {
+        let pending = plan
+            .pending(name)
+            .filter(|it| is_of_this(it) && is_whole(it));
+        if let Some(pending) = pending.filter(|_| !self.redraws) {
             return Ok(Wanted::Taken(Box::new(pending)));
         }
         let Some(png) = camera.picture(page.moment, picture)? else {
-            return Ok(Wanted::Unseen(info));
+            return Ok(match is_damaged {
+                true => Wanted::Damaged(info),
+                false => Wanted::Unseen(info),
+            });
+        };
+        let info = Info {
+            bytes: Some(short_hash(&png)),
+            ..info
         };
         let shows = info.picture.clone().unwrap_or_default();
         let metadata = Metadata {
@@ -291,6 +322,7 @@ impl Page<'_> {
         let corrections = crate::render::corrections_of(program, stage, values);
         Ok(Some(ShownStage {
             name: stage.name.clone(),
+            n_asked_first: messages.len(),
             messages,
             corrections: corrections.map_err(Failure::environment)?,
             findings: Vec::new(),
@@ -298,7 +330,7 @@ impl Page<'_> {
     }
 }
 
-fn name(
+pub fn name(
     program: &Program,
     stage: Option<&str>,
     scene: &str,
@@ -313,42 +345,6 @@ fn name(
         name.push_str(&format!(".{part}"));
     }
     Name::new(name).map_err(Failure::environment)
-}
-
-fn scene_name(program: &Program, scene: &str) -> Result<Name, Failure> {
-    name(program, None, scene, Some(POINTS))
-}
-
-/// What the name of a scene's snapshot ends with.
-const POINTS: &str = "points";
-
-/// Returns the scene that a snapshot of the task itself pins, by its name.
-fn moment_of<'n>(name: &'n Name, program: &Program) -> Option<&'n str> {
-    let rest = name.as_str().strip_prefix(&program.task)?;
-    let scene = rest.strip_prefix('@')?.strip_suffix(POINTS)?;
-    scene.strip_suffix('.')
-}
-
-/// Reads a scene: the pending one where there is one, for it is the newer.
-fn known_scene(name: &Name, plan: &Plan) -> Result<Option<PinnedScene>, Failure> {
-    let folder = &plan.folder;
-    let pending = folder.pending(name).map_err(Failure::environment)?;
-    let known = match pending {
-        Some(pending) => Some((pending, folder.pending_path(name))),
-        None => {
-            let accepted = folder.accepted(name).map_err(Failure::environment)?;
-            accepted.map(|accepted| (accepted, folder.accepted_path(name)))
-        }
-    };
-    let Some((snapshot, path)) = known else {
-        return Ok(None);
-    };
-    let wrong =
-        |why: String| Failure::environment(format!("`{}` is no scene: {why}", path.display()));
-    match snapshot.contents {
-        Contents::Text(text) => PinnedScene::parse(&text).map(Some).map_err(wrong),
-        Contents::Picture(_) => Err(wrong("it is a picture".to_owned())),
-    }
 }
 
 /// Returns whether `fabc` draws anything on a picture; what it does not is kept elsewhere.

@@ -10,7 +10,7 @@ use crate::render::page::Shown;
 use crate::render::shown_without_drawing;
 use crate::{setting, sources};
 use compiler::facts::SceneView;
-use compiler::program::{ClothStart, KeypointShape, Picture, Program, Stage};
+use compiler::program::{ClothStart, KeypointShape, Picture, Program, Stage, Subgoals};
 use compiler::render::Values;
 use runtime::agent;
 use runtime::examples::Examples;
@@ -56,7 +56,6 @@ pub struct Camera<'p> {
     program: &'p Program,
     folder: &'p Path,
     world: Option<Box<dyn World>>,
-    subgoals: Option<SubgoalSet>,
     seen: BTreeMap<Moment, Seen>,
     examples: OnceCell<Examples>,
 }
@@ -68,7 +67,6 @@ impl<'p> Camera<'p> {
             program,
             folder,
             world: None,
-            subgoals: None,
             seen: BTreeMap::new(),
             examples: OnceCell::new(),
         }
@@ -135,9 +133,12 @@ impl<'p> Camera<'p> {
         let program = self.program;
         let drawn = match picture {
             Picture::Subgoal { which, arrow } => {
-                let step = self.subgoals()?.step(moment.step as usize - 1);
-                let step = step.map_err(Failure::environment)?;
-                step.map(|step| step.picture(*which, *arrow).clone())
+                let (folder, number) = (self.folder, moment.step as usize - 1);
+                let interrupt = Interrupt::default();
+                let shown = (*which, *arrow);
+                let world = self.world()?;
+                SubgoalSet::picture(program, folder, number, shown, world, &interrupt)
+                    .map_err(Failure::environment)?
             }
             Picture::Scene { .. } => {
                 let Seen {
@@ -165,27 +166,20 @@ impl<'p> Camera<'p> {
             };
             let interrupt = Interrupt::default();
             let (program, folder) = (self.program, self.folder);
-            // Folds that are demonstrated need no pictures of them.
-            let subgoals = match moment.step {
-                1 => SubgoalSet::none(),
-                _ => self.subgoals()?.clone(),
-            };
             let world = self.world()?;
+            // Folds that are demonstrated need no pictures of them.
+            let subgoals = match program.subgoals {
+                Some(Subgoals::Images { .. }) if moment.step > 1 => {
+                    SubgoalSet::obtain(program, folder, world, &interrupt)
+                        .map_err(Failure::environment)?
+                }
+                _ => SubgoalSet::none(),
+            };
             let start = setting::start(program, folder, &start, world, &interrupt)?;
             let seen = look::at(program, &start, moment.step, &subgoals, world, &interrupt)?;
             self.seen.insert(moment.clone(), seen);
         }
         Ok(&self.seen[moment])
-    }
-
-    fn subgoals(&mut self) -> Result<&SubgoalSet, Failure> {
-        if self.subgoals.is_none() {
-            let (program, folder) = (self.program, self.folder);
-            let interrupt = Interrupt::default();
-            let subgoals = SubgoalSet::obtain(program, folder, self.world()?, &interrupt);
-            self.subgoals = Some(subgoals.map_err(Failure::environment)?);
-        }
-        Ok(self.subgoals.as_ref().expect("it was drawn above"))
     }
 
     fn world(&mut self) -> Result<&mut dyn World, Failure> {

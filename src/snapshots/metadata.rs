@@ -42,6 +42,9 @@ pub struct Info {
     /// Hash of what a scene or picture was made from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawn_from: Option<String>,
+    /// Hash of a picture's bytes as they were drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bytes: Option<String>,
     /// Where the lines of a prompt text come from, in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub origin: Vec<Origin>,

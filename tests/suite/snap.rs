@@ -76,7 +76,11 @@ fn the_prompts_of_the_shipped_tasks_are_as_accepted() {
         .map(|path| path.display().to_string())
         .collect();
     assert!(files.len() > 8);
-    let said = finish(fabc(root()).args(["snap", "--check"]).args(&files));
+    let said = finish(
+        fabc(root())
+            .args(["snap", "--check", "--redraw"])
+            .args(&files),
+    );
     assert_eq!(said.code, 0, "{}{}", said.stdout, said.stderr);
 }
 
@@ -262,6 +266,7 @@ fn snapshots_of_a_file_that_is_gone_are_orphaned_and_those_of_others_are_not() {
         "---\nsource: tests/theirs.rs\nexpression: x\n---\n1\n",
     )
     .unwrap();
+    fs::write(snapshots(folder.path()).join("old.snap"), "Created: 2019\n").unwrap();
     let said = snap(folder.path(), &["other.fab", "--json"]);
     let value: Value = serde_json::from_str(&said.stdout).unwrap();
     assert_eq!(
@@ -282,34 +287,147 @@ fn two_files_that_would_share_names_are_refused() {
 }
 
 #[test]
-fn snapshots_and_scenes_that_cannot_be_read_are_named() {
-    let cases: [(&str, &[u8], &str); 3] = [
+fn a_scene_that_was_edited_into_none_is_named() {
+    let folder = folder();
+    accepted(folder.path());
+    let file = snapshots(folder.path()).join("half@start.points.snap");
+    let text = b"---\nsource: half.fab\n---\n{}\n";
+    fs::write(&file, text).unwrap();
+    let said = snap(folder.path(), &["half.fab"]);
+    assert_eq!(said.code, 2, "{}", said.stderr);
+    assert!(
+        said.stderr
+            .contains("half@start.points.snap` is no scene: missing field"),
+        "{}",
+        said.stderr
+    );
+    assert_eq!(fs::read(&file).unwrap(), text);
+}
+
+#[test]
+fn an_accepted_snapshot_that_cannot_be_read_is_named_and_proposed_anew() {
+    let cases: [(&str, Option<&[u8]>, &str); 4] = [
         (
             "half@start.points.snap",
-            b"---\nsource: half.fab\n---\n{}\n",
-            "no scene",
-        ),
-        (
-            "half@start.points.snap",
-            b"<<<<<<< ours\n",
+            Some(b"<<<<<<< ours\n"),
             "not a snapshot",
         ),
-        ("half.plan@start.snap", &[0xff, 0xfe], "UTF-8"),
+        ("half.plan@start.snap", Some(&[0xff, 0xfe]), "UTF-8"),
+        (
+            "half@start.subgoal_0_with_arrow.snap.png",
+            None,
+            "is missing",
+        ),
+        (
+            "half@start.subgoal_0_with_arrow.snap.png",
+            Some(b"other bytes"),
+            "",
+        ),
     ];
     for (name, bytes, words) in cases {
         let folder = folder();
         accepted(folder.path());
         let file = snapshots(folder.path()).join(name);
-        fs::write(&file, bytes).unwrap();
-        let said = snap(folder.path(), &["half.fab"]);
-        assert_eq!(said.code, 2, "{name}: {}", said.stderr);
-        assert!(
-            said.stderr.contains(name) && said.stderr.contains(words),
-            "{}",
-            said.stderr
-        );
-        assert_eq!(fs::read(&file).unwrap(), bytes);
+        match bytes {
+            Some(bytes) => fs::write(&file, bytes).unwrap(),
+            None => fs::remove_file(&file).unwrap(),
+        }
+        let checked = snap(folder.path(), &["half.fab", "--check"]);
+        assert_eq!(checked.code, 1, "{name}");
+        let said = snap(folder.path(), &["half.fab", "--json"]);
+        assert_eq!(said.code, 0, "{name}: {}", said.stderr);
+        assert!(said.stderr.contains(words), "{name}: {}", said.stderr);
+        let value: Value = serde_json::from_str(&said.stdout).unwrap();
+        let counts = (&value["changed"], &value["pending"], &value["same"]);
+        assert_eq!(counts, (&1.into(), &1.into(), &13.into()), "{name}");
+        assert_eq!(fs::read(&file).ok().as_deref(), bytes);
     }
+}
+
+#[test]
+fn what_fails_in_one_folder_leaves_every_folder_as_it_was() {
+    let root = tempfile::tempdir().unwrap();
+    for name in ["one", "two"] {
+        let inner = root.path().join(name);
+        fs::create_dir(&inner).unwrap();
+        bring_library(&inner);
+        fs::write(inner.join("half.fab"), TASK).unwrap();
+        accepted(&inner);
+    }
+    edit(&root.path().join("one/half.fab"), "task half", "task other");
+    let broken = root.path().join("two/snapshots/half@start.points.snap");
+    fs::write(broken, "---\nsource: half.fab\n---\n{}\n").unwrap();
+    let said = snap(root.path(), &["one/half.fab", "two/half.fab", "--prune"]);
+    assert_eq!(said.code, 2);
+    let one = root.path().join("one");
+    assert_eq!(named(&one, ".snap").len(), 14);
+    assert!(named(&one, ".snap.new").is_empty());
+}
+
+#[test]
+fn a_file_that_is_named_twice_counts_once_and_a_place_to_review_is_told() {
+    let root = tempfile::tempdir().unwrap();
+    fs::create_dir(root.path().join("tasks")).unwrap();
+    bring_library(&root.path().join("tasks"));
+    fs::write(root.path().join("tasks/half.fab"), TASK).unwrap();
+    let said = snap(root.path(), &["tasks/half.fab", "./tasks/half.fab"]);
+    assert!(said.stderr.contains("14 new"), "{}", said.stderr);
+    assert!(
+        said.stderr
+            .contains("`fabc review tasks/snapshots` shows what waits"),
+        "{}",
+        said.stderr
+    );
+}
+
+#[test]
+fn points_that_were_edited_by_hand_outlive_an_edit_that_is_undone() {
+    let folder = folder();
+    accepted(folder.path());
+    let scene = snapshots(folder.path()).join("half@start.points.snap");
+    let text = fs::read_to_string(&scene).unwrap();
+    let center = text.find("\"center\": [[").unwrap() + "\"center\": [[".len();
+    let end = center + text[center..].find(']').unwrap();
+    fs::write(&scene, format!("{}7,8{}", &text[..center], &text[end..])).unwrap();
+    accepted(folder.path());
+    let library = folder.path().join("lib/folding.fab");
+    edit(&library, "max: 27", "max: 2");
+    assert_eq!(snap(folder.path(), &["half.fab"]).code, 0);
+    assert!(!named(folder.path(), ".snap.new").is_empty());
+    edit(&library, "max: 2,", "max: 27,");
+    assert_eq!(snap(folder.path(), &["half.fab"]).code, 0);
+    assert!(named(folder.path(), ".snap.new").is_empty());
+    assert!(fs::read_to_string(&scene).unwrap().contains("[[7,8]]"));
+}
+
+#[test]
+fn a_scene_that_cannot_be_pinned_so_is_refused_with_what_is_pinned() {
+    let folder = folder();
+    accepted(folder.path());
+    let late = ["half.fab", "--scene", "late", "--start", "4"];
+    assert_eq!(snap(folder.path(), &late).code, 0);
+    let cases: [(&[&str], &str); 4] = [
+        (
+            &["half.fab", "--scene", "late", "--start", "5"],
+            "the scene `late` of `half` is pinned already: start 4, step 1",
+        ),
+        (
+            &["half.fab", "--scene", "far", "--step", "2"],
+            "`half` has 1 steps; there is no step 2 to pin",
+        ),
+        (
+            &["half.fab", "--scene", "a b"],
+            "use letters, digits and `_`",
+        ),
+        (&["half.fab", "--scene", "start"], "always pinned"),
+    ];
+    for (arguments, words) in cases {
+        let said = snap(folder.path(), arguments);
+        assert_eq!(said.code, 64, "{arguments:?}: {}", said.stderr);
+        assert!(said.stderr.contains(words), "{}", said.stderr);
+    }
+    // The same once more is no other.
+    assert_eq!(snap(folder.path(), &late).code, 0);
 }
 
 #[test]

@@ -131,6 +131,14 @@ fn a_component_is_named_with_what_it_weighs_and_costs() {
         weights["all"]["cost_nano_usd"].as_u64() > of("visual_context")["cost_nano_usd"].as_u64()
     );
     assert_eq!(weights["pictures_not_counted"], 0);
+    let unknown = ["--model", "openai:nobody", "--why"];
+    let said = finish(fabc(folder.path()).args(["render", &file]).args(unknown));
+    for words in [
+        "2 pictures are not counted: how many tokens one has for openai:nobody is not known",
+        "the price of openai:nobody is not known",
+    ] {
+        assert!(said.stdout.contains(words), "{}", said.stdout);
+    }
 }
 
 #[test]
@@ -162,6 +170,11 @@ fn an_answer_is_followed_by_the_correction_that_a_rollout_would_send() {
     let texts = texts(stage);
     assert_eq!(texts[2], refused);
     assert!(texts[3].contains("(1, 1)"), "{}", texts[3]);
+    let weighed = |arguments: &[&str]| {
+        let shown = rendered(folder.path(), &[arguments, &["--why"]].concat());
+        shown["stages"][0]["why"]["estimated_tokens"]["all"]["at_least"].clone()
+    };
+    assert_eq!(weighed(&arguments), weighed(&arguments[..3]));
     // A fourth answer is to no question.
     arguments.extend(["--reply", accepted]);
     let said = finish(fabc(folder.path()).arg("render").args(&arguments));

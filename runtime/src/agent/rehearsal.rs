@@ -18,6 +18,8 @@ pub struct Rehearsed {
     pub stage: String,
     /// All that is said until its next question, or until its last answer.
     pub conversation: Conversation,
+    /// How many of its messages were there before the first answer.
+    pub n_asked_first: usize,
     /// What came of each answer, in order.
     pub findings: Vec<Finding>,
 }
@@ -41,6 +43,7 @@ pub fn rehearse(
     for stage in stages {
         let lowering = lowering(stage.model);
         let mut talk = Talk::begin(situation, stage, &texts, lowering, Missing::IsShown)?;
+        let n_asked_first = talk.conversation().messages.len();
         let mut findings = Vec::new();
         let mut read = None;
         while let Some(text) = answers.pop_front() {
@@ -55,6 +58,7 @@ pub fn rehearse(
         }
         rehearsed.push(Rehearsed {
             stage: stage.name.clone(),
+            n_asked_first,
             conversation: talk.conversation().clone(),
             findings,
         });
