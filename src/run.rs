@@ -200,7 +200,8 @@ fn prepare(
     }
 }
 
-fn say_origin(origin: Origin, file: &str) {
+/// Says where subgoal pictures come from, where that is not what one expects.
+pub fn say_origin(origin: Origin, file: &str) {
     match origin {
         Origin::Author | Origin::Pinned | Origin::Absent => {}
         Origin::PinnedByOther => output::talk(&format!(
@@ -210,7 +211,7 @@ fn say_origin(origin: Origin, file: &str) {
             "no subgoal pictures are pinned: drawn for this run; `fabc subgoals {file}` pins them"
         )),
         Origin::DrawnAnew => output::talk(&format!(
-            "warning: the pinned subgoal pictures show another fold, cloth or camera: drawn anew for this run; `fabc subgoals {file}` pins them"
+            "warning: the pinned subgoal pictures are not all there as they were drawn, or show another fold, cloth or camera: drawn anew for this run; `fabc subgoals {file}` pins them"
         )),
     }
 }

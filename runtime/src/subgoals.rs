@@ -3,19 +3,20 @@
 //! In: a program and the folder of its file. Out: `steps + 1` pictures and the arrow of each step,
 //! from the author's files, from pinned ones, or drawn by executing `demonstrate` in a world.
 
+mod pins;
+
 use crate::expert;
 use crate::files::{self, FileError};
 use crate::interrupt::Interrupt;
 use crate::picture::{self, PictureError};
 use crate::start::Start;
-use crate::store;
 use crate::vision::{self, VisionError};
 use crate::world::{World, WorldError};
 use compiler::program::{Arrow, Fold, Program, SubgoalImage, Subgoals, Which};
 use image::RgbImage;
+use pins::Pinned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Tail and tip of an arrow in a picture's pixels, `[column, row]`.
@@ -98,20 +99,6 @@ pub enum SubgoalError {
     World(#[from] WorldError),
 }
 
-/// Beside the pinned pictures: what they were drawn from.
-#[derive(Serialize, Deserialize)]
-struct Pins {
-    format: u32,
-    /// Hash of cloth, camera and folds.
-    drawn_from: String,
-    /// Hash of the world's parameters.
-    params: String,
-    arrows: Vec<ArrowPx>,
-}
-
-const PINS_FORMAT: u32 = 1;
-const PINS_FILE: &str = "pins.json";
-
 impl SubgoalSet {
     /// Returns the set of a task without subgoals.
     pub fn none() -> SubgoalSet {
@@ -135,7 +122,7 @@ impl SubgoalSet {
             None => Ok(SubgoalSet::none()),
             Some(Subgoals::Images { images }) => load_images(images, folder),
             Some(Subgoals::Demonstrate { folds }) => {
-                match load_pins(program, folds, folder, world)? {
+                match pins::load(program, folds, folder, world) {
                     Pinned::Fitting(set) => Ok(set),
                     Pinned::Absent => draw(program, folds, Origin::Drawn, world, interrupt),
                     Pinned::OfAnotherFold => {
@@ -195,7 +182,7 @@ impl SubgoalSet {
     ) -> Result<Option<RgbImage>, SubgoalError> {
         if let Some(Subgoals::Demonstrate { folds }) = &program.subgoals
             && !matches!(
-                load_pins(program, folds, folder, world)?,
+                pins::load(program, folds, folder, world),
                 Pinned::Fitting(_)
             )
         {
@@ -214,48 +201,6 @@ impl SubgoalSet {
         let set = SubgoalSet::obtain(program, folder, world, interrupt)?;
         let step = set.step(number)?;
         Ok(step.map(|step| step.picture(which, arrow).clone()))
-    }
-
-    /// Writes the pictures where [`SubgoalSet::obtain`] looks for them, and returns the files.
-    ///
-    /// The description goes last, so that pictures of an interrupted call are not taken for whole.
-    pub fn pin(
-        &self,
-        program: &Program,
-        folder: &Path,
-        params: &str,
-    ) -> Result<Vec<PathBuf>, SubgoalError> {
-        let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
-            return Ok(Vec::new());
-        };
-        let target = pin_folder(program, folder);
-        let unwritable = |path: &Path, error: std::io::Error| SubgoalError::Unwritable {
-            path: path.to_owned(),
-            why: error.to_string(),
-        };
-        fs::create_dir_all(&target).map_err(|error| unwritable(&target, error))?;
-        let description = target.join(PINS_FILE);
-        if description.exists() {
-            fs::remove_file(&description).map_err(|error| unwritable(&description, error))?;
-        }
-        let mut files = Vec::new();
-        for (number, picture) in self.pictures.iter().enumerate() {
-            let path = target.join(format!("{number}.png"));
-            store::write_whole(&path, &picture::encode(picture))
-                .map_err(|error| unwritable(&path, error))?;
-            files.push(path);
-        }
-        let pins = Pins {
-            format: PINS_FORMAT,
-            drawn_from: drawn_from(program, folds),
-            params: params.to_owned(),
-            arrows: self.arrows.iter().copied().flatten().collect(),
-        };
-        let text = serde_json::to_string_pretty(&pins).expect("pins hold finite numbers") + "\n";
-        store::write_whole(&description, text.as_bytes())
-            .map_err(|error| unwritable(&description, error))?;
-        files.push(description);
-        Ok(files)
     }
 }
 
@@ -288,52 +233,6 @@ fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, Sub
     }
     set.arrows.truncate(images.len().saturating_sub(1));
     Ok(set)
-}
-
-/// What is found where pinned pictures should be.
-enum Pinned {
-    Fitting(SubgoalSet),
-    OfAnotherFold,
-    Absent,
-}
-
-fn load_pins(
-    program: &Program,
-    folds: &[Fold],
-    folder: &Path,
-    world: &dyn World,
-) -> Result<Pinned, SubgoalError> {
-    let source = pin_folder(program, folder);
-    let Ok(text) = fs::read_to_string(source.join(PINS_FILE)) else {
-        return Ok(Pinned::Absent);
-    };
-    let Ok(pins) = serde_json::from_str::<Pins>(&text) else {
-        return Ok(Pinned::OfAnotherFold);
-    };
-    if pins.format != PINS_FORMAT
-        || pins.drawn_from != drawn_from(program, folds)
-        || pins.arrows.len() != folds.len()
-    {
-        return Ok(Pinned::OfAnotherFold);
-    }
-    let mut pictures = Vec::new();
-    for number in 0..=folds.len() {
-        let picture = picture::load(&source.join(format!("{number}.png")))?;
-        if picture.dimensions() != (program.camera.image_px, program.camera.image_px) {
-            return Ok(Pinned::OfAnotherFold);
-        }
-        pictures.push(picture);
-    }
-    let arrows = pins.arrows.into_iter().map(Some).collect();
-    Ok(Pinned::Fitting(SubgoalSet {
-        pictures,
-        arrows,
-        origin: if pins.params == world.parameters() {
-            Origin::Pinned
-        } else {
-            Origin::PinnedByOther
-        },
-    }))
 }
 
 fn draw(
@@ -377,21 +276,4 @@ fn draw_until(
         set.pictures.push(world.observe()?.rgb);
     }
     Ok(set)
-}
-
-/// Variants of a task may fold another way, so that each has its own pictures.
-fn pin_folder(program: &Program, folder: &Path) -> PathBuf {
-    folder.join(format!("{}.subgoals", program.title().replace('/', ".")))
-}
-
-fn drawn_from(program: &Program, folds: &[Fold]) -> String {
-    // They are drawn from the flat cloth, however a rollout begins.
-    let cloth = &program.cloth;
-    let source = serde_json::json!({
-        "cloth": [cloth.dimx, cloth.dimy],
-        "spacing_m": cloth.spacing_m,
-        "camera": program.camera,
-        "folds": folds,
-    });
-    crate::digest::hex(&Sha256::digest(source.to_string()))
 }

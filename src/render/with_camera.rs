@@ -7,6 +7,7 @@ use super::why::Rates;
 use crate::cli::render::RenderArguments;
 use crate::exit::Failure;
 use crate::look::{self, Seen};
+use crate::run::say_origin;
 use crate::setting::known;
 use crate::setting::models::Told;
 use crate::{setting, sources};
@@ -76,6 +77,7 @@ impl View {
         let folder = sources::folder_of(&arguments.task.file);
         let subgoals = SubgoalSet::obtain(declared, &folder, world.as_mut(), &interrupt)
             .map_err(Failure::environment)?;
+        say_origin(subgoals.origin, &arguments.task.file);
         let examples = Examples::load(program, &folder).map_err(Failure::environment)?;
         let start = setting::start(
             program,

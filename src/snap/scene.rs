@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A pinned scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -166,22 +166,37 @@ impl SceneView for PinnedScene {
     }
 }
 
-/// Returns hashes of the author's subgoal pictures, in order.
-pub fn hashes_of_images(program: &Program, folder: &Path) -> Result<Vec<String>, Failure> {
-    let Some(Subgoals::Images { images }) = &program.subgoals else {
-        return Ok(Vec::new());
-    };
-    let hash = |path: &str| {
+/// Returns hashes of the subgoal pictures that lie beside the task, in order: the author's, or those that are pinned.
+pub fn hashes_of_pictures(program: &Program, folder: &Path) -> Result<Vec<String>, Failure> {
+    let hash = |path: &Path| {
         let path = folder.join(path);
         let bytes = sources::inside(folder, &path).and_then(|path| sources::read_bounded(&path));
-        bytes.map(|bytes| short_hash(&bytes)).map_err(|why| {
+        bytes.map(short_hash).map_err(|why| {
             Failure::environment(format!(
                 "cannot read the picture `{}`: {why}",
                 path.display()
             ))
         })
     };
-    images.iter().map(|image| hash(&image.file.path)).collect()
+    match &program.subgoals {
+        None => Ok(Vec::new()),
+        Some(Subgoals::Images { images }) => images
+            .iter()
+            .map(|image| hash(Path::new(&image.file.path)))
+            .collect(),
+        Some(Subgoals::Demonstrate { folds }) => {
+            let named =
+                |title: &str| PathBuf::from(format!("{}.subgoals", title.replace('/', ".")));
+            let own = named(&program.title());
+            let pinned = match folder.join(&own).exists() {
+                true => own,
+                false => named(&program.task),
+            };
+            let pictures = (0..=folds.len()).map(|number| pinned.join(format!("{number}.png")));
+            // One that is missing is drawn by the simulator, which another hash stands for.
+            Ok(pictures.filter_map(|path| hash(&path).ok()).collect())
+        }
+    }
 }
 
 /// Returns the first 16 hex digits of the SHA-256 of bytes.

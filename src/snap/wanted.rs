@@ -13,7 +13,7 @@ use crate::snapshots::{Contents, Info, Metadata, Name, Snapshot};
 use crate::sources;
 use compiler::facts::Facts;
 use compiler::pointing::Pointing;
-use compiler::program::{Arrow, Layers, Picture, Program, Stage};
+use compiler::program::{Picture, Program, Stage};
 use compiler::render::{PromptPicture, Values};
 use compiler::tokens;
 use serde_json::json;
@@ -197,7 +197,7 @@ impl Task {
         }
     }
 
-    /// Wants the pictures that something is drawn on.
+    /// Wants the pictures that the stages show.
     fn pictures(
         &mut self,
         page: &Page<'_>,
@@ -213,7 +213,7 @@ impl Task {
         let mut seen = BTreeSet::new();
         for picture in shown {
             let title = title(&PromptPicture::Drawn(*picture), moment.step);
-            if !is_drawn_on(program, picture) || !seen.insert(title.clone()) {
+            if !seen.insert(title.clone()) {
                 continue;
             }
             let drawn_from = drawn_from(program, picture, scene, camera)?;
@@ -347,14 +347,6 @@ pub fn name(
     Name::new(name).map_err(Failure::environment)
 }
 
-/// Returns whether `fabc` draws anything on a picture; what it does not is kept elsewhere.
-fn is_drawn_on(program: &Program, picture: &Picture) -> bool {
-    match picture {
-        Picture::Subgoal { arrow, .. } => *arrow == Arrow::Drawn,
-        Picture::Scene { layers } => *layers == Layers::Drawn && !program.layers.is_empty(),
-    }
-}
-
 /// Returns the hash of all that a picture is drawn from.
 fn drawn_from(
     program: &Program,
@@ -370,7 +362,7 @@ fn drawn_from(
             "camera": program.camera,
             "picker": program.picker,
             "subgoals": program.subgoals,
-            "files": camera.hashes_of_images()?,
+            "files": camera.hashes_of_pictures()?,
         }),
         Picture::Scene { .. } => json!({
             "picture": picture,

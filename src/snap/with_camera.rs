@@ -153,9 +153,9 @@ impl<'p> Camera<'p> {
         Ok(drawn.map(|drawn| picture::encode(&drawn)))
     }
 
-    /// Returns hashes of the author's subgoal pictures.
-    pub fn hashes_of_images(&self) -> Result<Vec<String>, Failure> {
-        scene::hashes_of_images(self.program, self.folder)
+    /// Returns hashes of the subgoal pictures that lie beside the task.
+    pub fn hashes_of_pictures(&self) -> Result<Vec<String>, Failure> {
+        scene::hashes_of_pictures(self.program, self.folder)
     }
 
     fn seen(&mut self, moment: &Moment) -> Result<&Seen, Failure> {

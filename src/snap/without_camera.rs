@@ -70,8 +70,8 @@ impl<'p> Camera<'p> {
         Ok(None)
     }
 
-    /// Returns hashes of the author's subgoal pictures.
-    pub fn hashes_of_images(&self) -> Result<Vec<String>, Failure> {
-        scene::hashes_of_images(self.program, self.folder)
+    /// Returns hashes of the subgoal pictures that lie beside the task.
+    pub fn hashes_of_pictures(&self) -> Result<Vec<String>, Failure> {
+        scene::hashes_of_pictures(self.program, self.folder)
     }
 }

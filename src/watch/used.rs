@@ -49,7 +49,7 @@ impl Loader for Noting {
     }
 }
 
-/// Returns the files that a task names, relative to its own, and the one that describes its pinned pictures.
+/// Returns the files that a task names, relative to its own, and its pinned pictures.
 fn beside(program: &Program) -> Vec<PathBuf> {
     let examples = program.stages.iter().flat_map(|stage| &stage.examples);
     let mut named: Vec<&FileRef> = examples.flat_map(|example| &example.images).collect();
@@ -57,13 +57,15 @@ fn beside(program: &Program) -> Vec<PathBuf> {
     if let ClothStart::File { file } = &program.cloth.start {
         named.push(file);
     }
-    let mut pins = None;
+    let mut pins = Vec::new();
     match &program.subgoals {
         Some(Subgoals::Images { images }) => named.extend(images.iter().map(|image| &image.file)),
-        // `fabc subgoals` writes this file after the pictures.
-        Some(Subgoals::Demonstrate { .. }) => {
+        Some(Subgoals::Demonstrate { folds }) => {
             let folder = format!("{}.subgoals", program.title().replace('/', "."));
-            pins = Some(Path::new(&folder).join("pins.json"));
+            let pictures = (0..=folds.len()).map(|number| format!("{number}.png"));
+            // `fabc subgoals` writes the description after the pictures.
+            let files = pictures.chain(["pins.json".to_owned()]);
+            pins.extend(files.map(|file| Path::new(&folder).join(file)));
         }
         None => {}
     }
