@@ -189,7 +189,8 @@ fn as_json(
         let picture = match first {
             Some(first) => {
                 let sheet = sheets.draw(&group.id, first)?;
-                json!({ "path": sheet.path, "changed_pixels": sheet.n_changed, "bounds": sheet.bounds })
+                json!({ "path": sheet.path, "changed_pixels": sheet.n_changed, "bounds": sheet.bounds,
+                    "words": sheet.words })
             }
             None => Value::Null,
         };

@@ -81,7 +81,7 @@ pub fn group(group: &Group, pending: &[Pending], pricing: Option<&Pricing>, view
         page.plain("  the text is the same; what stands above it changed");
     }
     if group.kind == Kind::New {
-        page.new(group, pending);
+        page.new_ones(group, pending);
     }
     page.plain("snapshots:");
     let shown = limited(group.members.len(), FOLDED_SNAPSHOTS, view.extent);
@@ -224,7 +224,7 @@ impl Page<'_> {
         }
     }
 
-    fn new(&mut self, group: &Group, pending: &[Pending]) {
+    fn new_ones(&mut self, group: &Group, pending: &[Pending]) {
         let members = || group.members.iter().map(|at| &pending[*at]);
         let texts = members().filter_map(|one| match &one.proposed.contents {
             Contents::Text(text) => Some((&one.name, text)),
