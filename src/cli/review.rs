@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 const KEYS: &str = "\
 Without --json, --accept, --reject and --accept-all it asks on the terminal; `?` lists the keys.
-An ID is a group's (8 letters of its hash), a snapshot's (its file name without `.snap`), or a snapshot's path.";
+An ID is a group's (8 letters of its hash), a snapshot's (its file name without `.snap`), or the
+path of a snapshot, pending or accepted.";
 
 /// Arguments of `review`.
 #[derive(Args)]

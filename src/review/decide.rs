@@ -8,8 +8,9 @@ use super::find::{Found, Pending};
 use super::groups::Group;
 use crate::exit::Failure;
 use crate::snapshots::{Operation, SnapshotError};
+use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// What becomes of a pending snapshot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +25,8 @@ pub enum Decision {
 pub struct Ballot {
     /// How many groups of each snapshot were not accepted yet; none once it is settled.
     open: Vec<Option<usize>>,
+    /// Those of which some group was accepted.
+    begun: BTreeSet<usize>,
 }
 
 impl Ballot {
@@ -35,7 +38,10 @@ impl Ballot {
                 *count += 1;
             }
         }
-        Ballot { open }
+        Ballot {
+            open,
+            begun: BTreeSet::new(),
+        }
     }
 
     /// Counts what was decided of a group, once, and returns what that settles.
@@ -46,6 +52,7 @@ impl Ballot {
                 continue;
             };
             *count -= 1;
+            self.begun.insert(*member);
             if decision == Decision::Reject || *count == 0 {
                 settled.extend(self.settle(*member, decision));
             }
@@ -56,6 +63,12 @@ impl Ballot {
     /// Decides a snapshot whatever was decided of its edits; nothing where it is settled already.
     pub fn settle(&mut self, member: usize, decision: Decision) -> Option<(usize, Decision)> {
         self.open[member].take().map(|_| (member, decision))
+    }
+
+    /// Returns the snapshots of which some edits were accepted and others not decided, by their numbers.
+    pub fn waiting(&self) -> Vec<usize> {
+        let begun = self.begun.iter().copied();
+        begun.filter(|member| !self.is_settled(*member)).collect()
     }
 
     /// Returns whether a snapshot is settled.
@@ -107,9 +120,10 @@ pub fn named(id: &str, pending: &[Pending], groups: &[Group]) -> Result<Named, F
         return Ok(Named::Group(group));
     }
     let by_name = |one: &Pending| one.name.as_str() == id;
-    let place = fs::canonicalize(id).ok();
+    let place = pending_path(id);
+    let real = fs::canonicalize(&place).ok();
     let by_path = |one: &Pending| {
-        one.path == Path::new(id) || (place.is_some() && fs::canonicalize(&one.path).ok() == place)
+        one.path == place || (real.is_some() && fs::canonicalize(&one.path).ok() == real)
     };
     let numbers: Vec<usize> = (0..pending.len())
         .filter(|at| by_name(&pending[*at]) || by_path(&pending[*at]))
@@ -129,6 +143,15 @@ pub fn named(id: &str, pending: &[Pending], groups: &[Group]) -> Result<Named, F
                 paths.join(", ")
             )))
         }
+    }
+}
+
+/// Returns the path of the pending snapshot that a path means: its own, the accepted one's, or that of either's picture.
+fn pending_path(id: &str) -> PathBuf {
+    let file = id.strip_suffix(".png").unwrap_or(id);
+    match file.ends_with(".snap") {
+        true => PathBuf::from(format!("{file}.new")),
+        false => PathBuf::from(file),
     }
 }
 

@@ -37,9 +37,11 @@ impl Cause {
     }
 }
 
-/// Lines of one component that became others.
+/// Lines of one component that became others, and blank lines between texts beside them.
 #[derive(Clone, Debug, Default)]
 pub struct Edit {
+    /// What is the same for one edit, wherever it is made; blank lines between texts are no part of it.
+    pub key: String,
     /// Where the lines come from; of lines that were added, where they are now, else where they were.
     pub causes: Vec<Cause>,
     /// The lines that go.
@@ -52,22 +54,34 @@ pub struct Edit {
     pub after: Vec<String>,
 }
 
-impl Edit {
-    /// Returns what is the same for one edit, wherever it is made.
-    pub fn key(&self) -> String {
-        let components: Vec<&str> = self
-            .causes
-            .iter()
-            .map(|cause| cause.component.as_str())
-            .collect();
-        serde_json::json!([components, self.removed, self.added]).to_string()
-    }
-}
-
 /// A line that changed, and where it comes from.
 struct Line<'a> {
     text: &'a str,
+    /// Its number in its text, from 1.
+    number: u32,
     origin: Option<&'a Origin>,
+}
+
+impl<'a> Line<'a> {
+    /// Returns whether it only keeps two texts apart.
+    fn is_spacing(&self) -> bool {
+        self.origin.is_none() && self.text.trim().is_empty()
+    }
+
+    fn component(&self) -> Option<&'a str> {
+        self.origin.map(|origin| origin.component.as_str())
+    }
+
+    /// Returns where this very line stands, where it comes from a component.
+    fn cause(&self) -> Option<Cause> {
+        let origin = self.origin?;
+        let (file, first) = origin.place.clone().unzip();
+        Some(Cause {
+            component: origin.component.clone(),
+            file,
+            line: first.map(|first| first.saturating_add(self.number - origin.from)),
+        })
+    }
 }
 
 /// A text's lines, and where they come from.
@@ -98,6 +112,7 @@ impl<'a> Lines<'a> {
         let last = after.checked_sub(1).map(|at| self.origins[at]);
         Line {
             text: self.lines[at],
+            number,
             origin: last.filter(|origin| number <= origin.to),
         }
     }
@@ -145,67 +160,41 @@ pub fn edits(pending: &Pending) -> Vec<Edit> {
 
 /// Returns an edit for each component that lines go from or come from, in the order of the new text.
 ///
-/// The new place of a component says its cause where there is one: what was removed may have moved since.
+/// The new place of a component says its cause where there is one: what was removed may have moved since. A blank line
+/// between two texts goes with the line before it, else with the one after it.
 fn by_component(removed: &[Line<'_>], added: &[Line<'_>]) -> Vec<Edit> {
     let mut edits: Vec<Edit> = Vec::new();
     let mut known: BTreeMap<Option<&str>, usize> = BTreeMap::new();
-    let added = added.iter().map(|line| (line, DiffTag::Insert));
-    let removed = removed.iter().map(|line| (line, DiffTag::Delete));
-    for (line, tag) in added.chain(removed) {
-        let component = line.origin.map(|origin| origin.component.as_str());
-        let at = *known.entry(component).or_insert_with(|| {
+    // Not edited by anything else where nothing else changed beside it.
+    let is_only_spacing = removed.iter().chain(added).all(Line::is_spacing);
+    let is_own = |line: &Line<'_>| is_only_spacing || !line.is_spacing();
+    for line in added.iter().chain(removed).filter(|line| is_own(line)) {
+        known.entry(line.component()).or_insert_with(|| {
             edits.push(Edit {
-                causes: line.origin.map(cause).into_iter().collect(),
+                causes: line.cause().into_iter().collect(),
                 ..Edit::default()
             });
             edits.len() - 1
         });
-        let side = match tag {
-            DiffTag::Insert => &mut edits[at].added,
-            _ => &mut edits[at].removed,
-        };
-        side.push(line.text.to_owned());
+    }
+    let mut own: Vec<[Vec<&str>; 2]> = vec![Default::default(); edits.len()];
+    for (side, lines) in [removed, added].into_iter().enumerate() {
+        let first = lines.iter().find(|line| is_own(line));
+        let mut at = first.map_or(0, |line| known[&line.component()]);
+        for line in lines {
+            if is_own(line) {
+                at = known[&line.component()];
+                own[at][side].push(line.text);
+            }
+            let edit = &mut edits[at];
+            let lines = [&mut edit.removed, &mut edit.added];
+            lines[side].push(line.text.to_owned());
+        }
+    }
+    for (edit, [removed, added]) in edits.iter_mut().zip(own) {
+        let causes = edit.causes.iter();
+        let components: Vec<&str> = causes.map(|cause| cause.component.as_str()).collect();
+        edit.key = serde_json::json!([components, removed, added]).to_string();
     }
     edits
-}
-
-fn cause(origin: &Origin) -> Cause {
-    let (file, line) = origin.place.clone().unzip();
-    Cause {
-        component: origin.component.clone(),
-        file,
-        line,
-    }
-}
-
-/// Says in words what changed in a scene: the keys whose values differ.
-pub fn scene_causes(pending: &Pending) -> Vec<Cause> {
-    let Some((before, after)) = pending.texts() else {
-        return Vec::new();
-    };
-    let parse = |text: &str| serde_json::from_str::<serde_json::Map<_, _>>(text).ok();
-    let mut words = Vec::new();
-    if let (Some(old), Some(new)) = (parse(before), parse(after)) {
-        for (key, value) in &new {
-            match old.get(key) {
-                None => words.push(format!("{key} added")),
-                Some(before) if before == value => {}
-                Some(before) if before.is_array() && value.is_array() => {
-                    words.push(format!("{key} moved"));
-                }
-                Some(_) => words.push(format!("{key} changed")),
-            }
-        }
-        let gone = old.keys().filter(|key| !new.contains_key(*key));
-        words.extend(gone.map(|key| format!("{key} removed")));
-    }
-    words.extend(drawn_from(pending));
-    words.into_iter().map(Cause::in_words).collect()
-}
-
-/// Says whether what a scene or picture was made from changed.
-pub fn drawn_from(pending: &Pending) -> Option<String> {
-    let before = pending.accepted.as_ref()?.metadata.info.as_ref()?;
-    let differs = before.drawn_from != pending.info.drawn_from;
-    differs.then(|| "drawn_from changed".to_owned())
 }

@@ -1,12 +1,14 @@
 //! Finds what is pending: below folders, or of files.
 //!
 //! In: what the command line names. Out: the snapshot folders, and each pending snapshot beside the accepted one.
-//! Snapshots that others wrote into such folders are counted and left alone.
+//! Snapshots that others wrote into such folders are counted and left alone. Of ours, a pending one that cannot be read
+//! is an error, and an accepted one counts as absent: what is pending was made without it.
 
 use crate::exit::Failure;
 use crate::snapshots::{Contents, FOLDER, Folder, Info, Name, Snapshot, SnapshotError};
 use std::collections::BTreeSet;
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Folders that hold what was made or fetched.
@@ -14,6 +16,10 @@ const SKIPPED: [&str; 3] = ["target", "node_modules", "runs"];
 /// How far below a named folder is looked, and the most folders that are.
 const MAX_DEPTH: usize = 24;
 const MAX_FOLDERS: usize = 100_000;
+/// What stands before the scene in each name that `fabc` gives.
+const SCENE: char = '@';
+/// How much of a file that cannot be read is looked through for a merge conflict, bytes.
+const MAX_LOOKED_THROUGH_BYTES: u64 = 4 << 20;
 
 /// All that is to be reviewed.
 pub struct Found {
@@ -35,6 +41,8 @@ pub struct Pending {
     pub path: PathBuf,
     /// What was accepted; none for a new one.
     pub accepted: Option<Snapshot>,
+    /// Why what was accepted cannot be read, where there is any.
+    pub unreadable: Option<String>,
     /// What is proposed.
     pub proposed: Snapshot,
     /// What `fabc` says of what is proposed.
@@ -70,12 +78,12 @@ pub fn find(places: &[PathBuf]) -> Result<Found, Failure> {
     };
     let mut seen: BTreeSet<PathBuf> = BTreeSet::new();
     for (path, source) in wanted {
-        read(&path, source.as_deref(), &mut seen, &mut found).map_err(Failure::environment)?;
+        read(&path, source.as_deref(), &mut seen, &mut found)?;
     }
     Ok(found)
 }
 
-/// Adds the snapshot folders in and below a folder; links are not followed.
+/// Adds the snapshot folders in and below a folder; of links, only a snapshot folder itself is followed.
 fn walk(
     folder: &Path,
     depth: usize,
@@ -107,7 +115,12 @@ fn walk(
         let is_skipped = name
             .to_str()
             .is_some_and(|name| name.starts_with('.') || SKIPPED.contains(&name));
-        if !is_skipped && entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+        let is_wanted = entry.file_type().is_ok_and(|kind| match name == FOLDER {
+            // Nothing below it is walked through, so that no link leads round in a circle.
+            true => kind.is_dir() || (kind.is_symlink() && entry.path().is_dir()),
+            false => kind.is_dir(),
+        });
+        if !is_skipped && is_wanted {
             below.push(match depth == 0 && folder == Path::new(".") {
                 true => PathBuf::from(name),
                 false => entry.path(),
@@ -128,13 +141,19 @@ fn read(
     source: Option<&str>,
     seen: &mut BTreeSet<PathBuf>,
     found: &mut Found,
-) -> Result<(), SnapshotError> {
-    let folder = Folder::open(path)?;
+) -> Result<(), Failure> {
+    let folder = Folder::open(path).map_err(Failure::environment)?;
     let number = found.folders.len();
     for name in folder.pending_names() {
         let path = folder.pending_path(name);
-        let Some(proposed) = folder.pending(name)? else {
-            continue;
+        let proposed = match folder.pending(name) {
+            Ok(Some(proposed)) => proposed,
+            Ok(None) => continue,
+            Err(_) if !name.as_str().contains(SCENE) => {
+                found.n_foreign += 1;
+                continue;
+            }
+            Err(error) => return Err(unreadable(&path, &error)),
         };
         let Some(info) = proposed.metadata.info.clone() else {
             found.n_foreign += 1;
@@ -146,16 +165,18 @@ fn read(
         if !is_meant || !seen.insert(place) {
             continue;
         }
-        let accepted = match folder.accepted(name) {
+        let (accepted, unreadable) = match folder.accepted(name) {
+            Ok(accepted) => (accepted, None),
             // A picture that is kept out of version control is absent, and is proposed anew.
-            Err(SnapshotError::PictureMissing { .. }) => None,
-            accepted => accepted?,
+            Err(SnapshotError::PictureMissing { .. }) => (None, None),
+            Err(error) => (None, Some(error.to_string())),
         };
         found.pending.push(Pending {
             folder: number,
             name: name.clone(),
             path,
             accepted,
+            unreadable,
             proposed,
             info,
         });
@@ -164,7 +185,40 @@ fn read(
     Ok(())
 }
 
+/// Says why a pending snapshot cannot be read, where a merge left it undecided, and what to do.
+fn unreadable(path: &Path, error: &SnapshotError) -> Failure {
+    let mut message = error.to_string();
+    if let Some(line) = conflict(path) {
+        message.push_str(&format!("; line {line} begins a merge conflict"));
+    }
+    Failure::environment(format!(
+        "{message}; run `fabc snap` again, which proposes anew what cannot be read"
+    ))
+}
+
+/// Returns the first line of a file, from 1, that begins a merge conflict.
+fn conflict(path: &Path) -> Option<usize> {
+    let is_file = fs::symlink_metadata(path).is_ok_and(|found| found.is_file());
+    let file = fs::File::open(path).ok().filter(|_| is_file)?;
+    let mut bytes = Vec::new();
+    file.take(MAX_LOOKED_THROUGH_BYTES)
+        .read_to_end(&mut bytes)
+        .ok()?;
+    let at = bytes
+        .split(|byte| *byte == b'\n')
+        .position(|line| line.starts_with(b"<<<<<<<"))?;
+    Some(at + 1)
+}
+
 impl Pending {
+    /// Returns the file of the picture that is proposed, where it is one.
+    pub fn picture_file(&self) -> Option<PathBuf> {
+        match self.proposed.contents {
+            Contents::Picture(_) => Some(self.path.with_added_extension("png")),
+            Contents::Text(_) => None,
+        }
+    }
+
     /// Returns both texts, where it is a text that changes.
     pub fn texts(&self) -> Option<(&str, &str)> {
         match (&self.accepted.as_ref()?.contents, &self.proposed.contents) {

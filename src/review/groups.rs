@@ -5,6 +5,7 @@
 
 use super::edits::{self, Cause, Edit};
 use super::find::Pending;
+use super::words;
 use crate::snapshots::Contents;
 use compiler::tokens;
 use serde::Serialize;
@@ -52,14 +53,19 @@ pub struct Tokens {
 impl Tokens {
     /// Returns the sums before and after; none where no question is in the group.
     pub fn sums(&self) -> Option<[u64; 2]> {
-        let sum = |side: usize| self.questions.iter().map(|question| question[side]).sum();
+        let sum = |side: usize| {
+            let questions = self.questions.iter().map(|question| question[side]);
+            questions.fold(0, u64::saturating_add)
+        };
         (!self.questions.is_empty()).then(|| [sum(0), sum(1)])
     }
 
     /// Returns the smallest and the largest change of a question.
     pub fn range(&self) -> Option<[i64; 2]> {
         let changes = self.questions.iter().map(|[before, after]| {
-            i64::try_from(i128::from(*after) - i128::from(*before)).unwrap_or(i64::MAX)
+            let change = i128::from(*after) - i128::from(*before);
+            // Held to what an i64 holds, so the cast keeps the value.
+            change.clamp(i64::MIN.into(), i64::MAX.into()) as i64
         });
         Some([changes.clone().min()?, changes.max()?])
     }
@@ -95,8 +101,7 @@ pub fn group(pending: &[Pending]) -> Vec<Group> {
             });
             group.members.push(number);
             for edit in &mut group.edits {
-                let key = edit.key();
-                let again = found.iter().filter(|again| again.key() == key);
+                let again = found.iter().filter(|again| again.key == edit.key);
                 let causes = again.flat_map(|again| again.causes.iter().cloned());
                 add(&mut edit.causes, causes);
             }
@@ -126,7 +131,7 @@ fn question(one: &Pending) -> Option<[u64; 2]> {
 /// Returns by how many tokens some of a text's edits make it longer, each as often as it is made.
 fn weight(found: &[Edit], part: &[Edit]) -> i64 {
     let of = |lines: &[String]| tokens::of_text(&lines.join("\n")) as i64;
-    let is_part = |edit: &&Edit| part.iter().any(|one| one.key() == edit.key());
+    let is_part = |edit: &&Edit| part.iter().any(|one| one.key == edit.key);
     let made = found.iter().filter(is_part);
     made.map(|edit| of(&edit.added) - of(&edit.removed)).sum()
 }
@@ -142,7 +147,7 @@ fn add(causes: &mut Vec<Cause>, more: impl IntoIterator<Item = Cause>) {
 /// Returns each edit once, at its first place.
 fn once(edits: &[Edit]) -> Vec<Edit> {
     let mut keys = BTreeSet::new();
-    let first = edits.iter().filter(|edit| keys.insert(edit.key()));
+    let first = edits.iter().filter(|edit| keys.insert(&edit.key));
     first.cloned().collect()
 }
 
@@ -168,8 +173,8 @@ fn key(one: &Pending, kind: Kind, edits: &[Edit]) -> String {
         // A text in place of a picture, or the other way round, is like no other.
         (Kind::Picture, None) => vec![one.name.to_string()],
         _ => {
-            let keys: BTreeSet<String> = edits.iter().map(Edit::key).collect();
-            keys.into_iter().collect()
+            let keys: BTreeSet<&String> = edits.iter().map(|edit| &edit.key).collect();
+            keys.into_iter().cloned().collect()
         }
     };
     serde_json::json!([kind, parts]).to_string()
@@ -177,15 +182,12 @@ fn key(one: &Pending, kind: Kind, edits: &[Edit]) -> String {
 
 fn causes(one: &Pending, kind: Kind, edits: &[Edit]) -> Vec<Cause> {
     match kind {
-        Kind::Scene => edits::scene_causes(one),
+        Kind::Scene => words::scene_causes(one),
         Kind::Edit => edits
             .iter()
             .flat_map(|edit| edit.causes.iter().cloned())
             .collect(),
-        Kind::Picture => {
-            let words = edits::drawn_from(one).into_iter();
-            words.map(Cause::in_words).collect()
-        }
+        Kind::Picture => words::drawn_from(one).into_iter().collect(),
         Kind::New => Vec::new(),
     }
 }

@@ -16,6 +16,7 @@ mod show;
 mod styled;
 #[cfg(test)]
 mod tests;
+mod words;
 
 use crate::cli::review::ReviewArguments;
 use crate::exit::{Exit, Failure};
@@ -38,6 +39,13 @@ pub fn run(arguments: &ReviewArguments) -> Result<Exit, Failure> {
         found
             .pending
             .retain(|one| decide::fits(pattern, one.name.as_str()));
+    }
+    for why in found
+        .pending
+        .iter()
+        .filter_map(|one| one.unreadable.as_ref())
+    {
+        output::talk(&format!("counted as new: {why}"));
     }
     let groups = groups::group(&found.pending);
     let pricing = pricing(arguments)?;
@@ -121,16 +129,8 @@ fn by_id(
     };
     decided.extend(all.filter_map(|at| ballot.settle(at, Decision::Accept)));
     // An accepted edit of a text that others change too is not enough to accept the text.
-    let waiting: BTreeSet<usize> = accepts
-        .iter()
-        .flat_map(|named| match named {
-            Named::Group(number) => groups[*number].members.as_slice(),
-            Named::Snapshot(_) => &[],
-        })
-        .copied()
-        .filter(|member| !ballot.is_settled(*member))
-        .collect();
-    let waiting: Vec<Name> = waiting
+    let waiting: Vec<Name> = ballot
+        .waiting()
         .into_iter()
         .map(|at| found.pending[at].name.clone())
         .collect();
@@ -164,7 +164,10 @@ fn by_id(
             found.pending.len()
         ));
         if !waiting.is_empty() {
-            output::talk(&session::waiting(waiting.len()));
+            output::talk(&format!(
+                "{}; give the ids of all of them in one call",
+                session::waiting(waiting.len())
+            ));
         }
     }
     Ok(Exit::Done)
@@ -186,7 +189,8 @@ fn as_json(
         let picture = match first {
             Some(first) => {
                 let sheet = sheets.draw(&group.id, first)?;
-                json!({ "path": sheet.path, "changed_pixels": sheet.n_changed, "bounds": sheet.bounds })
+                json!({ "path": sheet.path, "changed_pixels": sheet.n_changed, "bounds": sheet.bounds,
+                    "words": sheet.words })
             }
             None => Value::Null,
         };
@@ -219,6 +223,7 @@ fn snapshot(one: &Pending) -> Value {
         "stage": one.info.stage,
         "scene": one.info.scene,
         "picture": one.info.picture,
+        "file": one.picture_file(),
     })
 }
 

@@ -1,10 +1,11 @@
 //! Lays a picture before, after, and their difference side by side.
 //!
 //! In: two PNG files. Out: one picture of three panels, how many pixels differ, and where. What differs is drawn on a
-//! pale grey copy of the picture after; pictures of two sizes are laid at the top left of the larger one.
+//! pale grey copy of the picture after; pictures of two sizes are laid at the top left of the larger one. In place of
+//! a file that is no picture there is an empty panel.
 
 use image::{Rgb, RgbImage, imageops};
-use runtime::picture::{self, PictureError};
+use runtime::picture;
 use std::path::Path;
 
 /// Between panels, pixels.
@@ -17,20 +18,42 @@ const CHANGED: Rgb<u8> = Rgb([255, 0, 160]);
 
 /// What differs between two pictures.
 pub struct Compared {
-    /// The three panels.
-    pub sheet: RgbImage,
-    /// How many pixels differ.
-    pub n_changed: u64,
+    /// The three panels; none where neither file is a picture.
+    pub sheet: Option<RgbImage>,
+    /// How many pixels differ; none where there are no two pictures to compare.
+    pub n_changed: Option<u64>,
     /// Leftmost column, top row, rightmost column and bottom row of those, pixels.
     pub bounds: Option<[u32; 4]>,
-    /// Width and height before and after, pixels.
-    pub sizes: [(u32, u32); 2],
+    /// What differs, in words.
+    pub words: String,
 }
 
-/// Compares two PNG files; `path` names them in errors.
-pub fn compare(before: &[u8], after: &[u8], path: &Path) -> Result<Compared, PictureError> {
-    let before = picture::decode(before, path)?;
-    let after = picture::decode(after, path)?;
+/// Compares two PNG files, before and after; their paths name them in words.
+pub fn compare(files: [&[u8]; 2], paths: [&Path; 2]) -> Compared {
+    let decoded = [0, 1].map(|side| picture::decode(files[side], paths[side]));
+    match decoded {
+        [Ok(before), Ok(after)] => both(before, after),
+        [before, after] => {
+            let faults = [&before, &after].map(|picture| picture.as_ref().err());
+            let words: Vec<String> = faults
+                .into_iter()
+                .flatten()
+                .map(ToString::to_string)
+                .collect();
+            let shown = [before.ok(), after.ok(), None];
+            let size = shown.iter().flatten().next().map(RgbImage::dimensions);
+            Compared {
+                sheet: size.map(|size| side_by_side(&shown, size)),
+                n_changed: None,
+                bounds: None,
+                words: words.join("\n"),
+            }
+        }
+    }
+}
+
+/// Compares two pictures pixel by pixel.
+fn both(before: RgbImage, after: RgbImage) -> Compared {
     let width = before.width().max(after.width());
     let height = before.height().max(after.height());
     let mut difference = RgbImage::new(width, height);
@@ -53,42 +76,46 @@ pub fn compare(before: &[u8], after: &[u8], path: &Path) -> Result<Compared, Pic
             bottom.max(row),
         ]);
     }
-    let sizes = [before.dimensions(), after.dimensions()];
+    let words = in_words(n_changed, bounds, [before.dimensions(), after.dimensions()]);
+    let shown = [Some(before), Some(after), Some(difference)];
+    Compared {
+        sheet: Some(side_by_side(&shown, (width, height))),
+        n_changed: Some(n_changed),
+        bounds,
+        words,
+    }
+}
+
+/// Lays pictures beside each other in panels of one size, pixels; where there is none, the panel is empty.
+fn side_by_side(shown: &[Option<RgbImage>; 3], (width, height): (u32, u32)) -> RgbImage {
     let mut sheet = RgbImage::from_pixel(3 * width + 2 * GAP_PX, height, GAP);
-    for (panel, shown) in [before, after, difference].iter().enumerate() {
+    for (panel, shown) in shown.iter().enumerate() {
         // Three panels of at most some thousand pixels each.
         let left = i64::from(width + GAP_PX) * panel as i64;
         let mut whole = RgbImage::from_pixel(width, height, NOTHING);
-        imageops::replace(&mut whole, shown, 0, 0);
+        if let Some(shown) = shown {
+            imageops::replace(&mut whole, shown, 0, 0);
+        }
         imageops::replace(&mut sheet, &whole, left, 0);
     }
-    Ok(Compared {
-        sheet,
-        n_changed,
-        bounds,
-        sizes,
-    })
+    sheet
 }
 
-impl Compared {
-    /// Says what differs.
-    pub fn in_words(&self) -> String {
-        let mut words = match self.bounds {
-            None => "no pixel differs, only the bytes of the files".to_owned(),
-            Some([left, top, right, bottom]) => format!(
-                "{} pixels differ, columns {left} to {right}, rows {top} to {bottom}",
-                self.n_changed
-            ),
-        };
-        let [before, after] = self.sizes;
-        if before != after {
-            words.push_str(&format!(
-                "; the size was {} x {} and is {} x {}, what one lacks is grey",
-                before.0, before.1, after.0, after.1
-            ));
+fn in_words(n_changed: u64, bounds: Option<[u32; 4]>, sizes: [(u32, u32); 2]) -> String {
+    let mut words = match bounds {
+        None => "no pixel differs, only the bytes of the files".to_owned(),
+        Some([left, top, right, bottom]) => {
+            format!("{n_changed} pixels differ, columns {left} to {right}, rows {top} to {bottom}")
         }
-        words
+    };
+    let [before, after] = sizes;
+    if before != after {
+        words.push_str(&format!(
+            "; the size was {} x {} and is {} x {}, what one lacks is grey",
+            before.0, before.1, after.0, after.1
+        ));
     }
+    words
 }
 
 /// Returns a grey that is light enough for a colour to stand out.

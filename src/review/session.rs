@@ -1,7 +1,7 @@
 //! The review on a terminal: one group after the other, one key each.
 //!
-//! In: what is pending, and keys. Out: changed folders, and what was decided. Each decision is done at once, so that one
-//! who stops keeps what was decided.
+//! In: what is pending, and keys. Out: changed folders, and what was decided. What settles a snapshot is done at
+//! once, so that one who stops keeps it; what was accepted of a snapshot that still waits is forgotten then.
 
 use super::cost::Pricing;
 use super::decide::{self, Ballot, Decision};
@@ -21,12 +21,14 @@ s  skip: it stays pending
 d  beside each other, or below
 f  all of the lists and texts, or the first of them
 A  accept all that are left
-q  quit; what was decided is kept
+q  quit, as Ctrl-C and Ctrl-D do; what was settled is kept
 ?  these keys";
 const PROMPT: &str =
     "[a]ccept [r]eject [s]kip [d] side by side [f]ull [A]ccept all left [q]uit [?] ";
 /// Below this, a prompt that would be broken is shortened.
 const SHORT_PROMPT: &str = "a r s d f A q, ? says what they do: ";
+/// What Ctrl-D sends.
+const END_OF_INPUT: char = '\u{4}';
 /// The narrowest that is laid out for; a terminal that does not know its width says 0.
 const MIN_COLUMNS: usize = 20;
 
@@ -79,7 +81,15 @@ pub fn run(
     count.skipped.retain(|member| !ballot.is_settled(*member));
     let decided = count.accepted + count.rejected + count.skipped.len();
     count.left = found.pending.len() - decided;
-    output::data(&session.count.in_words());
+    match ballot.waiting().len() {
+        0 => {}
+        count => output::data(&format!(
+            "{}; what was accepted of {} is forgotten",
+            waiting(count),
+            if count == 1 { "it" } else { "them" }
+        )),
+    }
+    output::data(&count.in_words());
     match ended? {
         End::Interrupted => Ok(Exit::Interrupted),
         End::Through | End::Quit => Ok(Exit::Done),
@@ -132,7 +142,7 @@ impl Session<'_> {
                         self.show(number)?;
                         continue;
                     }
-                    Key::Char('q') => return Ok(End::Quit),
+                    Key::Char('q' | END_OF_INPUT) => return Ok(End::Quit),
                     Key::CtrlC => return Ok(End::Interrupted),
                     Key::Char('?') => {
                         output::data(KEYS);

@@ -18,7 +18,7 @@ pub struct Sheets {
 
 /// A comparison that was written.
 pub struct Sheet {
-    /// The file; none where this build cannot draw.
+    /// The file; none where this build cannot draw, or nothing is there to be drawn.
     pub path: Option<PathBuf>,
     /// What differs.
     pub words: String,
@@ -53,7 +53,7 @@ impl Sheets {
         self.folder.is_some()
     }
 
-    /// Draws the pictures of a pending snapshot under a name; fails where they are no PNG files.
+    /// Draws the pictures of a pending snapshot under a name; fails where the file cannot be written.
     #[cfg(feature = "runtime")]
     pub fn draw(&mut self, name: &str, pending: &Pending) -> Result<Sheet, Failure> {
         let Some((before, after)) = pending.pictures() else {
@@ -64,16 +64,23 @@ impl Sheets {
                 bounds: None,
             });
         };
-        let compared =
-            super::pictures::compare(before, after, &pending.path).map_err(Failure::environment)?;
-        let path = self.made()?.join(format!("{name}.png"));
-        store::write_whole(&path, &picture::encode(&compared.sheet)).map_err(|error| {
-            Failure::environment(format!("cannot write `{}`: {error}", path.display()))
-        })?;
+        let file = pending.path.with_added_extension("png");
+        let accepted = pending.path.with_extension("png");
+        let compared = super::pictures::compare([before, after], [&accepted, &file]);
+        let path = match &compared.sheet {
+            Some(sheet) => {
+                let path = self.made()?.join(format!("{name}.png"));
+                store::write_whole(&path, &picture::encode(sheet)).map_err(|error| {
+                    Failure::environment(format!("cannot write `{}`: {error}", path.display()))
+                })?;
+                Some(path)
+            }
+            None => None,
+        };
         Ok(Sheet {
-            path: Some(path),
-            words: compared.in_words(),
-            n_changed: Some(compared.n_changed),
+            path,
+            words: compared.words,
+            n_changed: compared.n_changed,
             bounds: compared.bounds,
         })
     }

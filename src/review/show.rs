@@ -10,6 +10,7 @@ use super::styled::{Line, Style};
 use crate::snapshots::Contents;
 use compiler::diag::Color;
 use similar::{ChangeTag, TextDiff};
+use std::path::PathBuf;
 
 /// Where removed and added lines stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +57,8 @@ pub struct View {
 const FOLDED_SNAPSHOTS: usize = 8;
 const FOLDED_CAUSES: usize = 4;
 const FOLDED_LINES: usize = 12;
+/// By how much the rows of a long line are set in, so that it can be told from several.
+const SET_IN: usize = 2;
 /// Below this likeness of two lines, marking the words that differ would mark nearly all.
 const LIKE: f32 = 0.4;
 /// The longest lines whose words are compared, bytes; the time for it grows with their square.
@@ -78,7 +81,7 @@ pub fn group(group: &Group, pending: &[Pending], pricing: Option<&Pricing>, view
         page.plain("  the text is the same; what stands above it changed");
     }
     if group.kind == Kind::New {
-        page.new_texts(group, pending);
+        page.new_ones(group, pending);
     }
     page.plain("snapshots:");
     let shown = limited(group.members.len(), FOLDED_SNAPSHOTS, view.extent);
@@ -142,7 +145,7 @@ struct Page<'a> {
 
 impl Page<'_> {
     fn line(&mut self, line: Line) {
-        for line in line.wrapped(self.view.columns) {
+        for line in line.wrapped(self.view.columns, SET_IN) {
             self.lines.push(line.painted(self.view.color));
         }
     }
@@ -158,15 +161,9 @@ impl Page<'_> {
     }
 
     fn signed(&mut self, sign: &str, line: &Line, style: Style) {
-        let rows = line.wrapped(self.view.columns.saturating_sub(4));
-        for (row, line) in rows.iter().enumerate() {
-            // The rows of a long line are set in, so that it can be told from several.
-            let sign = if row == 0 {
-                format!("{sign} ")
-            } else {
-                format!("{sign}   ")
-            };
-            let line = Line::of(&sign, style).followed_by(line);
+        let columns = self.view.columns.saturating_sub(2);
+        for line in line.wrapped(columns, SET_IN) {
+            let line = Line::of(&format!("{sign} "), style).followed_by(&line);
             self.lines.push(line.painted(self.view.color));
         }
     }
@@ -210,7 +207,7 @@ impl Page<'_> {
             let rows = |lines: &[Line]| {
                 lines
                     .get(at)
-                    .map_or(Vec::new(), |line| line.wrapped(column))
+                    .map_or(Vec::new(), |line| line.wrapped(column, SET_IN))
             };
             let (left, right) = (rows(removed), rows(added));
             for row in 0..left.len().max(right.len()) {
@@ -227,20 +224,18 @@ impl Page<'_> {
         }
     }
 
-    fn new_texts(&mut self, group: &Group, pending: &[Pending]) {
-        let shown = match self.view.extent {
+    fn new_ones(&mut self, group: &Group, pending: &[Pending]) {
+        let members = || group.members.iter().map(|at| &pending[*at]);
+        let texts = members().filter_map(|one| match &one.proposed.contents {
+            Contents::Text(text) => Some((&one.name, text)),
+            Contents::Picture(_) => None,
+        });
+        let n_texts = match self.view.extent {
             Extent::Folded => 1,
-            Extent::Full => group.members.len(),
+            Extent::Full => usize::MAX,
         };
-        for one in group.members.iter().take(shown).map(|at| &pending[*at]) {
-            self.line(Line::of(&format!("@@ {}", one.name), Style::Faint));
-            let text = match &one.proposed.contents {
-                Contents::Text(text) => text,
-                Contents::Picture(bytes) => {
-                    self.plain(&format!("+ a picture, {} bytes", bytes.len()));
-                    continue;
-                }
-            };
+        for (name, text) in texts.take(n_texts) {
+            self.line(Line::of(&format!("@@ {name}"), Style::Faint));
             let n_lines = text.lines().count();
             let n_shown = limited(n_lines, FOLDED_LINES, self.view.extent);
             for line in text.lines().take(n_shown) {
@@ -248,6 +243,15 @@ impl Page<'_> {
             }
             self.rest(n_lines - n_shown, "more lines");
         }
+        let files: Vec<PathBuf> = members().filter_map(Pending::picture_file).collect();
+        if !files.is_empty() {
+            self.plain("pictures to look at:");
+        }
+        let n_shown = limited(files.len(), FOLDED_SNAPSHOTS, self.view.extent);
+        for file in &files[..n_shown] {
+            self.plain(&format!("  {}", file.display()));
+        }
+        self.rest(files.len() - n_shown, "more");
     }
 }
 

@@ -48,28 +48,23 @@ impl Line {
         }
     }
 
-    /// Returns its parts, none wider than so many columns, broken at blanks where there are any.
-    pub fn wrapped(&self, columns: usize) -> Vec<Line> {
-        let mut lines = Vec::new();
+    /// Returns its rows, none wider than so many columns, broken at blanks behind its first word where there are any.
+    ///
+    /// Rows after the first are set in by as many blanks as the first and `more`, at most half of the columns.
+    pub fn wrapped(&self, columns: usize, more: usize) -> Vec<Line> {
+        let indent = (leading(&self.0) + more).min(columns / 2);
+        let mut rows = Vec::new();
         let mut rest = self.0.as_slice();
+        let mut margin = 0;
         loop {
-            let mut width = 0;
-            let fits = rest
-                .iter()
-                .take_while(|cell| {
-                    width += width_of(cell.0);
-                    width <= columns
-                })
-                .count();
-            if fits == rest.len() {
-                lines.push(Line(rest.to_vec()));
-                return lines;
+            let (row, tail) = rest.split_at(end_of_row(rest, columns - margin));
+            let mut line = Line::default().padded(margin);
+            line.0.extend(row);
+            rows.push(line);
+            if tail.is_empty() {
+                return rows;
             }
-            let blank = rest[..fits].iter().rposition(|cell| cell.0 == ' ');
-            // A letter wider than the column is shown all the same.
-            let end = blank.map_or(fits, |blank| blank + 1).max(1);
-            lines.push(Line(rest[..end].to_vec()));
-            rest = &rest[end..];
+            (rest, margin) = (tail, indent);
         }
     }
 
@@ -110,6 +105,33 @@ impl Line {
         }
         text
     }
+}
+
+/// Returns how many of some letters go into a row.
+fn end_of_row(cells: &[Cell], columns: usize) -> usize {
+    let mut width = 0;
+    let fits = cells
+        .iter()
+        .take_while(|cell| {
+            width += width_of(cell.0);
+            width <= columns
+        })
+        .count();
+    if fits == cells.len() {
+        return fits;
+    }
+    let first = leading(&cells[..fits]);
+    let blank = cells[..fits].iter().rposition(|cell| cell.0 == ' ');
+    match blank.filter(|blank| *blank > first) {
+        Some(blank) => blank + 1,
+        // A letter wider than the column is shown all the same.
+        None => fits.max(1),
+    }
+}
+
+/// Returns how many blanks letters begin with.
+fn leading(cells: &[Cell]) -> usize {
+    cells.iter().take_while(|cell| cell.0 == ' ').count()
 }
 
 fn width_of(letter: char) -> usize {

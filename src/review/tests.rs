@@ -1,10 +1,12 @@
-//! What a group looks like in a terminal, and which ids fit a pattern.
+//! What is one edit, what a group looks like in a terminal, and which ids fit a pattern.
 #![allow(clippy::unwrap_used)]
 
+use super::cost;
 use super::decide::fits;
 use super::find::Pending;
-use super::groups::{self, Kind};
+use super::groups::{self, Group, Kind, Tokens};
 use super::show::{self, Extent, Layout, View};
+use super::styled::{Line, Style};
 use crate::snapshots::{Contents, Info, Metadata, Name, Origin, Snapshot};
 use compiler::diag::Color;
 use std::path::PathBuf;
@@ -37,8 +39,130 @@ fn pending(before: &str, after: &str) -> Pending {
         name: Name::new("half.describe@start").unwrap(),
         path: PathBuf::from("snapshots/half.describe@start.snap.new"),
         accepted: Some(snapshot(before)),
+        unreadable: None,
         info: proposed.metadata.info.clone().unwrap(),
         proposed,
+    }
+}
+
+/// A text put together from components: their names, the lines that they begin at, and what they say; a blank line
+/// between each two.
+fn composed(parts: &[(&str, u32, &str)]) -> Snapshot {
+    let texts: Vec<&str> = parts.iter().map(|(_, _, text)| *text).collect();
+    let mut one = snapshot(&texts.join("\n\n"));
+    let mut from = 1;
+    let origin = parts.iter().map(|(component, line, text)| {
+        let to = from + text.lines().count() as u32 - 1;
+        let origin = Origin {
+            from,
+            to,
+            component: (*component).to_owned(),
+            place: Some(("lib/folding.fab".to_owned(), *line)),
+        };
+        from = to + 2;
+        origin
+    });
+    let origin = origin.collect();
+    one.metadata.info.as_mut().unwrap().origin = origin;
+    one
+}
+
+fn changed(before: Snapshot, after: Snapshot) -> Pending {
+    Pending {
+        info: after.metadata.info.clone().unwrap(),
+        accepted: Some(before),
+        proposed: after,
+        ..pending("", "")
+    }
+}
+
+/// Components and file lines that a group names.
+fn lines(group: &Group) -> Vec<(&str, u32)> {
+    let causes = group.causes.iter();
+    causes
+        .map(|cause| (cause.component.as_str(), cause.line.unwrap()))
+        .collect()
+}
+
+#[test]
+fn the_cause_is_the_line_that_changed() {
+    let cases = [
+        ("one\ntwo\nthree", "one\nzwei\nthree", 29),
+        ("one\ntwo\nthree", "one\ntwo", 30),
+        ("one\ntwo\nthree", "one\ntwo\nthree\nfour\nfive", 31),
+    ];
+    for (before, after, line) in cases {
+        let groups = groups::group(&[pending(before, after)]);
+        assert_eq!(lines(&groups[0]), [("visual_context", line)], "{after}");
+    }
+}
+
+#[test]
+fn a_component_dropped_anywhere_is_one_edit() {
+    let (one, two, three) = (
+        ("frame", 3, "Frame."),
+        ("arrow", 31, "An arrow.\nIts tail."),
+        ("center", 36, "The center."),
+    );
+    let pending = [
+        changed(composed(&[one, two, three]), composed(&[one, three])),
+        changed(composed(&[one, two]), composed(&[one])),
+        changed(composed(&[two, three]), composed(&[three])),
+    ];
+    let groups = groups::group(&pending);
+    assert_eq!(groups.len(), 1, "{groups:#?}");
+    assert_eq!(groups[0].members, [0, 1, 2]);
+    assert_eq!(lines(&groups[0]), [("arrow", 31)]);
+    let removed = &groups[0].edits[0].removed;
+    assert_eq!(removed.iter().filter(|line| line.is_empty()).count(), 1);
+    // Dropped beside one that changed, it is still that edit.
+    let other = ("center", 36, "The middle.");
+    let both = changed(composed(&[one, two, three]), composed(&[one, other]));
+    let groups = groups::group(&[both, changed(composed(&[one, two]), composed(&[one]))]);
+    let members: Vec<_> = groups.iter().map(|group| group.members.len()).collect();
+    assert_eq!(members, [1, 2], "{groups:#?}");
+    // A blank line alone is an edit, of nothing that is known.
+    let mut spaced = composed(&[one, three]);
+    spaced.contents = Contents::Text("Frame.\n\n\nThe center.".to_owned());
+    let groups = groups::group(&[changed(composed(&[one, three]), spaced)]);
+    assert_eq!(groups[0].edits[0].added, [""]);
+}
+
+#[test]
+fn token_counts_of_any_size_are_added_up() {
+    let tokens = |questions: &[[u64; 2]]| Tokens {
+        questions: questions.to_vec(),
+    };
+    let large = tokens(&[[u64::MAX, 0], [1, u64::MAX], [u64::MAX, u64::MAX]]);
+    assert_eq!(large.sums(), Some([u64::MAX, u64::MAX]));
+    assert_eq!(large.range(), Some([i64::MIN, i64::MAX]));
+    assert!(cost::in_words(&large, None).is_some());
+    assert_eq!(tokens(&[]).sums(), None);
+    let mut one = pending("a\n\nb", "c\n\nd");
+    for snapshot in [&mut one.proposed, one.accepted.as_mut().unwrap()] {
+        snapshot.metadata.info.as_mut().unwrap().tokens = Some(u64::MAX);
+    }
+    one.info.tokens = Some(u64::MAX);
+    assert!(!groups::group(&[one]).is_empty());
+}
+
+#[test]
+fn rows_are_broken_behind_their_first_word_and_set_in() {
+    let rows = |text: &str, columns: usize| -> Vec<String> {
+        let rows = Line::of(text, Style::Plain).wrapped(columns, 2);
+        rows.iter().map(|row| row.painted(Color::Plain)).collect()
+    };
+    let cases: [(&str, usize, &[&str]); 7] = [
+        ("  one.two.three", 9, &["  one.two", "    .thre", "    e"]),
+        ("  one two three", 10, &["  one two", "    three"]),
+        ("one two", 7, &["one two"]),
+        ("one two", 4, &["one", "  tw", "  o"]),
+        ("折折折", 3, &["折", " 折", " 折"]),
+        ("        one", 4, &["", "", "", "  on", "  e"]),
+        ("", 4, &[""]),
+    ];
+    for (text, columns, expected) in cases {
+        assert_eq!(rows(text, columns), expected, "{text} {columns}");
     }
 }
 
@@ -136,6 +260,27 @@ fn a_text_in_place_of_a_picture_is_no_edit() {
     let mut one = pending("a", "b");
     one.accepted.as_mut().unwrap().contents = Contents::Picture(vec![1]);
     assert_eq!(groups::group(&[one])[0].kind, Kind::Picture);
+}
+
+#[test]
+fn new_pictures_are_listed_by_file_and_folded() {
+    let pictures: Vec<Pending> = (10..22)
+        .map(|number| {
+            let mut one = pending("", "");
+            one.accepted = None;
+            one.proposed.contents = Contents::Picture(vec![1]);
+            one.path = PathBuf::from(format!("snapshots/half@{number}.snap.new"));
+            one
+        })
+        .collect();
+    let groups = groups::group(&pictures);
+    let shown = |extent| show::group(&groups[0], &pictures, None, &View { extent, ..NARROW });
+    let folded = shown(Extent::Folded);
+    let list = "\npictures to look at:\n  snapshots/half@10.snap.new.png\n";
+    assert!(folded.contains(list), "{folded}");
+    let end = "\n  snapshots/half@17.snap.new.png\n  … and 4 more\n";
+    assert!(folded.contains(end), "{folded}");
+    assert!(shown(Extent::Full).contains("\n  snapshots/half@21.snap.new.png\n"));
 }
 
 #[test]

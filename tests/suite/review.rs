@@ -1,6 +1,7 @@
 //! `fabc review`: what is pending, as JSON and on a terminal, and what becomes of it.
 
 mod documented;
+mod found;
 mod made;
 mod peer_cargo_insta;
 mod scripts;

@@ -3,16 +3,23 @@
 use super::super::support::{fabc, finish, project};
 use serde_json::Value;
 use std::fs;
+#[cfg(unix)]
+use std::process::Command;
+
+fn workflow() -> Value {
+    let text = fs::read_to_string(project("docs/examples/prompts.yml")).unwrap();
+    serde_saphyr::from_str(&text).unwrap()
+}
 
 #[test]
 fn the_workflow_is_one_that_can_be_run() {
-    let text = fs::read_to_string(project("docs/examples/prompts.yml")).unwrap();
-    let workflow: Value = serde_saphyr::from_str(&text).unwrap();
+    let workflow = workflow();
     assert!(workflow["on"].is_object() && workflow["name"].is_string());
     let jobs = workflow["jobs"].as_object().unwrap();
     assert!(!jobs.is_empty());
     for job in jobs.values() {
         assert!(job["runs-on"].is_string());
+        let mut ids = Vec::new();
         for step in job["steps"].as_array().unwrap() {
             let does = [&step["uses"], &step["run"]];
             assert_eq!(
@@ -20,7 +27,48 @@ fn the_workflow_is_one_that_can_be_run() {
                 1,
                 "{step}"
             );
+            let when = step["if"].as_str().unwrap_or_default();
+            let named = when.split("steps.").skip(1);
+            let named: Vec<&str> = named.filter_map(|rest| rest.split('.').next()).collect();
+            assert!(named.iter().all(|id| ids.contains(id)), "{when}");
+            // What says what changed is not asked where fabc could not be built.
+            assert!(!when.contains("failure()") || !named.is_empty(), "{when}");
+            ids.extend(step["id"].as_str());
         }
+        let comparing = job["steps"].as_array().unwrap().iter();
+        let comparing = comparing.filter(|step| step["id"] == "compare");
+        let runs: Vec<&str> = comparing.filter_map(|step| step["run"].as_str()).collect();
+        assert!(
+            matches!(runs[..], [run] if run.contains("--check")),
+            "{runs:?}"
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn the_workflow_says_which_variable_is_not_set() {
+    let workflow = workflow();
+    let steps = workflow["jobs"]["snapshots"]["steps"].as_array().unwrap();
+    let fetch = steps.iter().find(|step| step["name"] == "Fetch fabc");
+    let script = fetch.unwrap()["run"].as_str().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for (repository, reference, missing) in [
+        ("", "v1", "FABC_REPOSITORY"),
+        ("nowhere", "", "FABC_REF"),
+        ("", "", "FABC_REPOSITORY"),
+    ] {
+        let mut shell = Command::new("sh");
+        shell
+            .args(["-e", "-c", script])
+            .env("RUNNER_TEMP", folder.path())
+            .env("FABC_REPOSITORY", repository)
+            .env("FABC_REF", reference);
+        let said = finish(&mut shell);
+        assert_eq!(said.code, 1, "{}", said.stderr);
+        let words = format!("::error::the variable {missing} is not set");
+        assert!(said.stdout.starts_with(&words), "{}", said.stdout);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }
 
@@ -37,7 +85,8 @@ fn the_chapter_names_every_option_and_field() {
     }
     let folder = tempfile::tempdir().unwrap();
     super::made::each_kind(&folder.path().join("snapshots"));
-    let said = finish(fabc(folder.path()).args(["review", "--json", "--reject", "half@start"]));
+    let said =
+        finish(fabc(folder.path()).args(["review", "--json", "--reject", "half@start.points"]));
     let value: Value = serde_json::from_str(&said.stdout).unwrap();
     let maps = [
         &value,

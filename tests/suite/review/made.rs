@@ -31,6 +31,33 @@ Answer with a pick and a place.
     )
 }
 
+/// A pinned scene in the file format: what it was seen of, and its points.
+pub fn scene(seen_of: &str, center: &str, corners: &str) -> String {
+    format!(
+        "\
+---
+source: half.fab
+info:
+  task: half
+  scene: start
+---
+{{
+  \"seen_of\": \"{seen_of}\",
+  \"start\": null,
+  \"step\": 1,
+  \"last\": null,
+  \"points\": {{
+    \"center\": {center},
+    \"corners\": {corners}
+  }},
+  \"areas\": {{
+    \"cloth\": 900.0
+  }}
+}}
+"
+    )
+}
+
 /// Writes an accepted snapshot.
 pub fn accepted(folder: &Path, name: &str, text: &str) {
     write(folder, &format!("{name}.snap"), text.as_bytes());
@@ -68,17 +95,24 @@ pub fn one_edit(folder: &Path, n_tasks: usize) {
 /// Writes one of each kind: an edit of two snapshots, a scene, a picture, new ones, and one of somebody else's.
 pub fn each_kind(folder: &Path) {
     one_edit(folder, 2);
-    let scene = |hash: &str, corner: u32| {
+    accepted(
+        folder,
+        "half@start.points",
+        &scene("0a", "[[30,40]]", "[[30,40],[30,90]]"),
+    );
+    pending(
+        folder,
+        "half@start.points",
+        &scene("0b", "[[31,40]]", "[[30,40]]"),
+    );
+    let picture = |drawn_from: &str| {
         format!(
-            "---\nsource: half.fab\ninfo:\n  task: half\n  scene: start\n  drawn_from: {hash}\n---\n{{\n  \"center\": [[112, 112]],\n  \"corners\": [[30, {corner}]]\n}}\n"
+            "---\nsource: half.fab\ninfo:\n  task: half\n  scene: start\n  picture: subgoal 1 with arrow\n  drawn_from: {drawn_from}\nextension: png\nsnapshot_kind: binary\n---\n"
         )
     };
-    accepted(folder, "half@start", &scene("0a", 40));
-    pending(folder, "half@start", &scene("0b", 41));
-    let picture = "---\nsource: half.fab\ninfo:\n  task: half\n  scene: start\n  picture: subgoal 1 with arrow\nextension: png\nsnapshot_kind: binary\n---\n";
-    accepted(folder, "half@start.subgoal_1", picture);
+    accepted(folder, "half@start.subgoal_1", &picture("0c"));
     write(folder, "half@start.subgoal_1.snap.png", &png(24, 16, None));
-    pending(folder, "half@start.subgoal_1", picture);
+    pending(folder, "half@start.subgoal_1", &picture("0d"));
     write(
         folder,
         "half@start.subgoal_1.snap.new.png",
@@ -94,7 +128,7 @@ pub fn each_kind(folder: &Path) {
 }
 
 /// Returns a grey PNG file, with a red square of four pixels at a place.
-fn png(width: u32, height: u32, square: Option<[u32; 2]>) -> Vec<u8> {
+pub fn png(width: u32, height: u32, square: Option<[u32; 2]>) -> Vec<u8> {
     let mut picture = RgbImage::from_pixel(width, height, Rgb([90; 3]));
     if let Some([left, top]) = square {
         for (column, row) in [(0, 0), (1, 0), (0, 1), (1, 1)] {

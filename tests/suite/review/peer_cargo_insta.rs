@@ -71,8 +71,8 @@ fn peer_cargo_insta_accepts_what_is_pending() {
     let again = String::from_utf8(before["half.describe@start.snap.new"].clone()).unwrap();
     let again = again.replace("Dots.", "Blue dots.").replace("700", "702");
     fs::write(snapshots.join("half.describe@start.snap.new"), again).unwrap();
-    let scene = String::from_utf8(before["half@start.snap"].clone()).unwrap();
-    fs::write(snapshots.join("half@start.snap.new"), scene).unwrap();
+    let scene = String::from_utf8(before["half@start.points.snap"].clone()).unwrap();
+    fs::write(snapshots.join("half@start.points.snap.new"), scene).unwrap();
     let said = finish(fabc(folder.path()).args(["review", "--json"]));
     assert_eq!(said.code, 0, "{}", said.stderr);
     let value: Value = serde_json::from_str(&said.stdout).unwrap();
@@ -84,7 +84,7 @@ fn peer_cargo_insta_accepts_what_is_pending() {
         edit["tokens"],
         serde_json::json!({ "before": 700, "after": 702 })
     );
-    assert_eq!(scene["cause"][1]["component"], "drawn_from changed");
+    assert_eq!(scene["cause"][1]["component"], "center moved");
     let said = finish(fabc(folder.path()).args(["review", "--accept-all"]));
     assert_eq!(said.stdout, "accepted 2, rejected 0, still pending 0\n");
 }

@@ -95,7 +95,7 @@ fn groups_and_snapshots_are_accepted_and_rejected_by_id() {
     );
     assert_eq!(said.code, 0, "{}", said.stderr);
     assert_eq!(said.stdout, "accepted 2, rejected 3, still pending 1\n");
-    assert_eq!(left(&snapshots), ["crate__theirs", "half@start"]);
+    assert_eq!(left(&snapshots), ["crate__theirs", "half@start.points"]);
     let after = files(&snapshots);
     for (was, is) in [
         (
@@ -111,7 +111,7 @@ fn groups_and_snapshots_are_accepted_and_rejected_by_id() {
         assert_eq!(before[was], after[is]);
     }
     let value = json(folder.path(), &["--accept-all"]);
-    assert_eq!(value["accepted"], serde_json::json!(["half@start"]));
+    assert_eq!(value["accepted"], serde_json::json!(["half@start.points"]));
     assert_eq!(
         (&value["pending"], &value["foreign"]),
         (&0.into(), &1.into())
@@ -306,7 +306,7 @@ fn a_text_is_accepted_once_each_of_its_edits_is_and_rejected_with_any() {
         assert_eq!(found.stdout, said, "{accepts:?} {rejects:?}");
         let waits = found
             .stderr
-            .contains("1 snapshot waits until its other edits");
+            .contains("1 snapshot waits until its other edits are decided; give the ids of all of them in one call");
         let expected = accepts.len() == 1 && rejects.is_empty();
         assert_eq!(waits, expected, "{}", found.stderr);
     }

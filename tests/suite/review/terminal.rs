@@ -167,7 +167,7 @@ fn one_is_accepted_one_rejected_and_one_skipped() {
 
 #[test]
 fn one_who_stops_keeps_what_was_decided() {
-    for (key, code) in [("q", 0), ("\u{3}", 130)] {
+    for (key, code) in [("q", 0), ("\u{4}", 0), ("\u{3}", 130)] {
         let folder = tempfile::tempdir().unwrap();
         let snapshots = folder.path().join("snapshots");
         three_groups(&snapshots);
@@ -200,14 +200,17 @@ fn all_that_are_left_are_accepted_at_once() {
     assert!(
         session
             .until(PROMPT)
-            .contains("quit; what was decided is kept")
+            .contains("q  quit, as Ctrl-C and Ctrl-D do; what was settled is kept")
     );
     session.press("s");
     let shown = session.until(PROMPT);
-    assert!(
-        shown.contains("   corners moved\n") && shown.contains("   drawn_from changed\n"),
-        "{shown}"
-    );
+    for words in [
+        "   seen of another cloth, camera, picker or other keypoints\n",
+        "   center moved\n",
+        "   corners: 2 points, now 1\n",
+    ] {
+        assert!(shown.contains(words), "{shown}");
+    }
     session.press("s");
     let shown = session.until(PROMPT);
     assert!(
@@ -290,4 +293,43 @@ fn each_edit_is_asked_for_once_and_a_text_with_two_waits_for_both() {
         "{shown}"
     );
     assert!(left(&snapshots).is_empty());
+}
+
+/// Two edits of one text, of which the first is accepted: however it ends, that counts no more.
+#[test]
+fn an_accepted_edit_of_a_text_that_waits_is_said_to_be_forgotten() {
+    for (key, code) in [("s", 0), ("q", 0), ("\u{3}", 130)] {
+        let folder = tempfile::tempdir().unwrap();
+        let snapshots = folder.path().join("snapshots");
+        let old = prompt("half", "The red dots are corners.", 810);
+        let new = old.replace("You fold", "You turn").replace("red", "blue");
+        accepted(&snapshots, "half.describe@start", &old);
+        pending(&snapshots, "half.describe@start", &new);
+        let mut session = Session::start(folder.path(), 100, &[]);
+        session.until(PROMPT);
+        session.press("a");
+        assert!(!session.until(PROMPT).contains("forgotten"));
+        session.press(key);
+        let (found, shown) = session.end();
+        assert_eq!(found, Some(code));
+        let words = "1 snapshot waits until its other edits are decided; what was accepted of it is forgotten\n";
+        assert!(shown.contains(words), "{shown}");
+        assert_eq!(left(&snapshots), ["half.describe@start"]);
+    }
+}
+
+/// What names a snapshot is longer than the terminal is wide, and stands in two rows.
+#[test]
+fn a_long_name_is_broken_and_set_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    let name = format!("half.{}.describe@start", "very_long_".repeat(6));
+    pending(&snapshots, &name, &prompt("half", "Dots.", 700));
+    let mut session = Session::start(folder.path(), 60, &[]);
+    let shown = session.until("? says what they do: ");
+    let (first, second) = name.split_at(58);
+    let rows = format!("\n  {first}\n    {second}\n");
+    assert!(shown.contains(&rows), "{shown}");
+    session.press("q");
+    session.end();
 }

@@ -1,0 +1,203 @@
+//! What `fabc review` finds: files that cannot be read, files of others, links, pictures, and paths as ids.
+
+use super::super::support::{Said, fabc, finish};
+use super::made::{accepted, each_kind, files, left, one_edit, pending, png, prompt, write};
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+
+fn review(folder: &Path, arguments: &[&str]) -> Said {
+    finish(fabc(folder).arg("review").args(arguments))
+}
+
+fn as_json(folder: &Path, arguments: &[&str]) -> Value {
+    let said = review(folder, &[arguments, &["--json"]].concat());
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    serde_json::from_str(&said.stdout).unwrap()
+}
+
+#[test]
+fn files_of_other_programs_are_counted_whatever_is_in_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    one_edit(&snapshots, 1);
+    let theirs: [(&str, &[u8]); 5] = [
+        (
+            "crate__binary",
+            b"---\nsource: a.rs\nsnapshot_kind: binary\nextension: txt\n---\n",
+        ),
+        (
+            "crate__old",
+            b"Created: 2018-01-01T00:00:00+00:00\nSource: a.rs\n\nx\n",
+        ),
+        ("crate__empty", b""),
+        ("crate__latin", b"---\n---\n\xe9"),
+        ("crate__large", &vec![b'x'; (4 << 20) + 1]),
+    ];
+    for (name, bytes) in theirs {
+        write(&snapshots, &format!("{name}.snap.new"), bytes);
+    }
+    let value = as_json(folder.path(), &["--accept-all"]);
+    assert_eq!(value["foreign"], 5);
+    assert_eq!(value["accepted"], json!(["fold_01.describe@start"]));
+    assert_eq!(left(&snapshots).len(), 5);
+}
+
+#[test]
+fn a_merge_conflict_in_what_is_pending_is_named_by_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    one_edit(&snapshots, 1);
+    let text = prompt("half", "Dots.", 700).replace(
+        "  tokens: 700\n",
+        "<<<<<<< ours\n  tokens: 700\n=======\n  tokens: 701\n>>>>>>> theirs\n",
+    );
+    pending(&snapshots, "half.describe@start", &text);
+    let before = files(&snapshots);
+    let said = review(folder.path(), &["--accept-all"]);
+    assert_eq!(said.code, 2);
+    for words in [
+        "`snapshots/half.describe@start.snap.new` is not a snapshot that can be read",
+        "; line 8 begins a merge conflict; run `fabc snap` again",
+    ] {
+        assert!(said.stderr.contains(words), "{}", said.stderr);
+    }
+    assert_eq!(files(&snapshots), before);
+}
+
+#[test]
+fn an_accepted_snapshot_that_cannot_be_read_counts_as_absent() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    one_edit(&snapshots, 2);
+    accepted(&snapshots, "fold_02.describe@start", "<<<<<<< ours\n");
+    let said = review(folder.path(), &["--json"]);
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    let words = "counted as new: `snapshots/fold_02.describe@start.snap` is not a snapshot that can be read: it does not begin";
+    assert!(said.stderr.contains(words), "{}", said.stderr);
+    assert_eq!(said.stderr.lines().count(), 1, "{}", said.stderr);
+    let value: Value = serde_json::from_str(&said.stdout).unwrap();
+    let new = &value["groups"][1];
+    assert_eq!(new["kind"], "new");
+    assert_eq!(new["snapshots"][0]["id"], "fold_02.describe@start");
+    assert_eq!(
+        review(folder.path(), &["--only", "01", "--json"]).stderr,
+        ""
+    );
+    let said = review(folder.path(), &["--accept-all"]);
+    assert_eq!(said.stdout, "accepted 2, rejected 0, still pending 0\n");
+    assert!(files(&snapshots)["fold_02.describe@start.snap"].starts_with(b"---\n"));
+}
+
+#[test]
+fn a_picture_that_is_none_leaves_an_empty_panel() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    let name = "half@start.subgoal_1";
+    each_kind(&snapshots);
+    write(&snapshots, &format!("{name}.snap.png"), b"none");
+    let drawn = |value: &Value| {
+        let mut groups = value["groups"].as_array().unwrap().iter();
+        let group = groups.find(|group| group["kind"] == "picture").unwrap();
+        group["picture"].clone()
+    };
+    let picture = drawn(&as_json(folder.path(), &["--out", "drawn"]));
+    assert_eq!(
+        (&picture["changed_pixels"], &picture["bounds"]),
+        (&Value::Null, &Value::Null)
+    );
+    let words = picture["words"].as_str().unwrap();
+    assert!(
+        words.contains("half@start.subgoal_1.snap.png") && !words.contains('\n'),
+        "{words}"
+    );
+    let sheet = folder.path().join(picture["path"].as_str().unwrap());
+    let sheet = image::open(sheet).unwrap().into_rgb8();
+    assert_eq!(sheet.dimensions(), (88, 20));
+    let at = |column| sheet.get_pixel(column, 3).0;
+    assert_eq!(
+        (at(5), at(32 + 5), at(64 + 5)),
+        ([160; 3], [255, 0, 0], [160; 3])
+    );
+    // Neither is one: there is nothing to draw.
+    write(&snapshots, &format!("{name}.snap.new.png"), b"nothing");
+    let picture = drawn(&as_json(folder.path(), &["--out", "drawn"]));
+    assert_eq!(picture["path"], Value::Null);
+    assert_eq!(picture["words"].as_str().unwrap().lines().count(), 2);
+}
+
+#[test]
+fn new_pictures_name_their_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    pending(
+        &snapshots,
+        "half.describe@start",
+        &prompt("half", "Dots.", 700),
+    );
+    let header = "---\nsource: half.fab\ninfo:\n  task: half\n  scene: start\n  picture: scene\nextension: png\nsnapshot_kind: binary\n---\n";
+    pending(&snapshots, "half@start.scene", header);
+    write(
+        &snapshots,
+        "half@start.scene.snap.new.png",
+        &png(8, 8, None),
+    );
+    let value = as_json(folder.path(), &[]);
+    let files: Vec<&Value> = value["groups"][0]["snapshots"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|snapshot| &snapshot["file"])
+        .collect();
+    let file = "snapshots/half@start.scene.snap.new.png";
+    assert_eq!(files, [&Value::Null, &json!(file)]);
+    assert!(folder.path().join(file).is_file());
+}
+
+#[test]
+fn the_path_of_an_accepted_snapshot_names_what_is_pending_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let snapshots = folder.path().join("snapshots");
+    each_kind(&snapshots);
+    let ids = [
+        "snapshots/fold_01.describe@start.snap",
+        "./snapshots/../snapshots/fold_02.describe@start.snap",
+        "snapshots/half@start.subgoal_1.snap.new.png",
+        // A new one, which is not accepted yet.
+        "./snapshots/half.act@start.snap",
+    ];
+    for id in ids {
+        let said = review(folder.path(), &["--accept", id]);
+        assert!(
+            said.stdout.starts_with("accepted 1, "),
+            "{id} {}",
+            said.stderr
+        );
+    }
+    let said = review(folder.path(), &["--accept", "snapshots/none.snap"]);
+    assert_eq!(said.code, 64);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_named_snapshots_is_followed_and_no_other() {
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().unwrap();
+    let elsewhere = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    one_edit(&elsewhere.path().join("kept"), 1);
+    one_edit(&elsewhere.path().join("more/snapshots"), 2);
+    fs::create_dir_all(root.join("tasks/deep")).unwrap();
+    symlink(elsewhere.path().join("kept"), root.join("tasks/snapshots")).unwrap();
+    symlink(elsewhere.path().join("more"), root.join("tasks/more")).unwrap();
+    // In a circle, to nowhere, and to itself.
+    symlink(root.join("tasks"), root.join("tasks/deep/snapshots")).unwrap();
+    symlink("nowhere", root.join("snapshots")).unwrap();
+    fs::create_dir(root.join("round")).unwrap();
+    symlink("snapshots", root.join("round/snapshots")).unwrap();
+    assert_eq!(as_json(root, &[])["pending"], 1);
+    let said = review(root, &["--accept-all"]);
+    assert_eq!(said.stdout, "accepted 1, rejected 0, still pending 0\n");
+    assert!(left(&elsewhere.path().join("kept")).is_empty());
+    assert!(root.join("tasks/snapshots").is_symlink());
+}
