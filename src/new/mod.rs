@@ -14,9 +14,11 @@ mod from_images;
 mod page;
 #[cfg(feature = "runtime")]
 mod pictures;
+#[cfg(feature = "runtime")]
+mod points;
 
 #[cfg(feature = "runtime")]
-pub use page::point_text;
+pub use points::point_text;
 
 use crate::cli::new::{NewArguments, NewFoldArguments, NewTaskArguments, NewVerb};
 use crate::exit::{Exit, Failure};

@@ -3,6 +3,7 @@
 //! In: what `runtime::draft` found in pictures, and what the user stated. Out: text that compiles, with a comment at
 //! each guess, and the same guesses one by one.
 
+use super::points::{fold_text, point_text};
 use compiler::program::{ClothPoint, Fold, Sequence};
 use runtime::draft::{self, ArrowOrigin, DraftStep, Named, Stated};
 use std::fmt::Write;
@@ -232,7 +233,7 @@ impl Page<'_> {
                 "@CLOTH@",
                 format!("grid({}, {})", self.found.cloth.dimx, self.found.cloth.dimy),
             ),
-            ("@MEASURES@", self.measures()),
+            ("@MEASURES@", wrapped(&self.measures())),
             ("    @CAMERA@\n", self.camera()),
             ("    @GOAL@\n", goal),
             ("    @ALIKE@\n", alike),
@@ -356,29 +357,24 @@ fn is_lost(step: &DraftStep) -> bool {
     step.origin == ArrowOrigin::Proposed && step.found().is_none()
 }
 
+/// Breaks a sentence into lines of a comment; the first follows `# guessed: `.
+fn wrapped(text: &str) -> String {
+    const WIDTH: usize = 100;
+    let (mut lines, mut width) = (String::new(), 0);
+    for word in text.split(' ') {
+        if width > 0 && width + word.len() >= WIDTH {
+            lines.push_str("\n    #");
+            width = 0;
+        }
+        if !lines.is_empty() {
+            lines.push(' ');
+        }
+        lines.push_str(word);
+        width += word.len() + 1;
+    }
+    lines
+}
+
 fn pixel([u, v]: [f64; 2]) -> String {
     format!("({u:.0}, {v:.0})")
-}
-
-fn fold_text(fold: &Fold) -> String {
-    format!("{} -> {}", point_text(&fold.pick), point_text(&fold.place))
-}
-
-/// Writes a point of the cloth as the language does.
-pub fn point_text(point: &ClothPoint) -> String {
-    let ClothPoint::Particle { right, front } = *point else {
-        return "center".to_owned();
-    };
-    let name = |low: &'static str, high: &'static str, at: f64| match at {
-        0.0 => Some(low),
-        1.0 => Some(high),
-        _ => None,
-    };
-    let (side, end) = (name("left", "right", right), name("back", "front", front));
-    match (end, side) {
-        (Some(end), Some(side)) => format!("corner({end}_{side})"),
-        (None, Some(side)) if front == 0.5 => format!("middle({side})"),
-        (Some(end), None) if right == 0.5 => format!("middle({end})"),
-        _ => format!("point({right}, {front})"),
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::new_tasks::{files, json, said};
 use super::support::root;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The pinned pictures of a shipped task, in a folder beside the one that a test works in.
 fn pictures(task: &str, count: usize) -> Vec<String> {
@@ -129,19 +129,20 @@ fn drafts_of_shipped_folds_reach_their_goals_with_arrows_and_without() {
 }
 
 /// Cuts a task's pictures, with their arrows, out of the sheet that `subgoals` lays; returns their paths.
-fn sheets(folder: &Path, task: &str, count: u32) -> Vec<String> {
+fn sheets(folder: &Path, task: &str, count: usize) -> Vec<String> {
     let file = format!("{task}.fab");
     let folder = folder.join("tasks");
     std::fs::create_dir_all(folder.join("lib")).unwrap();
-    for name in [&file, "lib/folding.fab"] {
-        std::fs::copy(root().join("tasks").join(name), folder.join(name)).unwrap();
+    for name in [&file, "lib/folding.fab", "lib/experts.fab"] {
+        let shipped = root().join("tasks").join(name);
+        std::fs::copy(shipped, folder.join(name)).unwrap();
     }
     let ended = said(&folder, &["subgoals", &file, "--sheet", "sheet.png"]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let sheet = image::open(folder.join("sheet.png")).unwrap();
     let cut = (0..count).map(|number| {
         let path = folder.join(format!("{number}.png"));
-        let picture = sheet.crop_imm(number * (224 + 8), 0, 224, 224);
+        let picture = sheet.crop_imm(number as u32 * (224 + 8), 0, 224, 224);
         picture.to_rgb8().save(&path).unwrap();
         path.display().to_string()
     });
@@ -196,8 +197,8 @@ fn what_is_stated_of_camera_and_cloth_stands_in_the_file_and_the_task_runs() {
     let text = std::fs::read_to_string(folder.path().join("big.fab")).unwrap();
     for line in [
         "cloth grid(81, 81)",
-        "camera top_down(height: 963mm, fov: 45deg, image: 224px)",
-        "cloth = mask(depth < 959mm)",
+        "camera top_down(height: 962mm, fov: 45deg, image: 224px)",
+        "cloth = mask(depth < 958mm)",
     ] {
         assert!(text.contains(line), "no `{line}` in:\n{text}");
     }
@@ -281,7 +282,7 @@ fn subgoals_says_which_demonstrated_point_is_not_offered_and_what_offers_it() {
     std::fs::write(&path, task("")).unwrap();
     let ended = said(folder.path(), &["subgoals", "half.fab"]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
-    let told = "note: step 1 picks middle(back) at (112, 40); the nearest offered `pick` is ";
+    let told = "note: step 1 picks middle(back) at (112, 41); the nearest offered `pick` is ";
     assert!(ended.stderr.contains(told), "{}", ended.stderr);
     let begun = ended.stderr.find("    keypoints {").unwrap();
     let (keypoints, rest) = ended.stderr[begun..].split_once("and `").unwrap();
