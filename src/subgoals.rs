@@ -1,12 +1,14 @@
 //! `fabc subgoals`: draws a task's demonstration and pins the pictures beside its file.
 
+mod offered;
+
 use crate::cli::SubgoalsArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, setting, sources};
 use compiler::program::{Arrow, Which};
 use image::{RgbImage, imageops};
 use runtime::store;
-use runtime::subgoals::{Origin, SubgoalSet};
+use runtime::subgoals::{Origin, SubgoalError, SubgoalSet};
 use runtime::vision::VisionError;
 use runtime::{picture, world::WorldError};
 use serde_json::json;
@@ -19,23 +21,26 @@ pub fn run(arguments: &SubgoalsArguments) -> Result<Exit, Failure> {
     let interrupt = setting::interrupt()?;
     let mut world = setting::world(&program).map_err(Failure::environment)?;
     let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt);
-    let set = match drawn {
-        Err(runtime::subgoals::SubgoalError::World(WorldError::Interrupted)) => {
-            return Err(Failure::interrupted());
-        }
-        drawn => drawn.map_err(Failure::environment)?,
-    };
+    let set = drawn.map_err(failure)?;
     let mut files = set
         .pin(&program, &folder, &world.parameters())
         .map_err(Failure::environment)?;
-    if set.origin == Origin::Author {
-        output::talk(&format!(
-            "`{}` brings its own pictures; nothing is drawn",
-            program.task
-        ));
+    if set.origin == Origin::Drawn {
+        let notes = offered::notes(&program, world.as_mut(), &interrupt);
+        for note in notes.map_err(failure)? {
+            output::talk(&format!("note: {note}"));
+        }
     }
-    if set.origin == Origin::Absent {
-        output::talk(&format!("`{}` has no subgoals", program.task));
+    let name = &program.task;
+    match (set.origin, &arguments.sheet) {
+        (Origin::Author, None) => output::talk(&format!(
+            "`{name}` brings its own pictures; there are none to draw"
+        )),
+        (Origin::Author, Some(_)) => output::talk(&format!(
+            "`{name}` brings its own pictures, which are left as they are; the sheet shows them"
+        )),
+        (Origin::Absent, _) => output::talk(&format!("`{name}` has no subgoals")),
+        _ => {}
     }
     if let Some(path) = arguments
         .sheet
@@ -62,6 +67,13 @@ pub fn run(arguments: &SubgoalsArguments) -> Result<Exit, Failure> {
     }
     report(&files, arguments);
     Ok(Exit::Done)
+}
+
+fn failure(error: SubgoalError) -> Failure {
+    match error {
+        SubgoalError::World(WorldError::Interrupted) => Failure::interrupted(),
+        error => Failure::environment(error),
+    }
 }
 
 /// Lays all pictures side by side, each with the arrow that leaves it.

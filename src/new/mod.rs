@@ -10,6 +10,15 @@ mod staging;
 mod drawn;
 #[cfg(feature = "runtime")]
 mod from_images;
+#[cfg(feature = "runtime")]
+mod page;
+#[cfg(feature = "runtime")]
+mod pictures;
+#[cfg(feature = "runtime")]
+mod points;
+
+#[cfg(feature = "runtime")]
+pub use points::point_text;
 
 use crate::cli::new::{NewArguments, NewFoldArguments, NewTaskArguments, NewVerb};
 use crate::exit::{Exit, Failure};
@@ -128,6 +137,15 @@ fn begin(arguments: &NewTaskArguments, draft: Draft) -> Result<Exit, Failure> {
             files.push(PathBuf::from(path));
         }
     }
+    for (path, _) in &draft.pictures {
+        let place = folder.join(path);
+        if place.symlink_metadata().is_ok() {
+            return Err(Failure::environment(format!(
+                "`{}` exists already and is left as it is; choose another name, or remove it",
+                shown(&place)
+            )));
+        }
+    }
     for (path, bytes) in &draft.pictures {
         staging.write(path, bytes).map_err(unwritable)?;
         files.push(path.clone());
@@ -147,6 +165,13 @@ fn begin(arguments: &NewTaskArguments, draft: Draft) -> Result<Exit, Failure> {
 /// Refuses names that are none, and to write over anything, before any work is done.
 fn check_place(arguments: &NewTaskArguments) -> Result<(), Failure> {
     names::check(&arguments.name)?;
+    let folder = folder_of(arguments);
+    if folder.is_file() {
+        return Err(Failure::environment(format!(
+            "`{}` is a file; --in takes a folder",
+            shown(&folder)
+        )));
+    }
     for ending in ["fab", "subgoals"] {
         let place = folder_of(arguments).join(format!("{}.{ending}", arguments.name));
         if place.symlink_metadata().is_ok() {

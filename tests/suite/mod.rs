@@ -24,6 +24,7 @@ mod killed;
 mod model_conformance;
 mod models;
 mod named_ends;
+mod new_from_pictures;
 mod new_tasks;
 mod other_grids;
 mod peer_litellm;

@@ -4,17 +4,17 @@ use super::support::{Said, fabc, finish, root};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-fn said(folder: &Path, arguments: &[&str]) -> Said {
+pub fn said(folder: &Path, arguments: &[&str]) -> Said {
     finish(fabc(folder).args(arguments))
 }
 
-fn json(said: &Said) -> Value {
+pub fn json(said: &Said) -> Value {
     let read = serde_json::from_str(&said.stdout);
     read.unwrap_or_else(|error| panic!("{error}\n{}\n{}", said.stdout, said.stderr))
 }
 
 /// Every file below a folder, in order.
-fn files(folder: &Path) -> Vec<PathBuf> {
+pub fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(next) = folders.pop() {
@@ -170,91 +170,4 @@ fn a_folder_that_takes_no_files_is_named() {
     let told = "nothing is written, since `file/below` takes no files";
     assert!(ended.stderr.contains(told), "{}", ended.stderr);
     assert_eq!(files(folder.path()), [PathBuf::from("file")]);
-}
-
-/// The pinned pictures of a shipped task, in a folder beside the one that a test works in.
-fn pictures(task: &str, count: usize) -> Vec<String> {
-    let folder = root().join(format!("tasks/{task}.subgoals"));
-    (0..count)
-        .map(|number| folder.join(format!("{number}.png")).display().to_string())
-        .collect()
-}
-
-#[test]
-fn a_fold_drafted_from_pictures_says_what_it_guessed_and_runs_to_its_goal() {
-    let folder = tempfile::tempdir().unwrap();
-    // One picture lies there already, the others are brought.
-    let mut pictures = pictures("house", 3);
-    std::fs::create_dir(folder.path().join("mine")).unwrap();
-    std::fs::copy(&pictures[1], folder.path().join("mine/after.png")).unwrap();
-    pictures[1] = "mine/after.png".to_owned();
-    let mut arguments = vec!["new", "fold", "gable", "--json", "--from-images"];
-    arguments.extend(pictures.iter().map(String::as_str));
-    let begun = said(folder.path(), &arguments);
-    assert_eq!((begun.code, begun.stderr.as_str()), (0, ""));
-    let written = json(&begun);
-    let files = serde_json::json!([
-        "gable.fab",
-        "lib/folding.fab",
-        "gable.images/0.png",
-        "gable.images/2.png"
-    ]);
-    assert_eq!(written["files"], files);
-    let guesses = written["guesses"].as_array().unwrap();
-    assert_eq!(guesses.len(), 3, "{guesses:?}");
-    let second = guesses[2].as_str().unwrap();
-    assert!(
-        second.contains("`mine/after.png` to ") && second.contains("corner(back_right) -> center"),
-        "{second}"
-    );
-
-    let text = std::fs::read_to_string(folder.path().join("gable.fab")).unwrap();
-    assert!(!text.contains('@'), "{text}");
-    for line in [
-        "image \"gable.images/0.png\" arrow (41px, 41px) -> (112px, 112px)",
-        "image \"mine/after.png\" arrow (182px, 41px) -> (112px, 112px)",
-        "image \"gable.images/2.png\"\n",
-        "sequence { fold corner(back_left) -> center, corner(back_right) -> center }",
-    ] {
-        assert!(text.contains(line), "no `{line}` in:\n{text}");
-    }
-    let checked = said(folder.path(), &["check", "gable.fab", "--json"]);
-    assert_eq!(json(&checked)["diagnostics"], serde_json::json!([]));
-    let tested = said(folder.path(), &["test", "gable.fab"]);
-    assert_eq!(tested.code, 0, "{}", tested.stdout);
-    let sheet = ["subgoals", "gable.fab", "--sheet", "gable.png"];
-    assert_eq!(said(folder.path(), &sheet).code, 0);
-    let ended = said(folder.path(), &["run", "gable.fab", "--json"]);
-    assert_eq!(ended.code, 0, "{}", ended.stderr);
-    assert_eq!(json(&ended)["outcome"], "goal_reached");
-}
-
-#[test]
-fn pictures_that_nothing_can_be_drafted_from_are_refused_and_nothing_is_written() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("words.png"), "no picture").unwrap();
-    let [flat, folded] = pictures("house", 2).try_into().unwrap();
-    let before = files(folder.path());
-    for (pictures, code, told) in [
-        (
-            vec!["words.png", flat.as_str()],
-            2,
-            "`words.png` is not a readable PNG picture",
-        ),
-        (
-            vec!["nowhere.png", flat.as_str()],
-            2,
-            "cannot read `nowhere.png`",
-        ),
-        (vec![flat.as_str()], 64, "1 pictures do not show a fold"),
-        (vec![flat.as_str(), flat.as_str()], 2, "shows the cloth as"),
-        (vec![folded.as_str(), flat.as_str()], 2, "more cloth than"),
-    ] {
-        let mut arguments = vec!["new", "fold", "gable", "--from-images"];
-        arguments.extend(pictures);
-        let ended = said(folder.path(), &arguments);
-        assert_eq!(ended.code, code, "{}", ended.stderr);
-        assert!(ended.stderr.contains(told), "{}", ended.stderr);
-        assert_eq!(files(folder.path()), before);
-    }
 }

@@ -7,23 +7,24 @@
 //! cloth as the steps before left it, and the one is proposed whose outline is the picture's. What follows for a task's
 //! text is decided elsewhere.
 
+mod fault;
+mod measures;
 mod shown;
 mod symmetry;
 mod tries;
 
+pub use fault::DraftError;
+pub use measures::Stated;
 pub use symmetry::symmetric;
 
 #[cfg(test)]
 mod tests;
 
-use crate::camera::Camera;
-use crate::expert::MakeWorld;
 use crate::interrupt::Interrupt;
 use crate::start::Start;
 use crate::subgoals::ArrowPx;
-use crate::vision::VisionError;
-use crate::world::WorldError;
-use compiler::program::{self, Cloth, ClothStart, Fold, ImageUp};
+use crate::world::{World, WorldError};
+use compiler::program::{self, Cloth, Fold};
 use image::RgbImage;
 use shown::{Pose, Shown};
 use std::ops::RangeInclusive;
@@ -37,12 +38,6 @@ pub const MAX_STEPS: usize = 100;
 
 /// Side of the pictures in which outlines are compared, pixels: the shipped folding tasks' own.
 const COMPARED_PX: u32 = 224;
-
-/// Particles are this far apart, metres, as in every task.
-const SPACING_M: f64 = 0.00625;
-
-/// By how much an outline in whole pixels is larger than the cloth, pixels: those that it covers in part count.
-const RIM_PX: f64 = 0.7;
 
 /// Growth of the cloth's outline that no fold explains, as a factor; the recorded pictures grow by 1 % at most.
 const GROWTH: f64 = 1.08;
@@ -62,7 +57,7 @@ pub struct Named {
 /// What the pictures were found to show.
 #[derive(Clone, Debug)]
 pub struct Draft {
-    /// The camera that is taken to have taken them: the shipped folding tasks', with the pictures' own side.
+    /// The camera that is taken to have taken them.
     pub camera: program::Camera,
     /// The cloth, flat and straight.
     pub cloth: Cloth,
@@ -89,8 +84,6 @@ pub struct DraftStep {
     pub overlap: f64,
     /// The best other fold that was tried, with its overlap.
     pub next_best: Option<(Fold, f64)>,
-    /// How much the step changes: the overlap of the outlines before and after it.
-    pub unchanged: f64,
 }
 
 /// Where a step's arrow comes from.
@@ -102,12 +95,19 @@ pub enum ArrowOrigin {
     Proposed,
 }
 
+/// Least overlap of a step whose fold counts as found.
+const FOUND: f64 = 0.7;
 /// Least overlap of a step that is not doubted.
 const SURE: f64 = 0.93;
 /// Least lead over the next best fold likewise.
 const LEAD: f64 = 0.015;
 
 impl DraftStep {
+    /// Returns the fold if it explains the pictures at all; else [`DraftStep::fold`] is no more than the best guess.
+    pub fn found(&self) -> Option<&Fold> {
+        self.fold.as_ref().filter(|_| self.overlap >= FOUND)
+    }
+
     /// Returns whether the fold explains the pictures, and no other does nearly as well.
     pub fn is_sure(&self) -> bool {
         let leads = self
@@ -118,135 +118,18 @@ impl DraftStep {
     }
 }
 
-/// Why pictures cannot be drafted from.
-#[derive(Debug, thiserror::Error)]
-pub enum DraftError {
-    /// There are too few or too many.
-    #[error(
-        "{found} pictures do not show a fold: right are 2 to {}, the flat cloth first and then one after each step",
-        MAX_STEPS + 1
-    )]
-    Count {
-        /// How many there are.
-        found: usize,
-    },
-    /// A picture has a form that no camera of a task has.
-    #[error(
-        "`{name}` has {} x {} px; right is a square of {} to {} px a side, cut around the cloth or with table added",
-        size_px[0], size_px[1], SIDE_PX.start(), SIDE_PX.end()
-    )]
-    Size {
-        /// The picture.
-        name: String,
-        /// Its width and height, pixels.
-        size_px: [u32; 2],
-    },
-    /// Two pictures have different sizes.
-    #[error(
-        "`{name}` has {side_px} px a side and `{first}` has {first_px}; right is one size for all, from one place"
-    )]
-    SizesDiffer {
-        /// The picture.
-        name: String,
-        /// Its side, pixels.
-        side_px: u32,
-        /// The first picture.
-        first: String,
-        /// Its side, pixels.
-        first_px: u32,
-    },
-    /// Nothing differs from the table.
-    #[error(
-        "no cloth is seen on `{name}`: {found_px} of its {all_px} px hang together and differ from the colours at its \
-         border; right is a plain table that is seen all round the whole cloth, in a colour unlike the cloth's"
-    )]
-    NoCloth {
-        /// The picture.
-        name: String,
-        /// Pixels of the largest patch that is no table.
-        found_px: usize,
-        /// All pixels.
-        all_px: usize,
-    },
-    /// The cloth cannot be what it seems.
-    #[error(
-        "the cloth on `{name}` measures {:.0} x {:.0} of {side_px} px; right is one that fills an eighth of the \
-         picture's side or more, with table all round", sides_px[0], sides_px[1]
-    )]
-    ClothSize {
-        /// The picture.
-        name: String,
-        /// Both sides, pixels.
-        sides_px: [f64; 2],
-        /// The picture's side, pixels.
-        side_px: u32,
-    },
-    /// Nothing is folded.
-    #[error(
-        "`{after}` shows the cloth as `{before}` does (their outlines overlap by {overlap:.3}); right is one picture \
-         after each fold"
-    )]
-    Unchanged {
-        /// The picture before.
-        before: String,
-        /// The picture after.
-        after: String,
-        /// The overlap of their outlines.
-        overlap: f64,
-    },
-    /// Something is unfolded.
-    #[error(
-        "`{after}` shows {:.0} % more cloth than `{before}`, and a fold shows less; right is the flat cloth first and \
-         then the pictures in the order of the steps", (growth - 1.0) * 100.0
-    )]
-    Grown {
-        /// The picture before.
-        before: String,
-        /// The picture after.
-        after: String,
-        /// The factor by which the outline's area grew.
-        growth: f64,
-    },
-    /// No fold between named points is possible there.
-    #[error(
-        "no fold leads from `{before}` to `{after}`: the part that is gone holds no corner, side middle or quarter \
-         point of the cloth; an arrow drawn on `{before}` would say what is meant"
-    )]
-    NoFold {
-        /// The picture before.
-        before: String,
-        /// The picture after.
-        after: String,
-    },
-    /// A picture cannot be worked on.
-    #[error(transparent)]
-    Vision(#[from] VisionError),
-    /// Folds cannot be tried.
-    #[error("folds cannot be tried: {0}")]
-    World(#[from] WorldError),
-    /// Folds cannot be tried side by side.
-    #[error("folds cannot be tried: {0}")]
-    Threads(#[from] std::io::Error),
-}
-
-/// Returns the camera that pictures of this side are taken to come from.
-pub fn camera(side_px: u32) -> program::Camera {
-    program::Camera {
-        height_m: 0.65,
-        fov_rad: std::f64::consts::FRAC_PI_4,
-        image_px: side_px,
-        up: ImageUp::Y,
-    }
-}
+/// Makes a fresh world with a camera.
+pub type MakeWorld<'a> = dyn Fn(&program::Camera) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
 /// Drafts a fold.
 ///
-/// - `make_world`: makes worlds whose camera is [`compared_camera`].
+/// - `stated`: what is known of the camera and the cloth.
 /// - `announce`: told how many folds are tried for which step, both from 1, before each round.
 ///
 /// The same pictures give the same draft.
 pub fn draft(
     pictures: &[Named],
+    stated: &Stated,
     make_world: &MakeWorld<'_>,
     interrupt: &Interrupt,
     announce: &(dyn Fn(usize, usize) + Sync),
@@ -259,8 +142,11 @@ pub fn draft(
     let side_px = common_side(pictures)?;
     let shown: Vec<Shown> = pictures.iter().map(Shown::of).collect::<Result<_, _>>()?;
     let pose = Pose::of(&shown[0], &pictures[0].name)?;
-    let camera = camera(side_px);
-    let cloth = cloth_of(&pose, &camera);
+    let (camera, cloth) = measures::of(pose.sides_px, side_px, stated)?;
+    let compared = program::Camera {
+        image_px: COMPARED_PX,
+        ..camera
+    };
     let outlines: Vec<_> = shown.iter().map(|shown| pose.straight(shown)).collect();
     let start = Start::flat(&cloth);
     let mut state = State::at(&start);
@@ -276,7 +162,8 @@ pub fn draft(
             before,
             after,
             arrow: now.arrow.map(|arrow| arrow.map(|at| pose.straighten(at))),
-            make_world,
+            make_world: &|| make_world(&compared),
+            camera: &compared,
             interrupt,
             announce: &|tries| announce(number + 1, tries),
         };
@@ -296,7 +183,6 @@ pub fn draft(
             fold: found.fold,
             overlap: found.overlap,
             next_best: found.next_best,
-            unchanged,
         });
         state = found.state;
     }
@@ -308,16 +194,6 @@ pub fn draft(
         cloth,
         steps,
     })
-}
-
-/// Returns the camera of the worlds in which folds are tried; one size serves pictures of any.
-pub fn compared_camera() -> program::Camera {
-    camera(COMPARED_PX)
-}
-
-fn lens() -> Camera {
-    let camera = compared_camera();
-    Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up)
 }
 
 fn common_side(pictures: &[Named]) -> Result<u32, DraftError> {
@@ -338,22 +214,6 @@ fn common_side(pictures: &[Named]) -> Result<u32, DraftError> {
         }
     }
     Ok(first.picture.width())
-}
-
-/// Measures the flat cloth by the camera that is taken for granted.
-fn cloth_of(pose: &Pose, camera: &program::Camera) -> Cloth {
-    let depth_m = camera.height_m - crate::start::RESTING_HEIGHT_M;
-    let px_per_m = camera.px_per_m() * camera.height_m / depth_m;
-    let [dimx, dimy] = pose.sides_px.map(|side| {
-        let particles = ((side - RIM_PX) / px_per_m / SPACING_M).round() + 1.0;
-        particles.clamp(2.0, 200.0) as u32
-    });
-    Cloth {
-        dimx,
-        dimy,
-        spacing_m: SPACING_M,
-        start: ClothStart::Flat,
-    }
 }
 
 fn check_change(

@@ -6,7 +6,7 @@
 use super::{COMPARED_PX, DraftError, Named};
 use crate::camera::center_of;
 use crate::model::geometric::{arrow, frame};
-use crate::regions::Grid;
+use crate::regions::{self, Grid};
 use crate::result::silhouette;
 use crate::subgoals::ArrowPx;
 use crate::vision::{self, Mask};
@@ -30,7 +30,23 @@ pub struct Shown {
     hidden: Mask,
     /// The only arrow's tail and tip.
     pub arrow: Option<ArrowPx>,
+    /// The share of the border that has one of the border's common colours.
+    plain: f64,
+    /// The share of the border that the cloth covers.
+    covered: f64,
 }
+
+/// How far the border reaches into a picture, pixels.
+const BORDER_PX: u32 = 2;
+
+/// The largest share of the border that stray pixels of the cloth's patch may cover.
+const MOST_COVERED: f64 = 0.01;
+
+/// Least share of a plain table's border that has one of its common colours.
+const LEAST_PLAIN: f64 = 0.8;
+
+/// How far beyond what is seen of the cloth an arrow's end may lie that is on it, pixels of a compared picture.
+const ARROW_END_PX: f64 = 6.0;
 
 impl Shown {
     /// Looks at a square picture.
@@ -47,6 +63,22 @@ impl Shown {
         };
         let hidden = Mask::from_fn(width, height, |column, row| stroke.touches(column, row));
         let patch = silhouette(picture);
+        let table = regions::border_colours(&[picture]);
+        let is_border = |at: u32| at < BORDER_PX || at + BORDER_PX >= width;
+        let border: Vec<PixelPoint> = Mask::from_fn(width, height, |column, row| {
+            is_border(column) || is_border(row)
+        })
+        .pixels()
+        .collect();
+        let share = |is_such: &dyn Fn(&PixelPoint) -> bool| {
+            let found = border.iter().filter(|at| is_such(at)).count();
+            found as f64 / border.len().max(1) as f64
+        };
+        let plain = share(&|at| {
+            let colour = picture.get_pixel(at.u as u32, at.v as u32).0;
+            regions::is_table(colour, &table)
+        });
+        let covered = share(&|at| patch.contains(*at));
         let at = |column: u32, row: u32| PixelPoint::new(column as i32, row as i32);
         let cloth = Mask::from_fn(width, height, |column, row| {
             patch.contains(at(column, row)) && !hidden.contains(at(column, row))
@@ -57,27 +89,38 @@ impl Shown {
                 name: named.name.clone(),
                 found_px: cloth.area_px(),
                 all_px,
+                n_colours: table.len(),
             });
         }
         Ok(Shown {
             cloth,
             hidden,
             arrow: found.map(|arrow| [arrow.tail, arrow.tip]),
+            plain,
+            covered,
         })
     }
 
     /// Returns a convex cloth with what an arrow hides of it; a ring at a corner reaches beyond it.
+    ///
+    /// An arrow along an edge hides all of it, and its ends tell where the edge is.
     fn without_gaps(&self) -> Mask {
         let mut rims: BTreeMap<i32, [i32; 2]> = BTreeMap::new();
         for pixel in self.cloth.pixels() {
             let rim = rims.entry(pixel.v).or_insert([pixel.u, pixel.u]);
             *rim = [rim[0].min(pixel.u), rim[1].max(pixel.u)];
         }
+        let scale = f64::from(self.cloth.width()) / f64::from(COMPARED_PX);
+        let ends = self.arrow.into_iter().flatten().filter(|[u, v]| {
+            let pixel = PixelPoint::new(u.floor() as i32, v.floor() as i32);
+            self.cloth.distance_px(pixel) <= ARROW_END_PX * scale
+        });
+        let ends: Vec<[f64; 2]> = ends.collect();
         let points = rims.into_iter().flat_map(|(row, [left, right])| {
             let corners = [left, right + 1].map(|column| [row, row + 1].map(|row| [column, row]));
             corners.into_iter().flatten().map(|at| at.map(f64::from))
         });
-        let hull = frame::hull(points);
+        let hull = frame::hull(points.chain(ends.into_iter().flat_map(square)));
         Mask::from_fn(self.cloth.width(), self.cloth.height(), |column, row| {
             let pixel = PixelPoint::new(column as i32, row as i32);
             let is_gap =
@@ -85,6 +128,16 @@ impl Shown {
             self.cloth.contains(pixel) || is_gap()
         })
     }
+}
+
+/// Returns the corners of a pixel around a point.
+fn square([u, v]: [f64; 2]) -> [[f64; 2]; 4] {
+    [
+        [u - 0.5, v - 0.5],
+        [u + 0.5, v - 0.5],
+        [u - 0.5, v + 0.5],
+        [u + 0.5, v + 0.5],
+    ]
 }
 
 /// How the flat cloth lies.
@@ -113,6 +166,7 @@ impl Pose {
                 name: name.to_owned(),
                 found_px: 0,
                 all_px: side_px as usize * side_px as usize,
+                n_colours: 1,
             });
         };
         let [x, y] = rectangle.along;
@@ -122,7 +176,20 @@ impl Pose {
             true => ([x, y].map(|part| part * x.signum()), [long, short]),
             false => ([-y, x].map(|part| part * -y.signum()), [short, long]),
         };
-        let fits = |side: f64| (LEAST_SIDE..=LARGEST_SIDE).contains(&(side / f64::from(side_px)));
+        let is_large = sides_px
+            .iter()
+            .any(|side| *side > LARGEST_SIDE * f64::from(side_px));
+        if is_large || flat.covered > MOST_COVERED {
+            let name = name.to_owned();
+            return Err(match flat.plain < LEAST_PLAIN {
+                true => DraftError::NotPlain {
+                    name,
+                    plain: flat.plain,
+                },
+                false => DraftError::AtBorder { name },
+            });
+        }
+        let fits = |side: f64| side >= LEAST_SIDE * f64::from(side_px);
         if !sides_px.iter().copied().all(fits) {
             return Err(DraftError::ClothSize {
                 name: name.to_owned(),

@@ -5,7 +5,8 @@
 //! between the two points, so each fold is carried out.
 
 use super::shown::Outline;
-use super::{DraftError, compared_camera, lens};
+use super::{DraftError, FOUND};
+use crate::camera::Camera;
 use crate::expert::{self, MakeWorld};
 use crate::interrupt::Interrupt;
 use crate::parallel;
@@ -13,7 +14,7 @@ use crate::start::{RESTING_HEIGHT_M, Start};
 use crate::subgoals::ArrowPx;
 use crate::vision;
 use crate::world::{Motion, World, WorldError};
-use compiler::program::{ClothPoint, Fold};
+use compiler::program::{self, ClothPoint, Fold};
 use std::thread;
 
 /// How far from the part that is gone a picked point may be seen, pixels.
@@ -77,6 +78,8 @@ pub struct Step<'s> {
     pub arrow: Option<ArrowPx>,
     /// Makes worlds to try folds in.
     pub make_world: &'s MakeWorld<'s>,
+    /// Those worlds' camera.
+    pub camera: &'s program::Camera,
     /// Ends the search.
     pub interrupt: &'s Interrupt,
     /// Told how many folds are tried.
@@ -122,15 +125,20 @@ impl Step<'_> {
             None => self.likely(world.as_ref())?,
         };
         let tried = self.try_all(&candidates, state)?;
-        let Some(taken) = best(&tried) else {
+        let Some(taken) = best(&tried, |tried| tried.merit) else {
             return Ok(None);
+        };
+        // What people name deserves a lead only where it explains anything.
+        let taken = match taken.overlap < FOUND {
+            true => best(&tried, |tried| tried.overlap).unwrap_or(taken),
+            false => taken,
         };
         let Candidate { fold, arrow, .. } = &candidates[taken.candidate];
         let others = tried.iter().filter(|other| {
             let other = &candidates[other.candidate].arrow;
             (0..2).any(|end| distance(other[end], arrow[end]) > ALIKE_PX)
         });
-        let next_best = best(others).and_then(|other| {
+        let next_best = best(others, |other| other.overlap).and_then(|other| {
             let fold = candidates[other.candidate].fold.clone()?;
             Some((fold, other.overlap))
         });
@@ -143,6 +151,11 @@ impl Step<'_> {
                 positions: taken.state.positions.clone(),
             },
         }))
+    }
+
+    fn lens(&self) -> Camera {
+        let camera = self.camera;
+        Camera::top_down(camera.height_m, camera.fov_rad, camera.image_px, camera.up)
     }
 
     fn lay(&self, state: &State) -> Result<Box<dyn World>, WorldError> {
@@ -208,8 +221,9 @@ impl Step<'_> {
         if !named.is_empty() {
             return Ok(named);
         }
-        let depth_m = compared_camera().height_m - RESTING_HEIGHT_M;
-        let [pick, place] = arrow.map(|at| lens().world_from_pixel(at, depth_m));
+        let depth_m = self.camera.height_m - RESTING_HEIGHT_M;
+        let lens = self.lens();
+        let [pick, place] = arrow.map(|at| lens.world_from_pixel(at, depth_m));
         let motion = pick.zip(place).map(|(pick, place)| Motion { pick, place });
         let unnamed = motion.map(|motion| Candidate {
             fold: None,
@@ -227,6 +241,7 @@ impl Step<'_> {
         fits: &dyn Fn(&ArrowPx) -> bool,
     ) -> Result<Vec<Candidate>, DraftError> {
         let mut candidates = Vec::new();
+        let lens = self.lens();
         let particles = picks.iter().filter(|pick| **pick != ClothPoint::Center);
         for (&pick, &place) in particles.flat_map(|pick| places.iter().map(move |to| (pick, to))) {
             let fold = Fold {
@@ -235,7 +250,7 @@ impl Step<'_> {
                 fraction: 1.0,
             };
             let motion = expert::motion(&fold, self.start, world)?;
-            let seen = [motion.pick, motion.place].map(|at| lens().pixel_from_world(at));
+            let seen = [motion.pick, motion.place].map(|at| lens.pixel_from_world(at));
             let [Some(tail), Some(tip)] = seen else {
                 continue;
             };
@@ -271,7 +286,7 @@ impl Step<'_> {
                 Err(error) => return Err(error.into()),
             }
             let seen = world.observe()?;
-            let below_m = compared_camera().height_m - CLOTH_M;
+            let below_m = self.camera.height_m - CLOTH_M;
             let outline = Outline::whole(vision::depth_mask(&seen.depth_m, below_m));
             let overlap = outline.overlap(self.after);
             Ok(Some(world.particles().map(|positions| Tried {
@@ -286,11 +301,14 @@ impl Step<'_> {
     }
 }
 
-/// Returns the one with the largest merit, the first of equals.
-fn best<'t>(tried: impl IntoIterator<Item = &'t Tried>) -> Option<&'t Tried> {
+/// Returns the one that is rated highest, the first of equals.
+fn best<'t>(
+    tried: impl IntoIterator<Item = &'t Tried>,
+    rate: impl Fn(&Tried) -> f64,
+) -> Option<&'t Tried> {
     tried
         .into_iter()
-        .reduce(|best, next| match next.merit > best.merit {
+        .reduce(|best, next| match rate(next) > rate(best) {
             true => next,
             false => best,
         })

@@ -1,0 +1,294 @@
+//! `fabc new fold --from-images`: what it drafts runs to its goal, and what it cannot draft from it explains.
+
+use super::new_tasks::{files, json, said};
+use super::support::root;
+use std::path::Path;
+
+/// The pinned pictures of a shipped task, in a folder beside the one that a test works in.
+fn pictures(task: &str, count: usize) -> Vec<String> {
+    let folder = root().join(format!("tasks/{task}.subgoals"));
+    (0..count)
+        .map(|number| folder.join(format!("{number}.png")).display().to_string())
+        .collect()
+}
+
+#[test]
+fn a_fold_drafted_from_pictures_says_what_it_guessed_and_runs_to_its_goal() {
+    let folder = tempfile::tempdir().unwrap();
+    // One picture lies there already, the others are brought.
+    let mut pictures = pictures("house", 3);
+    std::fs::create_dir(folder.path().join("mine")).unwrap();
+    std::fs::copy(&pictures[1], folder.path().join("mine/after.png")).unwrap();
+    pictures[1] = "mine/after.png".to_owned();
+    let mut arguments = vec!["new", "fold", "gable", "--json", "--from-images"];
+    arguments.extend(pictures.iter().map(String::as_str));
+    let begun = said(folder.path(), &arguments);
+    assert_eq!((begun.code, begun.stderr.as_str()), (0, ""));
+    let written = json(&begun);
+    let files = serde_json::json!([
+        "gable.fab",
+        "lib/folding.fab",
+        "gable.images/0.png",
+        "gable.images/2.png"
+    ]);
+    assert_eq!(written["files"], files);
+    let guesses = written["guesses"].as_array().unwrap();
+    assert_eq!(guesses.len(), 4, "{guesses:?}");
+    let bare = guesses[1].as_str().unwrap();
+    assert!(
+        bare.starts_with("no arrow found in `") && bare.contains("black, with a ring at its tail"),
+        "{bare}"
+    );
+    let second = guesses[3].as_str().unwrap();
+    assert!(
+        second.contains("`mine/after.png` to ") && second.contains("corner(back_right) -> center"),
+        "{second}"
+    );
+
+    let text = std::fs::read_to_string(folder.path().join("gable.fab")).unwrap();
+    assert!(!text.contains('@'), "{text}");
+    for line in [
+        "image \"gable.images/0.png\" arrow (41px, 41px) -> (112px, 112px)",
+        "image \"mine/after.png\" arrow (182px, 41px) -> (112px, 112px)",
+        "image \"gable.images/2.png\"\n",
+        "sequence { fold corner(back_left) -> center, corner(back_right) -> center }",
+    ] {
+        assert!(text.contains(line), "no `{line}` in:\n{text}");
+    }
+    let checked = said(folder.path(), &["check", "gable.fab", "--json"]);
+    assert_eq!(json(&checked)["diagnostics"], serde_json::json!([]));
+    let tested = said(folder.path(), &["test", "gable.fab"]);
+    assert_eq!(tested.code, 0, "{}", tested.stdout);
+    let sheet = ["subgoals", "gable.fab", "--sheet", "gable.png"];
+    assert_eq!(said(folder.path(), &sheet).code, 0);
+    let ended = said(folder.path(), &["run", "gable.fab", "--json"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert_eq!(json(&ended)["outcome"], "goal_reached");
+}
+
+#[test]
+fn pictures_that_nothing_can_be_drafted_from_are_refused_and_nothing_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("words.png"), "no picture").unwrap();
+    let [flat, folded] = pictures("house", 2).try_into().unwrap();
+    let before = files(folder.path());
+    for (pictures, code, told) in [
+        (
+            vec!["words.png", flat.as_str()],
+            2,
+            "`words.png` is not a readable PNG picture",
+        ),
+        (
+            vec!["nowhere.png", flat.as_str()],
+            2,
+            "cannot read `nowhere.png`",
+        ),
+        (
+            vec![flat.as_str()],
+            64,
+            "one picture shows no fold; give one more than there are steps",
+        ),
+        (vec![flat.as_str(), flat.as_str()], 2, "shows the cloth as"),
+        (vec![folded.as_str(), flat.as_str()], 2, "more cloth than"),
+    ] {
+        let mut arguments = vec!["new", "fold", "gable", "--from-images"];
+        arguments.extend(pictures);
+        let ended = said(folder.path(), &arguments);
+        assert_eq!(ended.code, code, "{}", ended.stderr);
+        assert!(ended.stderr.contains(told), "{}", ended.stderr);
+        assert_eq!(files(folder.path()), before);
+    }
+}
+
+#[test]
+fn drafts_of_shipped_folds_reach_their_goals_with_arrows_and_without() {
+    for (task, count) in [("double_straight", 4), ("house", 3)] {
+        let folder = tempfile::tempdir().unwrap();
+        let bare = pictures(task, count);
+        let drawn = sheets(folder.path(), task, count);
+        for (name, pictures) in [("bare", bare), ("drawn", drawn)] {
+            let mut arguments = vec!["new", "fold", name, "--from-images"];
+            arguments.extend(pictures.iter().map(String::as_str));
+            let begun = said(folder.path(), &arguments);
+            assert_eq!(begun.code, 0, "{}", begun.stderr);
+            assert_eq!(
+                begun.stderr.contains("by the arrow"),
+                name == "drawn",
+                "{}",
+                begun.stderr
+            );
+            let ended = said(folder.path(), &["run", &format!("{name}.fab"), "--json"]);
+            let found = json(&ended);
+            assert_eq!(
+                found["outcome"], "goal_reached",
+                "{task}, {name}: {}",
+                ended.stdout
+            );
+        }
+    }
+}
+
+/// Cuts a task's pictures, with their arrows, out of the sheet that `subgoals` lays; returns their paths.
+fn sheets(folder: &Path, task: &str, count: usize) -> Vec<String> {
+    let file = format!("{task}.fab");
+    let folder = folder.join("tasks");
+    std::fs::create_dir_all(folder.join("lib")).unwrap();
+    for name in [&file, "lib/folding.fab", "lib/experts.fab"] {
+        let shipped = root().join("tasks").join(name);
+        std::fs::copy(shipped, folder.join(name)).unwrap();
+    }
+    let ended = said(&folder, &["subgoals", &file, "--sheet", "sheet.png"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let sheet = image::open(folder.join("sheet.png")).unwrap();
+    let cut = (0..count).map(|number| {
+        let path = folder.join(format!("{number}.png"));
+        let picture = sheet.crop_imm(number as u32 * (224 + 8), 0, 224, 224);
+        picture.to_rgb8().save(&path).unwrap();
+        path.display().to_string()
+    });
+    cut.collect()
+}
+
+#[test]
+fn a_picture_in_another_format_or_form_is_refused_with_the_command_that_converts_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let wide = image::RgbImage::from_pixel(64, 48, image::Rgb([200; 3]));
+    wide.save(folder.path().join("wide.png")).unwrap();
+    std::fs::write(folder.path().join("empty.png"), "").unwrap();
+    std::fs::write(
+        folder.path().join("a b.jpg"),
+        b"\xff\xd8\xff\xe0\0\x10JFIF\0\x01",
+    )
+    .unwrap();
+    std::fs::write(folder.path().join("a.heic"), b"\0\0\0\x18ftypheic\0\0\0\0").unwrap();
+    for (name, told) in [
+        (
+            "a b.jpg",
+            "`a b.jpg` is a JPEG picture; fabc reads PNG; ImageMagick cuts it around its middle: `magick 'a b.jpg' -resize 480x480^",
+        ),
+        ("a.heic", "`a.heic` is a HEIC picture"),
+        ("empty.png", "`empty.png` is empty"),
+        (
+            "wide.png",
+            "`wide.png` has 64 x 48 px; right is a square of 32 to 2048",
+        ),
+        (
+            "wide.png",
+            "`magick wide.png -resize 480x480^ -gravity center -extent 480x480 out.png`",
+        ),
+    ] {
+        let ended = said(
+            folder.path(),
+            &["new", "fold", "a", "--from-images", name, name],
+        );
+        assert_eq!(ended.code, 2, "{}", ended.stderr);
+        assert!(ended.stderr.contains(told), "{}", ended.stderr);
+    }
+}
+
+#[test]
+fn what_is_stated_of_camera_and_cloth_stands_in_the_file_and_the_task_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = pictures("house", 2);
+    let mut arguments = vec!["new", "fold", "big", "--cloth", "50cm", "--from-images"];
+    arguments.extend(pictures.iter().map(String::as_str));
+    let begun = said(folder.path(), &arguments);
+    assert_eq!(begun.code, 0, "{}", begun.stderr);
+    let text = std::fs::read_to_string(folder.path().join("big.fab")).unwrap();
+    for line in [
+        "cloth grid(81, 81)",
+        "camera top_down(height: 962mm, fov: 45deg, image: 224px)",
+        "cloth = mask(depth < 958mm)",
+    ] {
+        assert!(text.contains(line), "no `{line}` in:\n{text}");
+    }
+    let ended = said(folder.path(), &["run", "big.fab", "--json"]);
+    assert_eq!(json(&ended)["outcome"], "goal_reached", "{}", ended.stderr);
+    for (length, told) in [
+        ("500", "write a number with its unit"),
+        ("3m", "right is from 20mm to 1200mm"),
+    ] {
+        arguments[4] = length;
+        let ended = said(folder.path(), &arguments);
+        assert_eq!(ended.code, 64, "{}", ended.stderr);
+        assert!(ended.stderr.contains(told), "{}", ended.stderr);
+    }
+}
+
+#[test]
+fn a_step_that_no_fold_explains_gets_no_arrow_and_words_on_what_to_write() {
+    let folder = tempfile::tempdir().unwrap();
+    let paint = |name: &str, [left, top, right, bottom]: [u32; 4]| {
+        let picture = image::RgbImage::from_fn(224, 224, |column, row| {
+            let is_cloth = (left..right).contains(&column) && (top..bottom).contains(&row);
+            image::Rgb(if is_cloth { [200, 60, 20] } else { [230; 3] })
+        });
+        picture.save(folder.path().join(name)).unwrap();
+    };
+    paint("0.png", [40, 40, 184, 184]);
+    paint("1.png", [100, 40, 124, 184]);
+    let ended = said(
+        folder.path(),
+        &["new", "fold", "a", "--from-images", "0.png", "1.png"],
+    );
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    for told in [
+        "no fold found; the best guess is ",
+        "write the arrow of `0.png` by hand: `image \"0.png\" arrow (",
+    ] {
+        assert!(ended.stderr.contains(told), "{}", ended.stderr);
+    }
+    let text = std::fs::read_to_string(folder.path().join("a.fab")).unwrap();
+    assert!(text.contains("        image \"0.png\"\n"), "{text}");
+    assert_eq!(said(folder.path(), &["check", "a.fab"]).code, 0);
+}
+
+#[test]
+fn a_file_in_the_folders_place_and_a_picture_in_a_pictures_place_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("ro"), "").unwrap();
+    let ended = said(folder.path(), &["new", "fold", "a", "--in", "ro"]);
+    assert_eq!(ended.code, 2, "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("`ro` is a file; --in takes a folder"),
+        "{}",
+        ended.stderr
+    );
+    std::fs::create_dir(folder.path().join("ii.images")).unwrap();
+    std::fs::write(folder.path().join("ii.images/0.png"), "").unwrap();
+    let pictures = pictures("house", 2);
+    let mut arguments = vec!["new", "fold", "ii", "--from-images"];
+    arguments.extend(pictures.iter().map(String::as_str));
+    let ended = said(folder.path(), &arguments);
+    let told =
+        "`ii.images/0.png` exists already and is left as it is; choose another name, or remove it";
+    assert!(ended.stderr.contains(told), "{}", ended.stderr);
+}
+
+#[test]
+fn subgoals_says_which_demonstrated_point_is_not_offered_and_what_offers_it() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("lib")).unwrap();
+    let library = root().join("tasks/lib/folding.fab");
+    std::fs::copy(library, folder.path().join("lib/folding.fab")).unwrap();
+    let task = |more: &str| {
+        format!(
+            "use \"lib/folding.fab\"\ntask half extends folding {{\n    cloth grid(55, 55)\n    \
+             goal particle_distance < 12mm\n    \
+             subgoals {{ demonstrate {{ fold middle(back) -> corner(front_left) }} }}\n{more}}}\n"
+        )
+    };
+    let path = folder.path().join("half.fab");
+    std::fs::write(&path, task("")).unwrap();
+    let ended = said(folder.path(), &["subgoals", "half.fab"]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let told = "note: step 1 picks middle(back) at (112, 41); the nearest offered `pick` is ";
+    assert!(ended.stderr.contains(told), "{}", ended.stderr);
+    let begun = ended.stderr.find("    keypoints {").unwrap();
+    let (keypoints, rest) = ended.stderr[begun..].split_once("and `").unwrap();
+    let pick = rest.split('`').next().unwrap();
+    let more = format!("{keypoints}    actions {{\n{pick}\nplace: one of corners, center\n}}\n");
+    std::fs::write(&path, task(&more)).unwrap();
+    let ended = said(folder.path(), &["subgoals", "half.fab"]);
+    assert_eq!((ended.code, ended.stderr.as_str()), (0, ""));
+}
