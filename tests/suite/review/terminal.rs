@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Child, Stdio};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
@@ -94,12 +94,20 @@ impl Session {
 
     /// Returns the exit code, and what was shown last.
     fn end(mut self) -> (Option<i32>, String) {
-        let code = self.child.wait().unwrap().code();
-        while let Ok(bytes) = self.shown.recv_timeout(PATIENCE) {
-            self.text
-                .push_str(&String::from_utf8(bytes).unwrap().replace('\r', ""));
+        loop {
+            match self.shown.recv_timeout(PATIENCE) {
+                Ok(bytes) => {
+                    let bytes = String::from_utf8(bytes).unwrap();
+                    self.text.push_str(&bytes.replace('\r', ""));
+                }
+                Err(RecvTimeoutError::Disconnected) => break,
+                Err(RecvTimeoutError::Timeout) => {
+                    self.child.kill().unwrap();
+                    panic!("it does not end after:\n{}", self.text);
+                }
+            }
         }
-        (code, self.text)
+        (self.child.wait().unwrap().code(), self.text)
     }
 }
 
