@@ -6,6 +6,7 @@
 #[cfg_attr(feature = "runtime", path = "snap/with_camera.rs")]
 #[cfg_attr(not(feature = "runtime"), path = "snap/without_camera.rs")]
 mod camera;
+mod files;
 mod origins;
 mod pinned;
 mod plan;
@@ -35,7 +36,7 @@ pub fn run(arguments: &SnapArguments) -> Result<Exit, Failure> {
     let mut plans = Vec::new();
     for (folder, declared) in compiled(&arguments.files)? {
         let mut plan = Plan::open(&folder)?;
-        wanted::of(&declared, arguments, &mut plan)?;
+        files::want(&declared, arguments, &mut plan)?;
         plans.push(plan);
     }
     // Nothing is written before all of it is known, so that what fails leaves every folder as it was.

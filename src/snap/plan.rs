@@ -4,9 +4,9 @@ use crate::cli::snap::SnapArguments;
 use crate::exit::Failure;
 use crate::output;
 use crate::snapshots::{FOLDER, Folder, Info, Name, Operation, Snapshot};
-use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// What a folder of snapshots should hold.
 pub struct Plan {
@@ -17,7 +17,7 @@ pub struct Plan {
     /// The files that were looked at, as snapshots name them.
     sources: BTreeSet<String>,
     /// Which snapshots were said to be unreadable.
-    told: RefCell<BTreeSet<Name>>,
+    told: Mutex<BTreeSet<Name>>,
 }
 
 /// What a snapshot should be.
@@ -97,7 +97,7 @@ impl Plan {
             folder: Folder::open(tasks.join(FOLDER)).map_err(Failure::environment)?,
             wanted: BTreeMap::new(),
             sources: BTreeSet::new(),
-            told: RefCell::default(),
+            told: Mutex::default(),
         })
     }
 
@@ -182,7 +182,8 @@ impl Plan {
         match self.folder.accepted(name) {
             Ok(accepted) => Readable::Yes(accepted.map(Box::new)),
             Err(error) => {
-                if self.told.borrow_mut().insert(name.clone()) {
+                let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+                if told.insert(name.clone()) {
                     output::talk(&format!("note: {error}; it counts as changed"));
                 }
                 Readable::No

@@ -1,11 +1,11 @@
 //! Which snapshots a file should have: scenes, what each stage says in each of them, and the pictures drawn for it.
 
+use super::SnapArguments;
 use super::camera::Camera;
 use super::origins;
 use super::pinned::{known_scenes, moment_of, pinned_alike, scene_name};
 use super::plan::{Plan, Readable, Wanted};
 use super::scene::{Moment, PinnedScene, USUAL, short_hash};
-use super::{Declared, SnapArguments};
 use crate::exit::Failure;
 use crate::render::page::ShownStage;
 use crate::render::title;
@@ -18,32 +18,15 @@ use compiler::render::{PromptPicture, Values};
 use compiler::tokens;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
-/// Says to a plan what the snapshots of files should be.
-pub fn of(
-    declared: &[Declared],
-    arguments: &SnapArguments,
-    plan: &mut Plan,
-) -> Result<(), Failure> {
-    for Declared { file, programs } in declared {
-        let source = Path::new(file).file_name().unwrap_or_default();
-        let source = source.to_string_lossy().into_owned();
-        plan.looked_at(&source);
-        // A task and its variants follow each other.
-        for programs in programs.chunk_by(|one, other| one.task == other.task) {
-            let mut task = Task::of(programs, &source, arguments, plan)?;
-            for program in programs {
-                task.want(program, file, plan)?;
-            }
-        }
-    }
-    Ok(())
-}
+/// A snapshot that there should be, and what it should hold.
+pub type Want = (Name, Wanted);
 
 /// A task, and what its variants share with it.
-struct Task {
+pub struct Task {
     source: String,
+    /// What was found that there should be.
+    pub wants: Vec<Want>,
     /// Whether pictures are drawn anew though nothing that they are drawn from has changed.
     redraws: bool,
     /// Its scenes: the usual ones of the task and its variants, and those that somebody asked for.
@@ -62,7 +45,8 @@ struct Page<'p> {
 }
 
 impl Task {
-    fn of(
+    /// Finds the scenes of a task, the first of the programs, and of its variants.
+    pub fn of(
         programs: &[Program],
         source: &str,
         arguments: &SnapArguments,
@@ -85,6 +69,7 @@ impl Task {
         }
         Ok(Task {
             source: source.to_owned(),
+            wants: Vec::new(),
             redraws: arguments.redraw,
             moments,
             scenes: BTreeMap::new(),
@@ -93,7 +78,7 @@ impl Task {
     }
 
     /// Wants everything of a program: the task itself, or a variant after it.
-    fn want(&mut self, program: &Program, file: &str, plan: &mut Plan) -> Result<(), Failure> {
+    pub fn want(&mut self, program: &Program, file: &str, plan: &Plan) -> Result<(), Failure> {
         let folder = sources::folder_of(file);
         let mut camera = Camera::of(program, &folder);
         let moments = self.moments.clone();
@@ -111,7 +96,7 @@ impl Task {
                     Some(shown) => Wanted::Taken(Box::new(self.text(info, &shown))),
                     None => Wanted::Unseen(info),
                 };
-                plan.want(name, wanted)?;
+                self.wants.push((name, wanted));
             }
             self.pictures(&page, &mut camera, plan)?;
         }
@@ -124,7 +109,7 @@ impl Task {
         program: &Program,
         moment: &Moment,
         camera: &mut Camera<'_>,
-        plan: &mut Plan,
+        plan: &Plan,
     ) -> Result<PinnedScene, Failure> {
         let seen_of = moment.seen_of(program);
         if program.variant.is_some()
@@ -157,7 +142,8 @@ impl Task {
         };
         let contents = Contents::Text(scene.text().trim_end().to_owned());
         let snapshot = Snapshot { metadata, contents };
-        plan.want(name, Wanted::Taken(Box::new(snapshot)))?;
+        let taken = Wanted::Taken(Box::new(snapshot));
+        self.wants.push((name, taken));
         Ok(scene)
     }
 
@@ -202,7 +188,7 @@ impl Task {
         &mut self,
         page: &Page<'_>,
         camera: &mut Camera<'_>,
-        plan: &mut Plan,
+        plan: &Plan,
     ) -> Result<(), Failure> {
         let Page {
             program,
@@ -230,7 +216,7 @@ impl Task {
                 ..self.info(page, None)
             };
             let wanted = self.picture(&name, info, page, picture, camera, plan)?;
-            plan.want(name, wanted)?;
+            self.wants.push((name, wanted));
         }
         Ok(())
     }
