@@ -148,7 +148,7 @@ mod tests {
             (
                 Some(4.9),
                 None,
-                "would measure 2537 mm; right is at most 1244 mm",
+                "would measure 2534 mm; right is at most 1244 mm",
             ),
         ] {
             let message = of(height_m, longer_m).unwrap_err().to_string();
