@@ -14,11 +14,11 @@ step cargo clippy --workspace --all-targets --locked -- -D warnings
 # Fails where a package's build needs what finds or binds a system library: no_system_library PACKAGE [ARGUMENT...]
 #
 # psm may stay: it is the grammar's stack guard, a page of assembler of its own that a C compiler
-# translates, no library of the system; on wasm32 not even that is there. inotify-sys may too: it
-# declares calls of the kernel, and links nothing.
+# translates, no library of the system; on wasm32 not even that is there. inotify-sys and linux-raw-sys
+# may too: they declare calls of the kernel, and link nothing.
 no_system_library() {
     tree=$(cargo tree --edges normal,build --prefix none --locked --package "$@")
-    if printf '%s\n' "$tree" | grep -v '^inotify-sys v' | grep -E '^(runtime|opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
+    if printf '%s\n' "$tree" | grep -v -E '^(inotify|linux-raw)-sys v' | grep -E '^(runtime|opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
         echo "$1 depends on the crates named above, which need a system library" >&2
         exit 1
     fi
