@@ -101,7 +101,8 @@ fn pictures_that_nothing_can_be_drafted_from_are_refused_and_nothing_is_written(
 }
 
 #[test]
-fn drafts_of_shipped_folds_reach_their_goals_with_arrows_and_without() {
+#[ignore = "takes minutes: make test-peers"]
+fn long_drafts_of_shipped_folds_reach_their_goals_with_arrows_and_without() {
     for (task, count) in [("double_straight", 4), ("house", 3)] {
         let folder = tempfile::tempdir().unwrap();
         let bare = pictures(task, count);
