@@ -2,6 +2,18 @@
 
 use super::{ALL, accept_all, accepted, edit, folder, named, snap, snapshots};
 use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Writes another center into the pinned scene, as a person would; returns its file.
+fn edit_center(folder: &Path) -> PathBuf {
+    let scene = snapshots(folder).join("half@start.points.snap");
+    let text = fs::read_to_string(&scene).unwrap();
+    let center = text.find("\"center\": [[").unwrap() + "\"center\": [[".len();
+    let end = center + text[center..].find(']').unwrap();
+    let edited = format!("{}7,8{}", &text[..center], &text[end..]);
+    fs::write(&scene, edited).unwrap();
+    scene
+}
 
 #[test]
 fn every_stage_and_variant_is_pinned_with_its_scene_and_pictures() {
@@ -50,11 +62,7 @@ fn other_keypoints_are_looked_for_anew_and_shown_as_a_change_of_the_scene() {
 fn points_that_were_edited_by_hand_are_used_as_they_stand() {
     let folder = folder();
     accepted(folder.path());
-    let scene = snapshots(folder.path()).join("half@start.points.snap");
-    let text = fs::read_to_string(&scene).unwrap();
-    let center = text.find("\"center\": [[").unwrap() + "\"center\": [[".len();
-    let end = center + text[center..].find(']').unwrap();
-    fs::write(&scene, format!("{}7,8{}", &text[..center], &text[end..])).unwrap();
+    edit_center(folder.path());
     assert_eq!(snap(folder.path(), &["half.fab"]).code, 0);
     let file = snapshots(folder.path()).join("half.plan@start.snap.new");
     assert!(
@@ -111,11 +119,7 @@ fn a_scene_that_was_edited_into_none_is_named() {
 fn points_that_were_edited_by_hand_outlive_an_edit_that_is_undone() {
     let folder = folder();
     accepted(folder.path());
-    let scene = snapshots(folder.path()).join("half@start.points.snap");
-    let text = fs::read_to_string(&scene).unwrap();
-    let center = text.find("\"center\": [[").unwrap() + "\"center\": [[".len();
-    let end = center + text[center..].find(']').unwrap();
-    fs::write(&scene, format!("{}7,8{}", &text[..center], &text[end..])).unwrap();
+    let scene = edit_center(folder.path());
     accepted(folder.path());
     let library = folder.path().join("lib/folding.fab");
     edit(&library, "max: 27", "max: 2");
