@@ -10,6 +10,7 @@ use compiler::program::{Fold, PixelPoint, Program, Subgoals, Value};
 use compiler::reply::Proposal;
 use runtime::action::Action;
 use runtime::agent::{self, Asking, Decision, Models, Situation};
+use runtime::camera::Camera;
 use runtime::examples::Examples;
 use runtime::expert;
 use runtime::interrupt::Interrupt;
@@ -56,8 +57,8 @@ pub fn at(
     let mut seen = observe(program, None, None, world)?;
     let mut first: Option<Scene> = None;
     for earlier in 1..step {
-        let (motion, done) = match folds.get((earlier as usize - 1).min(folds.len().max(1) - 1)) {
-            Some(fold) => demonstrated(fold, start, world)?,
+        let (motion, done) = match folds.get(earlier as usize - 1) {
+            Some(fold) => demonstrated(fold, start, &seen.observation.camera, world)?,
             None => decided(program, &seen, earlier, subgoals)?,
         };
         world
@@ -88,10 +89,10 @@ fn observe(
 fn demonstrated(
     fold: &Fold,
     start: &Start,
+    camera: &Camera,
     world: &mut dyn World,
 ) -> Result<(Motion, Option<Done>), Failure> {
     let motion = expert::motion(fold, start, world).map_err(Failure::environment)?;
-    let camera = world.observe().map_err(Failure::environment)?.camera;
     let pixel = |point| {
         let [column, row]: [f64; 2] = camera.pixel_from_world(point)?;
         Some(PixelPoint::new(column.floor() as i32, row.floor() as i32))
@@ -122,15 +123,12 @@ fn decided(
         observation,
         last,
     } = seen;
-    let annotated = scene.annotated(program, &observation.rgb, last.as_ref());
-    let pictures = Pictures {
-        subgoals: subgoals
-            .step(step as usize - 1)
-            .map_err(Failure::environment)?,
-        scene: observation.rgb.clone(),
-        annotated: annotated.map_err(Failure::environment)?,
-        examples: Examples::default(),
-    };
+    let last = last.as_ref();
+    let subgoals = subgoals.step(step as usize - 1);
+    let subgoals = subgoals.map_err(Failure::environment)?;
+    let examples = Examples::default();
+    let pictures = Pictures::of(program, scene, observation, last, subgoals, examples)
+        .map_err(Failure::environment)?;
     let situation = Situation {
         program,
         scene,
@@ -138,7 +136,7 @@ fn decided(
         number: step,
         step,
         before: None,
-        last: last.as_ref(),
+        last,
         pictures: &pictures,
         repetition: 0,
     };

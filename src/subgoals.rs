@@ -7,8 +7,9 @@ use crate::exit::{Exit, Failure};
 use crate::{output, setting, sources};
 use compiler::program::{Arrow, Which};
 use image::{RgbImage, imageops};
+use offered::Offered;
 use runtime::store;
-use runtime::subgoals::{Origin, SubgoalError, SubgoalSet};
+use runtime::subgoals::{Demonstrated, Origin, SubgoalError, SubgoalSet};
 use runtime::vision::VisionError;
 use runtime::{picture, world::WorldError};
 use serde_json::json;
@@ -20,16 +21,15 @@ pub fn run(arguments: &SubgoalsArguments) -> Result<Exit, Failure> {
     let folder = sources::folder_of(&arguments.task.file);
     let interrupt = setting::interrupt()?;
     let mut world = setting::world(&program).map_err(Failure::environment)?;
-    let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt);
+    let mut offered = Offered::of(&program);
+    let watch = &mut |step: Demonstrated<'_>| offered.look(step);
+    let drawn = SubgoalSet::draw(&program, &folder, world.as_mut(), &interrupt, watch);
     let set = drawn.map_err(failure)?;
     let mut files = set
         .pin(&program, &folder, &world.parameters())
         .map_err(Failure::environment)?;
-    if set.origin == Origin::Drawn {
-        let notes = offered::notes(&program, world.as_mut(), &interrupt);
-        for note in notes.map_err(failure)? {
-            output::talk(&format!("note: {note}"));
-        }
+    for note in offered.notes {
+        output::talk(&format!("note: {note}"));
     }
     let name = &program.task;
     match (set.origin, &arguments.sheet) {

@@ -127,12 +127,15 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
         let observation = world.observe()?;
         let scene = Scene::of(&program, &observation, first.as_ref())?;
         first.get_or_insert_with(|| scene.clone());
-        let pictures = Pictures {
-            subgoals: None,
-            annotated: scene.annotated(&program, &observation.rgb, last.as_ref())?,
-            scene: observation.rgb.clone(),
-            examples: Examples::default(),
-        };
+        let examples = Examples::default();
+        let pictures = Pictures::of(
+            &program,
+            &scene,
+            &observation,
+            last.as_ref(),
+            None,
+            examples,
+        )?;
         let situation = Situation {
             program: &program,
             scene: &scene,

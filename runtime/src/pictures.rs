@@ -5,10 +5,13 @@
 
 use crate::examples::Examples;
 use crate::model::{Lowering, Png};
+use crate::observation::Observation;
+use crate::scene::{Scene, SceneError};
 use crate::subgoals::StepPictures;
 use crate::{picture, vision};
+use compiler::facts::Done;
 use compiler::pointing::Notation;
-use compiler::program::{Layers, Picture};
+use compiler::program::{Layers, Picture, Program};
 use compiler::render::PromptPicture;
 use image::{ImageFormat, RgbImage};
 
@@ -26,6 +29,25 @@ pub struct Pictures {
 }
 
 impl Pictures {
+    /// Draws the task's layers, and puts all that a step can show together.
+    ///
+    /// Fails where a layer cannot be drawn.
+    pub fn of(
+        program: &Program,
+        scene: &Scene,
+        observation: &Observation,
+        last: Option<&Done>,
+        subgoals: Option<StepPictures>,
+        examples: Examples,
+    ) -> Result<Pictures, SceneError> {
+        Ok(Pictures {
+            subgoals,
+            annotated: scene.annotated(program, &observation.rgb, last)?,
+            scene: observation.rgb.clone(),
+            examples,
+        })
+    }
+
     /// Returns the size of the camera's picture, `[width, height]`.
     pub fn size(&self) -> [u32; 2] {
         self.scene.dimensions().into()

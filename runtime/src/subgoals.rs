@@ -8,6 +8,7 @@ mod pins;
 use crate::expert;
 use crate::files::{self, FileError};
 use crate::interrupt::Interrupt;
+use crate::observation::Observation;
 use crate::picture::{self, PictureError};
 use crate::start::Start;
 use crate::vision::{self, VisionError};
@@ -74,6 +75,19 @@ pub struct StepPictures {
     with_arrow: [RgbImage; 2],
 }
 
+/// A step of a demonstration, before it is done.
+#[derive(Clone, Copy)]
+pub struct Demonstrated<'a> {
+    /// From 0.
+    pub number: usize,
+    /// What is done.
+    pub fold: &'a Fold,
+    /// How the cloth lies.
+    pub observation: &'a Observation,
+    /// Where it is picked and placed, pixels `[column, row]`; none where the camera does not see that.
+    pub ends_px: [Option<[f64; 2]>; 2],
+}
+
 /// Why there are no pictures.
 #[derive(Debug, thiserror::Error)]
 pub enum SubgoalError {
@@ -122,29 +136,33 @@ impl SubgoalSet {
             None => Ok(SubgoalSet::none()),
             Some(Subgoals::Images { images }) => load_images(images, folder),
             Some(Subgoals::Demonstrate { folds }) => {
-                match pins::load(program, folds, folder, world) {
-                    Pinned::Fitting(set) => Ok(set),
-                    Pinned::Absent => draw(program, folds, Origin::Drawn, world, interrupt),
-                    Pinned::OfAnotherFold => {
-                        draw(program, folds, Origin::DrawnAnew, world, interrupt)
-                    }
-                }
+                let origin = match pins::load(program, folds, folder, world) {
+                    Pinned::Fitting(set) => return Ok(set),
+                    Pinned::Absent => Origin::Drawn,
+                    Pinned::OfAnotherFold => Origin::DrawnAnew,
+                };
+                let unseen = &mut |_: Demonstrated<'_>| {};
+                let drawn = draw_until(folds.len(), program, folds, world, interrupt, unseen)?;
+                Ok(SubgoalSet { origin, ..drawn })
             }
         }
     }
 
     /// Draws the demonstration afresh, whatever is pinned; the author's own pictures are loaded.
+    ///
+    /// - `watch`: is shown each step before it is done.
     pub fn draw(
         program: &Program,
         folder: &Path,
         world: &mut dyn World,
         interrupt: &Interrupt,
+        watch: &mut dyn FnMut(Demonstrated<'_>),
     ) -> Result<SubgoalSet, SubgoalError> {
         match &program.subgoals {
             None => Ok(SubgoalSet::none()),
             Some(Subgoals::Images { images }) => load_images(images, folder),
             Some(Subgoals::Demonstrate { folds }) => {
-                draw(program, folds, Origin::Drawn, world, interrupt)
+                draw_until(folds.len(), program, folds, world, interrupt, watch)
             }
         }
     }
@@ -180,25 +198,29 @@ impl SubgoalSet {
         world: &mut dyn World,
         interrupt: &Interrupt,
     ) -> Result<Option<RgbImage>, SubgoalError> {
-        if let Some(Subgoals::Demonstrate { folds }) = &program.subgoals
-            && !matches!(
-                pins::load(program, folds, folder, world),
-                Pinned::Fitting(_)
-            )
-        {
-            let number = number.min(folds.len() - 1);
-            let shown = match which {
-                Which::Now => number,
-                Which::Next => number + 1,
-            };
-            let mut set = draw_until(shown, program, folds, Origin::Drawn, world, interrupt)?;
-            let mut picture = set.pictures.swap_remove(shown);
-            if let (Arrow::Drawn, Some([tail, tip])) = (arrow, set.arrows[number]) {
-                vision::draw_arrow(&mut picture, tail, tip)?;
+        let set = match &program.subgoals {
+            None => return Ok(None),
+            Some(Subgoals::Images { images }) => load_images(images, folder)?,
+            Some(Subgoals::Demonstrate { folds }) => {
+                match pins::load(program, folds, folder, world) {
+                    Pinned::Fitting(set) => set,
+                    Pinned::Absent | Pinned::OfAnotherFold => {
+                        let number = number.min(folds.len() - 1);
+                        let last = match which {
+                            Which::Now => number,
+                            Which::Next => number + 1,
+                        };
+                        let unseen = &mut |_: Demonstrated<'_>| {};
+                        let mut set = draw_until(last, program, folds, world, interrupt, unseen)?;
+                        let mut picture = set.pictures.swap_remove(last);
+                        if let (Arrow::Drawn, Some([tail, tip])) = (arrow, set.arrows[number]) {
+                            vision::draw_arrow(&mut picture, tail, tip)?;
+                        }
+                        return Ok(Some(picture));
+                    }
+                }
             }
-            return Ok(Some(picture));
-        }
-        let set = SubgoalSet::obtain(program, folder, world, interrupt)?;
+        };
         let step = set.step(number)?;
         Ok(step.map(|step| step.picture(which, arrow).clone()))
     }
@@ -235,45 +257,43 @@ fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, Sub
     Ok(set)
 }
 
-fn draw(
-    program: &Program,
-    folds: &[Fold],
-    origin: Origin,
-    world: &mut dyn World,
-    interrupt: &Interrupt,
-) -> Result<SubgoalSet, SubgoalError> {
-    draw_until(folds.len(), program, folds, origin, world, interrupt)
-}
-
 /// Draws the pictures from the first to number `last`, from 0, and the arrows that leave them.
 fn draw_until(
     last: usize,
     program: &Program,
     folds: &[Fold],
-    origin: Origin,
     world: &mut dyn World,
     interrupt: &Interrupt,
+    watch: &mut dyn FnMut(Demonstrated<'_>),
 ) -> Result<SubgoalSet, SubgoalError> {
     let start = Start::flat(&program.cloth);
     world.reset(&start)?;
-    let first = world.observe()?;
+    let mut observation = world.observe()?;
     let mut set = SubgoalSet {
-        pictures: vec![first.rgb],
+        pictures: vec![observation.rgb.clone()],
         arrows: Vec::new(),
-        origin,
+        origin: Origin::Drawn,
     };
-    for fold in folds {
+    for (number, fold) in folds.iter().enumerate() {
         let motion = expert::motion(fold, &start, world)?;
-        let pixels = [motion.pick, motion.place].map(|point| first.camera.pixel_from_world(point));
-        set.arrows.push(match pixels {
+        let camera = &observation.camera;
+        let ends = [motion.pick, motion.place].map(|point| camera.pixel_from_world(point));
+        set.arrows.push(match ends {
             [Some(tail), Some(tip)] => Some([tail, tip]),
             _ => None,
         });
-        if set.pictures.len() > last {
+        if number == last {
             break;
         }
+        watch(Demonstrated {
+            number,
+            fold,
+            observation: &observation,
+            ends_px: ends,
+        });
         world.act(&motion, interrupt)?;
-        set.pictures.push(world.observe()?.rgb);
+        observation = world.observe()?;
+        set.pictures.push(observation.rgb.clone());
     }
     Ok(set)
 }

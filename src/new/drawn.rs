@@ -19,7 +19,13 @@ impl Drawn {
         }
         let interrupt = setting::interrupt()?;
         let mut world = setting::world(program).map_err(Failure::environment)?;
-        let drawn = SubgoalSet::draw(program, Path::new(""), world.as_mut(), &interrupt);
+        let drawn = SubgoalSet::draw(
+            program,
+            Path::new(""),
+            world.as_mut(),
+            &interrupt,
+            &mut |_| {},
+        );
         match drawn {
             Ok(set) => Ok(Drawn(Some((set, world.parameters())))),
             Err(SubgoalError::World(WorldError::Interrupted)) => Err(Failure::interrupted()),

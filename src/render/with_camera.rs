@@ -88,16 +88,15 @@ impl View {
         )?;
         let step = arguments.step;
         let seen = look::at(program, &start, step, &subgoals, world.as_mut(), &interrupt)?;
-        let picture = &seen.observation.rgb;
-        let annotated = seen.scene.annotated(program, picture, seen.last.as_ref());
-        let pictures = Pictures {
-            subgoals: subgoals
-                .step(step as usize - 1)
-                .map_err(Failure::environment)?,
-            scene: picture.clone(),
-            annotated: annotated.map_err(Failure::environment)?,
-            examples,
-        };
+        let Seen {
+            scene,
+            observation,
+            last,
+        } = &seen;
+        let shown = subgoals.step(step as usize - 1);
+        let shown = shown.map_err(Failure::environment)?;
+        let pictures = Pictures::of(program, scene, observation, last.as_ref(), shown, examples)
+            .map_err(Failure::environment)?;
         Ok(View {
             seen,
             pictures,

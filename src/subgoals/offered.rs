@@ -1,72 +1,66 @@
 //! Whether a demonstration's points are among what its actions offer.
 //!
-//! In: a program that demonstrates folds, a world. Out: a note for each pick and place that no answer can name. Each step
-//! is looked at as a model would find it; drawing the pictures is left to the runtime.
+//! In: a program that demonstrates folds, and its steps while they are drawn. Out: a note for each pick and place that no
+//! answer can name. Each step is looked at as a model would find it.
 
 use crate::new::point_text;
 use compiler::facts::SceneView;
-use compiler::program::{
-    ActionField, Choices, ClothPoint, Fold, PixelPoint, Program, Subgoals, Value,
-};
+use compiler::program::{ActionField, Choices, ClothPoint, Fold, PixelPoint, Program, Value};
 use compiler::space;
-use runtime::expert;
-use runtime::interrupt::Interrupt;
 use runtime::scene::Scene;
-use runtime::start::Start;
-use runtime::subgoals::SubgoalError;
-use runtime::world::{World, WorldError};
+use runtime::subgoals::Demonstrated;
 
 /// How far an offered point may lie from a demonstrated one, pixels of a 224 px picture.
 const NEAR_PX: f64 = 12.0;
 
-/// Carries the demonstration out, and looks at what is offered before each step.
-///
-/// Stops at a step in which nothing is found; a run says that better.
-pub fn notes(
-    program: &Program,
-    world: &mut dyn World,
-    interrupt: &Interrupt,
-) -> Result<Vec<String>, SubgoalError> {
-    let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
-        return Ok(Vec::new());
-    };
-    let start = Start::flat(&program.cloth);
-    world.reset(&start)?;
-    let mut notes = Vec::new();
-    let mut first: Option<Scene> = None;
-    for (number, fold) in folds.iter().enumerate() {
-        let observation = world.observe()?;
-        let Ok(scene) = Scene::of(program, &observation, first.as_ref()) else {
-            break;
-        };
-        let motion = expert::motion(fold, &start, world)?;
-        let ends = [
-            ("pick", &fold.pick, motion.pick),
-            ("place", &fold.place, motion.place),
-        ];
-        for (name, point, at) in ends {
-            let field = program.actions.iter().find(|field| field.name == name);
-            let at = observation.camera.pixel_from_world(at);
-            let (Some(field), Some([u, v])) = (field, at) else {
-                continue;
-            };
-            let pixel = PixelPoint::new(u.floor() as i32, v.floor() as i32);
-            let step = Step {
-                program,
-                number,
-                fold,
-                scene: &scene,
-            };
-            notes.extend(step.note(field, point, pixel));
-        }
-        first.get_or_insert(scene);
-        match world.act(&motion, interrupt) {
-            Err(error @ WorldError::Interrupted) => return Err(error.into()),
-            Err(_) => break,
-            Ok(_) => {}
+/// Looks at what is offered before each step of a demonstration.
+pub struct Offered<'p> {
+    program: &'p Program,
+    first: Option<Scene>,
+    /// What is to be said of it.
+    pub notes: Vec<String>,
+}
+
+impl<'p> Offered<'p> {
+    /// Begins with a program's first step.
+    pub fn of(program: &'p Program) -> Offered<'p> {
+        Offered {
+            program,
+            first: None,
+            notes: Vec::new(),
         }
     }
-    Ok(notes)
+
+    /// Looks at a step; says nothing of one in which nothing is found, for a run says that better.
+    pub fn look(&mut self, demonstrated: Demonstrated<'_>) {
+        let Demonstrated {
+            number,
+            fold,
+            observation,
+            ends_px: [pick_px, place_px],
+        } = demonstrated;
+        let program = self.program;
+        let Ok(scene) = Scene::of(program, observation, self.first.as_ref()) else {
+            return;
+        };
+        let step = Step {
+            program,
+            number,
+            fold,
+            scene: &scene,
+        };
+        let ends = [
+            ("pick", &fold.pick, pick_px),
+            ("place", &fold.place, place_px),
+        ];
+        for (name, point, at) in ends {
+            if let (Some(field), Some([u, v])) = (program.field(name), at) {
+                let pixel = PixelPoint::new(u.floor() as i32, v.floor() as i32);
+                self.notes.extend(step.note(field, point, pixel));
+            }
+        }
+        self.first.get_or_insert(scene);
+    }
 }
 
 /// One demonstrated step, before it is done.

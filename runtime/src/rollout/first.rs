@@ -31,12 +31,9 @@ pub fn first_questions(job: &Job<'_>) -> Result<Vec<FirstQuestion>, RunError> {
     world.reset(job.start)?;
     let observation = world.observe()?;
     let scene = Scene::of(program, &observation, None)?;
-    let pictures = Pictures {
-        subgoals: job.subgoals.step(0)?,
-        annotated: scene.annotated(program, &observation.rgb, None)?,
-        scene: observation.rgb,
-        examples: job.examples.clone(),
-    };
+    let subgoals = job.subgoals.step(0)?;
+    let examples = job.examples.clone();
+    let pictures = Pictures::of(program, &scene, &observation, None, subgoals, examples)?;
     let texts = BTreeMap::new();
     let question = |stage: &compiler::program::Stage| {
         let lowering = job.models.of(stage.model).lowering();

@@ -107,18 +107,14 @@ impl<'j> Turn<'j> {
         let last = memory.last.as_ref();
         let drawn = self.plan("annotate", || {
             let subgoals = job.subgoals.step(step as usize - 1)?;
-            let annotated = scene.annotated(job.program, &observation.rgb, last);
-            Ok::<_, RunError>((subgoals, annotated))
+            let examples = job.examples.clone();
+            let pictures =
+                Pictures::of(job.program, &scene, &observation, last, subgoals, examples);
+            Ok::<_, RunError>(pictures)
         });
-        let (subgoals, annotated) = drawn?;
-        let pictures = Pictures {
-            subgoals,
-            annotated: match annotated {
-                Ok(annotated) => annotated,
-                Err(error) => return Ok(self.stop(Outcome::WorldFailed, &error.to_string())),
-            },
-            scene: observation.rgb.clone(),
-            examples: job.examples.clone(),
+        let pictures = match drawn? {
+            Ok(pictures) => pictures,
+            Err(error) => return Ok(self.stop(Outcome::WorldFailed, &error.to_string())),
         };
         let asking = Instant::now();
         let mut aside = Duration::ZERO;

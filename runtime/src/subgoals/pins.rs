@@ -23,12 +23,11 @@ struct Pins {
     /// Hash of the world's parameters.
     params: String,
     arrows: Vec<ArrowPx>,
-    /// Hashes of the pictures' pixels, in order; empty where an earlier version wrote the file.
-    #[serde(default)]
+    /// Hashes of the pictures' pixels, in order.
     pictures: Vec<String>,
 }
 
-const PINS_FORMAT: u32 = 1;
+const PINS_FORMAT: u32 = 2;
 const PINS_FILE: &str = "pins.json";
 
 /// What is found where pinned pictures should be.
