@@ -19,6 +19,7 @@ pub mod agent;
 pub mod calls;
 pub mod scene;
 
+pub mod arm;
 pub mod model;
 pub mod vision;
 pub mod world;
