@@ -107,7 +107,7 @@ impl Chain {
         let past = |(joint, angle): (&Joint, &f64)| {
             joint
                 .limits_rad
-                .is_some_and(|[least, most]| !(least..=most).contains(&angle))
+                .is_some_and(|[least, most]| !(least..=most).contains(angle))
         };
         self.joints
             .iter()
@@ -123,7 +123,7 @@ impl Chain {
             .map_err(|_| BadAngles::Count { found })?;
         match angles
             .iter()
-            .position(|angle| !(angle.abs() <= MAX_ANGLE_RAD))
+            .position(|angle| !angle.is_finite() || angle.abs() > MAX_ANGLE_RAD)
         {
             Some(index) => Err(BadAngles::NotAnAngle {
                 joint: index + 1,
@@ -161,6 +161,21 @@ impl Chain {
             jacobian.set_column(index, &column);
         }
         (tool, jacobian)
+    }
+
+    /// Returns how far the last joint must turn so that the tool, brought to `tool` now, is turned as at `wanted`; where
+    /// their hands point elsewhere, as near as that joint can bring them.
+    pub(super) fn last_joint_between(&self, tool: &Isometry3<f64>, wanted: &Isometry3<f64>) -> f64 {
+        let last_from_tool = self.last_from_tool.rotation;
+        let between =
+            last_from_tool * tool.rotation.inverse() * wanted.rotation * last_from_tool.inverse();
+        2.0 * between.k.atan2(between.w)
+    }
+
+    /// Returns 1 where the arm turns about the base's z axis as its first joint does, -1 where it turns against it.
+    pub(super) fn first_turns(&self) -> f64 {
+        let axis = self.joints[0].parent_from_joint_at_zero.rotation * Vector3::z();
+        axis.z.signum()
     }
 
     /// Returns the point of the first joint's axis at the height of the second joint, base frame, metres.

@@ -31,7 +31,7 @@ const MAX_ATTEMPTS: usize = 64;
 const MAX_TURN_RAD: f64 = 0.6;
 
 /// Length that weighs as much as a radian, metres: about the arm's reach halved.
-const METRES_PER_RAD: f64 = 0.3;
+pub(super) const METRES_PER_RAD: f64 = 0.3;
 
 /// Damping that is left where the error vanishes; keeps the equations solvable in a singular posture.
 const LEAST_DAMPING: f64 = 1e-9;
@@ -103,16 +103,12 @@ impl Chain {
         near_rad: &[f64],
     ) -> Result<Vec<f64>, NoSolution> {
         let near = self.angles(near_rad)?;
-        let wrist = base_from_tool * self.last_from_tool().inverse();
-        let shoulder_to_wrist_m = (wrist.translation.vector - self.shoulder().coords).norm();
-        if !base_from_tool
-            .to_homogeneous()
-            .iter()
-            .all(|number| number.is_finite())
-        {
+        if !is_pose(base_from_tool) {
             return Err(NoSolution::NotAPose);
         }
-        let beyond_m = shoulder_to_wrist_m - self.stretched_m();
+        let wrist = base_from_tool * self.last_from_tool().inverse();
+        let beyond_m =
+            (wrist.translation.vector - self.shoulder().coords).norm() - self.stretched_m();
         if beyond_m > POSITION_TOLERANCE_M {
             return Err(NoSolution::NotReached {
                 distance_m: beyond_m,
@@ -291,6 +287,16 @@ impl Chain {
             Obstacle::TooNear
         }
     }
+}
+
+/// Says whether a pose is made of numbers.
+pub(super) fn is_pose(pose: &Isometry3<f64>) -> bool {
+    let numbers = pose
+        .translation
+        .vector
+        .iter()
+        .chain(pose.rotation.coords.iter());
+    numbers.copied().all(f64::is_finite)
 }
 
 /// Returns what is left between the tool and the pose: metres over the length that weighs as a radian, then radians.

@@ -7,5 +7,10 @@
 pub mod chain;
 pub mod inverse;
 pub mod models;
+pub mod reach;
 mod starts;
 pub mod straight;
+pub mod tool_down;
+
+#[cfg(test)]
+mod tests;

@@ -5,7 +5,7 @@
 //! turn about known axes and are chosen for the pose.
 
 use super::chain::{Chain, JOINTS, about_z};
-use super::inverse::nearest_turn;
+use super::inverse::{METRES_PER_RAD, nearest_turn};
 use nalgebra::Isometry3;
 use std::f64::consts::TAU;
 
@@ -49,19 +49,14 @@ fn facing(
 ) -> (f64, [f64; JOINTS]) {
     let tool = chain.tool_at(&angles);
     let azimuth = |pose: &Isometry3<f64>| pose.translation.y.atan2(pose.translation.x);
-    let first = chain.joints()[0].parent_from_joint_at_zero.rotation;
-    let upwards = (first * nalgebra::Vector3::z()).z.signum();
     let turn = nearest_turn(azimuth(base_from_tool) - azimuth(&tool), 0.0);
-    angles[0] = turn * upwards;
-    let turned = Isometry3::from_parts(nalgebra::Translation3::identity(), about_z(turn)) * tool;
-    let last_from_tool = chain.last_from_tool().rotation;
-    let between = last_from_tool
-        * turned.rotation.inverse()
-        * base_from_tool.rotation
-        * last_from_tool.inverse();
-    let (x, y, z, w) = (between.i, between.j, between.k, between.w);
-    angles[5] = 2.0 * z.atan2(w);
-    let left_rad = 2.0 * x.hypot(y).atan2(z.hypot(w));
+    angles[0] = turn * chain.first_turns();
+    let turned = about_z(turn) * tool;
+    angles[JOINTS - 1] = chain.last_joint_between(&turned, base_from_tool);
+    let left_rad = chain
+        .tool_at(&angles)
+        .rotation
+        .angle_to(&base_from_tool.rotation);
     let left_m = (turned.translation.vector - base_from_tool.translation.vector).norm();
-    (left_m / 0.3 + left_rad, angles)
+    (left_m / METRES_PER_RAD + left_rad, angles)
 }

@@ -4,12 +4,11 @@
 //! before it alone, so that the arm stays in one posture; else where on the way that ends, and why.
 
 use super::chain::{Chain, JOINTS};
-use super::inverse::NoSolution;
+use super::inverse::{NoSolution, is_pose};
 use nalgebra::{Isometry3, Translation3};
 
-/// The most that a joint may turn from one point of a line to the next, radians. A straight step of 10 mm and 5 degrees
-/// stays below a third of it, except beside postures in which the wrist is stretched out; a jump to another posture
-/// is several times as large.
+/// The most that a joint may turn from one point of a line to the next, radians. A step of 10 mm with the hand pointing
+/// down, 0.2 m or farther from the base's axis, stays below half of it; another posture is several times as far away.
 pub const MAX_JUMP_RAD: f64 = 0.4;
 
 /// The most that the tool is turned between two points, radians: 5 degrees.
@@ -55,7 +54,7 @@ impl Chain {
     /// Returns joint angles along the straight line between two poses of the tool, both ends included.
     ///
     /// The tool turns evenly from one pose to the other, the shorter way. Between two points whose joints move evenly,
-    /// the tool leaves the line by less than 0.1 mm where `step_m` is 0.01.
+    /// the tool leaves the line by less than 0.3 mm where `step_m` is 0.01 and the line stays 0.2 m off the base's axis.
     ///
     /// - `from`, `to`: `base_from_tool` at the ends.
     /// - `near_rad`: where the arm is; the first point is found from there.
@@ -69,6 +68,9 @@ impl Chain {
     ) -> Result<Vec<Vec<f64>>, NotStraight> {
         let refused = |after_m| move |why| NotStraight::NoSolution { after_m, why };
         let first = self.solve(from, near_rad).map_err(refused(0.0))?;
+        if !is_pose(to) {
+            return Err(refused(0.0)(NoSolution::NotAPose));
+        }
         let mut last = self
             .angles(&first)
             .map_err(|why| refused(0.0)(why.into()))?;
