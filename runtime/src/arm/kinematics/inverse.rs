@@ -147,7 +147,10 @@ impl Chain {
     }
 
     fn best_attempt(&self, base_from_tool: &Isometry3<f64>, near: &[f64; JOINTS]) -> Attempt {
-        let mut best = self.approach(base_from_tool, near);
+        // Turning the hand is the last joint's work alone; left to the steps, a large turn leads to another posture.
+        let mut turned = *near;
+        turned[JOINTS - 1] += self.last_joint_between(&self.tool_at(near), base_from_tool);
+        let mut best = self.approach(base_from_tool, &turned);
         if best.reached() {
             return best;
         }

@@ -23,7 +23,12 @@ use std::sync::{Mutex, PoisonError};
 /// dm_control's `jaco_arm.xml`), and a little.
 const ELBOW_OVER_POINT_M: f64 = 0.05;
 
-/// How far the tool stays from the first axis, metres: the base's radius, 0.044 likewise, and half the hand's width.
+/// How much lower than the highest an elbow may be to count as up, metres; postures that differ in the wrist alone differ
+/// by a few millimetres, the elbow down by far more.
+const ELBOW_UP_M: f64 = 0.05;
+
+/// How far the tool stays from the first axis, metres: the radius of shoulder and base, 0.051, and that of the palm, 0.059
+/// (meshes `shoulder.stl` and `hand_3finger_main.stl` of dm_control).
 const HAND_OFF_BASE_M: f64 = 0.11;
 
 /// The longest step of the way up, metres.
@@ -84,6 +89,8 @@ pub enum WhyNot {
     TooFar,
     /// Nothing is reached at that height.
     Height,
+    /// It lies in a narrow gap of what is reached.
+    Gap,
     /// Each posture for the point ends at a limit on the straight way up, or would need another.
     WayUp,
 }
@@ -111,6 +118,7 @@ impl fmt::Display for OutOfReach {
         let farthest_m = centimetre(range.farthest_m, f64::floor);
         write!(out, "it reaches {nearest_m:.2} to {farthest_m:.2} m")?;
         match self.why {
+            WhyNot::Gap => write!(out, ", but not there"),
             WhyNot::WayUp => write!(out, ", but not straight up from there"),
             _ => Ok(()),
         }
@@ -139,7 +147,10 @@ impl Reach {
         }
     }
 
-    /// Returns joint angles at a point from which the hand can rise straight to each height, the elbow as high as may be.
+    /// Returns joint angles at a point from which the hand can rise straight to each height.
+    ///
+    /// Of several postures, one with the elbow up, and of those the one that is farthest from any in which the arm cannot
+    /// move some way (determinant of the Jacobian, Yoshikawa 1985).
     ///
     /// - `point`: where the tool is to be, base frame, metres.
     /// - `heights_above_m`: over the point, metres, none below 0.
@@ -161,9 +172,7 @@ impl Reach {
                 why: WhyNot::NotAPlace,
             });
         }
-        let mut postures = self.postures(radius_m, point.z);
-        let elbow_m = |posture: &[f64; JOINTS]| self.chain.links_at(posture)[2].translation.z;
-        postures.sort_by(|one, other| elbow_m(other).total_cmp(&elbow_m(one)));
+        let postures = self.best_first(radius_m, point.z);
         if let Some(angles) = postures
             .iter()
             .find_map(|posture| self.rises(posture, point, top_m))
@@ -175,7 +184,8 @@ impl Reach {
 
     /// Returns what is reached at a height over the base, without a gap up to the farthest; none where nothing is.
     ///
-    /// Exact to 1 mm for heights that are multiples of 5 mm; others are taken to the nearest.
+    /// Exact to 1 mm for heights that are multiples of 5 mm; others are taken to the nearest. A gap narrower than 20 mm may
+    /// be passed over; there are such less than 0.2 m from the axis.
     pub fn range(&self, height_m: f64) -> Option<Range> {
         if height_m.is_nan() || height_m.abs() > 2.0 * MAX_M {
             return None;
@@ -231,6 +241,25 @@ impl Reach {
         postures
     }
 
+    fn best_first(&self, radius_m: f64, height_m: f64) -> Vec<[f64; JOINTS]> {
+        let mut postures = self.postures(radius_m, height_m);
+        let elbow_m = |posture: &[f64; JOINTS]| self.chain.links_at(posture)[2].translation.z;
+        let highest_m = postures
+            .iter()
+            .map(elbow_m)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let dexterity = |posture: &[f64; JOINTS]| {
+            let up = if elbow_m(posture) > highest_m - ELBOW_UP_M {
+                1.0
+            } else {
+                0.0
+            };
+            up + self.chain.motion_at(posture).1.determinant().abs()
+        };
+        postures.sort_by(|one, other| dexterity(other).total_cmp(&dexterity(one)));
+        postures
+    }
+
     /// Returns the angles at the point where the hand can rise from there to `top_m`.
     fn rises(&self, posture: &[f64; JOINTS], point: &Point3<f64>, top_m: f64) -> Option<Vec<f64>> {
         let mut angles = *posture;
@@ -279,6 +308,11 @@ impl Reach {
                 return refused(above_m, Some(range), WhyNot::TooNear);
             }
         }
-        refused(0.0, self.range(height_m), WhyNot::WayUp)
+        let why = if self.postures(radius_m, height_m).is_empty() {
+            WhyNot::Gap
+        } else {
+            WhyNot::WayUp
+        };
+        refused(0.0, self.range(height_m), why)
     }
 }

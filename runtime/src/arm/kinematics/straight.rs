@@ -81,25 +81,41 @@ impl Chain {
             return Err(NotStraight::Steps { way_m, step_m });
         }
         let mut way = vec![first];
+        let mut before = last;
         for point in 1..=points as usize {
             let part = point as f64 / points;
             let after_m = part * way_m;
-            let angles = self
-                .next(&between(from, to, part), &last)
-                .map_err(refused(after_m))?;
-            let turned = |index: &usize| (angles[*index] - last[*index]).abs();
-            if let Some(index) = (0..JOINTS).find(|index| turned(index) > MAX_JUMP_RAD) {
+            let pose = between(from, to, part);
+            // Going on as before leads past postures in which the wrist folds flat and a second family of them begins.
+            let ahead = std::array::from_fn(|index| 2.0 * last[index] - before[index]);
+            let angles = match self.next(&pose, &ahead) {
+                Ok(angles) if jump(&angles, &last).is_none() => angles,
+                _ => self.next(&pose, &last).map_err(refused(after_m))?,
+            };
+            if let Some((joint, jump_rad)) = jump(&angles, &last) {
                 return Err(NotStraight::Jump {
                     after_m,
-                    joint: index + 1,
-                    jump_rad: turned(&index),
+                    joint,
+                    jump_rad,
                 });
             }
-            last = angles;
+            (before, last) = (last, angles);
             way.push(angles.to_vec());
         }
         Ok(way)
     }
+}
+
+/// Returns the first joint, from 1 at the base, that turns farther than may be, and how far.
+fn jump(angles: &[f64; JOINTS], before: &[f64; JOINTS]) -> Option<(usize, f64)> {
+    let turned = angles
+        .iter()
+        .zip(before)
+        .map(|(angle, before)| (angle - before).abs());
+    turned
+        .enumerate()
+        .find(|(_, turned)| *turned > MAX_JUMP_RAD)
+        .map(|(index, turned)| (index + 1, turned))
 }
 
 /// Returns the pose at a part, 0 to 1, of the way between two.

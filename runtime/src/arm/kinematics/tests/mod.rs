@@ -1,5 +1,7 @@
 //! Laws and vendor's figures that hold for every model; what the tests share.
 
+#![allow(clippy::unwrap_used)]
+
 mod chain;
 mod inverse;
 mod peer;

@@ -6,10 +6,11 @@ use crate::arm::kinematics::straight::{MAX_JUMP_RAD, NotStraight};
 use crate::arm::kinematics::tool_down::tool_down;
 use nalgebra::Point3;
 
-/// Two points over the table that every model reaches pointing down, with the turns there.
+/// Two points over the table that every model reaches pointing down, with the turns there; not where the forearm of the
+/// bent wrist comes to stand upright.
 fn two_poses() -> impl Strategy<Value = [Isometry3<f64>; 2]> {
     let pose = || {
-        (0.30..0.60f64, -0.9..0.9f64, 0.0..0.15f64, -0.7..0.7f64).prop_map(
+        (0.36..0.62f64, -0.9..0.9f64, 0.0..0.15f64, -0.7..0.7f64).prop_map(
             |(radius, azimuth, height, turn)| {
                 tool_down(
                     &Point3::new(radius * azimuth.cos(), radius * azimuth.sin(), height),
@@ -33,7 +34,7 @@ proptest! {
         let start = reach.check(&Point3::from(from.translation.vector), &[]).unwrap();
         let way = chain.straight(&from, &to, &start, 0.01).unwrap();
         let along = to.translation.vector - from.translation.vector;
-        prop_assert!(way.len() >= (along.norm() / 0.01).ceil() as usize + 1);
+        prop_assert!(way.len() > (along.norm() / 0.01).ceil() as usize);
         prop_assert!(distance_m(&chain.base_from_tool(&way[0]).unwrap(), &from) < 1e-4);
         prop_assert!(distance_m(&chain.base_from_tool(&way[way.len() - 1]).unwrap(), &to) < 1e-4);
         let mut before = 0.0;
