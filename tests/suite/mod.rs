@@ -33,6 +33,7 @@ mod peers;
 mod pointing;
 mod pointing_told;
 mod provider;
+mod reach;
 mod recorded_starts;
 mod resumed;
 mod retried_steps;

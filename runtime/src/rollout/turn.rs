@@ -13,7 +13,7 @@ use crate::pictures::Pictures;
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
-use crate::world::{World, WorldError};
+use crate::world::{World, WorldError, WorldPoint};
 use compiler::facts::Done;
 use compiler::program::{Arrow, Which};
 use std::time::{Duration, Instant};
@@ -89,21 +89,27 @@ impl<'j> Turn<'j> {
             Err(error) => return Ok(self.stop_for(&error)),
         };
         keeper.keep_picture(&mut self.line, "before", &observation.rgb)?;
+        // What is seen first is kept whole: how far the arm reaches is no property of the cloth.
+        let first = &mut memory.first_scene;
+        let reach = |point: &WorldPoint| world.out_of_reach(point);
         let scene = match self.plan("keypoints", || {
-            Scene::of(job.program, &observation, memory.first_scene.as_ref())
+            let scene = Scene::of(job.program, &observation, first.as_ref())?;
+            first.get_or_insert_with(|| scene.clone());
+            scene.within_reach(job.program, &observation, &reach)
         }) {
             Ok(scene) => scene,
             Err(error) => {
                 let outcome = match &error {
                     SceneError::OutOfView { .. } => Outcome::ClothOutOfView,
-                    SceneError::NoCandidates { .. } => Outcome::NoCandidates,
+                    SceneError::NoCandidates { .. } | SceneError::NoneInReach { .. } => {
+                        Outcome::NoCandidates
+                    }
                     SceneError::Missing(_) | SceneError::Vision(_) => Outcome::WorldFailed,
                 };
                 return Ok(self.stop(outcome, &error.to_string()));
             }
         };
         self.line.scene = scene.to_json();
-        memory.first_scene.get_or_insert_with(|| scene.clone());
         let last = memory.last.as_ref();
         let drawn = self.plan("annotate", || {
             let subgoals = job.subgoals.step(step as usize - 1)?;
@@ -147,6 +153,7 @@ impl<'j> Turn<'j> {
             step,
             last,
             pictures: &pictures,
+            reach: &reach,
             repetition: job.repetition,
         };
         let decision = agent::decide(situation, job.models, line, &mut record)?;
