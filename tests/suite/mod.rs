@@ -39,6 +39,7 @@ mod resumed;
 mod retried_steps;
 mod review;
 mod see;
+mod seen_coverage;
 mod serve;
 mod sim_outlines;
 mod sim_replay;

@@ -8,6 +8,7 @@ use super::{Event, Job, RunError};
 use crate::action::Action;
 use crate::agent::{self, Attempt, Decision, Situation};
 use crate::journal::StepLine;
+use crate::observation::Observation;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
 use crate::result::StepResult;
@@ -35,6 +36,8 @@ pub(super) struct Turn<'j> {
     /// What the action before came to, where it was for the same step.
     before: Option<StepResult>,
     pub line: StepLine,
+    /// What the camera saw when the action was done; none where nothing was done.
+    pub after: Option<Observation>,
     pub timer: Timer,
     /// Spent on the way to an action, without the model and the writing of files.
     planning: Duration,
@@ -59,6 +62,7 @@ impl<'j> Turn<'j> {
                 step: number,
                 ..StepLine::default()
             },
+            after: None,
             timer: Timer::default(),
             planning: Duration::ZERO,
             is_planned: false,
@@ -213,7 +217,8 @@ impl<'j> Turn<'j> {
             Some(subgoals) => subgoals.picture(Which::Now, Arrow::Drawn),
             None => &pictures.annotated,
         };
-        sheet.row(number, shown, drawn, after.rgb);
+        sheet.row(number, shown, drawn, after.rgb.clone());
+        self.after = Some(after);
         let grasp = executed.grasp;
         progress(Event::Stepped {
             step: number,

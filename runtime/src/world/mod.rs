@@ -55,6 +55,14 @@ pub trait World {
     /// Shape `[dimy * dimx]`, index `iy * dimx + ix`, world frame, metres.
     fn particles(&self) -> Option<Vec<[f32; 3]>>;
 
+    /// Returns what the camera sees of the flat cloth, whole and alone on the table, or `None` where no such picture was taken.
+    ///
+    /// Coverage is measured against it where the world does not know its particles, so it belongs to the world's
+    /// parameters. Its size is that of other pictures; depth may be without a reading.
+    fn flat_cloth(&self) -> Option<Observation> {
+        None
+    }
+
     /// Says why nothing can be picked or placed at a point, or `None` where it is in reach.
     ///
     /// The words end a sentence that a model is told, such as `it lies 0.81 m from the arm's base, and the arm reaches
