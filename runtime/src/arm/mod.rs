@@ -9,6 +9,13 @@
 //! it along minus z of the base. Nothing here knows of tasks, prompts or models.
 
 pub mod kinematics;
+pub mod driver;
+pub mod execute;
+pub mod limits;
+pub mod log;
 pub mod port;
 pub mod rgbd;
+pub mod route;
 pub mod settings;
+pub mod simulated;
+pub mod supervisor;

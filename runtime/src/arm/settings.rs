@@ -39,6 +39,9 @@ pub struct Settings {
     pub camera: CameraSettings,
     /// How the node that moves the arm is reached; needed for the drivers `kinova` and `trajectory`.
     pub ros: Option<RosSettings>,
+    /// The driver `simulated`'s arm and table.
+    #[serde(default)]
+    pub simulated: SimulatedSettings,
 }
 
 /// Who moves the arm.
@@ -76,6 +79,8 @@ pub struct Workspace {
     /// Boxes that neither the tool nor its way may enter.
     #[serde(default)]
     pub keep_out: Vec<KeepOut>,
+    /// Where the tool waits while pictures are taken, out of the camera's view; metres, base frame.
+    pub rest_m: [f64; 3],
     /// The fastest that the tool may be, m/s.
     #[serde(default = "defaults::max_speed_m_s")]
     pub max_speed_m_s: f64,
@@ -116,6 +121,40 @@ pub struct MotionSettings {
     pub speed_m_s: f64,
     /// How the hand is turned about the vertical, degrees in the base frame.
     pub hand_turn_deg: f64,
+}
+
+/// The simulated arm and table of the driver `simulated`, which need nothing of a real one.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SimulatedSettings {
+    /// Height of the simulated camera over the table, metres.
+    pub camera_height_m: f64,
+    /// How far the camera is from the middle of the table, metres along the table's x and y.
+    pub camera_offset_m: [f64; 2],
+    /// How far the camera is turned about the vertical, degrees.
+    pub camera_turn_deg: f64,
+    /// Field of view across the picture's shorter side, degrees.
+    pub camera_fov_deg: f64,
+    /// Side of the camera's square picture, pixels.
+    pub camera_px: u32,
+    /// How far from where it was sent the tool comes to rest, metres, at the most.
+    pub repeatability_m: f64,
+    /// Draws all chance of the arm.
+    pub seed: u64,
+}
+
+impl Default for SimulatedSettings {
+    fn default() -> Self {
+        SimulatedSettings {
+            camera_height_m: 1.0,
+            camera_offset_m: [0.0; 2],
+            camera_turn_deg: 0.0,
+            camera_fov_deg: 45.0,
+            camera_px: 720,
+            repeatability_m: 0.001,
+            seed: 0,
+        }
+    }
 }
 
 /// What finger positions mean; the units differ between documents of the vendor, so they are measured.

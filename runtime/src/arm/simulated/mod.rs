@@ -1,0 +1,247 @@
+//! An arm that this program simulates, with the habits of the real one's node.
+//!
+//! In: the messages of a [`Port`], on a clock that only [`Port::wait`] moves. Out: joints and fingers that move, words
+//! that arrive late or never, and cloth under the hand. Like kinova-ros: readings come ten times a second; a goal counts
+//! as reached within 10 mm and 2 degrees; a goal that is cancelled, gives way to another or stalls makes the node stop
+//! the arm and *start it again*; a stopped arm aborts every goal. No dynamics: a motion keeps its speed and ends at once.
+
+mod body;
+mod faults;
+mod node;
+
+pub use body::Table;
+pub use faults::{Fault, FaultKind};
+
+use super::kinematics::chain::Chain;
+use super::kinematics::reach::{Reach, Turn};
+use super::port::{Goal, GoalId, GoalState, Heard, Port, PortError, Readings};
+use super::settings::{FingerSettings, Settings};
+use body::Body;
+use faults::Faults;
+use nalgebra::{Isometry3, Point3};
+use node::Node;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// A step of the clock, seconds.
+const TICK_S: f64 = 0.01;
+
+/// Time between two readings, seconds (kinova-ros: `status_interval_seconds`).
+const READING_S: f64 = 0.1;
+
+/// A simulated arm and the node that moves it.
+pub struct SimulatedArm {
+    body: Body,
+    node: Node,
+    faults: Faults,
+    clock_s: f64,
+    readings: Readings,
+    read_s: f64,
+    /// Where the tool was when the arm was stopped, and how far it has been from there since, metres.
+    since_stop: Option<(Isometry3<f64>, f64)>,
+    /// Every pose of the tool so far is within these, metres: least and largest.
+    extent_m: [[f64; 3]; 2],
+}
+
+/// How an arm is simulated.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    /// Its joints.
+    pub chain: Chain,
+    /// What its finger positions mean.
+    pub fingers: FingerSettings,
+    /// Where its joints are at first, radians.
+    pub joints_rad: Vec<f64>,
+    /// Speed of the tool in Cartesian goals, m/s; the real node takes none.
+    pub speed_m_s: f64,
+    /// How far from its goal a motion ends, metres, at the most.
+    pub repeatability_m: f64,
+    /// Draws all chance.
+    pub seed: u64,
+    /// What goes wrong.
+    pub faults: Vec<Fault>,
+}
+
+impl Simulation {
+    /// Simulates the arm of some settings, resting where they say; says why it cannot rest there.
+    pub fn of(settings: &Settings) -> Result<Simulation, String> {
+        let chain = Chain::of_model(&settings.model).map_err(|error| error.to_string())?;
+        let [x, y, z] = settings.workspace.rest_m;
+        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
+        let joints_rad = Reach::tool_down(&chain, turn)
+            .check(&Point3::new(x, y, z), &[0.0])
+            .map_err(|why| format!("the arm cannot rest at `rest_m`: {why}"))?;
+        Ok(Simulation {
+            chain,
+            fingers: settings.fingers,
+            joints_rad,
+            speed_m_s: settings.motion.speed_m_s,
+            repeatability_m: settings.simulated.repeatability_m,
+            seed: settings.simulated.seed,
+            faults: Vec::new(),
+        })
+    }
+}
+
+impl SimulatedArm {
+    /// Sets an arm up, over a table where there is one.
+    pub fn new(simulation: Simulation, table: Option<Rc<RefCell<dyn Table>>>) -> SimulatedArm {
+        let faults = Faults::new(simulation.faults.clone());
+        let body = Body::new(simulation, table);
+        let at: [f64; 3] = body.tool().translation.vector.into();
+        let mut arm = SimulatedArm {
+            body,
+            node: Node::default(),
+            faults,
+            clock_s: 0.0,
+            readings: Readings::default(),
+            read_s: f64::NEG_INFINITY,
+            since_stop: None,
+            extent_m: [at, at],
+        };
+        arm.read();
+        arm
+    }
+
+    /// Tells whether the arm takes no motion.
+    pub fn is_stopped(&self) -> bool {
+        self.node.is_stopped()
+    }
+
+    /// Returns how far the tool has been, at the most, from where it was when the arm was last stopped, metres; none
+    /// where it was not stopped, or a person let it go again.
+    pub fn moved_after_stop_m(&self) -> Option<f64> {
+        self.since_stop.map(|(_, moved_m)| moved_m)
+    }
+
+    /// Returns the least and the largest coordinates at which the tool ever was, metres, base frame.
+    pub fn extent_m(&self) -> [[f64; 3]; 2] {
+        self.extent_m
+    }
+
+    /// Returns where the tool is, `base_from_tool`, which a driver hears later.
+    pub fn tool(&self) -> Isometry3<f64> {
+        self.body.tool()
+    }
+
+    /// Tells whether the camera gives no picture any more.
+    pub fn is_blind(&mut self) -> bool {
+        self.faults.lasts(FaultKind::NoPicture, self.clock_s)
+    }
+
+    fn tick(&mut self) {
+        self.clock_s += TICK_S;
+        if self.faults.take(FaultKind::PressedStop, self.clock_s) {
+            self.be_stopped();
+        }
+        if self.faults.lasts(FaultKind::StuckJoint, self.clock_s) {
+            self.body.stick();
+        }
+        if self.faults.lasts(FaultKind::StuckFingers, self.clock_s) {
+            self.body.stick_fingers();
+        }
+        let runs_away = !self.node.is_stopped()
+            && self.node.is_busy()
+            && self.faults.lasts(FaultKind::Runaway, self.clock_s);
+        if runs_away {
+            self.body.run_away(TICK_S);
+        }
+        self.body.advance(TICK_S);
+        self.node.advance(self.clock_s, &mut self.body, &mut self.faults);
+        let tool = self.body.tool();
+        for axis in 0..3 {
+            let at = tool.translation.vector[axis];
+            self.extent_m[0][axis] = self.extent_m[0][axis].min(at);
+            self.extent_m[1][axis] = self.extent_m[1][axis].max(at);
+        }
+        if let Some((at, moved_m)) = &mut self.since_stop {
+            let away_m = (tool.translation.vector - at.translation.vector).norm();
+            *moved_m = moved_m.max(away_m);
+        }
+        if self.clock_s - self.read_s >= READING_S - 1e-9 {
+            self.read();
+        }
+    }
+
+    fn read(&mut self) {
+        if self.faults.lasts(FaultKind::Silence, self.clock_s) {
+            return;
+        }
+        if let Some(since_s) = self.faults.since_s(FaultKind::ShortSilence)
+            && (since_s..since_s + 0.6).contains(&self.clock_s)
+        {
+            return;
+        }
+        self.read_s = self.clock_s;
+        let at_s = self.clock_s;
+        self.readings = Readings {
+            tool: Some(Heard {
+                value: self.body.tool(),
+                at_s,
+            }),
+            joints_rad: Some(Heard {
+                value: self.body.joints_rad().to_vec(),
+                at_s,
+            }),
+            fingers: Some(Heard {
+                value: self.body.fingers().to_vec(),
+                at_s,
+            }),
+        };
+    }
+
+    fn be_stopped(&mut self) {
+        self.node.stop(&mut self.body);
+        self.since_stop = Some((self.body.tool(), 0.0));
+    }
+}
+
+impl Port for SimulatedArm {
+    fn now_s(&self) -> f64 {
+        self.clock_s
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        let ticks = (seconds.clamp(0.0, 3600.0) / TICK_S).round().max(1.0) as u64;
+        for _ in 0..ticks {
+            self.tick();
+        }
+    }
+
+    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
+        Ok(self.node.send(goal, self.clock_s, &mut self.faults))
+    }
+
+    fn state(&mut self, goal: &GoalId) -> GoalState {
+        self.node.told(goal, self.clock_s)
+    }
+
+    fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
+        if !self.faults.take(FaultKind::LostCancel, self.clock_s) {
+            self.node.cancel(goal, self.clock_s);
+        }
+        Ok(())
+    }
+
+    fn stop(&mut self) -> Result<(), PortError> {
+        if self.faults.take(FaultKind::LostStop, self.clock_s) {
+            self.wait(1.0);
+            return Err(PortError {
+                what: "the service `in/stop`".to_owned(),
+                why: "no answer within 1 s".to_owned(),
+            });
+        }
+        self.be_stopped();
+        Ok(())
+    }
+
+    fn start(&mut self) -> Result<(), PortError> {
+        self.node.start();
+        self.since_stop = None;
+        Ok(())
+    }
+
+    fn readings(&mut self) -> Readings {
+        self.readings.clone()
+    }
+}
