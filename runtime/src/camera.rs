@@ -12,6 +12,7 @@ mod tests;
 
 pub use lens::Lens;
 pub use plane::Plane;
+pub(crate) use plane::through;
 
 use compiler::program::{ImageUp, PixelPoint};
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};

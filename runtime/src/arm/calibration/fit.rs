@@ -6,7 +6,7 @@
 use super::refusal::Fault;
 use super::{Method, Pair, Terms, plane, rigid};
 use crate::arm::rgbd::Intrinsics;
-use crate::camera::Lens;
+use crate::camera::{Lens, Plane, through};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 /// From pixels to the base.
@@ -19,11 +19,15 @@ pub enum Fit {
         base_from_pixel: Matrix3<f64>,
         /// The table: `z = height[0] + height[1] x + height[2] y`, metres.
         height: [f64; 3],
+        /// The lens that straightens pixels, where it is known.
+        lens: Option<Lens>,
     },
     /// By the camera's pose.
     Rigid {
         /// Pose of the camera; its frame has x image right, y image down, z the optical axis.
         base_from_camera: Isometry3<f64>,
+        /// The camera's lens.
+        lens: Lens,
         /// The table: `z = height[0] + height[1] x + height[2] y`, metres.
         height: [f64; 3],
         /// The size that the depth readings give the table, over the size that the arm gives it; 1 is right.
@@ -73,40 +77,71 @@ pub(super) fn lens(intrinsics: &Intrinsics) -> Result<Lens, Fault> {
     })
 }
 
-/// Prepares points for the solvers.
-pub(super) fn sightings(terms: &Terms, pairs: &[Pair]) -> Result<Vec<Sighting>, Fault> {
-    let lens = terms.intrinsics.as_ref().map(lens).transpose()?;
-    let prepared = pairs.iter().zip(1..).map(|(pair, point)| {
-        let straight = match &lens {
-            Some(lens) => lens.straightened(pair.pixel),
-            None => Some(pair.pixel),
-        };
-        let pixel = straight.ok_or(Fault::NoRay { point })?;
+/// What points are fitted by.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Solver {
+    method: Method,
+    /// The camera's lens, where it is known.
+    pub lens: Option<Lens>,
+}
+
+impl Solver {
+    pub(super) fn of(terms: &Terms) -> Result<Solver, Fault> {
+        Ok(Solver {
+            method: terms.method,
+            lens: terms.intrinsics.as_ref().map(lens).transpose()?,
+        })
+    }
+
+    /// Prepares a point; `None` where no ray leads to its pixel.
+    pub(super) fn sighting(&self, pair: &Pair) -> Option<Sighting> {
         let seen = |lens: &Lens| lens.camera_from_pixel(pair.pixel, pair.depth_m?);
-        Ok(Sighting {
-            pixel,
-            seen: lens.as_ref().and_then(seen),
+        Some(Sighting {
+            pixel: straightened(self.lens.as_ref(), pair.pixel)?,
+            seen: self.lens.as_ref().and_then(seen),
             base: Point3::from(pair.base_m),
         })
-    });
-    prepared.collect()
+    }
+
+    pub(super) fn sightings(&self, pairs: &[Pair]) -> Result<Vec<Sighting>, Fault> {
+        let numbered = pairs.iter().zip(1..);
+        numbered
+            .map(|(pair, point)| self.sighting(pair).ok_or(Fault::NoRay { point }))
+            .collect()
+    }
+
+    /// Finds the fit of points; `None` where they do not determine one.
+    pub(super) fn fit(&self, points: &[Sighting]) -> Option<Fit> {
+        match self.method {
+            Method::Plane => Some(Fit::Plane {
+                base_from_pixel: plane::homography(points)?,
+                height: plane::heights(points)?,
+                lens: self.lens,
+            }),
+            Method::Rigid => {
+                let (base_from_camera, scale) = rigid::pose(points)?;
+                Some(Fit::Rigid {
+                    base_from_camera,
+                    lens: self.lens?,
+                    height: plane::heights(points)?,
+                    scale,
+                })
+            }
+        }
+    }
 }
 
 impl Fit {
-    /// Finds the fit of points; `None` where they do not determine one.
-    pub(super) fn of(method: Method, points: &[Sighting]) -> Option<Fit> {
-        match method {
-            Method::Plane => plane::fit(points),
-            Method::Rigid => rigid::fit(points),
-        }
-    }
-
     /// Returns how far from the tool's place the fit puts a point, metres along the axes of the base.
     ///
     /// `None` where the fit puts it nowhere: beyond the horizon, or without depth.
     pub(super) fn error(&self, point: &Sighting) -> Option<Vector3<f64>> {
         let put = match self {
-            Fit::Plane { .. } => self.table_from_straight(point.pixel)?,
+            Fit::Plane {
+                base_from_pixel,
+                height,
+                ..
+            } => on_table(base_from_pixel, height, point.pixel)?,
             Fit::Rigid {
                 base_from_camera, ..
             } => base_from_camera * point.seen?,
@@ -114,25 +149,18 @@ impl Fit {
         Some(put - point.base)
     }
 
-    /// Returns the point of the table that a straightened pixel of a camera shows, metres, base frame.
-    pub(super) fn table_from_straight(&self, pixel: [f64; 2]) -> Option<Point3<f64>> {
-        match self {
-            Fit::Plane {
-                base_from_pixel,
-                height,
-            } => {
-                let [x, y] = crate::camera::through(base_from_pixel, pixel)?;
-                Some(Point3::new(x, y, height_at(height, [x, y])))
-            }
-            // A ray's direction is the lens's business, which is not kept here.
-            Fit::Rigid { .. } => None,
-        }
-    }
-
     /// Returns the table's height, tilt and offsets: `z = height[0] + height[1] x + height[2] y`, metres, base frame.
     pub fn height(&self) -> [f64; 3] {
         match self {
             Fit::Plane { height, .. } | Fit::Rigid { height, .. } => *height,
+        }
+    }
+
+    /// Returns the lens, where it is known.
+    pub fn lens(&self) -> Option<&Lens> {
+        match self {
+            Fit::Plane { lens, .. } => lens.as_ref(),
+            Fit::Rigid { lens, .. } => Some(lens),
         }
     }
 
@@ -145,46 +173,50 @@ impl Fit {
     /// Returns the table point that a pixel of the camera's own picture shows, metres, base frame.
     ///
     /// `None` where no ray leads to the pixel, or to the table.
-    pub fn table_from_pixel(&self, lens: Option<&Lens>, pixel: [f64; 2]) -> Option<Point3<f64>> {
+    pub fn table_from_pixel(&self, pixel: [f64; 2]) -> Option<Point3<f64>> {
         match self {
-            Fit::Plane { .. } => {
-                let straight = match lens {
-                    Some(lens) => lens.straightened(pixel)?,
-                    None => pixel,
-                };
-                self.table_from_straight(straight)
-            }
+            Fit::Plane {
+                base_from_pixel,
+                height,
+                lens,
+            } => on_table(base_from_pixel, height, straightened(lens.as_ref(), pixel)?),
             Fit::Rigid {
                 base_from_camera,
+                lens,
                 height,
                 ..
             } => {
-                let way = base_from_camera.rotation * lens?.camera_from_pixel(pixel, 1.0)?.coords;
+                let way = base_from_camera.rotation * lens.camera_from_pixel(pixel, 1.0)?.coords;
                 let eye = base_from_camera.translation.vector;
                 let above = |point: Vector3<f64>| point.z - height_at(height, [point.x, point.y]);
-                let sinks = above(eye) - above(eye + way);
-                let far = above(eye) / sinks;
+                let far = above(eye) / (above(eye) - above(eye + way));
                 (far.is_finite() && far > 0.0).then(|| Point3::from(eye + way * far))
             }
         }
     }
 
     /// Returns the pixel of the camera's own picture that shows a point, metres, base frame.
-    pub fn pixel_from_base(&self, lens: Option<&Lens>, point: Point3<f64>) -> Option<[f64; 2]> {
+    ///
+    /// By the table's plane, the pixel that shows the plane below or above the point.
+    pub fn pixel_from_base(&self, point: Point3<f64>) -> Option<[f64; 2]> {
         match self {
             Fit::Plane {
-                base_from_pixel, ..
+                base_from_pixel,
+                height,
+                lens,
             } => {
-                let plane = crate::camera::Plane {
+                let plane = Plane {
                     world_from_pixel: *base_from_pixel,
-                    height: [0.0; 3],
-                    lens: lens.copied(),
+                    height: *height,
+                    lens: *lens,
                 };
                 plane.pixel_from_world(point)
             }
             Fit::Rigid {
-                base_from_camera, ..
-            } => lens?.pixel_from_camera(base_from_camera.inverse_transform_point(&point)),
+                base_from_camera,
+                lens,
+                ..
+            } => lens.pixel_from_camera(base_from_camera.inverse_transform_point(&point)),
         }
     }
 
@@ -205,6 +237,23 @@ impl Fit {
             } => (base_from_camera.rotation * Vector3::z()).z < 0.0,
         }
     }
+}
+
+/// Takes the lens's distortion out of a pixel, where the lens is known.
+pub(super) fn straightened(lens: Option<&Lens>, pixel: [f64; 2]) -> Option<[f64; 2]> {
+    match lens {
+        Some(lens) => lens.straightened(pixel),
+        None => Some(pixel),
+    }
+}
+
+fn on_table(
+    base_from_pixel: &Matrix3<f64>,
+    height: &[f64; 3],
+    straight_px: [f64; 2],
+) -> Option<Point3<f64>> {
+    let [x, y] = through(base_from_pixel, straight_px)?;
+    Some(Point3::new(x, y, height_at(height, [x, y])))
 }
 
 /// Returns a plane's height at `x`, `y`.

@@ -33,19 +33,13 @@ pub use spread::Spread;
 pub use view::Window;
 
 use super::rgbd::Intrinsics;
-use super::settings::Settings;
+use super::settings::{CameraSettings, CameraSource, Settings};
 use image::GrayImage;
 
 /// The fewest points, at places of their own, that are accepted.
 ///
 /// Four fit a homography exactly, whatever was typed; only with twice as many does leaving one out say something.
 pub const MIN_PAIRS: usize = 8;
-
-/// The largest root mean square error that is accepted unless another limit is asked for, millimetres.
-///
-/// The arm's node calls a pose reached within 10 mm, the driver within 3 mm; a calibration that is worse than the
-/// driver would be what decides where a pick lands.
-pub const LIMIT_MM: f64 = 3.0;
 
 /// How much larger the error of points that were left out may be: a place where no point was touched is as uncertain.
 const LEFT_OUT_SHARE: f64 = 5.0 / 3.0;
@@ -71,6 +65,17 @@ pub enum Method {
 }
 
 impl Method {
+    /// Returns the largest root mean square error that is accepted unless another limit is asked for, millimetres.
+    ///
+    /// By the plane 3: the driver calls a pose reached within that, and a calibration that is worse would be what decides
+    /// where a pick lands. With depth 5: its readings scatter by 2 mm at a metre, and the fit evens that out.
+    pub fn limit_mm(self) -> f64 {
+        match self {
+            Method::Plane => 3.0,
+            Method::Rigid => 5.0,
+        }
+    }
+
     /// Returns its name in files: `plane` or `rigid`.
     pub fn name(self) -> &'static str {
         match self {
@@ -105,12 +110,16 @@ impl Terms {
     /// `size_px` is the size of the camera's own picture, `limit_mm` the largest root mean square error.
     pub fn of(settings: &Settings, method: Method, size_px: [u32; 2], limit_mm: f64) -> Terms {
         let Settings {
-            camera, workspace, ..
+            camera,
+            ros,
+            workspace,
+            ..
         } = settings;
+        let topic = ros.as_ref().and_then(|ros| ros.color.as_deref());
         let level = |corner: [f64; 3]| [corner[0], corner[1]];
         Terms {
             method,
-            camera: settings.camera_name(),
+            camera: camera_name(camera, topic),
             size_px,
             intrinsics: camera.intrinsics.clone(),
             window: Window::from(camera.window_px),
@@ -178,4 +187,15 @@ impl Calibration {
         terms.intrinsics.clone_from(&self.terms.intrinsics);
         accuracy::judge(&terms, &self.pairs).map(|_| ())
     }
+}
+
+/// Returns what a camera is called: its topic, its folder, or that it is simulated.
+fn camera_name(camera: &CameraSettings, topic: Option<&str>) -> String {
+    let folder = || camera.folder.as_ref().map(|it| it.display().to_string());
+    let name = match camera.source {
+        CameraSource::Ros => topic.map(str::to_owned),
+        CameraSource::Directory => folder(),
+        CameraSource::Simulated => Some("simulated".to_owned()),
+    };
+    name.unwrap_or_else(|| "camera".to_owned())
 }

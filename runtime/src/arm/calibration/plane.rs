@@ -1,10 +1,10 @@
 //! The homography from pixels to the table, and the plane through the touched heights.
 //!
-//! In: points. Out: a [`Fit::Plane`], and what an error of the points comes to elsewhere. A normalised direct linear
+//! In: points. Out: both, and what an error of the points comes to elsewhere. A normalised direct linear
 //! transform (Hartley 1997) gives a start, which Gauss-Newton steps then move to the least sum of squared distances on
 //! the table: the first alone weighs each point by its distance from the horizon.
 
-use super::fit::{Fit, Sighting};
+use super::fit::Sighting;
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// How many numbers a homography has, up to its factor.
@@ -19,14 +19,11 @@ const DETERMINED: f64 = 1e-11;
 type Numbers = SVector<f64, N>;
 type Square = SMatrix<f64, N, N>;
 
-/// Fits a homography and a plane of heights; `None` where the points do not determine them.
-pub(super) fn fit(points: &[Sighting]) -> Option<Fit> {
+/// Fits a homography from straightened pixels to the base's x and y; `None` where the points do not determine one.
+pub(super) fn homography(points: &[Sighting]) -> Option<Matrix3<f64>> {
     let scaled = Scaled::of(points)?;
     let numbers = scaled.refined(scaled.start()?)?;
-    Some(Fit::Plane {
-        base_from_pixel: scaled.base_from_pixel(&numbers)?,
-        height: heights(points)?,
-    })
+    scaled.base_from_pixel(&numbers)
 }
 
 /// Fits `z = a + b x + c y` to the touched points; `None` where they lie on a line.
@@ -35,10 +32,13 @@ pub(super) fn heights(points: &[Sighting]) -> Option<[f64; 3]> {
     let slopes = normal.try_inverse()? * sums;
     let level = middle.z - slopes.x * middle.x - slopes.y * middle.y;
     let height = [level, slopes.x, slopes.y];
-    height.iter().all(|number| number.is_finite()).then_some(height)
+    height
+        .iter()
+        .all(|number| number.is_finite())
+        .then_some(height)
 }
 
-/// Returns how many times an error of the touched points counts at a straightened pixel: in the plane, and in height.
+/// How many times an error of the touched points counts at a place.
 ///
 /// Standard deviations, of the worst direction and to first order.
 pub(super) struct Gain {
@@ -107,9 +107,9 @@ struct Scaling {
 impl Scaling {
     fn of(places: impl Iterator<Item = [f64; 2]> + Clone) -> Option<Scaling> {
         let n = places.clone().count() as f64;
-        let sum = places
-            .clone()
-            .fold([0.0; 2], |sum, place| [sum[0] + place[0], sum[1] + place[1]]);
+        let sum = places.clone().fold([0.0; 2], |sum, place| {
+            [sum[0] + place[0], sum[1] + place[1]]
+        });
         let middle = sum.map(|sum| sum / n);
         let far = |place: [f64; 2]| (place[0] - middle[0]).hypot(place[1] - middle[1]);
         let mean = places.map(far).sum::<f64>() / n;
@@ -166,8 +166,7 @@ impl Scaled {
         let eigen = SymmetricEigen::new(normal);
         let mut order: Vec<usize> = (0..9).collect();
         order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
-        let is_determined =
-            eigen.eigenvalues[order[1]] > DETERMINED * eigen.eigenvalues[order[8]];
+        let is_determined = eigen.eigenvalues[order[1]] > DETERMINED * eigen.eigenvalues[order[8]];
         let least = eigen.eigenvectors.column(order[0]);
         // The factor at the points' middle is not zero unless the horizon runs through them.
         let numbers = Numbers::from_iterator(least.iter().take(N).map(|number| number / least[8]));
@@ -222,7 +221,10 @@ impl Scaled {
     fn base_from_pixel(&self, numbers: &Numbers) -> Option<Matrix3<f64>> {
         let scaled = Matrix3::from_row_iterator(numbers.iter().copied().chain([1.0]));
         let whole = self.table.matrix().try_inverse()? * scaled * self.pixels.matrix();
-        whole.iter().all(|number| number.is_finite()).then_some(whole)
+        whole
+            .iter()
+            .all(|number| number.is_finite())
+            .then_some(whole)
     }
 }
 
@@ -238,7 +240,22 @@ fn image_of(numbers: &Numbers, [u, v]: [f64; 2]) -> Option<([f64; 2], SMatrix<f6
         (h[3] * u + h[4] * v + h[5]) / factor,
     );
     let slope = SMatrix::<f64, 2, N>::from_row_slice(&[
-        u, v, 1.0, 0.0, 0.0, 0.0, -x * u, -x * v, 0.0, 0.0, 0.0, u, v, 1.0, -y * u, -y * v,
+        u,
+        v,
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+        -x * u,
+        -x * v,
+        0.0,
+        0.0,
+        0.0,
+        u,
+        v,
+        1.0,
+        -y * u,
+        -y * v,
     ]) / factor;
     Some(([x, y], slope))
 }

@@ -1,11 +1,10 @@
 //! The camera's pose from points that it saw in space.
 //!
-//! In: points with their place in the camera's frame. Out: a [`Fit::Rigid`] of least squared distance (Umeyama 1991,
+//! In: points with their place in the camera's frame. Out: the pose of least squared distance (Umeyama 1991,
 //! without his scale, which is computed as a check of the depth readings), and what an error of the points comes to
 //! elsewhere.
 
-use super::fit::{Fit, Sighting};
-use super::plane::heights;
+use super::fit::Sighting;
 use nalgebra::{
     Isometry3, Matrix3, Matrix6, Point3, Rotation3, SMatrix, SymmetricEigen, Translation3,
     UnitQuaternion, Vector3,
@@ -38,15 +37,16 @@ impl Clouds {
 
     fn centred(&self) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> {
         let middles = (self.seen_middle, self.base_middle);
-        let off = move |(seen, base): &(Vector3<f64>, Vector3<f64>)| {
-            (seen - middles.0, base - middles.1)
-        };
+        let off =
+            move |(seen, base): &(Vector3<f64>, Vector3<f64>)| (seen - middles.0, base - middles.1);
         self.pairs.iter().map(off)
     }
 }
 
-/// Fits rotation and translation; `None` where the points do not determine them.
-pub(super) fn fit(points: &[Sighting]) -> Option<Fit> {
+/// Fits the camera's pose in the base frame; `None` where the points do not determine one.
+///
+/// With it comes the size that the camera gives the points over the size that the arm gives them.
+pub(super) fn pose(points: &[Sighting]) -> Option<(Isometry3<f64>, f64)> {
     let clouds = Clouds::of(points)?;
     let joined: Matrix3<f64> = clouds
         .centred()
@@ -65,17 +65,14 @@ pub(super) fn fit(points: &[Sighting]) -> Option<Fit> {
         signs[smallest] = -1.0;
     }
     let rotation = left * Matrix3::from_diagonal(&signs) * right;
-    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
+    let rotation =
+        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
     let moved = clouds.base_middle - rotation * clouds.seen_middle;
     let seen_size: f64 = clouds.centred().map(|(seen, _)| seen.norm_squared()).sum();
     let umeyama = svd.singular_values.component_mul(&signs).sum() / seen_size;
     let base_from_camera = Isometry3::from_parts(Translation3::from(moved), rotation);
     let is_finite = base_from_camera.to_matrix().iter().all(|it| it.is_finite());
-    is_finite.then_some(Fit::Rigid {
-        base_from_camera,
-        height: heights(points)?,
-        scale: 1.0 / umeyama,
-    })
+    is_finite.then_some((base_from_camera, 1.0 / umeyama))
 }
 
 /// Returns whether a mirror image would fit the points at less than half the error.
@@ -88,10 +85,10 @@ pub(super) fn fits_mirrored(points: &[Sighting]) -> bool {
         })
         .collect();
     let error = |points: &[Sighting]| -> Option<f64> {
-        let fit = fit(points)?;
+        let (base_from_camera, _) = pose(points)?;
         points
             .iter()
-            .map(|point| Some(fit.error(point)?.norm_squared()))
+            .map(|point| Some((base_from_camera * point.seen? - point.base).norm_squared()))
             .sum()
     };
     match (error(points), error(&mirrored)) {
@@ -100,7 +97,7 @@ pub(super) fn fits_mirrored(points: &[Sighting]) -> bool {
     }
 }
 
-/// Returns how many times an error of the points counts elsewhere: in the plane, and in height.
+/// How many times an error of the points counts at a place: in the plane, and in height.
 ///
 /// Standard deviations, of the worst direction and to first order.
 pub(super) struct Gain {
