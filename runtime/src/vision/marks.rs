@@ -53,7 +53,7 @@ pub fn marks(picture: &GrayImage) -> Vec<[u32; 2]> {
             strong.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
             let mut kept: Vec<[i64; 2]> = Vec::new();
             // Candidates that are no marks, such as those of a checkered cloth, cost a search each.
-            for (_, at) in strong.into_iter().take(60) {
+            for (_, at) in strong.into_iter().take(20) {
                 let is_apart = |other: &[i64; 2]| {
                     (other[0] - at[0]).abs().max((other[1] - at[1]).abs()) > HALF
                 };

@@ -31,8 +31,8 @@ pub fn draw_residuals(
                 continue;
             };
             // A black stroke below each coloured one keeps it apart from any table.
-            for (rgb, wider) in [(BLACK, 2), (RING, 0)] {
-                ring(&mut canvas, middle, 5 * scale, scale + wider, rgb)?;
+            for (rgb, wider) in [(BLACK, 3), (RING, 1)] {
+                ring(&mut canvas, middle, 6 * scale, scale + wider, rgb)?;
             }
             let tip = expected.and_then(|[u, v]| {
                 pixel([
@@ -40,7 +40,7 @@ pub fn draw_residuals(
                     measured[1] + times * (v - measured[1]),
                 ])
             });
-            for (rgb, wider) in [(BLACK, 2), (ARROW, 0)] {
+            for (rgb, wider) in [(BLACK, 3), (ARROW, 1)] {
                 if let Some(tip) = tip {
                     arrow(&mut canvas, middle, tip, scale + wider, rgb)?;
                 }

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// The number of this form of the file.
 const FORMAT: u32 = 1;
 /// The longest file that is read.
-pub const MAX_BYTES: u64 = 1 << 20;
+pub(super) const MAX_BYTES: u64 = 1 << 20;
 /// How far what is stored may be from what the points give anew, millimetres: far above rounding, far below use.
 const SAME_MM: f64 = 0.01;
 

@@ -23,10 +23,10 @@ mod view;
 
 pub use accuracy::Accuracy;
 pub use draw::draw_errors;
-pub use file::{FileError, MAX_BYTES};
+pub use file::FileError;
 pub use fit::Fit;
 pub use moved::Moved;
-pub use pairs::{MAX_PAIRS, PairError, csv_line, parse_pairs};
+pub use pairs::{MAX_PAIRS, PairError, csv_line, parse_pairs, read_pairs};
 pub use refusal::{Fault, Refusal};
 pub use session::{Said, Session, ToolReader, grid};
 pub use spread::Spread;

@@ -4,9 +4,14 @@
 //! with `#`. Out: [`Pair`]s, or the line that is wrong. Whether the numbers make sense is judged with all points.
 
 use super::Pair;
+use crate::bounded;
+use std::path::Path;
 
 /// The most points that are read.
 pub const MAX_PAIRS: usize = 400;
+
+/// The longest file that is read.
+const MAX_BYTES: u64 = 1 << 20;
 
 /// The names of the columns, in the order that needs no first line.
 const COLUMNS: [&str; 6] = ["u", "v", "x", "y", "z", "depth"];
@@ -19,6 +24,12 @@ pub struct PairError {
     pub line: usize,
     /// What is wrong.
     pub why: String,
+}
+
+/// Reads a file of points; says what is wrong otherwise.
+pub fn read_pairs(path: &Path) -> Result<Vec<Pair>, String> {
+    let text = bounded::read_text(path, MAX_BYTES)?;
+    parse_pairs(&text).map_err(|error| error.to_string())
 }
 
 /// Reads points, one a line.

@@ -6,12 +6,12 @@
 use super::fit::{Fit, Sighting, straightened};
 use super::refusal::Fault;
 use super::{Terms, plane, rigid};
-use nalgebra::{Matrix2, Point3, SymmetricEigen, Vector2};
+use nalgebra::Point3;
 
 /// What points cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Their extent along the longer axis of their cloud on the table, metres.
+    /// Their extent along the narrowest strip of the table that holds them, metres.
     pub length_m: f64,
     /// Their extent across it, metres.
     pub width_m: f64,
@@ -99,25 +99,21 @@ fn places(terms: &Terms, fit: &Fit) -> Result<Vec<Place>, Fault> {
     Ok(reached)
 }
 
-/// Returns the extents of points along and across the longer axis of their cloud on the table, metres.
+/// Returns the extents of points on the table, metres: across the narrowest strip that holds them, and along it; the
+/// longer first.
 pub(super) fn extent_m(points: &[Sighting]) -> [f64; 2] {
-    let n = points.len().max(1) as f64;
-    let level = |point: &Sighting| point.base.coords.xy();
-    let middle = points.iter().map(level).sum::<Vector2<f64>>() / n;
-    let spread: Matrix2<f64> = points
-        .iter()
-        .map(|point| (level(point) - middle) * (level(point) - middle).transpose())
-        .sum();
-    let eigen = SymmetricEigen::new(spread);
-    let longer = eigen.eigenvalues.imax();
-    [longer, 1 - longer].map(|axis| {
-        let axis = eigen.eigenvectors.column(axis);
-        let along = points
+    let along = |turn_deg: f64| {
+        let (sin, cos) = turn_deg.to_radians().sin_cos();
+        let places = points
             .iter()
-            .map(|point| (level(point) - middle).dot(&axis));
-        let (least, most) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), it| {
+            .map(|point| point.base.x * cos + point.base.y * sin);
+        let ends = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), it| {
             (least.min(it), most.max(it))
         });
-        (most - least).max(0.0)
-    })
+        (ends.1 - ends.0).max(0.0)
+    };
+    let turns = (0..180).map(f64::from);
+    let sides = turns.map(|turn_deg| [along(turn_deg + 90.0), along(turn_deg)]);
+    let narrowest = sides.min_by(|a, b| a[1].total_cmp(&b[1]));
+    narrowest.unwrap_or_default()
 }

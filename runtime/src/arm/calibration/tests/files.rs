@@ -1,5 +1,6 @@
 //! What is kept is what is read, and what was changed is refused.
 
+use super::super::file::MAX_BYTES;
 use super::*;
 use image::Luma;
 use std::fs;
