@@ -46,7 +46,7 @@ pub fn run_with(
     let made = Calibration::make(terms, pairs.clone(), &day, reference);
     let fit = match &made {
         Ok(calibration) => Some(&calibration.fit),
-        Err(refusal) => refusal.fit.as_ref(),
+        Err(refusal) => refusal.fit.as_deref(),
     };
     let drawn = match seen {
         Some(mut seen) => {

@@ -153,9 +153,12 @@ fn its_json_has_the_fields_that_scripts_rely_on() {
     }
 }
 
+/// What somebody does wrong.
+type Change = fn(&mut Vec<Pair>);
+
 #[test]
 fn each_slip_is_named_and_nothing_is_written() {
-    let cases: [(&str, fn(&mut Vec<Pair>)); 9] = [
+    let cases: [(&str, Change); 9] = [
         ("a point 23 mm off", |it| it[6].base_m[0] += 0.023),
         ("a pixel swapped", |it| it[1].pixel.reverse()),
         ("a sign lost", |it| it[3].base_m[1] *= -1.0),

@@ -65,7 +65,7 @@ pub(super) fn judge(terms: &Terms, pairs: &[Pair]) -> Result<(Fit, Accuracy), Re
     };
     let against = |fault: Fault| Refusal {
         faults: vec![fault],
-        fit: Some(fit.clone()),
+        fit: Some(Box::new(fit.clone())),
     };
     let is_mirrored = match fit {
         Fit::Plane { .. } => false,
@@ -101,7 +101,7 @@ pub(super) fn judge(terms: &Terms, pairs: &[Pair]) -> Result<(Fit, Accuracy), Re
         return Err(against(Fault::Tilted { tilt_deg }));
     }
     match fit {
-        Fit::Rigid { scale, .. } if !((scale - 1.0).abs() <= MAX_SCALE_OFF) => {
+        Fit::Rigid { scale, .. } if (scale - 1.0).abs() > MAX_SCALE_OFF => {
             Err(against(Fault::Scale { scale }))
         }
         _ => Ok((fit, accuracy)),
@@ -115,7 +115,7 @@ fn too_large(terms: &Terms, accuracy: &Accuracy, fit: &Fit) -> Option<Fault> {
     let numbered = accuracy.left_out_mm.iter().copied().zip(1..);
     let (worst_mm, worst) = numbered.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let hint = match fit {
-        Fit::Rigid { scale, .. } if !((scale - 1.0).abs() <= MAX_SCALE_OFF) => {
+        Fit::Rigid { scale, .. } if (scale - 1.0).abs() > MAX_SCALE_OFF => {
             format!(", and by depth the table is {scale:.3} times as large as by the arm")
         }
         _ => String::new(),

@@ -336,9 +336,9 @@ fn shows_the_same(stored: &[Vec<f64>], height: [f64; 3], made: &Calibration) -> 
         } => {
             let matrix = nalgebra::Matrix4::from_fn(number);
             // What is applied is the pose found anew; the stored one only has to be the same.
-            let off = (matrix - base_from_camera.to_homogeneous()).abs().max();
+            let off = matrix - base_from_camera.to_homogeneous();
             *of_fit = height;
-            if !(off * 1000.0 <= SAME_MM) {
+            if !off.iter().all(|number| number.abs() * 1000.0 <= SAME_MM) {
                 return false;
             }
         }

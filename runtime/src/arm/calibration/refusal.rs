@@ -12,7 +12,7 @@ pub struct Refusal {
     /// What is wrong; at least one.
     pub faults: Vec<Fault>,
     /// The fit of those points that agree, where there is one: what the others can be seen against.
-    pub fit: Option<Fit>,
+    pub fit: Option<Box<Fit>>,
 }
 
 impl std::error::Error for Refusal {}

@@ -56,7 +56,7 @@ pub(super) fn pose(points: &[Sighting]) -> Option<(Isometry3<f64>, f64)> {
     let (left, right) = (svd.u?, svd.v_t?);
     let mut sizes: Vec<f64> = svd.singular_values.iter().copied().collect();
     sizes.sort_by(|a, b| b.total_cmp(a));
-    if !(sizes[1] > DETERMINED * sizes[0]) {
+    if sizes[1] <= DETERMINED * sizes[0] {
         return None;
     }
     let mut signs = Vector3::repeat(1.0);

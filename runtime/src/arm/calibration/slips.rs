@@ -175,7 +175,7 @@ pub(super) fn find(terms: &Terms, solver: &Solver, pairs: &[Pair]) -> Option<Ref
         .collect();
     (!faults.is_empty()).then_some(Refusal {
         faults,
-        fit: Some(fit),
+        fit: Some(Box::new(fit)),
     })
 }
 

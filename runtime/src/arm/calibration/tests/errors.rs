@@ -166,6 +166,64 @@ fn the_gain_is_what_errors_come_to() {
 }
 
 #[test]
+fn no_homography_nearby_fits_better() {
+    let terms = terms(Method::Plane);
+    let solver = Solver::of(&terms).unwrap();
+    let mut noise = Noise::new(4);
+    let mut truth = Truth::usual();
+    // Seen at a slant, where the linear equations weigh far points less.
+    truth.base_from_camera *= Isometry3::rotation(Vector3::new(0.5, 0.2, 0.0));
+    let grid = truth.grid(4, 0.8);
+    let measured: Vec<Pair> = grid
+        .iter()
+        .map(|pair| noise.measured(pair, 0.004, 0.0, 0.0))
+        .collect();
+    let points = solver.sightings(&measured).unwrap();
+    let cost = |fit: &Fit| -> f64 {
+        let error = |point| fit.error(point).unwrap().xy().norm_squared();
+        points.iter().map(error).sum()
+    };
+    let fit = solver.fit(&points).unwrap();
+    let least = cost(&fit);
+    for entry in 0..8 {
+        for share in [-1e-6, 1e-6] {
+            let mut other = fit.clone();
+            if let Fit::Plane {
+                base_from_pixel, ..
+            } = &mut other
+            {
+                base_from_pixel[entry] *= 1.0 + share;
+            }
+            assert!(cost(&other) > least, "entry {entry}");
+        }
+    }
+}
+
+#[test]
+fn only_what_the_arm_reaches_has_to_be_covered() {
+    let truth = Truth::usual();
+    let mut terms = terms(Method::Plane);
+    let left = |right: f64, down: f64| truth.pair(window().pixel_at([right, down]));
+    let pairs: Vec<Pair> = (0..12)
+        .map(|index| {
+            left(
+                0.08 + 0.16 * f64::from(index % 3),
+                0.1 + 0.26 * f64::from(index / 3),
+            )
+        })
+        .collect();
+    let refusal = Calibration::make(terms.clone(), pairs.clone(), "2026-11-22", None).unwrap_err();
+    assert!(
+        matches!(refusal.faults[..], [Fault::Spread { .. }]),
+        "{refusal}"
+    );
+    // The left of the picture is where y is large.
+    terms.reach_m[0][1] = 0.0;
+    let made = Calibration::make(terms, pairs, "2026-11-22", None);
+    assert!(made.is_ok(), "{}", made.unwrap_err());
+}
+
+#[test]
 fn a_limit_is_kept_and_may_be_raised() {
     let truth = Truth::usual();
     let mut noise = Noise::new(5);

@@ -24,6 +24,51 @@ fn windows_lie_in_their_picture() {
     ));
 }
 
+const ROBOT: &str = "
+name = 'lab'
+model = 'j2n6s200'
+driver = 'simulated'
+calibration = 'lab.toml'
+table = { center_m = [0.45, 0.0, 0.02] }
+workspace = { min_m = [0.15, -0.525, 0.0], max_m = [0.75, 0.525, 0.5] }
+fingers = { count = 2, open = 0.0, closed = 6400.0, tolerance = 200.0 }
+camera = { source = 'simulated', window_px = [80, 0, 480] }
+";
+
+#[test]
+fn settings_that_ask_for_more_than_was_measured_are_refused() {
+    let settings = Settings::parse(ROBOT).unwrap();
+    let terms = Terms::of(&settings, Method::Plane, [640, 480], 3.0);
+    assert_eq!(terms, self::terms(Method::Plane));
+    let truth = Truth::usual();
+    let part = Window::from([200, 120, 240]);
+    let narrow = Terms {
+        window: part,
+        ..terms
+    };
+    let places = [0.1, 0.4, 0.6, 0.9];
+    let places = places.into_iter().flat_map(|v| places.map(|u| [u, v]));
+    let pairs = places
+        .map(|share| truth.pair(part.pixel_at(share)))
+        .collect();
+    let made = Calibration::make(narrow, pairs, "2026-11-22", None).unwrap();
+    let refusal = made.check_settings(&settings).unwrap_err();
+    assert!(
+        matches!(refusal.faults[..], [Fault::Spread { .. }]),
+        "{refusal}"
+    );
+    let mut fitting = settings.clone();
+    fitting.camera.window_px = [200, 120, 240];
+    assert_eq!(made.check_settings(&fitting), Ok(()));
+    fitting.workspace.min_m[0] = 5.0;
+    fitting.workspace.max_m[0] = 6.0;
+    let refusal = made.check_settings(&fitting).unwrap_err();
+    assert!(
+        matches!(refusal.faults[..], [Fault::OutOfReach { .. }]),
+        "{refusal}"
+    );
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
     #[test]
