@@ -6,6 +6,8 @@ pub mod asked;
 pub mod bench;
 #[cfg(all(test, feature = "runtime"))]
 mod book;
+#[cfg(feature = "runtime")]
+pub mod calibrate;
 pub mod completions;
 #[cfg(feature = "runtime")]
 pub mod models;
@@ -75,6 +77,9 @@ pub enum Verb {
     /// Runs a suite of many rollouts, and prints its table with others' figures beside ours.
     #[cfg(feature = "runtime")]
     Bench(bench::BenchArguments),
+    /// Measures where the camera's pixels lie for the arm, from points that it touched.
+    #[cfg(feature = "runtime")]
+    Calibrate(calibrate::CalibrateArguments),
     /// Lists what is known of models: prices, pictures, coordinates, shutdown dates, each with its source.
     #[cfg(feature = "runtime")]
     Models(models::ModelsArguments),
@@ -118,6 +123,8 @@ impl Verb {
             Verb::Resume(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Bench(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Calibrate(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Models(arguments) => arguments.json,
             #[cfg(feature = "runtime")]

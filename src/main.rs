@@ -19,6 +19,8 @@ mod store;
 #[cfg(feature = "runtime")]
 mod bench;
 mod build;
+#[cfg(feature = "runtime")]
+mod calibrate;
 mod check;
 mod completions;
 #[cfg(feature = "runtime")]
@@ -120,6 +122,8 @@ fn run(verb: Verb) -> Exit {
         Verb::Resume(arguments) => resume::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Bench(arguments) => bench::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Calibrate(arguments) => calibrate::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Models(arguments) => models::run(&arguments),
         #[cfg(feature = "runtime")]

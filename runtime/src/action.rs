@@ -9,7 +9,6 @@ use crate::scene::Scene;
 use crate::world::{Motion, WorldPoint};
 use compiler::program::{Choices, PixelPoint, Program, Value};
 use compiler::reply::Proposal;
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// How far a keypoint may lie from the nearest cloth pixel and still be picked where it was located, pixels: as far
@@ -126,11 +125,10 @@ fn carried(
     };
     let [right, down] = directions.iter().find(|choice| choice.deg == *deg)?.vector;
     let length_m = lengths.iter().find(|choice| choice.value == *length)?.m;
-    // The camera looks straight down, so that its image axes are directions of the table.
-    let rotation = observation.camera.world_from_camera.rotation;
-    let way = rotation * Vector3::new(right, down, 0.0);
+    let camera = &observation.camera;
+    let way = camera.table_direction(camera.pixel_from_world(pick)?, [right, down])?;
     let place = pick + way * length_m;
-    let [column, row] = observation.camera.pixel_from_world(place)?;
+    let [column, row] = camera.pixel_from_world(place)?;
     let pixel = PixelPoint::new(column.floor() as i32, row.floor() as i32);
     Some((pixel, place))
 }
@@ -151,10 +149,7 @@ fn point_on_surface(
         .depth_m
         .get_pixel_checked(column, row)
         .map_or(0.0, |depth| f64::from(depth.0[0]));
-    camera.world_from_pixel(at, reading).or_else(|| {
-        let on_ray = camera.world_from_pixel(at, 1.0)?;
-        let eye = WorldPoint::from(camera.world_from_camera.translation.vector);
-        let depth_m = eye.z / (eye.z - on_ray.z);
-        camera.world_from_pixel(at, depth_m)
-    })
+    camera
+        .world_from_pixel(at, reading)
+        .or_else(|| camera.table_from_pixel(at))
 }

@@ -3,7 +3,8 @@
 use crate::bounded;
 use crate::vision::DepthImage;
 use image::{
-    DynamicImage, ImageBuffer, ImageFormat, ImageReader, Limits, Luma, Pixel, Primitive, RgbImage,
+    DynamicImage, GrayImage, ImageBuffer, ImageFormat, ImageReader, Limits, Luma, Pixel, Primitive,
+    RgbImage,
 };
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -132,5 +133,14 @@ pub fn encode(picture: &RgbImage) -> Vec<u8> {
     picture
         .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
         .expect("an RGB picture in memory can be encoded");
+    bytes
+}
+
+/// Encodes a grey picture as PNG.
+pub fn encode_gray(picture: &GrayImage) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    picture
+        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
+        .expect("a grey picture in memory can be encoded");
     bytes
 }

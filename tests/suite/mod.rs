@@ -13,6 +13,7 @@ mod bench;
 mod book;
 mod bought;
 mod build;
+mod calibrate;
 mod completions;
 mod demos;
 mod explained;

@@ -11,10 +11,12 @@ mod corners;
 mod draw;
 mod layers;
 mod located;
+mod marks;
 mod mask;
 mod numbers;
 mod outline;
 mod rectangle;
+mod residuals;
 mod sight;
 #[cfg(test)]
 mod tests;
@@ -25,10 +27,12 @@ pub use corners::{CornerSearch, corners, corners_of_gray};
 pub use draw::{draw_action, draw_arrow, draw_label, draw_points};
 pub use layers::{DrawnLayer, DrawnShape, draw_layers};
 pub use located::Located;
+pub use marks::{Found, find_again, marks};
 pub use mask::{Mask, centroid, depth_mask, mask_picture};
 pub use numbers::draw_numbers;
 pub use outline::{MAX_ALONG, along, contour, edge_middles};
 pub use rectangle::{Rectangle, rectangle_around};
+pub use residuals::draw_residuals;
 
 /// Distances to the nearest surface, metres along the optical axis, `[width, height]`.
 ///

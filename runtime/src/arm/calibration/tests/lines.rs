@@ -1,0 +1,159 @@
+//! Points as lines: of a file, and typed one after the other.
+
+use super::*;
+use proptest::prelude::*;
+
+#[test]
+fn files_with_and_without_names_are_read() {
+    let wanted = [
+        Pair {
+            pixel: [10.5, 20.5],
+            base_m: [0.3, -0.1, 0.02],
+            depth_m: None,
+        },
+        Pair {
+            pixel: [30.0, 40.0],
+            base_m: [0.4, 0.1, 0.02],
+            depth_m: Some(0.9),
+        },
+    ];
+    for text in [
+        "10.5,20.5,0.3,-0.1,0.02\n30,40,0.4,0.1,0.02,0.9\n",
+        "# a table\n\nu,v,x,y,z,depth\n10.5, 20.5, 0.3, -0.1, 0.02,  # first\n30,40,0.4,0.1,0.02,0.9",
+        "10.5 20.5 0.3 -0.1 0.02\r\n30 40 0.4 0.1 0.02 0.9\r\n",
+        "depth_mm,X_m,Y,z,u_px,v\n,0.3,-0.1,0.02,10.5,20.5\n900,0.4,0.1,0.02,30,40",
+    ] {
+        assert_eq!(parse_pairs(text).unwrap(), wanted, "{text}");
+    }
+    assert_eq!(parse_pairs("# none\n").unwrap(), []);
+}
+
+#[test]
+fn a_wrong_line_is_named() {
+    let many = "1,2,3,4,5\n".repeat(MAX_PAIRS + 1);
+    for (text, wanted) in [
+        ("1,2,3,4\n", "line 1: 4 numbers; a point is `u,v,x,y,z`"),
+        (
+            "1,2,3,4,5,6,7\n",
+            "line 1: 7 numbers, and there are 6 columns",
+        ),
+        (
+            "1,2,0.3,0.4,0.5\n1,2,0.3,x,0.5\n",
+            "line 2: `x` is no number",
+        ),
+        ("1,2,0.3,,0.5\n", "line 1: `` is no number"),
+        ("1,2,nan,3,4\n", "line 1: `nan` is no column"),
+        ("1,2,3,inf,4\n", "line 1: `inf` is no number"),
+        ("u,v,x,y\n", "line 1: the column `z` is missing"),
+        ("u,v,x,y,z,u\n", "line 1: the column `u` is there twice"),
+        ("u,v,x_km,y,z\n", "line 1: `x_km` is no column"),
+        (&many, "line 401: there are more than 400 points"),
+    ] {
+        let error = parse_pairs(text).map(|_| ()).unwrap_err().to_string();
+        let is_named = error.starts_with(wanted)
+            || text.contains("nan") && error.contains("`nan` is no number");
+        assert!(is_named, "{error}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn a_line_leads_back_to_its_point(
+        pixel in prop::array::uniform2(-1e6..1e6_f64),
+        base_m in prop::array::uniform3(-3.0..3.0_f64),
+        depth_m in prop::option::of(1e-9..10.0_f64),
+    ) {
+        let pair = Pair { pixel, base_m, depth_m };
+        prop_assert_eq!(parse_pairs(&csv_line(&pair)).unwrap(), [pair]);
+    }
+
+    #[test]
+    fn no_text_brings_it_down(text in "[0-9a-z,. #\n\\-]{0,80}") {
+        let _ = parse_pairs(&text);
+    }
+}
+
+#[test]
+fn a_slip_shows_while_typing() {
+    let terms = terms(Method::Plane);
+    let grid = Truth::usual().grid(4, 0.8);
+    let mut session = Session::new(&terms, Vec::new(), None);
+    for pair in &grid[..6] {
+        assert!(matches!(session.line(&csv_line(pair)), Said::Added(_)));
+    }
+    let Said::Added(said) = session.line(&csv_line(&grid[6])) else {
+        panic!("a point")
+    };
+    assert_eq!(
+        said,
+        "point 7: 0.0 mm from where the 6 before it put it (`undo` takes it back)"
+    );
+    let mut wrong = grid[7];
+    wrong.base_m[0] += 0.05;
+    let Said::Added(said) = session.line(&csv_line(&wrong)) else {
+        panic!("a point")
+    };
+    assert_eq!(
+        said,
+        "point 8: 50.0 mm from where the 7 before it put it (`undo` takes it back)"
+    );
+    assert_eq!(
+        session.line("undo"),
+        Said::TakenBack("point 8 is taken back".to_owned())
+    );
+    assert_eq!(session.pairs(), &grid[..7]);
+    for (line, wanted) in [
+        ("1,2,3", "3 numbers; a point is"),
+        (
+            "700,2,0.3,0.1,0",
+            "point 8 is at the pixel 700, 2, outside of the picture",
+        ),
+        ("70,2,300,100,0", "in millimetres it would"),
+        ("help", "`help` is no number"),
+    ] {
+        let said = session.line(line);
+        assert!(
+            matches!(&said, Said::Wrong(why) if why.contains(wanted)),
+            "{said:?}"
+        );
+    }
+    assert_eq!(session.line(" "), Said::Nothing(String::new()));
+    assert!(matches!(session.line("list"), Said::Nothing(list) if list.lines().count() == 7));
+    assert_eq!(session.line("done"), Said::Over);
+    assert_eq!(session.pairs().len(), 7);
+}
+
+#[test]
+fn an_arm_says_where_its_tool_is() {
+    let terms = terms(Method::Plane);
+    let grid = Truth::usual().grid(4, 0.8);
+    let mut places = vec![
+        Err("the arm said nothing for 2 s".to_owned()),
+        Ok(grid[0].base_m),
+    ];
+    let tool = move || places.pop().unwrap();
+    let mut session = Session::new(&terms, Vec::new(), Some(Box::new(tool)));
+    let [u, v] = grid[0].pixel;
+    assert!(matches!(session.line("1,2,3,4,5"), Said::Wrong(why) if why.contains("type `u,v`")));
+    assert!(matches!(
+        session.line(&format!("{u},{v},1.01")),
+        Said::Added(_)
+    ));
+    let wanted = Pair {
+        depth_m: Some(1.01),
+        ..grid[0]
+    };
+    assert_eq!(session.pairs(), [wanted]);
+    assert_eq!(
+        session.line(&format!("{u},{v}")),
+        Said::Wrong("the arm said nothing for 2 s".to_owned())
+    );
+}
+
+#[test]
+fn a_grid_lies_in_the_window() {
+    assert_eq!(grid(&window(), 1, 1), [[320.0, 240.0]]);
+    let pixels = grid(&window(), 4, 3);
+    assert_eq!(pixels.len(), 12);
+    assert_eq!((pixels[0], pixels[11]), ([128.0, 48.0], [512.0, 432.0]));
+}

@@ -1,0 +1,139 @@
+//! What lies between a ray and its pixel: focal lengths, the middle, distortion.
+//!
+//! In: points of the camera's own frame (x image right, y image down, z the optical axis; metres), pixels. Out: the
+//! other. Distortion is `plumb_bob` (Brown 1966), as `sensor_msgs/CameraInfo` and OpenCV have it.
+
+use nalgebra::Point3;
+
+/// How often an undistorted place is improved; five suffice for the lenses of depth cameras.
+const MAX_STEPS: usize = 30;
+/// How near to the given pixel an undistorted place must be distorted to, in focal lengths.
+const CLOSE: f64 = 1e-12;
+
+/// Focal lengths, middle and distortion of a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// Distance of the image plane along columns and rows, pixels.
+    pub focal_px: [f64; 2],
+    /// Where the optical axis meets the image, pixels.
+    pub middle_px: [f64; 2],
+    /// Coefficients k1, k2, t1, t2, k3 of `plumb_bob`; zeros for none.
+    pub distortion: [f64; 5],
+}
+
+impl Lens {
+    /// A lens that draws straight lines straight.
+    pub fn undistorted(focal_px: [f64; 2], middle_px: [f64; 2]) -> Lens {
+        Lens {
+            focal_px,
+            middle_px,
+            distortion: [0.0; 5],
+        }
+    }
+
+    /// Returns the same lens for a part of the picture, whose top left is at `origin_px`, enlarged `scale` times.
+    pub fn cut(&self, origin_px: [f64; 2], scale: f64) -> Lens {
+        let [left, top] = origin_px;
+        Lens {
+            focal_px: self.focal_px.map(|focal| focal * scale),
+            middle_px: [
+                (self.middle_px[0] - left) * scale,
+                (self.middle_px[1] - top) * scale,
+            ],
+            distortion: self.distortion,
+        }
+    }
+
+    /// Returns the pixel that shows a point of the camera's frame; `None` for points that are not in front of it.
+    pub fn pixel_from_camera(&self, seen: Point3<f64>) -> Option<[f64; 2]> {
+        if seen.z <= 0.0 {
+            return None;
+        }
+        let [x, y] = match self.is_distorted() {
+            true => self.distorted([seen.x / seen.z, seen.y / seen.z]),
+            // Multiplied before divided: the simulator's digests know the rounding.
+            false => {
+                let pixel = [
+                    self.middle_px[0] + self.focal_px[0] * seen.x / seen.z,
+                    self.middle_px[1] + self.focal_px[1] * seen.y / seen.z,
+                ];
+                return all_finite(pixel);
+            }
+        };
+        all_finite(self.on_image([x, y]))
+    }
+
+    /// Returns the point of the camera's frame that a pixel shows at a depth, metres along the optical axis.
+    ///
+    /// `None` where the depth is no reading (zero, negative, not finite) or no ray leads to the pixel.
+    pub fn camera_from_pixel(&self, pixel: [f64; 2], depth_m: f64) -> Option<Point3<f64>> {
+        if !(depth_m.is_finite() && depth_m > 0.0) {
+            return None;
+        }
+        let [u, v] = self.straightened(pixel)?;
+        Some(Point3::new(
+            (u - self.middle_px[0]) * depth_m / self.focal_px[0],
+            (v - self.middle_px[1]) * depth_m / self.focal_px[1],
+            depth_m,
+        ))
+    }
+
+    /// Returns where a pixel would be if the lens drew straight lines straight; `None` where no ray leads to it.
+    pub fn straightened(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
+        if !self.is_distorted() {
+            return all_finite(pixel);
+        }
+        let wanted = [
+            (pixel[0] - self.middle_px[0]) / self.focal_px[0],
+            (pixel[1] - self.middle_px[1]) / self.focal_px[1],
+        ];
+        let mut place = wanted;
+        for _ in 0..MAX_STEPS {
+            let [x, y] = self.distorted(place);
+            let (off_x, off_y) = (wanted[0] - x, wanted[1] - y);
+            place = [place[0] + off_x, place[1] + off_y];
+            if off_x.hypot(off_y) < CLOSE {
+                return all_finite(self.on_image(place));
+            }
+        }
+        None
+    }
+
+    /// Returns where the lens draws what a straight one would draw at a pixel.
+    pub fn bent(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
+        if !self.is_distorted() {
+            return all_finite(pixel);
+        }
+        all_finite(self.on_image(self.distorted([
+            (pixel[0] - self.middle_px[0]) / self.focal_px[0],
+            (pixel[1] - self.middle_px[1]) / self.focal_px[1],
+        ])))
+    }
+
+    fn is_distorted(&self) -> bool {
+        self.distortion
+            .iter()
+            .any(|coefficient| *coefficient != 0.0)
+    }
+
+    fn on_image(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [
+            self.middle_px[0] + self.focal_px[0] * x,
+            self.middle_px[1] + self.focal_px[1] * y,
+        ]
+    }
+
+    fn distorted(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [k1, k2, t1, t2, k3] = self.distortion;
+        let square = x * x + y * y;
+        let radial = 1.0 + square * (k1 + square * (k2 + square * k3));
+        [
+            x * radial + 2.0 * t1 * x * y + t2 * (square + 2.0 * x * x),
+            y * radial + t1 * (square + 2.0 * y * y) + 2.0 * t2 * x * y,
+        ]
+    }
+}
+
+fn all_finite(pixel: [f64; 2]) -> Option<[f64; 2]> {
+    pixel.iter().all(|value| value.is_finite()).then_some(pixel)
+}

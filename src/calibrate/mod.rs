@@ -1,0 +1,177 @@
+//! `fabc calibrate`: from points that the arm touched to a file that says where the camera's pixels lie for it.
+//!
+//! In: the arm's settings, points from a file or typed, the camera's picture. Out: the calibration's file, its picture,
+//! a drawing of the errors, and what they come to. Nothing that was there is lost: it is kept under another name.
+
+mod kept;
+mod told;
+mod typing;
+
+use crate::cli::calibrate::CalibrateArguments;
+use crate::exit::{Exit, Failure};
+use crate::output;
+use crate::setting::known;
+use image::RgbImage;
+use runtime::arm::calibration::{
+    Calibration, Method, Pair, Refusal, Terms, ToolReader, draw_errors, read_pairs,
+};
+use runtime::arm::settings::{CameraSource, Settings};
+use runtime::{picture, store};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+/// Calibrates from points of a file, or typed ones.
+pub fn run(arguments: &CalibrateArguments) -> Result<Exit, Failure> {
+    run_with(arguments, None)
+}
+
+/// Calibrates; with `tool`, only pixels are typed, and the tool's place is read from the arm at each.
+pub fn run_with(
+    arguments: &CalibrateArguments,
+    tool: Option<Box<ToolReader<'_>>>,
+) -> Result<Exit, Failure> {
+    let settings = Settings::load(&arguments.robot).map_err(Failure::environment)?;
+    let seen = seen(arguments, &settings)?;
+    let size_px = size_px(&settings, seen.as_ref())?;
+    let method = Method::from(arguments.method);
+    let limit_mm = arguments.limit.unwrap_or_else(|| method.limit_mm());
+    let terms = Terms::of(&settings, method, size_px, limit_mm);
+    let path = match &arguments.out {
+        Some(path) => path.clone(),
+        None => beside(&arguments.robot, &settings.calibration),
+    };
+    let pairs = pairs(arguments, &terms, tool, &path, seen.as_ref())?;
+    let day = known::today().to_string();
+    let reference = seen.as_ref().map(image::imageops::grayscale);
+    let made = Calibration::make(terms, pairs.clone(), &day, reference);
+    let fit = match &made {
+        Ok(calibration) => Some(&calibration.fit),
+        Err(refusal) => refusal.fit.as_deref(),
+    };
+    let drawn = match seen {
+        Some(mut seen) => {
+            draw_errors(&mut seen, &pairs, fit).map_err(Failure::environment)?;
+            let drawn = path.with_extension("points.png");
+            write(&drawn, &picture::encode(&seen))?;
+            Some(drawn)
+        }
+        None => None,
+    };
+    let calibration = made.map_err(|refusal| refused(&refusal, drawn.as_deref()))?;
+    let earlier = kept::keep(&path)?;
+    kept::keep(&Calibration::picture_beside(&path))?;
+    calibration.save(&path).map_err(Failure::environment)?;
+    told::say_doubts(&calibration, &settings);
+    let written = told::Written {
+        file: &path,
+        reference: calibration
+            .reference
+            .as_ref()
+            .map(|_| Calibration::picture_beside(&path)),
+        drawn: drawn.as_deref(),
+        earlier: earlier.as_deref(),
+    };
+    match arguments.json {
+        true => output::json(&told::as_json(&calibration, &settings, &written)),
+        false => output::data(&told::as_text(&calibration, &settings, &written)),
+    }
+    Ok(Exit::Done)
+}
+
+fn refused(refusal: &Refusal, drawn: Option<&Path>) -> Failure {
+    let shown = match drawn {
+        Some(drawn) => format!("\n`{}` shows the points", drawn.display()),
+        None => String::new(),
+    };
+    Failure::environment(format!(
+        "the points are refused and no calibration is written\n{refusal}{shown}"
+    ))
+}
+
+/// Returns the points of the file, and those that are typed.
+fn pairs(
+    arguments: &CalibrateArguments,
+    terms: &Terms,
+    tool: Option<Box<ToolReader<'_>>>,
+    path: &Path,
+    seen: Option<&RgbImage>,
+) -> Result<Vec<Pair>, Failure> {
+    let given = match &arguments.pairs {
+        Some(file) => read(file)?,
+        None => Vec::new(),
+    };
+    if arguments.pairs.is_some() && !arguments.more {
+        return Ok(given);
+    }
+    let asked = typing::Asked {
+        grid: arguments.grid,
+        path,
+        seen,
+    };
+    typing::type_points(terms, given, tool, &asked)
+}
+
+fn read(file: &Path) -> Result<Vec<Pair>, Failure> {
+    read_pairs(file).map_err(|why| {
+        let file = file.display();
+        Failure::environment(format!("the points in `{file}` cannot be used: {why}"))
+    })
+}
+
+/// Returns the camera's own picture: the one that is given, or the newest of the camera's folder.
+fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<RgbImage>, Failure> {
+    let path = match (
+        &arguments.image,
+        settings.camera.source,
+        &settings.camera.folder,
+    ) {
+        (Some(path), _, _) => Some(path.clone()),
+        (None, CameraSource::Directory, Some(folder)) => newest(&beside(&arguments.robot, folder))?,
+        _ => None,
+    };
+    let seen = path.map(|path| picture::load(&path)).transpose();
+    seen.map_err(Failure::environment)
+}
+
+/// Returns the last picture of a folder by name; `None` where there is none.
+fn newest(folder: &Path) -> Result<Option<PathBuf>, Failure> {
+    let unreadable = |error| {
+        Failure::environment(format!(
+            "cannot read the folder `{}`: {error}",
+            folder.display()
+        ))
+    };
+    let mut last: Option<PathBuf> = None;
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        let is_depth = path.to_string_lossy().ends_with(".depth.png");
+        let is_picture = path.extension() == Some(OsStr::new("png")) && !is_depth;
+        if is_picture && last.as_ref().is_none_or(|last| path > *last) {
+            last = Some(path);
+        }
+    }
+    Ok(last)
+}
+
+fn size_px(settings: &Settings, seen: Option<&RgbImage>) -> Result<[u32; 2], Failure> {
+    let stated = settings.camera.intrinsics.as_ref().map(|it| it.size_px);
+    let shown = seen.map(|seen| [seen.width(), seen.height()]);
+    shown.or(stated).ok_or_else(|| {
+        Failure::usage(
+            "the size of the camera's picture is not known: give a picture with `--image PNG`, or state \
+             `camera.intrinsics` in the settings",
+        )
+    })
+}
+
+/// Returns a path that a settings file names, relative to it.
+fn beside(robot: &Path, named: &Path) -> PathBuf {
+    robot.parent().unwrap_or(Path::new("")).join(named)
+}
+
+/// Writes a file whole.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    store::write_whole(path, bytes).map_err(|error| {
+        Failure::environment(format!("cannot write `{}`: {error}", path.display()))
+    })
+}

@@ -1,0 +1,75 @@
+//! Points typed one a line: each is judged as it comes, and none is lost.
+
+use super::{json, lab};
+use crate::suite::support::{Said, fabc};
+use runtime::arm::calibration::{Calibration, Pair, csv_line};
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::Stdio;
+
+/// Calibrates with typed lines.
+fn typed(folder: &Path, lines: &str, more: &[&str]) -> Said {
+    let mut child = fabc(folder)
+        .args(["calibrate", "--robot", "robot.toml"])
+        .args(more)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // A command that ended early has closed its end.
+    let _ = child.stdin.take().unwrap().write_all(lines.as_bytes());
+    let output = child.wait_with_output().unwrap();
+    Said {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+#[test]
+fn typed_points_are_judged_as_they_come_and_kept() {
+    let (folder, pairs) = lab();
+    let mut lines: Vec<String> = pairs.iter().map(csv_line).collect();
+    let mut slip = pairs[9];
+    slip.base_m[0] += 0.05;
+    lines.insert(9, csv_line(&slip));
+    lines.insert(10, "undo".to_owned());
+    lines.insert(3, "what?".to_owned());
+    lines.push("done".to_owned());
+    let said = typed(folder.path(), &lines.join("\n"), &["--grid", "4x4"]);
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    insta::assert_snapshot!(said.stderr);
+    assert!(folder.path().join("lab.grid.png").exists());
+    let read = Calibration::load(&folder.path().join("lab.toml")).unwrap();
+    assert_eq!(read.pairs, pairs);
+    let kept = fs::read_to_string(folder.path().join("lab.pairs.csv")).unwrap();
+    assert_eq!(kept.lines().count(), 17);
+}
+
+#[test]
+fn an_interrupted_session_is_gone_on_with() {
+    let (folder, pairs) = lab();
+    let lines =
+        |pairs: &[Pair]| -> String { pairs.iter().map(|pair| csv_line(pair) + "\n").collect() };
+    // The end of input after five points, as after a crash.
+    let said = typed(folder.path(), &lines(&pairs[..5]), &[]);
+    assert_eq!(said.code, 2);
+    assert!(
+        said.stderr
+            .contains("5 points at places of their own are too few"),
+        "{}",
+        said.stderr
+    );
+    let more = ["--pairs", "lab.pairs.csv", "--more", "--json"];
+    let said = typed(folder.path(), &lines(&pairs[5..]), &more);
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    assert_eq!(json(&said)["points"].as_array().unwrap().len(), 16);
+    assert!(
+        said.stderr
+            .contains("the points of an earlier session are in `lab.pairs.csv.before-1`"),
+        "{}",
+        said.stderr
+    );
+}
