@@ -269,7 +269,6 @@ impl Reach {
         let mut target = Isometry3::from_parts(Translation3::from(point.coords), tool.rotation);
         if let Turn::Fixed(turn_rad) = self.turn {
             target = tool_down(point, turn_rad);
-            angles[JOINTS - 1] += self.chain.last_joint_between(&tool, &target);
         }
         for (angle, joint) in angles.iter_mut().zip(self.chain.joints()) {
             if joint.limits_rad.is_none() {

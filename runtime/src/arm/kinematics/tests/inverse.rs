@@ -86,6 +86,17 @@ fn what_is_out_of_reach_is_told_with_how_near_the_arm_came() {
 }
 
 #[test]
+fn what_is_no_pose_is_refused_as_such() {
+    for bad in [f64::NAN, f64::INFINITY] {
+        let pose = Isometry3::translation(0.3, bad, 0.1);
+        assert_eq!(
+            chain_of("j2s6s200").solve(&pose, &HOME_RAD),
+            Err(NoSolution::NotAPose)
+        );
+    }
+}
+
+#[test]
 fn a_refusal_says_what_was_reached() {
     let error = NoSolution::NotReached {
         distance_m: 0.0123,

@@ -163,3 +163,15 @@ fn a_refusal_says_how_far_and_what_is_reached() {
     let said = "0.40 m from the arm's base; at this height it reaches 0.18 to 0.70 m, but not straight up from there";
     assert_eq!(stuck.to_string(), said);
 }
+
+#[test]
+fn the_elbow_does_not_go_below_the_point() {
+    // There this arm stands in one posture alone, with the elbow under the hand.
+    let chain = chain_of("j2s6s200");
+    let point = at(0.405, 0.0, 0.6);
+    assert!(chain.solve(&tool_down(&point, 0.0), &HOME_RAD).is_ok());
+    let refused = Reach::tool_down(&chain, Turn::Fixed(0.0))
+        .check(&point, &[])
+        .unwrap_err();
+    assert_eq!(refused.why, WhyNot::TooFar);
+}
