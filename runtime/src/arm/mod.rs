@@ -10,4 +10,6 @@
 
 pub mod port;
 pub mod rgbd;
+#[cfg(feature = "ros")]
+pub mod ros;
 pub mod settings;
