@@ -1,7 +1,8 @@
 //! An arm whose tool, joints and fingers each go straight to where they are sent, and a camera that sees a pattern.
 //!
-//! In: goals, and time. Out: readings. It keeps what the node of kinova-ros does to goals: a stopped arm aborts them at
-//! once, a new one preempts the one before it, and a cancelled one is preempted.
+//! In: goals, and time. Out: readings. It keeps what the node of kinova-ros does to goals: a stopped arm aborts them, a
+//! new one preempts the one before it. The node looks ten times a second; what it then finds cancelled it preempts by a
+//! stop and a start, which also sets an arm free that was stopped in between.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use runtime::arm::port::{
@@ -9,7 +10,7 @@ use runtime::arm::port::{
 };
 use runtime::arm::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
 use runtime::vision::DepthImage;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Metres a second.
 const TOOL_SPEED: f64 = 0.2;
@@ -17,6 +18,8 @@ const TOOL_SPEED: f64 = 0.2;
 const JOINT_SPEED: f64 = 0.6;
 /// Finger units a second.
 const FINGER_SPEED: f64 = 3000.0;
+/// How often the node looks at what became of its goals, seconds.
+const LOOK_S: f64 = 0.1;
 
 /// An arm without kinematics: its tool and its joints know nothing of each other.
 pub struct Arm {
@@ -28,6 +31,8 @@ pub struct Arm {
     goals: BTreeMap<String, GoalState>,
     /// What is under way: the goal, and when it began.
     tasks: Vec<(String, Goal, f64)>,
+    cancelled: BTreeSet<String>,
+    next_look_s: f64,
 }
 
 impl Default for Arm {
@@ -41,6 +46,8 @@ impl Default for Arm {
             is_stopped: false,
             goals: BTreeMap::new(),
             tasks: Vec::new(),
+            cancelled: BTreeSet::new(),
+            next_look_s: 0.0,
         }
     }
 }
@@ -55,6 +62,17 @@ impl Arm {
             }
             !is_ended
         });
+    }
+
+    fn look(&mut self) {
+        let cancelled = std::mem::take(&mut self.cancelled);
+        let n_tasks = self.tasks.len();
+        self.end(Ending::Preempted, |id, _| cancelled.contains(id));
+        if self.tasks.len() < n_tasks {
+            self.is_stopped = false;
+        } else if self.is_stopped {
+            self.end(Ending::Aborted, |_, _| true);
+        }
     }
 
     /// Goes on with a goal for `seconds`; returns whether it is reached.
@@ -119,6 +137,13 @@ impl Port for Arm {
 
     fn wait(&mut self, seconds: f64) {
         self.time_s += seconds;
+        if self.time_s >= self.next_look_s {
+            self.next_look_s = self.time_s + LOOK_S;
+            self.look();
+        }
+        if self.is_stopped {
+            return;
+        }
         let mut reached = Vec::new();
         for (id, goal, began_s) in self.tasks.clone() {
             if self.follow(&goal, began_s, seconds) {
@@ -154,13 +179,12 @@ impl Port for Arm {
     }
 
     fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
-        self.end(Ending::Preempted, |id, _| id == goal.0);
+        self.cancelled.insert(goal.0.clone());
         Ok(())
     }
 
     fn stop(&mut self) -> Result<(), PortError> {
         self.is_stopped = true;
-        self.end(Ending::Aborted, |_, _| true);
         Ok(())
     }
 

@@ -14,22 +14,26 @@ use std::time::{Duration, Instant};
 /// The topics of a server are connected one after the other, the goals' first; the last was seen to be.
 const CONNECT_SETTLE: Duration = Duration::from_millis(200);
 
+/// The longest wait, so that no sum of times overflows.
+const LONGEST: Duration = Duration::from_secs(86_400);
+
 const POLL: Duration = Duration::from_millis(20);
 
 /// Connects to the node of the arm `model`, e.g. `j2n6s200`, and waits until everything that a driver needs was heard.
 ///
 /// With a `trajectory` in the settings that is its server and `out/joint_state`; else kinova-ros's three servers, its
-/// three topics and `in/stop`. Fails after `timeout_s` seconds at the latest, with a message that names what is missing.
+/// three topics and `in/stop`. Gives up after `timeout_s` seconds, or two more where services do not answer, with a message
+/// that names what is missing.
 pub fn connect(settings: &RosSettings, model: &str, timeout_s: f64) -> Result<RosPort, RosError> {
     let timeout = Duration::try_from_secs_f64(timeout_s).unwrap_or_default();
-    let deadline = Instant::now() + timeout;
+    let deadline = Instant::now() + timeout.min(LONGEST);
     let names = names(settings, model)?;
     let arm = settings.arm.trim_end_matches('/').to_owned();
     let link = Link::open(settings, "arm", timeout)?;
     let (node, clock) = (link.node(), Instant::now());
     let registered = {
         let (names, arm, trajectory) = (names.clone(), arm.clone(), settings.trajectory.clone());
-        link.run(timeout, async move {
+        link.run(deadline.saturating_duration_since(clock), async move {
             register(&node, &arm, trajectory, &names, clock).await
         })
     };

@@ -23,6 +23,7 @@ pub(super) const SERVICE_TIMEOUT: Duration = Duration::from_secs(1);
 /// How long goals may take to end after a stop.
 const STOP_SETTLE: Duration = Duration::from_millis(500);
 
+/// How long a stop waits before it is said again.
 const POLL: Duration = Duration::from_millis(20);
 
 /// A connection to an arm's node.
@@ -198,34 +199,30 @@ impl Port for RosPort {
         })
     }
 
-    /// Also stops again once the goals have ended: kinova-ros answers a cancellation by a stop and a start, so that one
-    /// under way while the arm is stopped would set it free again. For the same reason goals are only cancelled where
-    /// the service is not to be had.
+    /// Stops again and again until every goal has ended, and once more: kinova-ros answers a cancellation, and a goal that
+    /// another replaces, by a stop and a start, which would set an arm free that was stopped in between. For the same
+    /// reason goals are only cancelled where the service is not to be had.
     fn stop(&mut self) -> Result<(), PortError> {
-        let stopped = if self.has_stop {
-            self.call_stop()
-        } else {
-            self.cancel_all()
+        let failed = |arm: &str, why: String| PortError {
+            what: format!("the service `{arm}/in/stop`"),
+            why,
         };
-        if let Err(why) = stopped {
-            // The last that can be done without the service; the arm stays enabled, so that this is no success.
-            let _ = self.cancel_all();
-            return Err(PortError {
-                what: format!("the service `{}/in/stop`", self.arm),
-                why,
-            });
-        }
-        if !self.has_stop || self.open_goals().is_empty() {
-            return Ok(());
+        if !self.has_stop {
+            return self.cancel_all().map_err(|why| failed(&self.arm, why));
         }
         let deadline = Instant::now() + STOP_SETTLE;
-        while !self.open_goals().is_empty() && Instant::now() < deadline {
+        loop {
+            let are_over = self.open_goals().is_empty();
+            if let Err(why) = self.call_stop() {
+                // The last that can be done without the service; the arm stays enabled, so that this is no success.
+                let _ = self.cancel_all();
+                return Err(failed(&self.arm, why));
+            }
+            if are_over || Instant::now() >= deadline {
+                return Ok(());
+            }
             std::thread::sleep(POLL);
         }
-        self.call_stop().map_err(|why| PortError {
-            what: format!("the service `{}/in/stop`", self.arm),
-            why,
-        })
     }
 
     fn start(&mut self) -> Result<(), PortError> {
