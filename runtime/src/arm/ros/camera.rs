@@ -4,7 +4,7 @@
 //! with this machine's clock, so a camera's machine with another time is refused, in words, and not believed.
 
 use super::RosError;
-use super::link::Link;
+use super::link::{Link, bounded_wait};
 use super::messages::sensor_msgs::{CameraInfo, Image};
 use super::pairs::{Board, PAIR_NS, Refused, now_ns, take};
 use super::picture;
@@ -35,7 +35,7 @@ impl RosCamera {
     /// Registering, and each picture later, takes at most `timeout_s` seconds. Without a depth topic the depth is 0
     /// everywhere, which is no reading; without an info topic the projection is unknown.
     pub fn subscribe(settings: &RosSettings, timeout_s: f64) -> Result<RosCamera, RosError> {
-        let timeout = Duration::try_from_secs_f64(timeout_s).unwrap_or_default();
+        let timeout = bounded_wait(timeout_s);
         let Some(color) = settings.color.clone() else {
             return Err(RosError::Setting(
                 "`[ros]` names no topic `color`".to_owned(),

@@ -4,7 +4,7 @@
 
 use super::RosError;
 use super::action::ActionClient;
-use super::link::Link;
+use super::link::{Link, bounded_wait};
 use super::port::{RosPort, SERVICE_TIMEOUT, Servers};
 use super::topics::{Names, Topics};
 use crate::arm::settings::RosSettings;
@@ -14,9 +14,6 @@ use std::time::{Duration, Instant};
 /// The topics of a server are connected one after the other, the goals' first; the last was seen to be.
 const CONNECT_SETTLE: Duration = Duration::from_millis(200);
 
-/// The longest wait, so that no sum of times overflows.
-const LONGEST: Duration = Duration::from_secs(86_400);
-
 const POLL: Duration = Duration::from_millis(20);
 
 /// Connects to the node of the arm `model`, e.g. `j2n6s200`, and waits until everything that a driver needs was heard.
@@ -25,8 +22,8 @@ const POLL: Duration = Duration::from_millis(20);
 /// three topics and `in/stop`. Gives up after `timeout_s` seconds, or two more where services do not answer, with a message
 /// that names what is missing.
 pub fn connect(settings: &RosSettings, model: &str, timeout_s: f64) -> Result<RosPort, RosError> {
-    let timeout = Duration::try_from_secs_f64(timeout_s).unwrap_or_default();
-    let deadline = Instant::now() + timeout.min(LONGEST);
+    let timeout = bounded_wait(timeout_s);
+    let deadline = Instant::now() + timeout;
     let names = names(settings, model)?;
     let arm = settings.arm.trim_end_matches('/').to_owned();
     let link = Link::open(settings, "arm", timeout)?;
