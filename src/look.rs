@@ -20,7 +20,7 @@ use runtime::pictures::Pictures;
 use runtime::scene::Scene;
 use runtime::start::Start;
 use runtime::subgoals::SubgoalSet;
-use runtime::world::{Motion, World};
+use runtime::world::{Motion, World, everywhere};
 use std::convert::Infallible;
 
 /// What the camera sees at a step, and the action before it.
@@ -138,6 +138,7 @@ fn decided(
         before: None,
         last,
         pictures: &pictures,
+        reach: &everywhere,
         repetition: 0,
     };
     let models = Models {

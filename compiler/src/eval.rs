@@ -260,6 +260,7 @@ impl Eval<'_> {
                 Ok(distance_px <= *margin_px)
             }
             Condition::Last => Ok(self.facts.last.is_some()),
+            Condition::Unreachable => Ok(!self.facts.scene.unreachable().is_empty()),
         }
     }
 

@@ -23,6 +23,20 @@ pub trait SceneView {
     fn region_pixel(&self, _mask: &str, _number: u64) -> Option<PixelPoint> {
         None
     }
+
+    /// Returns the candidate points that nothing can be done at, none of which is offered.
+    fn unreachable(&self) -> &[Unreachable] {
+        &[]
+    }
+}
+
+/// A point of the picture that is out of reach of what picks and places there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unreachable {
+    /// The point.
+    pub point: PixelPoint,
+    /// Why, in words that a model is told.
+    pub why: String,
 }
 
 /// An action that was carried out.

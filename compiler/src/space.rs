@@ -18,7 +18,7 @@ pub(crate) const MAX_LISTED: usize = 30;
 
 /// Returns what a field may be in a scene, in the order in which a prompt lists it, each once.
 ///
-/// A keypoint that the scene does not have offers nothing. The pixels of a region are not listed: see [`is_offered`].
+/// A keypoint that the scene does not have offers nothing, nor does a point that is out of reach. The pixels of a region are not listed: see [`is_offered`].
 pub fn choices(field: &ActionField, scene: &dyn SceneView) -> Vec<Value> {
     match &field.choices {
         Choices::Points { keypoints } => {
@@ -26,7 +26,9 @@ pub fn choices(field: &ActionField, scene: &dyn SceneView) -> Vec<Value> {
             let points = keypoints
                 .iter()
                 .filter_map(|keypoint| scene.points(keypoint));
-            for point in points.flatten() {
+            let is_out_of_reach =
+                |point: &PixelPoint| scene.unreachable().iter().any(|it| it.point == *point);
+            for point in points.flatten().filter(|point| !is_out_of_reach(point)) {
                 if !offered.contains(&point) {
                     offered.push(point);
                 }

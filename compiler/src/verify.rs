@@ -16,6 +16,10 @@ use std::collections::BTreeSet;
 /// The name of the check that every task has: each field is one of the offered values.
 pub const OFFERED: &str = "offered";
 
+/// The name of the check that the host adds where what picks and places cannot reach every point: an accepted action's
+/// points are in reach. It is asked after the declared checks, by the runtime, which alone knows lengths on the table.
+pub const REACHABLE: &str = "reachable";
+
 /// Whether an action may run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "verdict", rename_all = "snake_case")]

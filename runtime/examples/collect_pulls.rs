@@ -26,7 +26,7 @@ use runtime::parallel::in_parallel;
 use runtime::pictures::Pictures;
 use runtime::scene::Scene;
 use runtime::start::Start;
-use runtime::world::{SimulatedWorld, World};
+use runtime::world::{SimulatedWorld, World, everywhere};
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -145,6 +145,7 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
             before: None,
             last: last.as_ref(),
             pictures: &pictures,
+            reach: &everywhere,
             repetition: 0,
         };
         let heard = Overheard::default();

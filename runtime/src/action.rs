@@ -43,21 +43,9 @@ impl Action {
         observation: &Observation,
     ) -> Option<Action> {
         let pick_px = proposal.point("pick")?;
-        let pick_on_cloth_px = scene.cloth()?.nearest(pick_px)?;
-        let at = |pixel: PixelPoint| scene.located(pixel).unwrap_or_else(|| center_of(pixel));
-        let on_cloth_at = center_of(pick_on_cloth_px);
-        let is_beside =
-            |at: &[f64; 2]| (at[0] - on_cloth_at[0]).hypot(at[1] - on_cloth_at[1]) <= BESIDE_PX;
-        let pick_at = scene
-            .located(pick_px)
-            .filter(is_beside)
-            .unwrap_or(on_cloth_at);
-        let pick = point_on_surface(pick_on_cloth_px, pick_at, observation)?;
+        let (pick_on_cloth_px, pick) = picked(pick_px, scene, observation)?;
         let (place_px, place) = match proposal.point("place") {
-            Some(place_px) => {
-                let place = point_on_surface(place_px, at(place_px), observation)?;
-                (place_px, place)
-            }
+            Some(place_px) => (place_px, placed(place_px, scene, observation)?),
             None => carried(program, proposal, pick, observation)?,
         };
         Some(Action {
@@ -67,6 +55,45 @@ impl Action {
             motion: Motion { pick, place },
         })
     }
+}
+
+/// Returns the point of the table that a field means by a pixel, as [`Action::lower`] takes it; `None` for a field that
+/// moves nothing, and where there is no such point.
+pub(crate) fn candidate(
+    field: &str,
+    pixel: PixelPoint,
+    scene: &Scene,
+    observation: &Observation,
+) -> Option<WorldPoint> {
+    match field {
+        "pick" => picked(pixel, scene, observation).map(|(_, point)| point),
+        "place" => placed(pixel, scene, observation),
+        _ => None,
+    }
+}
+
+/// Returns the pixel of the cloth that is really picked, and its point on the table.
+fn picked(
+    pick_px: PixelPoint,
+    scene: &Scene,
+    observation: &Observation,
+) -> Option<(PixelPoint, WorldPoint)> {
+    let on_cloth_px = scene.cloth()?.nearest(pick_px)?;
+    let on_cloth_at = center_of(on_cloth_px);
+    let is_beside =
+        |at: &[f64; 2]| (at[0] - on_cloth_at[0]).hypot(at[1] - on_cloth_at[1]) <= BESIDE_PX;
+    let located = scene.located(pick_px).filter(is_beside);
+    let point = point_on_surface(on_cloth_px, located.unwrap_or(on_cloth_at), observation)?;
+    Some((on_cloth_px, point))
+}
+
+fn placed(place_px: PixelPoint, scene: &Scene, observation: &Observation) -> Option<WorldPoint> {
+    let at = scene.located(place_px);
+    point_on_surface(
+        place_px,
+        at.unwrap_or_else(|| center_of(place_px)),
+        observation,
+    )
 }
 
 /// Returns where a direction and a distance lead from the picked point, at its height, and the pixel that shows it.

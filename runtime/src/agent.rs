@@ -7,6 +7,7 @@
 mod asking;
 mod conversation;
 mod judge;
+mod reach;
 mod rehearsal;
 mod talk;
 
@@ -18,6 +19,7 @@ use crate::outcome::Outcome;
 use crate::pictures::Pictures;
 use crate::result::StepResult;
 use crate::scene::Scene;
+use crate::world::Reach;
 pub use asking::{Asking, Step};
 use compiler::facts::{Done, Facts};
 use compiler::pointing::Pointing;
@@ -193,6 +195,8 @@ pub struct Situation<'a> {
     pub last: Option<&'a Done>,
     /// What can be shown.
     pub pictures: &'a Pictures,
+    /// What is out of reach of the world that is to act.
+    pub reach: &'a Reach<'a>,
     /// Tells apart runs that want independent answers; goes into every request.
     pub repetition: u32,
 }

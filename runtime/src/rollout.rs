@@ -41,7 +41,7 @@ use score::{Scored, meets, score};
 use std::time::Instant;
 use turn::{Memory, Turn};
 
-pub use covered::Measures;
+pub use covered::{CoverageSource, Measures};
 pub use first::{FirstQuestion, first_questions};
 pub use report::{Progress, Report as RolloutReport, Score};
 
@@ -148,6 +148,20 @@ pub enum RunError {
     /// The picture of the start shows nothing to ask about.
     #[error("{0}")]
     Scene(SceneError),
+    /// The picture of the flat cloth cannot be compared with the camera's.
+    #[error("the picture of the flat cloth cannot be used: {why}")]
+    Flat {
+        /// What is wrong, and what would be right.
+        why: String,
+    },
+    /// The goal is a measure of coverage, and there is nothing to measure it on.
+    #[error(
+        "the task's goal is a measure of coverage, and `{world}` knows neither its cloth's particles nor a picture of the flat cloth: give it one"
+    )]
+    Unmeasured {
+        /// The world.
+        world: String,
+    },
     /// A picture cannot be drawn on.
     #[error(transparent)]
     Vision(#[from] VisionError),
@@ -191,7 +205,7 @@ pub fn run(
     let mut keeper = Keeper::open(job, folder, asking, world.as_ref())?;
     let mut sheet = Sheet::new();
     let mut memory = Memory::default();
-    let mut covered = Covered::at_start(job, world.as_ref());
+    let mut covered = Covered::at_start(job, world.as_mut())?;
     let mut end = Outcome::HorizonReached;
     let mut tries = Tries::default();
     while let Some(step) = tries.step(job) {
@@ -209,7 +223,7 @@ pub fn run(
             progress,
         )?;
         if stopped.is_none() {
-            covered.update(job, world.as_ref());
+            covered.update(job, world.as_ref(), turn.after.as_ref())?;
             turn.line.measures = covered.now;
             if job.early_stop && covered.meets_goal(job) {
                 stopped = Some(Outcome::GoalReached);

@@ -24,6 +24,7 @@ use runtime::model::{Message, Part, Speaker};
 use runtime::picture;
 use runtime::pictures::Pictures;
 use runtime::subgoals::SubgoalSet;
+use runtime::world::everywhere;
 use std::collections::BTreeMap;
 
 /// Returns the task for the cloth of the start file that is named, where one is; else the task as it is.
@@ -175,6 +176,7 @@ impl View {
             before: None,
             last: self.seen.last.as_ref(),
             pictures: &self.pictures,
+            reach: &everywhere,
             repetition: 0,
         };
         let lowering = |_| self.told.lowering;

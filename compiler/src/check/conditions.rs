@@ -16,6 +16,9 @@ const PIXELS: Wanted = Wanted {
     range_words: "a length from `0px` to `10000px`",
 };
 
+/// What is out of reach: a condition of components, and a value of texts.
+pub(super) const UNREACHABLE: &str = "unreachable";
+
 const FORMS: &str = "write such as `distance(pick, place) > 10px` or `pick within 8px of cloth`";
 
 /// Builds a condition; None, with a report, where it is wrong.
@@ -50,6 +53,9 @@ pub(crate) fn check(expr: &Expr, context: &mut Context<'_>) -> Option<Condition>
         }
         ExprKind::Name(name) if name == "last" && context.names.get(name).is_none() => {
             Some(Condition::Last)
+        }
+        ExprKind::Name(name) if name == UNREACHABLE && context.names.get(name).is_none() => {
+            Some(Condition::Unreachable)
         }
         _ => {
             let found = context.written(expr.span);

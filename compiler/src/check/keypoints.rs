@@ -35,7 +35,10 @@ pub(crate) fn check(merged: &Merged<'_>, context: &mut Context<'_>) -> Vec<progr
     }
     for keypoint in merged.keypoints.iter() {
         let name = &keypoint.name.text;
-        if matches!(name.as_str(), "last" | "step" | "scene" | "depth") {
+        if matches!(
+            name.as_str(),
+            "last" | "step" | "scene" | "depth" | "unreachable"
+        ) {
             let message = format!("`{name}` has a meaning of its own");
             context.push(
                 Diagnostic::new(Code::DuplicateName, keypoint.name.span, message)

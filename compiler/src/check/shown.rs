@@ -2,6 +2,7 @@
 
 use super::Context;
 use super::arguments::{bare, bind};
+use super::conditions::UNREACHABLE;
 use super::keypoints::wrong_kind;
 use super::names::Meaning;
 use super::points::{direction_field, heading};
@@ -136,6 +137,7 @@ fn named(name: &Ident, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pl
             }
         },
         None if name.text == OVERLAP && scope.place == Place::Result => Shown::Text { name: text },
+        None if name.text == UNREACHABLE => Shown::Unreachable,
         None if name.text == "step" => {
             let expr = Expr {
                 span: name.span,

@@ -77,7 +77,7 @@ impl Uses {
             Condition::Word { .. } => ACTION,
             Condition::Within { point, .. } => Uses::of_point(point),
             // Whether there was an action before is known in the first step too.
-            Condition::Last => Uses::default(),
+            Condition::Last | Condition::Unreachable => Uses::default(),
         }
     }
 
@@ -86,6 +86,7 @@ impl Uses {
             Shown::Text { .. }
             | Shown::Format
             | Shown::PointForm
+            | Shown::Unreachable
             | Shown::Points { .. }
             | Shown::Number { .. }
             | Shown::Choices { .. } => Uses::default(),
@@ -105,6 +106,16 @@ pub(crate) fn implies_last(condition: &Condition) -> bool {
         Condition::Last => true,
         Condition::All { of } => of.iter().any(implies_last),
         Condition::Any { of } => !of.is_empty() && of.iter().all(implies_last),
+        _ => false,
+    }
+}
+
+/// Returns whether a condition asks what is out of reach.
+pub(crate) fn asks_reach(condition: &Condition) -> bool {
+    match condition {
+        Condition::Unreachable => true,
+        Condition::All { of } | Condition::Any { of } => of.iter().any(asks_reach),
+        Condition::Not { of } => asks_reach(of),
         _ => false,
     }
 }

@@ -13,7 +13,7 @@ use crate::program::{
     Check, Condition, Exhausted, ModelRole, Read, ResultCheck, Stage, Template, Verify,
 };
 use crate::source::Span;
-use crate::verify::OFFERED;
+use crate::verify::{OFFERED, REACHABLE};
 
 /// Questions per stage and step where none are stated: the paper's.
 const DEFAULT_ATTEMPTS: u32 = 3;
@@ -162,12 +162,13 @@ fn relaxed(
             relaxed.push(name.text.clone());
         } else if merged.removed_checks.contains(name.text.as_str()) {
             // It is left out from the first question on.
-        } else if name.text == OFFERED {
-            let message = format!("`{OFFERED}` cannot be left out");
-            context.push(
-                Diagnostic::new(Code::NothingToRemove, name.span, message)
-                    .help("what was never offered cannot be carried out"),
-            );
+        } else if let OFFERED | REACHABLE = name.text.as_str() {
+            let message = format!("`{}` cannot be left out", name.text);
+            let help = match name.text == OFFERED {
+                true => "what was never offered cannot be carried out",
+                false => "what is out of reach cannot be carried out",
+            };
+            context.push(Diagnostic::new(Code::NothingToRemove, name.span, message).help(help));
         } else if !context.names.may_be_declared(&name.text) {
             let message = format!("there is no check `{}` to leave out", name.text);
             let diagnostic = Diagnostic::new(Code::NothingToRemove, name.span, message);
@@ -180,24 +181,40 @@ fn relaxed(
     relaxed
 }
 
+/// Builds a condition of a check, which emitted verifiers judge too: these know nothing of what is out of reach.
+fn condition(expr: &ast::Expr, context: &mut Context<'_>) -> Option<Condition> {
+    let condition = conditions::check(expr, context)?;
+    if !uses::asks_reach(&condition) {
+        return Some(condition);
+    }
+    let message = "what is out of reach is no condition of a check";
+    context.push(
+        Diagnostic::new(Code::WrongExpression, expr.span, message).help(
+            "such points are never offered; what is said of them is a component's: `component NAME when unreachable`",
+        ),
+    );
+    None
+}
+
 fn one(check: &ast::Check, context: &mut Context<'_>) -> Option<(Check, Template)> {
-    if check.name.text == OFFERED {
-        let message = format!("every task has a check `{OFFERED}` already");
-        context.push(
-            Diagnostic::new(Code::DuplicateName, check.name.span, message)
-                .help("it refuses what was not offered; choose another name"),
-        );
+    if let OFFERED | REACHABLE = check.name.text.as_str() {
+        let message = format!("every task has a check `{}` already", check.name.text);
+        let help = match check.name.text == OFFERED {
+            true => "it refuses what was not offered; choose another name",
+            false => "it refuses what is out of reach; choose another name",
+        };
+        context.push(Diagnostic::new(Code::DuplicateName, check.name.span, message).help(help));
     }
     // Where the guard is wrong, the rest is checked as if it held.
     let when = check
         .when
         .as_ref()
-        .map(|guard| conditions::check(guard, context).unwrap_or(Condition::Last));
+        .map(|guard| condition(guard, context).unwrap_or(Condition::Last));
     let has_last = when.as_ref().is_some_and(uses::implies_last);
     let guarded = format!("check {}", check.name.text);
     let mut holds = None;
     if let Some(expr) = &check.condition {
-        holds = conditions::check(expr, context);
+        holds = condition(expr, context);
         if let Some(condition) = &holds
             && uses::Uses::of_condition(condition).last
             && !has_last

@@ -64,6 +64,8 @@ pub enum Shown {
         /// The field.
         field: String,
     },
+    /// The candidate points that are out of reach, each with why, `(x, y): why; (x, y): why`; `none` where all are in reach.
+    Unreachable,
     /// The choice of a direction field that is nearest to a direction; the first of equally near ones.
     Nearest {
         /// The field.

@@ -206,6 +206,8 @@ pub enum Condition {
     },
     /// An action was carried out before this one.
     Last,
+    /// Some candidate points are out of reach. Never in a check, which every host of an emitted verifier has to judge.
+    Unreachable,
 }
 
 impl Point {
@@ -269,7 +271,7 @@ impl Condition {
                 point.keypoints(names);
                 names.insert(region.clone());
             }
-            Condition::Word { .. } | Condition::Last => {}
+            Condition::Word { .. } | Condition::Last | Condition::Unreachable => {}
         }
     }
 }

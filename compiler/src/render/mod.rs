@@ -104,6 +104,7 @@ pub enum PromptPicture {
 
 /// Renders the messages of a stage: the system message, if it has one, its examples, and the question.
 ///
+/// A question whose texts do not say which candidate points are out of reach says so at its end, where there are any.
 /// A question that shows points and does not say how they are written says so at its end, unless they are pixels
 /// of the camera's picture, which the task's own words are for. Fails where a value is missing, the stage cannot be
 /// asked in this frame, or the program was edited by hand.
@@ -137,6 +138,9 @@ pub fn messages(
     }
     let pictures = stage.show.iter().copied().map(PromptPicture::Drawn);
     let mut said = joined(program, &stage.say, values)?;
+    if let Some(remark) = reach_remark(program, stage, values) {
+        said.push(BETWEEN, Said::by_fabc(remark));
+    }
     if leaves_frame_open(program, stage, &pointing) {
         said.push(BETWEEN, Said::by_fabc(pointing.sentence()));
     }
@@ -150,10 +154,7 @@ pub fn leaves_frame_open(program: &Program, stage: &Stage, pointing: &Pointing) 
     if pointing.is_native() {
         return false;
     }
-    let templates = stage.system.iter().chain(&stage.say);
-    let templates: Vec<&Template> = templates
-        .filter_map(|name| program.template(name))
-        .collect();
+    let templates = templates_of(program, stage);
     // A part under a condition may be left out.
     let says_so = templates
         .iter()
@@ -162,8 +163,43 @@ pub fn leaves_frame_open(program: &Program, stage: &Stage, pointing: &Pointing) 
         .any(|variable| variable.value == Shown::PointForm);
     let asks =
         matches!(stage.read, Read::Action) && program.actions.iter().any(ActionField::is_point);
+    !says_so && (asks || shows_points(program, &templates))
+}
+
+/// Returns what [`messages`] says of candidate points that are out of reach, where a stage shows or asks for points and
+/// none of the texts that are said names them.
+fn reach_remark(program: &Program, stage: &Stage, values: Values<'_>) -> Option<String> {
+    let (Values::Known(facts) | Values::Partly(facts)) = values else {
+        return None;
+    };
+    if facts.scene.unreachable().is_empty() {
+        return None;
+    }
+    let eval = Eval { program, facts };
+    let is_said = |template: &&&Template| match &template.when {
+        Some(when) => eval.holds(when, &mut Notes::new()).unwrap_or(false),
+        None => true,
+    };
+    let templates = templates_of(program, stage);
+    let said = templates.iter().filter(is_said);
+    let says_so = said
+        .flat_map(|template| &template.variables)
+        .any(|variable| variable.value == Shown::Unreachable);
+    let concerns = matches!(stage.read, Read::Action) || shows_points(program, &templates);
+    let points = show::unreachable(facts.scene, &facts.notation(program));
+    (concerns && !says_so).then(|| {
+        format!("Some points cannot be reached, and nothing can be done there. They are not among those listed: {points}.")
+    })
+}
+
+fn templates_of<'p>(program: &'p Program, stage: &Stage) -> Vec<&'p Template> {
+    let names = stage.system.iter().chain(&stage.say);
+    names.filter_map(|name| program.template(name)).collect()
+}
+
+fn shows_points(program: &Program, templates: &[&Template]) -> bool {
     let mut shown = templates.iter().flat_map(|template| &template.variables);
-    !says_so && (asks || shown.any(|variable| show::has_points(program, &variable.value)))
+    shown.any(|variable| show::has_points(program, &variable.value))
 }
 
 /// What is said of pictures of the scene, where points are numbered.

@@ -2,8 +2,8 @@
 
 use crate::eval::{Eval, rounded};
 use crate::exact;
-use crate::facts::{Facts, Missing};
-use crate::pointing::Pointing;
+use crate::facts::{Facts, Missing, SceneView};
+use crate::pointing::{Notation, Pointing};
 use crate::program::{ActionField, Choices, Length, OVERLAP, Program, Read, Shown, Value, Written};
 use crate::space;
 
@@ -61,7 +61,20 @@ pub(super) fn known(program: &Program, facts: Facts<'_>, shown: &Shown) -> Resul
             let deg = eval.nearest_deg(field, to)?;
             of_field(field, Some(&Value::Direction { deg }))
         }
+        Shown::Unreachable => Ok(unreachable(facts.scene, &notation)),
         Shown::Format | Shown::PointForm => Err(missing("actions")),
+    }
+}
+
+/// Writes the points that are out of reach, each with why.
+pub(super) fn unreachable(scene: &dyn SceneView, notation: &Notation) -> String {
+    let points = scene.unreachable().iter();
+    let texts: Vec<String> = points
+        .map(|it| format!("{}: {}", notation.written(it.point), it.why))
+        .collect();
+    match texts.is_empty() {
+        true => "none".to_owned(),
+        false => texts.join("; "),
     }
 }
 
@@ -81,7 +94,7 @@ pub(crate) fn constant(program: &Program, pointing: &Pointing, shown: &Shown) ->
 /// Returns whether points are among what is shown.
 pub(super) fn has_points(program: &Program, shown: &Shown) -> bool {
     match shown {
-        Shown::Points { .. } | Shown::Point { .. } | Shown::Format => true,
+        Shown::Points { .. } | Shown::Point { .. } | Shown::Format | Shown::Unreachable => true,
         Shown::Field { field } | Shown::LastField { field } | Shown::Choices { field } => {
             program.field(field).is_some_and(ActionField::is_point)
         }
@@ -115,6 +128,7 @@ pub(super) fn typed(program: &Program, name: &str, shown: &Shown) -> String {
         Shown::LastField { .. } => "the value in the action before".to_owned(),
         Shown::Choices { .. } => "what it may be".to_owned(),
         Shown::Nearest { .. } => "the nearest choice".to_owned(),
+        Shown::Unreachable => "points out of reach, each with why".to_owned(),
         Shown::Format | Shown::PointForm => "words".to_owned(),
     };
     format!("<{name}: {what}>")

@@ -63,7 +63,7 @@ fn leaves(condition: &Condition) -> usize {
     match condition {
         Condition::All { of } | Condition::Any { of } => of.iter().map(leaves).sum(),
         Condition::Not { of } => leaves(of),
-        Condition::Word { .. } | Condition::Last => 0,
+        Condition::Word { .. } | Condition::Last | Condition::Unreachable => 0,
         _ => 1,
     }
 }
@@ -178,6 +178,7 @@ impl Oracle<'_> {
                 )
             }
             Condition::Last => self.case.last.is_some(),
+            Condition::Unreachable => unreachable!("no check asks what is out of reach"),
         })
     }
 

@@ -203,7 +203,10 @@ fn collect_signs(condition: &Condition, signs: &mut BTreeSet<String>) {
         Condition::Lengths { is, .. } => drop(signs.insert(format!("lengths {is:?}"))),
         Condition::Angle { is, .. } => drop(signs.insert(format!("angle {is:?}"))),
         Condition::Number { is, .. } => drop(signs.insert(format!("number {is:?}"))),
-        Condition::Word { .. } | Condition::Within { .. } | Condition::Last => {}
+        Condition::Word { .. }
+        | Condition::Within { .. }
+        | Condition::Last
+        | Condition::Unreachable => {}
     }
 }
 

@@ -1,15 +1,16 @@
 //! What an answer means: a text, an action with its verdict, or nothing that can be read.
 
-use super::Finding;
+use super::reach::out_of_reach;
+use super::{Finding, Situation};
 use compiler::facts::Facts;
-use compiler::program::{Program, Read, Stage};
+use compiler::program::{Read, Stage};
 use compiler::render::RenderError;
-use compiler::reply::{self, Malformed, Reading};
-use compiler::verify::{self, Strictness};
+use compiler::reply::{self, Malformed, Proposal, Reading};
+use compiler::verify::{self, Strictness, Verdict};
 
 /// Reads an answer and, where it proposes an action, lets the verifier judge it.
 pub(super) fn judge(
-    program: &Program,
+    situation: Situation<'_>,
     stage: &Stage,
     facts: Facts<'_>,
     text: &str,
@@ -28,16 +29,36 @@ pub(super) fn judge(
             },
             Err(error) => malformed(error),
         }),
-        Read::Action => match reply::read_action_in(program, &facts.notation(program), text) {
-            Ok(Reading { value, repairs }) => {
-                let verdict = verify::verdict(program, facts, &value, Strictness::Full)?;
-                Ok(Finding::Action {
-                    fields: value.fields,
-                    repairs,
-                    verdict,
-                })
+        Read::Action => {
+            match reply::read_action_in(situation.program, &facts.notation(situation.program), text)
+            {
+                Ok(Reading { value, repairs }) => {
+                    let verdict = verdict(situation, facts, &value, Strictness::Full)?;
+                    Ok(Finding::Action {
+                        fields: value.fields,
+                        repairs,
+                        verdict,
+                    })
+                }
+                Err(error) => Ok(malformed(error)),
             }
-            Err(error) => Ok(malformed(error)),
-        },
+        }
     }
+}
+
+/// Judges an action by the task's checks, and then by what the world can reach.
+pub(super) fn verdict(
+    situation: Situation<'_>,
+    facts: Facts<'_>,
+    proposal: &Proposal,
+    strictness: Strictness,
+) -> Result<Verdict, RenderError> {
+    let program = situation.program;
+    Ok(
+        match verify::verdict(program, facts, proposal, strictness)? {
+            Verdict::Accept => out_of_reach(situation, &facts.notation(program), proposal)
+                .unwrap_or(Verdict::Accept),
+            refused => refused,
+        },
+    )
 }

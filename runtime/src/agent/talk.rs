@@ -1,6 +1,6 @@
 //! The conversation of one stage in one step: asks, and asks again with the reason of the refusal.
 
-use super::judge::judge;
+use super::judge::{judge, verdict};
 use super::{
     Accepted, AgentError, Asking, Attempt, Conversation, Finding, PromptError, Situation,
     conversation,
@@ -17,7 +17,7 @@ use compiler::program::{Layers, ModelRole, OVERLAP, Picture, Read, Stage};
 use compiler::render::{self, BETWEEN, REFUSED_ACTION, RenderError, Said, Values};
 use compiler::reply::{self, Proposal};
 use compiler::space;
-use compiler::verify::{self, Strictness, Verdict};
+use compiler::verify::{Strictness, Verdict};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -144,7 +144,7 @@ impl<'a> Talk<'a> {
         texts: &BTreeMap<String, String>,
     ) -> Result<Attempt, RenderError> {
         let facts = self.facts(texts);
-        let finding = judge(self.situation.program, self.stage, facts, &reply.text)?;
+        let finding = judge(self.situation, self.stage, facts, &reply.text)?;
         Ok(self.attempt(request, Some(reply), finding, took))
     }
 
@@ -285,7 +285,7 @@ impl<'a> Talk<'a> {
         let without = &program.verify.relaxed;
         for (number, proposal) in self.refused.iter().rev().filter(|_| !without.is_empty()) {
             let facts = self.facts(texts);
-            let verdict = verify::verdict(program, facts, proposal, Strictness::Relaxed)?;
+            let verdict = verdict(self.situation, facts, proposal, Strictness::Relaxed)?;
             if verdict == Verdict::Accept {
                 return Ok(Some(self.accept(proposal.clone(), *number, without)));
             }

@@ -8,6 +8,7 @@
 //! first joint. A tool pose is `base_from_tool`; its z axis points out of the hand, so that a hand that points down has
 //! it along minus z of the base. Nothing here knows of tasks, prompts or models.
 
+pub mod kinematics;
 pub mod port;
 pub mod rgbd;
 #[cfg(feature = "ros")]

@@ -2,13 +2,16 @@
 //!
 //! In: particle positions in grid order, world frame, metres. Out: numbers. Coverage is measured twice:
 //! [`coverage`] as SoftGym does, which published numbers are compared with, and [`true_coverage`], which does
-//! not depend on how the cloth is turned. What counts as success is the program's to say.
+//! not depend on how the cloth is turned. Of a cloth whose particles are not known, [`seen_coverage`] compares two
+//! pictures. What counts as success is the program's to say.
 
 mod grid_coverage;
+mod seen_coverage;
 mod true_coverage;
 mod whole_cloth;
 
 pub use grid_coverage::{coverage, covered_area_m2, flat_area_m2, outlined_coverage};
+pub use seen_coverage::seen_coverage;
 pub use true_coverage::{true_coverage, true_covered_area_m2};
 pub use whole_cloth::{whole_area_m2, whole_triangles};
 

@@ -7,6 +7,7 @@ use crate::agent;
 use crate::model::Request;
 use crate::pictures::Pictures;
 use crate::scene::{Scene, SceneError};
+use crate::world::WorldPoint;
 use compiler::facts::Facts;
 use compiler::program::Read;
 use compiler::render::Values;
@@ -30,7 +31,9 @@ pub fn first_questions(job: &Job<'_>) -> Result<Vec<FirstQuestion>, RunError> {
     let mut world = (job.make_world)()?;
     world.reset(job.start)?;
     let observation = world.observe()?;
+    let reach = |point: &WorldPoint| world.out_of_reach(point);
     let scene = Scene::of(program, &observation, None)?;
+    let scene = scene.within_reach(program, &observation, &reach)?;
     let subgoals = job.subgoals.step(0)?;
     let examples = job.examples.clone();
     let pictures = Pictures::of(program, &scene, &observation, None, subgoals, examples)?;

@@ -212,8 +212,10 @@ impl<'j> Keeper<'j> {
                 .program
                 .goal
                 .as_ref()
+                .filter(|goal| covered.judges(goal))
                 .map(|_| outcome == Outcome::GoalReached),
             mean_particle_distance_mm: score.map(|score| score.distance_m * 1000.0),
+            coverage_source: covered.source,
             coverage,
             coverage_true,
             normalized_improvement,

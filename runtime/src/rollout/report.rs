@@ -1,6 +1,6 @@
 //! What a rollout comes to, as `fabc run --json` and the journal's last line say it.
 
-use super::covered::Measures;
+use super::covered::{CoverageSource, Measures};
 use crate::calls::{Spent, Usage};
 use crate::outcome::Outcome;
 use serde::Serialize;
@@ -16,11 +16,13 @@ pub struct Report {
     pub variant: Option<String>,
     /// How it ended.
     pub outcome: Outcome,
-    /// Whether the declared goal was met; null without a goal.
+    /// Whether the declared goal was met; null without a goal, and where the world does not know what it is judged on.
     pub goal_reached: Option<bool>,
     /// Mean distance to the nearest expert result, millimetres.
     pub mean_particle_distance_mm: Option<f64>,
-    /// Covered share of the flat cloth's area in the end, by SoftGym's measure (the source measure).
+    /// What coverage was measured on, which says what its figures can be compared with; null where nothing was measured.
+    pub coverage_source: Option<CoverageSource>,
+    /// Covered share of the flat cloth's area in the end, by the source measure: SoftGym's, or that of pictures.
     pub coverage: Option<f64>,
     /// The same, measured truly.
     pub coverage_true: Option<f64>,

@@ -8,12 +8,13 @@ use super::{Event, Job, RunError};
 use crate::action::Action;
 use crate::agent::{self, Attempt, Decision, Situation};
 use crate::journal::StepLine;
+use crate::observation::Observation;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
-use crate::world::{World, WorldError};
+use crate::world::{World, WorldError, WorldPoint};
 use compiler::facts::Done;
 use compiler::program::{Arrow, Which};
 use std::time::{Duration, Instant};
@@ -35,6 +36,8 @@ pub(super) struct Turn<'j> {
     /// What the action before came to, where it was for the same step.
     before: Option<StepResult>,
     pub line: StepLine,
+    /// What the camera saw when the action was done; none where nothing was done.
+    pub after: Option<Observation>,
     pub timer: Timer,
     /// Spent on the way to an action, without the model and the writing of files.
     planning: Duration,
@@ -59,6 +62,7 @@ impl<'j> Turn<'j> {
                 step: number,
                 ..StepLine::default()
             },
+            after: None,
             timer: Timer::default(),
             planning: Duration::ZERO,
             is_planned: false,
@@ -89,21 +93,27 @@ impl<'j> Turn<'j> {
             Err(error) => return Ok(self.stop_for(&error)),
         };
         keeper.keep_picture(&mut self.line, "before", &observation.rgb)?;
+        // What is seen first is kept whole: how far the arm reaches is no property of the cloth.
+        let first = &mut memory.first_scene;
+        let reach = |point: &WorldPoint| world.out_of_reach(point);
         let scene = match self.plan("keypoints", || {
-            Scene::of(job.program, &observation, memory.first_scene.as_ref())
+            let scene = Scene::of(job.program, &observation, first.as_ref())?;
+            first.get_or_insert_with(|| scene.clone());
+            scene.within_reach(job.program, &observation, &reach)
         }) {
             Ok(scene) => scene,
             Err(error) => {
                 let outcome = match &error {
                     SceneError::OutOfView { .. } => Outcome::ClothOutOfView,
-                    SceneError::NoCandidates { .. } => Outcome::NoCandidates,
+                    SceneError::NoCandidates { .. } | SceneError::NoneInReach { .. } => {
+                        Outcome::NoCandidates
+                    }
                     SceneError::Missing(_) | SceneError::Vision(_) => Outcome::WorldFailed,
                 };
                 return Ok(self.stop(outcome, &error.to_string()));
             }
         };
         self.line.scene = scene.to_json();
-        memory.first_scene.get_or_insert_with(|| scene.clone());
         let last = memory.last.as_ref();
         let drawn = self.plan("annotate", || {
             let subgoals = job.subgoals.step(step as usize - 1)?;
@@ -147,6 +157,7 @@ impl<'j> Turn<'j> {
             step,
             last,
             pictures: &pictures,
+            reach: &reach,
             repetition: job.repetition,
         };
         let decision = agent::decide(situation, job.models, line, &mut record)?;
@@ -206,7 +217,8 @@ impl<'j> Turn<'j> {
             Some(subgoals) => subgoals.picture(Which::Now, Arrow::Drawn),
             None => &pictures.annotated,
         };
-        sheet.row(number, shown, drawn, after.rgb);
+        sheet.row(number, shown, drawn, after.rgb.clone());
+        self.after = Some(after);
         let grasp = executed.grasp;
         progress(Event::Stepped {
             step: number,

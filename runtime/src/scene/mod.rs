@@ -6,13 +6,14 @@
 mod annotate;
 mod extract;
 mod measured;
+mod reach;
 mod stages;
 
 pub use stages::StagePicture;
 
 use crate::observation::Observation;
 use crate::vision::{self, Located, Mask, VisionError};
-use compiler::facts::SceneView;
+use compiler::facts::{SceneView, Unreachable};
 use compiler::program::{Choices, Keypoint, KeypointShape, Moment, PixelPoint, Program};
 use compiler::space;
 use serde_json::{Map, Value, json};
@@ -21,6 +22,8 @@ use serde_json::{Map, Value, json};
 #[derive(Clone, Debug)]
 pub struct Scene {
     found: Vec<(String, Found)>,
+    /// Candidate points that were taken out of it, in the order in which the action's fields list them.
+    unreachable: Vec<Unreachable>,
 }
 
 /// What an extractor gave.
@@ -54,6 +57,14 @@ pub enum SceneError {
         /// What the detectors looked at, as the message's end; perhaps empty.
         measured: String,
     },
+    /// Detectors found points, and none that a field offers is in reach.
+    #[error("no point of `{keypoint}` is in reach: {why}")]
+    NoneInReach {
+        /// The keypoints that the field offers.
+        keypoint: String,
+        /// Each point with why.
+        why: String,
+    },
     /// A layer needs what there is not; only a program edited by hand does that.
     #[error("an annotation cannot be drawn: {0}")]
     Missing(compiler::facts::Missing),
@@ -75,6 +86,7 @@ impl Scene {
     ) -> Result<Scene, SceneError> {
         let mut scene = Scene {
             found: Vec::with_capacity(program.keypoints.len()),
+            unreachable: Vec::new(),
         };
         for keypoint in &program.keypoints {
             let kept = first
@@ -112,7 +124,10 @@ impl Scene {
         program: &Program,
         observation: &Observation,
     ) -> Result<Option<Mask>, SceneError> {
-        let scene = Scene { found: Vec::new() };
+        let scene = Scene {
+            found: Vec::new(),
+            unreachable: Vec::new(),
+        };
         let is_mask = |keypoint: &&Keypoint| keypoint.extractor.shape() == KeypointShape::Mask;
         let Some(keypoint) = program.keypoints.iter().find(is_mask) else {
             return Ok(None);
@@ -176,7 +191,8 @@ impl Scene {
             .map(|point| point.at)
     }
 
-    /// Returns the points as JSON, `{name: [[u, v], …]}`; a mask stands as its number of pixels.
+    /// Returns the points as JSON, `{name: [[u, v], …]}`; a mask stands as its number of pixels. Where points are out of
+    /// reach, they stand under `unreachable`, each with why, and not in their keypoint's list.
     pub fn to_json(&self) -> Value {
         let mut object = Map::new();
         for (name, found) in &self.found {
@@ -188,6 +204,11 @@ impl Scene {
                 Found::Point(point) => json!([point.pixel]),
             };
             object.insert(name.clone(), value);
+        }
+        if !self.unreachable.is_empty() {
+            let points = self.unreachable.iter();
+            let points = points.map(|it| json!({ "point": it.point, "why": it.why }));
+            object.insert("unreachable".to_owned(), points.collect());
         }
         Value::Object(object)
     }
@@ -235,5 +256,9 @@ impl SceneView for Scene {
             Found::Mask(mask) => mask.pixels().nth(usize::try_from(number).ok()?),
             _ => None,
         }
+    }
+
+    fn unreachable(&self) -> &[Unreachable] {
+        &self.unreachable
     }
 }

@@ -54,6 +54,30 @@ pub trait World {
     ///
     /// Shape `[dimy * dimx]`, index `iy * dimx + ix`, world frame, metres.
     fn particles(&self) -> Option<Vec<[f32; 3]>>;
+
+    /// Returns what the camera sees of the flat cloth, whole and alone on the table, or `None` where no such picture was taken.
+    ///
+    /// Coverage is measured against it where the world does not know its particles, so it belongs to the world's
+    /// parameters. Its size is that of other pictures; depth may be without a reading.
+    fn flat_cloth(&self) -> Option<Observation> {
+        None
+    }
+
+    /// Says why nothing can be picked or placed at a point, or `None` where it is in reach.
+    ///
+    /// The words end a sentence that a model is told, such as `it lies 0.81 m from the arm's base, and the arm reaches
+    /// 0.70 m`. Depends on the point and the world's parameters alone.
+    fn out_of_reach(&self, _point: &WorldPoint) -> Option<String> {
+        None
+    }
+}
+
+/// Says why nothing can be done at a point, as [`World::out_of_reach`] does.
+pub type Reach<'a> = dyn Fn(&WorldPoint) -> Option<String> + 'a;
+
+/// Finds every point in reach: for questions outside of any world.
+pub fn everywhere(_: &WorldPoint) -> Option<String> {
+    None
 }
 
 /// A pick and a place.

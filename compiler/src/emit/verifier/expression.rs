@@ -122,6 +122,13 @@ impl<'a> Lowering<'a> {
                 Code::infix(distance, "<=", Code::text(number(*margin_px)?))
             }
             Condition::Last => Code::text(self.dialect.has_last),
+            // The compiler lets no check ask it.
+            Condition::Unreachable => {
+                return Err(EmitError::Reference {
+                    name: "unreachable".to_owned(),
+                    wanted: "a condition of a check",
+                });
+            }
         })
     }
 

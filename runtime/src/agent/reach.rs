@@ -1,0 +1,58 @@
+//! Refuses an accepted answer whose points on the table are out of reach.
+//!
+//! In: a proposal that every other check accepts. Out: the refusal by the check `reachable`, which no task declares, with
+//! what the model is told. Candidates that are out of reach were never offered; what comes here are points that follow from a direction
+//! and a distance, and picks of any pixel of a mask.
+
+use super::Situation;
+use crate::action::Action;
+use compiler::pointing::Notation;
+use compiler::program::{PixelPoint, Program};
+use compiler::reply::Proposal;
+use compiler::verify::{REACHABLE, Verdict};
+
+/// Returns the refusal, or none where the answer can be carried out or comes to no action at all.
+pub(super) fn out_of_reach(
+    situation: Situation<'_>,
+    notation: &Notation,
+    proposal: &Proposal,
+) -> Option<Verdict> {
+    let Situation { program, reach, .. } = situation;
+    let action = Action::lower(program, proposal, situation.scene, situation.observation)?;
+    let refused = |end: &str, at: PixelPoint, why: String, message: String| Verdict::Reject {
+        check: REACHABLE.to_owned(),
+        values: vec![
+            (end.to_owned(), notation.written(at)),
+            ("out of reach".to_owned(), why),
+        ],
+        message,
+    };
+    let stated = |end: &str, at: PixelPoint, why: String| {
+        let message = format!(
+            "The {end} point {} cannot be reached: {why}. Choose another one.",
+            notation.written(at)
+        );
+        refused(end, at, why, message)
+    };
+    if let Some(why) = reach(&action.motion.pick) {
+        return Some(stated("pick", action.pick_px, why));
+    }
+    let why = reach(&action.motion.place)?;
+    let place = action.place_px;
+    if proposal.point("place").is_some() {
+        return Some(stated("place", place, why));
+    }
+    let message = format!(
+        "From {}, {} in the direction {} leads to {}, which cannot be reached: {why}. Choose another direction, a smaller distance or another point.",
+        notation.written(action.pick_px),
+        value(program, notation, proposal, "distance"),
+        value(program, notation, proposal, "direction"),
+        notation.written(place),
+    );
+    Some(refused("place", place, why, message))
+}
+
+fn value(program: &Program, notation: &Notation, proposal: &Proposal, field: &str) -> String {
+    let declared = program.field(field).zip(proposal.get(field));
+    declared.map_or(String::new(), |(field, value)| notation.value(field, value))
+}

@@ -1,0 +1,190 @@
+//! A chain of joints, and where it brings its links and its tool.
+//!
+//! In: the angles of the joints, radians, from the base to the hand. Out: frames in the base frame, metres, and how
+//! the tool moves with each joint. Limits are stated here and kept by those who choose angles; the forward direction
+//! takes any angle, since an arm may report one that lies past its limit.
+
+use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector3, Vector6};
+
+/// How many joints each arm has that is known.
+pub const JOINTS: usize = 6;
+
+/// The largest angle that is taken for one, radians: a joint that reports more than a thousand turns is broken, and
+/// the sine of far larger numbers says nothing.
+const MAX_ANGLE_RAD: f64 = 6300.0;
+
+/// A joint that turns about the z axis of its frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Its frame within the frame before it, at angle zero.
+    pub parent_from_joint_at_zero: Isometry3<f64>,
+    /// The least and the largest angle, radians; none for a joint that turns without end.
+    pub limits_rad: Option<[f64; 2]>,
+    /// The fastest that it turns, rad/s.
+    pub max_speed_rad_s: f64,
+}
+
+/// An arm from its base to its tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chain {
+    model: String,
+    joints: [Joint; JOINTS],
+    last_from_tool: Isometry3<f64>,
+}
+
+/// Angles that are none of this chain's.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BadAngles {
+    /// There are more or fewer than the chain has joints.
+    #[error("`{found}` joint angles were given to an arm with `{JOINTS}` joints")]
+    Count {
+        /// How many were given.
+        found: usize,
+    },
+    /// One is no angle.
+    #[error("the angle `{angle_rad}` of joint `{joint}` is no angle")]
+    NotAnAngle {
+        /// The joint, from 1 at the base.
+        joint: usize,
+        /// What was given, radians.
+        angle_rad: f64,
+    },
+}
+
+impl Chain {
+    pub(super) fn new(
+        model: &str,
+        joints: [Joint; JOINTS],
+        last_from_tool: Isometry3<f64>,
+    ) -> Chain {
+        Chain {
+            model: model.to_owned(),
+            joints,
+            last_from_tool,
+        }
+    }
+
+    /// Returns the model's name.
+    pub fn model(&self) -> &str {
+        &self.model
+    }
+
+    /// Returns the joints, from the base to the hand.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// Returns where the tool is within the frame of the last joint; its z axis points out of the hand.
+    pub fn last_from_tool(&self) -> &Isometry3<f64> {
+        &self.last_from_tool
+    }
+
+    /// Returns where the tool is at these angles.
+    ///
+    /// - `joints_rad`: one for each joint, from the base; limits are not looked at.
+    pub fn base_from_tool(&self, joints_rad: &[f64]) -> Result<Isometry3<f64>, BadAngles> {
+        Ok(self.tool_at(&self.angles(joints_rad)?))
+    }
+
+    /// Returns the frames of all links at these angles, in the base frame: that of each joint, then the tool's.
+    pub fn frames(&self, joints_rad: &[f64]) -> Result<Vec<Isometry3<f64>>, BadAngles> {
+        let angles = self.angles(joints_rad)?;
+        let links = self.links_at(&angles);
+        let tool = links[JOINTS - 1] * self.last_from_tool;
+        Ok(links.into_iter().chain([tool]).collect())
+    }
+
+    /// Returns how the tool moves with each joint: the geometric Jacobian in the base frame.
+    ///
+    /// Column `j` is the velocity of the tool's origin (m/s), then its angular velocity (rad/s), while joint `j` turns
+    /// with 1 rad/s.
+    pub fn jacobian(&self, joints_rad: &[f64]) -> Result<Matrix6<f64>, BadAngles> {
+        Ok(self.motion_at(&self.angles(joints_rad)?).1)
+    }
+
+    /// Returns the first joint, from 1 at the base, whose angle lies past a limit.
+    pub fn joint_past_limit(&self, joints_rad: &[f64]) -> Option<usize> {
+        let past = |(joint, angle): (&Joint, &f64)| {
+            joint
+                .limits_rad
+                .is_some_and(|[least, most]| !(least..=most).contains(angle))
+        };
+        self.joints
+            .iter()
+            .zip(joints_rad)
+            .position(past)
+            .map(|index| index + 1)
+    }
+
+    pub(super) fn angles(&self, joints_rad: &[f64]) -> Result<[f64; JOINTS], BadAngles> {
+        let found = joints_rad.len();
+        let angles: [f64; JOINTS] = joints_rad
+            .try_into()
+            .map_err(|_| BadAngles::Count { found })?;
+        match angles
+            .iter()
+            .position(|angle| !angle.is_finite() || angle.abs() > MAX_ANGLE_RAD)
+        {
+            Some(index) => Err(BadAngles::NotAnAngle {
+                joint: index + 1,
+                angle_rad: angles[index],
+            }),
+            None => Ok(angles),
+        }
+    }
+
+    pub(super) fn tool_at(&self, angles: &[f64; JOINTS]) -> Isometry3<f64> {
+        self.links_at(angles)[JOINTS - 1] * self.last_from_tool
+    }
+
+    pub(super) fn links_at(&self, angles: &[f64; JOINTS]) -> [Isometry3<f64>; JOINTS] {
+        let mut frames = [Isometry3::identity(); JOINTS];
+        let mut parent = Isometry3::identity();
+        for ((joint, angle), frame) in self.joints.iter().zip(angles).zip(&mut frames) {
+            parent *= joint.parent_from_joint_at_zero;
+            parent.rotation *= about_z(*angle);
+            *frame = parent;
+        }
+        frames
+    }
+
+    /// Returns the tool's pose and the Jacobian.
+    pub(super) fn motion_at(&self, angles: &[f64; JOINTS]) -> (Isometry3<f64>, Matrix6<f64>) {
+        let links = self.links_at(angles);
+        let tool = links[JOINTS - 1] * self.last_from_tool;
+        let mut jacobian = Matrix6::zeros();
+        for (index, link) in links.iter().enumerate() {
+            let axis = link.rotation * Vector3::z();
+            let arm = tool.translation.vector - link.translation.vector;
+            let moved = axis.cross(&arm);
+            let column = Vector6::new(moved.x, moved.y, moved.z, axis.x, axis.y, axis.z);
+            jacobian.set_column(index, &column);
+        }
+        (tool, jacobian)
+    }
+
+    /// Returns how far the last joint must turn so that the tool, brought to `tool` now, is turned as at `wanted`; where
+    /// their hands point elsewhere, as near as that joint can bring them.
+    pub(super) fn last_joint_between(&self, tool: &Isometry3<f64>, wanted: &Isometry3<f64>) -> f64 {
+        let last_from_tool = self.last_from_tool.rotation;
+        let between =
+            last_from_tool * tool.rotation.inverse() * wanted.rotation * last_from_tool.inverse();
+        2.0 * between.k.atan2(between.w)
+    }
+
+    /// Returns 1 where the arm turns about the base's z axis as its first joint does, -1 where it turns against it.
+    pub(super) fn first_turns(&self) -> f64 {
+        let axis = self.joints[0].parent_from_joint_at_zero.rotation * Vector3::z();
+        axis.z.signum()
+    }
+
+    /// Returns the point of the first joint's axis at the height of the second joint, base frame, metres.
+    pub(super) fn shoulder(&self) -> Point3<f64> {
+        let second = self.links_at(&[0.0; JOINTS])[1].translation.vector;
+        Point3::new(0.0, 0.0, second.z)
+    }
+}
+
+pub(super) fn about_z(angle_rad: f64) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle_rad)
+}

@@ -1,0 +1,325 @@
+//! Joint angles that bring the tool to a pose.
+//!
+//! In: a pose of the tool in the base frame, and angles to stay near. Out: angles within the limits, else how near the
+//! best attempt came and what stood in the way. From each of a fixed list of starts, damped least squares with the
+//! damping of Sugihara ("Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method", 2011): it
+//! grows with the error that is left, so that no step needs to be taken back. Equal input gives equal angles. Whether
+//! the arm hits itself or anything else on its way is not looked at.
+
+use super::chain::{BadAngles, Chain, JOINTS};
+use super::starts;
+use nalgebra::{Isometry3, Matrix6, Vector6};
+use std::f64::consts::TAU;
+
+/// How far the tool may be from the pose that was asked for, metres.
+pub const POSITION_TOLERANCE_M: f64 = 1e-4;
+
+/// How far it may be turned against it, radians: 0.01 degrees.
+pub const ANGLE_TOLERANCE_RAD: f64 = 0.01 * std::f64::consts::PI / 180.0;
+
+/// What an attempt goes on to, far within the tolerance: the steps converge quadratically, so that it costs one more.
+const FINE: f64 = 1e-9;
+
+/// The most steps of an attempt. Of attempts that end well, 99 in 100 take fewer than 25.
+const MAX_STEPS: usize = 40;
+
+/// The most attempts, the one from the angles that were given included. Of 300 000 poses of random joints, 98 are not
+/// found with 12 attempts, 13 with 20, and each with 40.
+const MAX_ATTEMPTS: usize = 64;
+
+/// The most that a joint turns in a step, radians; the linear model says nothing about farther away.
+const MAX_TURN_RAD: f64 = 0.6;
+
+/// Length that weighs as much as a radian, metres: about the arm's reach halved.
+pub(super) const METRES_PER_RAD: f64 = 0.3;
+
+/// Damping that is left where the error vanishes; keeps the equations solvable in a singular posture.
+const LEAST_DAMPING: f64 = 1e-9;
+
+/// Why there are no joint angles for a pose.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoSolution {
+    /// The angles to stay near are none of this chain's.
+    #[error(transparent)]
+    BadAngles(#[from] BadAngles),
+    /// The pose holds something that is no number.
+    #[error("the pose that was asked for holds a number that is none")]
+    NotAPose,
+    /// No attempt came there.
+    #[error("the arm came to `{:.1}` mm and `{:.2}` degrees of the pose: {obstacle}", .distance_m * 1e3, .angle_rad.to_degrees())]
+    NotReached {
+        /// How far the tool was from it in the best attempt, metres.
+        distance_m: f64,
+        /// How far it was turned against it, radians.
+        angle_rad: f64,
+        /// What stood in the way.
+        obstacle: Obstacle,
+    },
+}
+
+/// What keeps the arm from a pose, as far as the best attempt tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Obstacle {
+    /// The pose lies farther out than the arm reaches.
+    #[error("it lies too far out")]
+    TooFar,
+    /// It lies nearer to the base than the arm comes.
+    #[error("it lies too near to the base")]
+    TooNear,
+    /// The arm reaches the point, but not with the hand turned so.
+    #[error("the hand cannot be turned so at that point")]
+    Turn,
+    /// A joint, from 1 at the base, stands at its limit.
+    #[error("joint `{0}` stands at its limit")]
+    Limit(usize),
+}
+
+/// Where an attempt ended.
+pub(super) struct Attempt {
+    pub(super) angles: [f64; JOINTS],
+    distance_m: f64,
+    angle_rad: f64,
+}
+
+impl Attempt {
+    pub(super) fn reached(&self) -> bool {
+        self.distance_m <= POSITION_TOLERANCE_M && self.angle_rad <= ANGLE_TOLERANCE_RAD
+    }
+
+    fn cost(&self) -> f64 {
+        (self.distance_m / METRES_PER_RAD).hypot(self.angle_rad)
+    }
+}
+
+impl Chain {
+    /// Returns joint angles within the limits that bring the tool to a pose, to 0.1 mm and 0.01 degrees.
+    ///
+    /// - `base_from_tool`: the pose.
+    /// - `near_rad`: where the arm is. The attempts begin there, so that an answer nearby is found first; of joints
+    ///   that turn without end the turn is given that lies nearest to it.
+    pub fn solve(
+        &self,
+        base_from_tool: &Isometry3<f64>,
+        near_rad: &[f64],
+    ) -> Result<Vec<f64>, NoSolution> {
+        let near = self.angles(near_rad)?;
+        if !is_pose(base_from_tool) {
+            return Err(NoSolution::NotAPose);
+        }
+        let wrist = base_from_tool * self.last_from_tool().inverse();
+        let beyond_m =
+            (wrist.translation.vector - self.shoulder().coords).norm() - self.stretched_m();
+        if beyond_m > POSITION_TOLERANCE_M {
+            return Err(NoSolution::NotReached {
+                distance_m: beyond_m,
+                angle_rad: 0.0,
+                obstacle: Obstacle::TooFar,
+            });
+        }
+        let best = self.best_attempt(base_from_tool, &near);
+        Ok(self.judged(base_from_tool, &near, &best)?.to_vec())
+    }
+
+    /// Returns joint angles that bring the tool to a pose a little away from where these angles bring it, in one
+    /// attempt.
+    pub(super) fn next(
+        &self,
+        base_from_tool: &Isometry3<f64>,
+        near: &[f64; JOINTS],
+    ) -> Result<[f64; JOINTS], NoSolution> {
+        self.judged(base_from_tool, near, &self.approach(base_from_tool, near))
+    }
+
+    fn judged(
+        &self,
+        base_from_tool: &Isometry3<f64>,
+        near: &[f64; JOINTS],
+        best: &Attempt,
+    ) -> Result<[f64; JOINTS], NoSolution> {
+        if best.reached() {
+            return Ok(self.turns_nearest(&best.angles, near));
+        }
+        Err(NoSolution::NotReached {
+            distance_m: best.distance_m,
+            angle_rad: best.angle_rad,
+            obstacle: self.obstacle(base_from_tool, best),
+        })
+    }
+
+    fn best_attempt(&self, base_from_tool: &Isometry3<f64>, near: &[f64; JOINTS]) -> Attempt {
+        // Turning the hand is the last joint's work alone; left to the steps, a large turn leads to another posture.
+        let mut turned = *near;
+        turned[JOINTS - 1] += self.last_joint_between(&self.tool_at(near), base_from_tool);
+        let mut best = self.approach(base_from_tool, &turned);
+        if best.reached() {
+            return best;
+        }
+        for start in starts::towards(self, base_from_tool)
+            .iter()
+            .take(MAX_ATTEMPTS - 1)
+        {
+            let attempt = self.approach(base_from_tool, start);
+            if attempt.cost() < best.cost() {
+                best = attempt;
+            }
+            if best.reached() {
+                break;
+            }
+        }
+        best
+    }
+
+    /// Steps from `start` towards a pose until it is reached or the steps are used up.
+    pub(super) fn approach(
+        &self,
+        base_from_tool: &Isometry3<f64>,
+        start: &[f64; JOINTS],
+    ) -> Attempt {
+        let mut angles = self.within_limits(start);
+        for _ in 0..MAX_STEPS {
+            let (tool, jacobian) = self.motion_at(&angles);
+            let error = error(base_from_tool, &tool);
+            if error.norm() < FINE {
+                break;
+            }
+            let step = self.step(&angles, &jacobian, &error);
+            let largest = step.amax();
+            let scale = if largest > MAX_TURN_RAD {
+                MAX_TURN_RAD / largest
+            } else {
+                1.0
+            };
+            for (angle, change) in angles.iter_mut().zip(step.iter()) {
+                *angle += scale * change;
+            }
+            angles = self.within_limits(&angles);
+            if largest < FINE {
+                break;
+            }
+        }
+        let error = error(base_from_tool, &self.tool_at(&angles));
+        Attempt {
+            angles,
+            distance_m: error.fixed_rows::<3>(0).norm() * METRES_PER_RAD,
+            angle_rad: error.fixed_rows::<3>(3).norm(),
+        }
+    }
+
+    /// Solves for a damped step; a joint that would be pushed past a limit at which it stands is left out.
+    fn step(
+        &self,
+        angles: &[f64; JOINTS],
+        jacobian: &Matrix6<f64>,
+        error: &Vector6<f64>,
+    ) -> Vector6<f64> {
+        let mut weighted = *jacobian;
+        weighted
+            .fixed_rows_mut::<3>(0)
+            .scale_mut(1.0 / METRES_PER_RAD);
+        let mut step = damped(&weighted, error);
+        let mut held = false;
+        for (index, joint) in self.joints().iter().enumerate() {
+            let Some([least, most]) = joint.limits_rad else {
+                continue;
+            };
+            if (angles[index] <= least && step[index] < 0.0)
+                || (angles[index] >= most && step[index] > 0.0)
+            {
+                weighted.column_mut(index).fill(0.0);
+                held = true;
+            }
+        }
+        if held {
+            step = damped(&weighted, error);
+        }
+        step
+    }
+
+    /// Returns the angles with each joint at the limit that it lies past; a full turn too many is taken off first.
+    fn within_limits(&self, angles: &[f64; JOINTS]) -> [f64; JOINTS] {
+        let mut within = *angles;
+        for (angle, joint) in within.iter_mut().zip(self.joints()) {
+            if let Some([least, most]) = joint.limits_rad {
+                let middle = (least + most) / 2.0;
+                *angle = nearest_turn(*angle, middle).clamp(least, most);
+            }
+        }
+        within
+    }
+
+    /// Returns the same posture with each endless joint on the turn that lies nearest to `near`.
+    pub(super) fn turns_nearest(
+        &self,
+        angles: &[f64; JOINTS],
+        near: &[f64; JOINTS],
+    ) -> [f64; JOINTS] {
+        let mut nearest = *angles;
+        for ((angle, near), joint) in nearest.iter_mut().zip(near).zip(self.joints()) {
+            if joint.limits_rad.is_none() {
+                *angle = nearest_turn(*angle, *near);
+            }
+        }
+        nearest
+    }
+
+    /// Returns the farthest that the last joint can be from the shoulder, metres: every link in one line.
+    fn stretched_m(&self) -> f64 {
+        let links = self.links_at(&[0.0; JOINTS]);
+        let ways = links[1..]
+            .windows(2)
+            .map(|pair| (pair[1].translation.vector - pair[0].translation.vector).norm());
+        (links[1].translation.vector - self.shoulder().coords).norm() + ways.sum::<f64>()
+    }
+
+    fn obstacle(&self, base_from_tool: &Isometry3<f64>, best: &Attempt) -> Obstacle {
+        let at_limit = |index: &usize| {
+            let limits = self.joints()[*index].limits_rad;
+            limits.is_some_and(|limits| limits.contains(&best.angles[*index]))
+        };
+        if let Some(index) = (0..JOINTS).find(at_limit) {
+            return Obstacle::Limit(index + 1);
+        }
+        if best.distance_m <= POSITION_TOLERANCE_M {
+            return Obstacle::Turn;
+        }
+        let from_shoulder_m =
+            |pose: &Isometry3<f64>| (pose.translation.vector - self.shoulder().coords).norm();
+        if from_shoulder_m(base_from_tool) > from_shoulder_m(&self.tool_at(&best.angles)) {
+            Obstacle::TooFar
+        } else {
+            Obstacle::TooNear
+        }
+    }
+}
+
+/// Says whether a pose is made of numbers.
+pub(super) fn is_pose(pose: &Isometry3<f64>) -> bool {
+    let numbers = pose
+        .translation
+        .vector
+        .iter()
+        .chain(pose.rotation.coords.iter());
+    numbers.copied().all(f64::is_finite)
+}
+
+/// Returns what is left between the tool and the pose: metres over the length that weighs as a radian, then radians.
+fn error(base_from_tool: &Isometry3<f64>, tool: &Isometry3<f64>) -> Vector6<f64> {
+    let moved = (base_from_tool.translation.vector - tool.translation.vector) / METRES_PER_RAD;
+    let turned = (base_from_tool.rotation * tool.rotation.inverse()).scaled_axis();
+    Vector6::new(moved.x, moved.y, moved.z, turned.x, turned.y, turned.z)
+}
+
+fn damped(jacobian: &Matrix6<f64>, error: &Vector6<f64>) -> Vector6<f64> {
+    let damping = 0.5 * error.norm_squared() + LEAST_DAMPING;
+    let normal = jacobian.tr_mul(jacobian) + Matrix6::identity() * damping;
+    let gradient = jacobian.tr_mul(error);
+    // A sum of squares plus a positive diagonal is positive definite.
+    normal
+        .cholesky()
+        .map_or_else(Vector6::zeros, |factors| factors.solve(&gradient))
+}
+
+/// Returns the angle plus as many full turns as bring it nearest to `near`.
+pub(super) fn nearest_turn(angle_rad: f64, near_rad: f64) -> f64 {
+    angle_rad + TAU * ((near_rad - angle_rad) / TAU).round()
+}

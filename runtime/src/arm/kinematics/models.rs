@@ -1,0 +1,89 @@
+//! The arms that are known, read from `models.toml`.
+//!
+//! In: a model's name. Out: its [`Chain`], or the names that are known. The figures and where each comes from stand in
+//! `models.toml`; nothing here changes them but their units.
+
+use super::chain::{Chain, JOINTS, Joint};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use serde::Deserialize;
+
+const MODELS: &str = include_str!("models.toml");
+
+/// A model that is not known.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{name}` is not a model of an arm that is known: {}", .known.iter().map(|known| format!("`{known}`")).collect::<Vec<_>>().join(", "))]
+pub struct UnknownModel {
+    /// What was asked for.
+    pub name: String,
+    /// The models that are known.
+    pub known: Vec<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    chain: Vec<ChainFigures>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChainFigures {
+    models: Vec<String>,
+    hand_xyz_m: [f64; 3],
+    hand_rpy_deg: [f64; 3],
+    joint: [JointFigures; JOINTS],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct JointFigures {
+    xyz_m: [f64; 3],
+    rpy_deg: [f64; 3],
+    limits_deg: Option<[f64; 2]>,
+    max_speed_deg_s: f64,
+}
+
+impl Chain {
+    /// Returns the names of the models that are known.
+    pub fn models() -> Vec<String> {
+        read()
+            .chain
+            .into_iter()
+            .flat_map(|chain| chain.models)
+            .collect()
+    }
+
+    /// Returns the chain of a model, e.g. `j2n6s200`.
+    pub fn of_model(name: &str) -> Result<Chain, UnknownModel> {
+        let figures = read()
+            .chain
+            .into_iter()
+            .find(|chain| chain.models.iter().any(|model| model == name))
+            .ok_or_else(|| UnknownModel {
+                name: name.to_owned(),
+                known: Chain::models(),
+            })?;
+        let last_from_tool = isometry(figures.hand_xyz_m, figures.hand_rpy_deg);
+        Ok(Chain::new(name, figures.joint.map(joint), last_from_tool))
+    }
+}
+
+fn read() -> File {
+    toml::from_str(MODELS).expect("models.toml is part of the program and a test reads it")
+}
+
+fn joint(figures: JointFigures) -> Joint {
+    Joint {
+        parent_from_joint_at_zero: isometry(figures.xyz_m, figures.rpy_deg),
+        limits_rad: figures.limits_deg.map(|limits| limits.map(f64::to_radians)),
+        max_speed_rad_s: figures.max_speed_deg_s.to_radians(),
+    }
+}
+
+fn isometry([x, y, z]: [f64; 3], rpy_deg: [f64; 3]) -> Isometry3<f64> {
+    let [roll, pitch, yaw] = rpy_deg.map(f64::to_radians);
+    Isometry3::from_parts(
+        Translation3::new(x, y, z),
+        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+    )
+}

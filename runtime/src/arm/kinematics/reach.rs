@@ -1,0 +1,318 @@
+//! What a hand that points straight down reaches.
+//!
+//! In: a point in the base frame, and the heights over it that the hand must come to as well. Out: joint angles at the
+//! point from which the hand can go straight up, else how far the point is from the base, what is reached at that
+//! height, and why the point is not. Since the last joint turns without end, what is reached does not depend on how the
+//! hand is turned. Three things beyond the joints' limits are kept: the elbow stays over the point by more than a link
+//! is thick, since below the point lies the table; the hand stays off the base; and the way up is straight. Other
+//! collisions of the arm are not looked at.
+//!
+//! At the height of the base, the tool comes to within 0.18 m of the first axis and 0.70 m away from it (`j2n6s200`,
+//! `j2n6s300`), or 0.16 m and 0.72 m (`j2s6s200`).
+
+use super::chain::{Chain, JOINTS};
+use super::inverse::nearest_turn;
+use super::tool_down::{Downwards, tool_down};
+use nalgebra::{Isometry3, Point3, Translation3};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::fmt;
+use std::sync::{Mutex, PoisonError};
+
+/// How far the elbow's axis stays over the point, metres: the radius of a large link, 0.044 (`large_ring` of
+/// dm_control's `jaco_arm.xml`), and a little.
+const ELBOW_OVER_POINT_M: f64 = 0.05;
+
+/// How much lower than the highest an elbow may be to count as up, metres; postures that differ in the wrist alone differ
+/// by a few millimetres, the elbow down by far more.
+const ELBOW_UP_M: f64 = 0.05;
+
+/// How far the tool stays from the first axis, metres: the radius of shoulder and base, 0.051, and that of the palm, 0.059
+/// (meshes `shoulder.stl` and `hand_3finger_main.stl` of dm_control).
+const HAND_OFF_BASE_M: f64 = 0.11;
+
+/// The longest step of the way up, metres.
+const STEP_M: f64 = 0.02;
+
+/// The largest coordinate or height that is looked at, metres; no arm comes near it.
+const MAX_M: f64 = 10.0;
+
+/// Step of the search for what is reached, metres; halved to 0.1 mm at both ends.
+const RANGE_STEP_M: f64 = 0.02;
+const RANGE_HALVINGS: usize = 8;
+
+/// What is reached is kept for heights rounded to this, metres.
+const KEPT_M: f64 = 0.005;
+
+/// The most heights for which it is kept.
+const MAX_KEPT: usize = 4096;
+
+/// How the hand is turned about the vertical.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Turn {
+    /// By this angle, radians: at 0 the tool's x axis lies along the base's.
+    Fixed(f64),
+    /// As it comes, with the last joint at zero.
+    Free,
+}
+
+/// Distances from the first joint's axis, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// The least.
+    pub nearest_m: f64,
+    /// The largest.
+    pub farthest_m: f64,
+}
+
+/// A point that the hand does not reach pointing down, or not with the way up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutOfReach {
+    /// How far the point is from the first joint's axis, metres.
+    pub radius_m: f64,
+    /// How far over the point the hand cannot be, metres; 0 for the point itself.
+    pub above_m: f64,
+    /// What is reached at that height, without a gap up to the farthest; none where nothing is.
+    pub range: Option<Range>,
+    /// Why not.
+    pub why: WhyNot,
+}
+
+/// Why a point is out of reach.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WhyNot {
+    /// A coordinate is no number, or a height is none or below 0.
+    NotAPlace,
+    /// It is too near to the base.
+    TooNear,
+    /// It is too far from it.
+    TooFar,
+    /// Nothing is reached at that height.
+    Height,
+    /// It lies in a narrow gap of what is reached.
+    Gap,
+    /// Each posture for the point ends at a limit on the straight way up, or would need another.
+    WayUp,
+}
+
+impl fmt::Display for OutOfReach {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.why == WhyNot::NotAPlace {
+            return write!(
+                out,
+                "the point or a height over it is no place within {MAX_M} m of the arm's base"
+            );
+        }
+        write!(out, "{:.2} m from the arm's base; ", self.radius_m)?;
+        match (self.above_m > 0.0, self.range) {
+            (true, _) => write!(out, "{:.2} m above the point ", self.above_m)?,
+            (false, Some(_)) => write!(out, "at this height ")?,
+            (false, None) => write!(out, "at this height, pointing down, ")?,
+        }
+        let Some(range) = self.range else {
+            return write!(out, "it reaches nothing");
+        };
+        // Rounded inwards, so that what is refused by a millimetre is not said to be reached.
+        let centimetre = |metres: f64, round: fn(f64) -> f64| round(metres * 100.0) / 100.0;
+        let nearest_m = centimetre(range.nearest_m, f64::ceil);
+        let farthest_m = centimetre(range.farthest_m, f64::floor);
+        write!(out, "it reaches {nearest_m:.2} to {farthest_m:.2} m")?;
+        match self.why {
+            WhyNot::Gap => write!(out, ", but not there"),
+            WhyNot::WayUp => write!(out, ", but not straight up from there"),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for OutOfReach {}
+
+/// What an arm reaches with its hand pointing down.
+#[derive(Debug)]
+pub struct Reach {
+    chain: Chain,
+    downwards: Downwards,
+    turn: Turn,
+    ranges: Mutex<BTreeMap<i64, Option<Range>>>,
+}
+
+impl Reach {
+    /// Prepares for an arm whose hand points straight down.
+    pub fn tool_down(chain: &Chain, turn: Turn) -> Reach {
+        Reach {
+            chain: chain.clone(),
+            downwards: Downwards::new(chain),
+            turn,
+            ranges: Mutex::default(),
+        }
+    }
+
+    /// Returns joint angles at a point from which the hand can rise straight to each height.
+    ///
+    /// Of several postures, one with the elbow up, and of those the one that is farthest from any in which the arm cannot
+    /// move some way (determinant of the Jacobian, Yoshikawa 1985).
+    ///
+    /// - `point`: where the tool is to be, base frame, metres.
+    /// - `heights_above_m`: over the point, metres, none below 0.
+    pub fn check(
+        &self,
+        point: &Point3<f64>,
+        heights_above_m: &[f64],
+    ) -> Result<Vec<f64>, OutOfReach> {
+        let radius_m = point.x.hypot(point.y);
+        let top_m = heights_above_m.iter().copied().fold(0.0, f64::max);
+        let is_height = |height: &f64| (0.0..=MAX_M).contains(height);
+        if !(point.iter().all(|coordinate| coordinate.abs() <= MAX_M)
+            && heights_above_m.iter().all(is_height))
+        {
+            return Err(OutOfReach {
+                radius_m,
+                above_m: 0.0,
+                range: None,
+                why: WhyNot::NotAPlace,
+            });
+        }
+        let postures = self.best_first(radius_m, point.z);
+        if let Some(angles) = postures
+            .iter()
+            .find_map(|posture| self.rises(posture, point, top_m))
+        {
+            return Ok(angles);
+        }
+        Err(self.refusal(radius_m, point.z, heights_above_m))
+    }
+
+    /// Returns what is reached at a height over the base, without a gap up to the farthest; none where nothing is.
+    ///
+    /// Exact to 1 mm for heights that are multiples of 5 mm; others are taken to the nearest. A gap narrower than 20 mm may
+    /// be passed over; there are such less than 0.2 m from the axis.
+    pub fn range(&self, height_m: f64) -> Option<Range> {
+        if height_m.is_nan() || height_m.abs() > 2.0 * MAX_M {
+            return None;
+        }
+        let key = (height_m / KEPT_M).round();
+        let mut ranges = self.ranges.lock().unwrap_or_else(PoisonError::into_inner);
+        if ranges.len() >= MAX_KEPT {
+            ranges.clear();
+        }
+        *ranges
+            .entry(key as i64)
+            .or_insert_with(|| self.search_range(key * KEPT_M))
+    }
+
+    fn search_range(&self, height_m: f64) -> Option<Range> {
+        let reaches = |radius_m: f64| !self.postures(radius_m, height_m).is_empty();
+        let radii: Vec<f64> = (0..60)
+            .rev()
+            .map(|step| f64::from(step) * RANGE_STEP_M)
+            .collect();
+        let outer = radii.iter().position(|radius_m| reaches(*radius_m))?;
+        let gap = radii[outer..]
+            .iter()
+            .position(|radius_m| !reaches(*radius_m));
+        let inner = gap.map_or(radii.len(), |gap| outer + gap);
+        let rim = |within_m: f64, beyond_m: f64| {
+            let (mut within_m, mut beyond_m) = (within_m, beyond_m);
+            for _ in 0..RANGE_HALVINGS {
+                let middle_m = (within_m + beyond_m) / 2.0;
+                if reaches(middle_m) {
+                    within_m = middle_m;
+                } else {
+                    beyond_m = middle_m;
+                }
+            }
+            within_m
+        };
+        Some(Range {
+            nearest_m: rim(radii[inner - 1], radii.get(inner).copied().unwrap_or(0.0)),
+            farthest_m: rim(radii[outer], radii[outer] + RANGE_STEP_M),
+        })
+    }
+
+    /// Returns the postures with the tool at a distance and a height whose elbow is over the tool.
+    fn postures(&self, radius_m: f64, height_m: f64) -> Vec<[f64; JOINTS]> {
+        if radius_m < HAND_OFF_BASE_M {
+            return Vec::new();
+        }
+        let mut postures = self.downwards.postures(radius_m, height_m);
+        postures.retain(|posture| {
+            self.chain.links_at(posture)[2].translation.z >= height_m + ELBOW_OVER_POINT_M
+        });
+        postures
+    }
+
+    fn best_first(&self, radius_m: f64, height_m: f64) -> Vec<[f64; JOINTS]> {
+        let mut postures = self.postures(radius_m, height_m);
+        let elbow_m = |posture: &[f64; JOINTS]| self.chain.links_at(posture)[2].translation.z;
+        let highest_m = postures
+            .iter()
+            .map(elbow_m)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let dexterity = |posture: &[f64; JOINTS]| {
+            let up = if elbow_m(posture) > highest_m - ELBOW_UP_M {
+                1.0
+            } else {
+                0.0
+            };
+            up + self.chain.motion_at(posture).1.determinant().abs()
+        };
+        postures.sort_by(|one, other| dexterity(other).total_cmp(&dexterity(one)));
+        postures
+    }
+
+    /// Returns the angles at the point where the hand can rise from there to `top_m`.
+    fn rises(&self, posture: &[f64; JOINTS], point: &Point3<f64>, top_m: f64) -> Option<Vec<f64>> {
+        let mut angles = *posture;
+        let azimuth = point.y.atan2(point.x);
+        angles[0] += azimuth * self.chain.first_turns();
+        let tool = self.chain.tool_at(&angles);
+        let mut target = Isometry3::from_parts(Translation3::from(point.coords), tool.rotation);
+        if let Turn::Fixed(turn_rad) = self.turn {
+            target = tool_down(point, turn_rad);
+            angles[JOINTS - 1] += self.chain.last_joint_between(&tool, &target);
+        }
+        for (angle, joint) in angles.iter_mut().zip(self.chain.joints()) {
+            if joint.limits_rad.is_none() {
+                *angle = nearest_turn(*angle, PI);
+            }
+        }
+        let top = Translation3::new(0.0, 0.0, top_m) * target;
+        let way = self.chain.straight(&target, &top, &angles, STEP_M).ok()?;
+        let over_table = |joints: &Vec<f64>| {
+            let links = self.chain.frames(joints);
+            links.is_ok_and(|links| links[2].translation.z >= point.z + ELBOW_OVER_POINT_M)
+        };
+        if !way.iter().all(over_table) {
+            return None;
+        }
+        way.into_iter().next()
+    }
+
+    fn refusal(&self, radius_m: f64, height_m: f64, heights_above_m: &[f64]) -> OutOfReach {
+        let mut above_m: Vec<f64> = [0.0].iter().chain(heights_above_m).copied().collect();
+        above_m.sort_by(f64::total_cmp);
+        let refused = |above_m: f64, range, why| OutOfReach {
+            radius_m,
+            above_m,
+            range,
+            why,
+        };
+        for above_m in above_m {
+            let Some(range) = self.range(height_m + above_m) else {
+                return refused(above_m, None, WhyNot::Height);
+            };
+            if radius_m > range.farthest_m {
+                return refused(above_m, Some(range), WhyNot::TooFar);
+            }
+            if radius_m < range.nearest_m {
+                return refused(above_m, Some(range), WhyNot::TooNear);
+            }
+        }
+        let why = if self.postures(radius_m, height_m).is_empty() {
+            WhyNot::Gap
+        } else {
+            WhyNot::WayUp
+        };
+        refused(0.0, self.range(height_m), why)
+    }
+}

@@ -1,0 +1,131 @@
+//! Joint angles along a straight way of the tool.
+//!
+//! In: two poses, and where the arm is. Out: angles at points of the line between them, each found from the ones
+//! before it alone, so that the arm stays in one posture; else where on the way that ends, and why.
+
+use super::chain::{Chain, JOINTS};
+use super::inverse::{NoSolution, is_pose};
+use nalgebra::{Isometry3, Translation3};
+
+/// The most that a joint may turn from one point of a line to the next, radians. A step of 10 mm with the hand pointing
+/// down, 0.2 m or farther from the base's axis, stays below half of it; another posture is several times as far away.
+pub const MAX_JUMP_RAD: f64 = 0.4;
+
+/// The most that the tool is turned between two points, radians: 5 degrees.
+const MAX_TURN_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
+
+/// The most points of a line; 20 m in steps of 10 mm.
+const MAX_POINTS: f64 = 2000.0;
+
+/// Why a straight way cannot be gone.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotStraight {
+    /// The steps are no lengths, or so short that there would be too many.
+    #[error(
+        "a way of `{way_m}` m cannot be divided into steps of `{step_m}` m: at most 2000 steps"
+    )]
+    Steps {
+        /// Length of the way, metres.
+        way_m: f64,
+        /// The step that was asked for, metres.
+        step_m: f64,
+    },
+    /// The arm does not come to a point of the line.
+    #[error("after `{after_m:.3}` m of the straight way {why}")]
+    NoSolution {
+        /// How far along the line, metres.
+        after_m: f64,
+        /// Why not.
+        why: NoSolution,
+    },
+    /// A joint would have to turn far within one step.
+    #[error("after `{after_m:.3}` m of the straight way joint `{joint}` would turn by `{:.0}` degrees within a step, and at most `{:.0}` are let pass", .jump_rad.to_degrees(), MAX_JUMP_RAD.to_degrees())]
+    Jump {
+        /// How far along the line, metres.
+        after_m: f64,
+        /// The joint, from 1 at the base.
+        joint: usize,
+        /// How far it would turn, radians.
+        jump_rad: f64,
+    },
+}
+
+impl Chain {
+    /// Returns joint angles along the straight line between two poses of the tool, both ends included.
+    ///
+    /// The tool turns evenly from one pose to the other, the shorter way. Between two points whose joints move evenly,
+    /// the tool leaves the line by less than 0.3 mm where `step_m` is 0.01 and the line stays 0.2 m off the base's axis.
+    ///
+    /// - `from`, `to`: `base_from_tool` at the ends.
+    /// - `near_rad`: where the arm is; the first point is found from there.
+    /// - `step_m`: the longest way between two points, metres, above 0; a turn is divided into steps of 5 degrees.
+    pub fn straight(
+        &self,
+        from: &Isometry3<f64>,
+        to: &Isometry3<f64>,
+        near_rad: &[f64],
+        step_m: f64,
+    ) -> Result<Vec<Vec<f64>>, NotStraight> {
+        let refused = |after_m| move |why| NotStraight::NoSolution { after_m, why };
+        let first = self.solve(from, near_rad).map_err(refused(0.0))?;
+        if !is_pose(to) {
+            return Err(refused(0.0)(NoSolution::NotAPose));
+        }
+        let mut last = self
+            .angles(&first)
+            .map_err(|why| refused(0.0)(why.into()))?;
+        let way_m = (to.translation.vector - from.translation.vector).norm();
+        let turn_rad = from.rotation.angle_to(&to.rotation);
+        let points = (way_m / step_m).max(turn_rad / MAX_TURN_RAD).ceil();
+        if !(step_m > 0.0 && points <= MAX_POINTS) {
+            return Err(NotStraight::Steps { way_m, step_m });
+        }
+        let mut way = vec![first];
+        let mut before = last;
+        for point in 1..=points as usize {
+            let part = point as f64 / points;
+            let after_m = part * way_m;
+            let pose = between(from, to, part);
+            // Going on as before leads past postures in which the wrist folds flat and a second family of them begins.
+            let ahead = std::array::from_fn(|index| 2.0 * last[index] - before[index]);
+            let angles = match self.next(&pose, &ahead) {
+                Ok(angles) if jump(&angles, &last).is_none() => angles,
+                _ => self.next(&pose, &last).map_err(refused(after_m))?,
+            };
+            if let Some((joint, jump_rad)) = jump(&angles, &last) {
+                return Err(NotStraight::Jump {
+                    after_m,
+                    joint,
+                    jump_rad,
+                });
+            }
+            (before, last) = (last, angles);
+            way.push(angles.to_vec());
+        }
+        Ok(way)
+    }
+}
+
+/// Returns the first joint, from 1 at the base, that turns farther than may be, and how far.
+fn jump(angles: &[f64; JOINTS], before: &[f64; JOINTS]) -> Option<(usize, f64)> {
+    let turned = angles
+        .iter()
+        .zip(before)
+        .map(|(angle, before)| (angle - before).abs());
+    turned
+        .enumerate()
+        .find(|(_, turned)| *turned > MAX_JUMP_RAD)
+        .map(|(index, turned)| (index + 1, turned))
+}
+
+/// Returns the pose at a part, 0 to 1, of the way between two.
+fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, part: f64) -> Isometry3<f64> {
+    let place = from.translation.vector.lerp(&to.translation.vector, part);
+    // Half a turn has no shorter way; any is as good.
+    let turned = from.rotation.try_slerp(&to.rotation, part, 1e-9);
+    let rotation = turned.unwrap_or_else(|| {
+        let way = (to.rotation * from.rotation.inverse()).scaled_axis() * part;
+        nalgebra::UnitQuaternion::from_scaled_axis(way) * from.rotation
+    });
+    Isometry3::from_parts(Translation3::from(place), rotation)
+}

@@ -1,0 +1,54 @@
+//! Laws and vendor's figures that hold for every model; what the tests share.
+
+#![allow(clippy::unwrap_used)]
+
+mod chain;
+mod inverse;
+mod peer;
+mod reach;
+mod straight;
+
+use super::chain::{Chain, JOINTS};
+use nalgebra::Isometry3;
+use proptest::prelude::*;
+use std::f64::consts::TAU;
+
+const MODELS: [&str; 3] = ["j2n6s200", "j2n6s300", "j2s6s200"];
+
+/// Joint angles of the vendor's home pose, radians, and where the arm itself says that its tool is then: metres, and
+/// Euler angles about x, y, z as kinova-ros counts them (`kinova_demo/nodes/kinova_demo/pose_action_client.py`).
+const HOME_RAD: [f64; JOINTS] = [4.8085, 2.9246, 1.0020, 4.2031, 1.4454, 1.3233];
+const HOME_M: [f64; 3] = [0.2123, -0.2572, 0.5096];
+const HOME_EULER_RAD: [f64; 3] = [1.6377, 1.1132, 0.1341];
+
+fn chain_of(model: &str) -> Chain {
+    Chain::of_model(model).unwrap()
+}
+
+fn distance_m(one: &Isometry3<f64>, other: &Isometry3<f64>) -> f64 {
+    (one.translation.vector - other.translation.vector).norm()
+}
+
+fn angle_deg(one: &Isometry3<f64>, other: &Isometry3<f64>) -> f64 {
+    one.rotation.angle_to(&other.rotation).to_degrees()
+}
+
+/// Angles within a chain's limits; of endless joints within one turn.
+fn within_limits(chain: &Chain) -> impl Strategy<Value = Vec<f64>> + use<> {
+    let ranges: Vec<_> = chain
+        .joints()
+        .iter()
+        .map(|joint| joint.limits_rad.unwrap_or([0.0, TAU]))
+        .collect();
+    let angle = |[least, most]: [f64; 2]| least..=most;
+    ranges.into_iter().map(angle).collect::<Vec<_>>()
+}
+
+/// A model with angles for it.
+fn posed() -> impl Strategy<Value = (Chain, Vec<f64>)> {
+    prop::sample::select(MODELS.to_vec()).prop_flat_map(|model| {
+        let chain = chain_of(model);
+        let angles = within_limits(&chain);
+        (Just(chain), angles)
+    })
+}

@@ -1,0 +1,273 @@
+//! The postures in which the hand points straight down at a distance and a height.
+//!
+//! In: a chain; how far the tool is from the first joint's axis, and how high. Out: joint angles within the limits, all
+//! there are but for one family, so that where there are none the place is out of reach. Pointing down, the last joint's axis is
+//! vertical: that joint turns the hand and nothing else. Of the others, the fifth is gone through in steps; with its
+//! angle the direction of the forearm is known, and with that where the elbow would have to be. It can be there where
+//! the upper arm is as long as the way from the shoulder: a root in one unknown.
+//!
+//! One family is left out: at the two angles of the fifth joint at which forearm and hand are parallel, both may be
+//! vertical with any angle of the fourth. It adds places less than 0.16 m from the axis, and from its postures most ways
+//! lead nowhere.
+//!
+//! This needs what all known arms share: the first axis is the base's vertical, the second and the third are horizontal
+//! and parallel, and the fourth lies along the plane in which those two move the arm. A test holds each model to it.
+
+use super::chain::{Chain, JOINTS, about_z};
+use super::inverse::nearest_turn;
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector2, Vector3};
+use std::f64::consts::{PI, TAU};
+
+/// How many steps the fifth joint is gone through in. Two roots within a step of 2 degrees are missed: where they meet,
+/// at the rim of what is reached, that moves the rim by less than 0.1 mm.
+const STEPS: usize = 180;
+
+/// Below this length the level part of the fourth axis has no direction.
+const LEVEL: f64 = 1e-9;
+
+/// Halvings of a step in which a root lies; leaves 2 degrees / 2^24.
+const HALVINGS: usize = 24;
+
+/// Returns the pose of a hand that points straight down.
+///
+/// - `point`: where its tool is, base frame, metres.
+/// - `turn_rad`: how it is turned about the base's vertical; at 0 the tool's x axis lies along the base's.
+pub fn tool_down(point: &Point3<f64>, turn_rad: f64) -> Isometry3<f64> {
+    let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
+    Isometry3::from_parts(Translation3::from(point.coords), about_z(turn_rad) * down)
+}
+
+/// An arm whose hand points down.
+#[derive(Clone, Debug)]
+pub(super) struct Downwards {
+    chain: Chain,
+    plane: Plane,
+    steps: [Vec<Side>; 2],
+}
+
+/// The plane in which the second and the third joint move the arm, while the first stands at zero. Along it run `u`,
+/// horizontal, and the vertical; angles in it grow from the vertical towards `u`, and with the second joint.
+#[derive(Clone, Debug)]
+struct Plane {
+    u: Vector3<f64>,
+    normal: Vector3<f64>,
+    /// Of the shoulder, along `u` and up, metres.
+    shoulder: Vector2<f64>,
+    /// How far beside the first axis the forearm's axis runs, along `normal`, metres.
+    beside_m: f64,
+    upper: Link,
+    fore: Link,
+    /// How far the forearm's direction is turned against the fourth axis.
+    fore_from_axis_rad: f64,
+    /// 1 where the third axis points as the second does, else -1; likewise the first and the base's vertical.
+    third: f64,
+    first: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Link {
+    length_m: f64,
+    /// Its direction in the plane while all joints stand at zero, radians.
+    at_zero_rad: f64,
+}
+
+/// What an angle of the fifth joint says of the arm, where the plane is turned so that the fourth axis lies in it.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    fifth_rad: f64,
+    /// The direction seen from above, with the hand unturned, that lies along `u`.
+    heading: Vector2<f64>,
+    /// How far everything is turned about the vertical for that.
+    turned_rad: f64,
+    /// Of the elbow, from the tool, along `u` and up, metres.
+    elbow: Vector2<f64>,
+    /// Of the tool, along the normal, metres.
+    tool_beside_m: f64,
+    /// The forearm's direction in the plane.
+    fore_rad: f64,
+}
+
+impl Downwards {
+    pub(super) fn new(chain: &Chain) -> Downwards {
+        let mut downwards = Downwards {
+            chain: chain.clone(),
+            plane: Plane::of(chain),
+            steps: Default::default(),
+        };
+        // Half a step in: at 0 the forearm may be vertical, which gives the first side no direction.
+        let endless = [0.5, STEPS as f64 + 0.5].map(|step| step * TAU / STEPS as f64);
+        let [least, most] = chain.joints()[4].limits_rad.unwrap_or(endless);
+        downwards.steps = [1.0, -1.0].map(|sign| {
+            let mut heading = downwards.axis(least).xy().normalize() * sign;
+            let side = |step: usize| {
+                let fifth_rad = least + (most - least) * step as f64 / STEPS as f64;
+                let side = downwards.side(fifth_rad, &heading);
+                heading = side.heading;
+                side
+            };
+            (0..=STEPS).map(side).collect()
+        });
+        downwards
+    }
+
+    /// Returns all postures within the limits, with the first joint such that the tool lies along the base's x axis and
+    /// the last at zero.
+    ///
+    /// - `distance_m`: of the tool from the first joint's axis.
+    /// - `height_m`: of the tool over the base.
+    pub(super) fn postures(&self, distance_m: f64, height_m: f64) -> Vec<[f64; JOINTS]> {
+        let mut postures = Vec::new();
+        for steps in &self.steps {
+            for ahead in [1.0, -1.0] {
+                let left_m =
+                    |side: &Side| self.upper_arm_lacks_m(side, ahead * distance_m, height_m);
+                for pair in steps.windows(2) {
+                    let (Some(one), Some(other)) = (left_m(&pair[0]), left_m(&pair[1])) else {
+                        continue;
+                    };
+                    if (one < 0.0) != (other < 0.0) {
+                        let side = self.halve(&pair[0], &pair[1], left_m);
+                        postures.extend(self.posture(&side, ahead * distance_m, height_m));
+                    }
+                }
+            }
+        }
+        postures
+    }
+
+    /// Returns the angle between two neighbours at which what `left` tells of a side changes its sign.
+    fn halve(&self, from: &Side, to: &Side, left: impl Fn(&Side) -> Option<f64>) -> Side {
+        let (mut low, mut high) = (*from, *to);
+        let below = left(&low).is_some_and(|left| left < 0.0);
+        for _ in 0..HALVINGS {
+            let middle = self.side((low.fifth_rad + high.fifth_rad) / 2.0, &low.heading);
+            if left(&middle).is_some_and(|left| left < 0.0) == below {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
+    /// Returns what an angle of the fifth joint says, with the fourth axis on the side of the plane that is nearest to
+    /// `heading`, so that the sides of neighbouring angles are neighbours where that axis passes the vertical.
+    fn side(&self, fifth_rad: f64, heading: &Vector2<f64>) -> Side {
+        let fourth = self.fourth(fifth_rad);
+        let axis = fourth.rotation * Vector3::z();
+        let level = axis.xy();
+        let heading = match level.try_normalize(LEVEL) {
+            Some(direction) if direction.dot(heading) < 0.0 => -direction,
+            Some(direction) => direction,
+            None => *heading,
+        };
+        let turned_rad = azimuth(&self.plane.u.xy()) - azimuth(&heading);
+        let plane = &self.plane;
+        let wrist = about_z(turned_rad) * fourth.translation.vector;
+        let fore_rad = level.dot(&heading).atan2(axis.z) + plane.fore_from_axis_rad;
+        Side {
+            fifth_rad,
+            heading,
+            turned_rad,
+            elbow: Vector2::new(wrist.dot(&plane.u), wrist.z)
+                - along(fore_rad) * plane.fore.length_m,
+            tool_beside_m: plane.beside_m - wrist.dot(&plane.normal),
+            fore_rad,
+        }
+    }
+
+    /// Returns how much farther from the shoulder the elbow would be than the upper arm is long, metres squared; none
+    /// where the tool would be farther beside the plane than its distance from the axis.
+    fn upper_arm_lacks_m(&self, side: &Side, distance_m: f64, height_m: f64) -> Option<f64> {
+        let elbow = self.elbow(side, distance_m, height_m)?;
+        Some((elbow - self.plane.shoulder).norm_squared() - self.plane.upper.length_m.powi(2))
+    }
+
+    fn elbow(&self, side: &Side, distance_m: f64, height_m: f64) -> Option<Vector2<f64>> {
+        Some(side.elbow + Vector2::new(ahead_m(side, distance_m)?, height_m))
+    }
+
+    fn posture(&self, side: &Side, distance_m: f64, height_m: f64) -> Option<[f64; JOINTS]> {
+        let plane = &self.plane;
+        let upper = self.elbow(side, distance_m, height_m)? - plane.shoulder;
+        let second = upper.x.atan2(upper.y) - plane.upper.at_zero_rad;
+        let third = (side.fore_rad - plane.fore.at_zero_rad - second) * plane.third;
+        let tool = plane.u * ahead_m(side, distance_m)? + plane.normal * side.tool_beside_m;
+        let turn = -azimuth(&tool.xy());
+        let mut angles = [turn * plane.first, second, third, 0.0, side.fifth_rad, 0.0];
+        for (angle, joint) in angles.iter_mut().zip(self.chain.joints()) {
+            if let Some([least, most]) = joint.limits_rad {
+                *angle = nearest_turn(*angle, (least + most) / 2.0);
+            }
+        }
+        if self.chain.joint_past_limit(&angles).is_some() {
+            return None;
+        }
+        // What is missing between the wrist as it is now and as the hand needs it is a turn about the fourth axis.
+        let links = self.chain.links_at(&angles);
+        let (fourth, fifth) = (links[3].rotation, links[4].rotation);
+        let needed = about_z(side.turned_rad + turn) * self.fifth().rotation;
+        let missing = fourth.inverse() * needed * fifth.inverse() * fourth;
+        angles[3] = 2.0 * missing.k.atan2(missing.w);
+        Some(angles)
+    }
+
+    fn axis(&self, fifth_rad: f64) -> Vector3<f64> {
+        self.fourth(fifth_rad).rotation * Vector3::z()
+    }
+
+    /// Returns the frame of the fourth joint, likewise.
+    fn fourth(&self, fifth_rad: f64) -> Isometry3<f64> {
+        let fourth_from_fifth =
+            self.chain.joints()[4].parent_from_joint_at_zero * about_z(fifth_rad);
+        self.fifth() * fourth_from_fifth.inverse()
+    }
+
+    /// Returns the frame of the fifth joint, from the tool, while the hand points down with no turn and the last joint
+    /// stands at zero.
+    fn fifth(&self) -> Isometry3<f64> {
+        let sixth = tool_down(&Point3::origin(), 0.0) * self.chain.last_from_tool().inverse();
+        sixth * self.chain.joints()[5].parent_from_joint_at_zero.inverse()
+    }
+}
+
+impl Plane {
+    fn of(chain: &Chain) -> Plane {
+        let links = chain.links_at(&[0.0; JOINTS]);
+        let axis = |index: usize| links[index].rotation * Vector3::z();
+        let at = |index: usize| links[index].translation.vector;
+        let normal = axis(1);
+        let u = normal.cross(&Vector3::z());
+        let flat = |vector: Vector3<f64>| Vector2::new(vector.dot(&u), vector.z);
+        let link = |vector: Vector2<f64>| Link {
+            length_m: vector.norm(),
+            at_zero_rad: vector.x.atan2(vector.y),
+        };
+        let fore = link(flat(at(3) - at(2)));
+        Plane {
+            u,
+            normal,
+            shoulder: flat(at(1)),
+            beside_m: at(3).dot(&normal),
+            upper: link(flat(at(2) - at(1))),
+            fore_from_axis_rad: fore.at_zero_rad - link(flat(axis(3))).at_zero_rad,
+            fore,
+            third: axis(2).dot(&normal).signum(),
+            first: chain.first_turns(),
+        }
+    }
+}
+
+/// Returns how far ahead of the first axis the tool is, along `u`; behind it where the distance is below 0.
+fn ahead_m(side: &Side, distance_m: f64) -> Option<f64> {
+    let square = distance_m.powi(2) - side.tool_beside_m.powi(2);
+    (square >= 0.0).then(|| square.sqrt() * distance_m.signum())
+}
+
+fn along(angle_rad: f64) -> Vector2<f64> {
+    Vector2::new(angle_rad.sin(), angle_rad.cos())
+}
+
+fn azimuth(vector: &Vector2<f64>) -> f64 {
+    vector.y.atan2(vector.x)
+}

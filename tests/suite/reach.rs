@@ -1,0 +1,383 @@
+//! Points that a world cannot reach: never offered, told of before anybody is asked, and refused where an answer leads
+//! there all the same.
+
+use super::support::{self, ProjectFiles, words_of};
+use compiler::program::Program;
+use compiler::{LoadError, Loader};
+use runtime::agent::Models;
+use runtime::cache::Cache;
+use runtime::calls::{Budget, Calls};
+use runtime::examples::Examples;
+use runtime::interrupt::Interrupt;
+use runtime::journal::{JOURNAL_FILE, RunFolder};
+use runtime::model::{Model, ModelError, Nature, Reply, Request};
+use runtime::observation::Observation;
+use runtime::outcome::Outcome;
+use runtime::rollout::{self, Job, RolloutReport, first_questions};
+use runtime::start::Start;
+use runtime::subgoals::{Origin, SubgoalSet};
+use runtime::world::{Executed, Motion, SimulatedWorld, World, WorldError, WorldPoint};
+use serde_json::Value;
+use std::sync::Mutex;
+
+/// The simulator's world with an arm that reaches no farther to the right than some x.
+struct Short {
+    world: SimulatedWorld,
+    most_x_m: f64,
+}
+
+impl World for Short {
+    fn name(&self) -> &str {
+        self.world.name()
+    }
+    fn parameters(&self) -> String {
+        self.world.parameters()
+    }
+    fn code(&self) -> String {
+        self.world.code()
+    }
+    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
+        self.world.reset(start)
+    }
+    fn observe(&mut self) -> Result<Observation, WorldError> {
+        self.world.observe()
+    }
+    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+        for point in [motion.pick, motion.place] {
+            assert_eq!(self.out_of_reach(&point), None, "it was sent out of reach");
+        }
+        self.world.act(motion, interrupt)
+    }
+    fn crumple(&self, start: &Start, seed: u64, stop: &Interrupt) -> Result<Start, WorldError> {
+        self.world.crumple(start, seed, stop)
+    }
+    fn particles(&self) -> Option<Vec<[f32; 3]>> {
+        self.world.particles()
+    }
+    fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
+        (point.x > self.most_x_m).then(|| {
+            format!(
+                "it lies {:.0} mm to the right, and the arm reaches {:.0} mm",
+                point.x * 1000.0,
+                self.most_x_m * 1000.0
+            )
+        })
+    }
+}
+
+/// A model whose answer follows from the question, and from how many there were before it.
+struct Answering<'a> {
+    answer: &'a (dyn Fn(usize, &Request) -> String + Sync),
+    asked: Mutex<Vec<Request>>,
+}
+
+impl Model for Answering<'_> {
+    fn name(&self) -> &str {
+        "answering"
+    }
+    fn nature(&self) -> Nature {
+        Nature::StandIn
+    }
+    fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let mut asked = self.asked.lock().unwrap();
+        let text = (self.answer)(asked.len(), request);
+        asked.push(request.clone());
+        Ok(Reply::text(text))
+    }
+}
+
+struct Played {
+    report: RolloutReport,
+    asked: Vec<Request>,
+    /// The journal's lines.
+    lines: Vec<Value>,
+}
+
+/// Runs a task's first steps where the arm reaches to `most_x_m`.
+fn play(
+    program: &Program,
+    most_x_m: f64,
+    answer: &(dyn Fn(usize, &Request) -> String + Sync),
+) -> Played {
+    let model = Answering {
+        answer,
+        asked: Mutex::default(),
+    };
+    let report_and_lines = with_job(program, most_x_m, &model, |job| {
+        let folder = tempfile::tempdir().unwrap();
+        let run = folder.path().join("run");
+        let report = rollout::run(job, RunFolder::create(&run).unwrap(), &mut |_| {}).unwrap();
+        let text = std::fs::read_to_string(run.join(JOURNAL_FILE)).unwrap();
+        let lines = text.lines().map(|line| serde_json::from_str(line).unwrap());
+        (report, lines.collect())
+    });
+    let (report, lines) = report_and_lines;
+    Played {
+        report,
+        asked: model.asked.into_inner().unwrap(),
+        lines,
+    }
+}
+
+fn with_job<T>(
+    program: &Program,
+    most_x_m: f64,
+    model: &dyn Model,
+    work: impl FnOnce(&Job<'_>) -> T,
+) -> T {
+    let steps = program.subgoals.as_ref().map_or(0, |it| it.steps());
+    let make_world = || -> Result<Box<dyn World>, WorldError> {
+        let world = SimulatedWorld::new(&program.camera, program.picker)?;
+        Ok(Box::new(Short { world, most_x_m }))
+    };
+    work(&Job {
+        program,
+        start: &Start::flat(&program.cloth),
+        subgoals: &SubgoalSet {
+            pictures: vec![image::RgbImage::new(32, 32); steps + 1],
+            arrows: vec![None; steps],
+            origin: Origin::Author,
+        },
+        examples: &Examples::default(),
+        models: Models {
+            vision: model,
+            text: model,
+        },
+        budget: &Budget::default(),
+        recorder: None,
+        make_world: &make_world,
+        cache: &Cache::none(),
+        interrupt: &Interrupt::default(),
+        horizon: Some(1),
+        early_stop: true,
+        repetition: 0,
+    })
+}
+
+fn offered(request: &Request, field: &str) -> Vec<String> {
+    let schema = request.schema.as_ref().unwrap();
+    let values = schema["properties"][field]["enum"].as_array().unwrap();
+    values
+        .iter()
+        .map(|value| value.as_str().unwrap().to_owned())
+        .collect()
+}
+
+fn column(point: &str) -> i32 {
+    let digits = point.trim_start_matches('(').split(',').next().unwrap();
+    digits.parse().unwrap()
+}
+
+/// Answers a fold: first what the step is, then its first offered points.
+fn folds(_: usize, request: &Request) -> String {
+    if request.schema.is_none() {
+        return "Instructions: fold it.".to_owned();
+    }
+    let (picks, places) = (offered(request, "pick"), offered(request, "place"));
+    let place = places.iter().find(|place| **place != picks[0]).unwrap();
+    format!("Pick Point = {}\nPlace Point = {place}", picks[0])
+}
+
+#[test]
+fn points_out_of_reach_are_neither_offered_nor_listed_and_the_model_is_told_why() {
+    let program = support::small_task();
+    let whole = play(&program, f64::INFINITY, &folds);
+    let all = offered(&whole.asked[1], "pick");
+    assert!(all.iter().any(|point| column(point) > 112));
+
+    // The right corners of the cloth lie at 84 mm, its center at 0.
+    let played = play(&program, 0.05, &folds);
+    assert_eq!(played.report.steps, 1);
+    let plan = &played.asked[1];
+    let left: Vec<String> = all.iter().filter(|it| column(it) < 112).cloned().collect();
+    assert_eq!(offered(plan, "pick"), left);
+    let words = words_of(plan);
+    assert!(
+        words.contains(&format!("- Cloth corners: {}\n", left.join(", "))),
+        "{words}"
+    );
+    let right = all.iter().find(|point| column(point) > 112).unwrap();
+    let told = "Some points cannot be reached, and nothing can be done there. They are not among those listed: ";
+    let why = format!("{right}: it lies 83 mm to the right, and the arm reaches 50 mm");
+    assert!(words.contains(told) && words.contains(&why), "{words}");
+    assert!(
+        !words_of(&played.asked[0]).contains(told),
+        "a stage without points is told of none"
+    );
+    assert!(!words_of(&whole.asked[1]).contains("reach"), "{words}");
+    let scene = &played.lines[1]["scene"];
+    assert_eq!(scene["corners"].as_array().unwrap().len(), left.len());
+    let unreachable = scene["unreachable"].as_array().unwrap();
+    assert_eq!(unreachable.len(), all.len() - left.len());
+    assert!(
+        whole.lines[1]["scene"]["unreachable"].is_null(),
+        "nothing is out of reach"
+    );
+}
+
+#[test]
+fn an_estimate_shows_the_same_questions() {
+    let program = support::small_task();
+    let model = Answering {
+        answer: &folds,
+        asked: Mutex::default(),
+    };
+    let questions = with_job(&program, 0.05, &model, first_questions).unwrap();
+    assert!(words_of(&questions[1].request).contains("Some points cannot be reached"));
+}
+
+#[test]
+fn a_point_of_its_own_stays_where_it_is_and_is_not_offered() {
+    let program = support::small_task();
+    let played = play(&program, -0.02, &folds);
+    let plan = &played.asked[1];
+    let words = words_of(plan);
+    let center = words.split("- Cloth center: ").nth(1).unwrap();
+    let center = center.lines().next().unwrap().to_owned();
+    assert!(!offered(plan, "place").contains(&center));
+    assert!(
+        words.contains(&format!("{center}: it lies 0 mm")),
+        "{words}"
+    );
+}
+
+#[test]
+fn an_answer_that_names_a_point_out_of_reach_is_refused_as_not_offered() {
+    let program = support::small_task();
+    let whole = play(&program, f64::INFINITY, &folds);
+    let all = offered(&whole.asked[1], "pick");
+    let right = all
+        .iter()
+        .find(|point| column(point) > 112)
+        .unwrap()
+        .clone();
+    let answer = |number: usize, request: &Request| match number {
+        1 => format!("Pick Point = {right}\nPlace Point = {}", all[0]),
+        _ => folds(number, request),
+    };
+    let played = play(&program, 0.05, &answer);
+    assert_eq!(played.report.refusals.get("offered"), Some(&1));
+    assert_eq!(played.report.steps, 1);
+}
+
+#[test]
+fn where_nothing_is_left_the_rollout_ends_without_a_question() {
+    let played = play(&support::small_task(), -1.0, &folds);
+    assert_eq!(played.report.outcome, Outcome::NoCandidates);
+    assert!(played.asked.is_empty());
+    let why = played.lines[1]["stopped"].as_str().unwrap();
+    assert!(
+        why.starts_with("no point of `corners` is in reach: (")
+            && why.contains("and the arm reaches -1000 mm"),
+        "{why}"
+    );
+}
+
+/// A task of two files: the shipped library, and a text.
+struct Beside(&'static str);
+
+impl Loader for Beside {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        match name {
+            "tasks/own.fab" => Ok(self.0.to_owned()),
+            _ => ProjectFiles.load(name),
+        }
+    }
+}
+
+#[test]
+fn a_task_says_it_in_its_own_words() {
+    const OWN: &str = r#"
+use "lib/folding.fab"
+task own extends folding {
+    cloth grid(28, 28)
+    horizon 1
+    component reach_words when unreachable "The arm cannot go there: {{ unreachable }}."
+    component free_words when not unreachable "The arm can go everywhere."
+    stage plan {
+        model text
+        say   planner_role, reach_words, free_words, point_format, "Corners: {{ corners }}"
+        read  action
+    }
+    without component center_pivoting
+    stage describe { model vision show scene say "What is there?" read instruction from "Instructions: {instruction}" }
+    verify { attempts 1 }
+}
+"#;
+    let compiled = compiler::compile("tasks/own.fab", &Beside(OWN)).unwrap();
+    assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
+    let program = compiled.programs.into_iter().next().unwrap();
+    let played = play(&program, 0.05, &folds);
+    let words = words_of(&played.asked[1]);
+    assert!(
+        words.contains("The arm cannot go there: (") && !words.contains("can go everywhere"),
+        "{words}"
+    );
+    assert!(!words.contains("Some points cannot be reached"), "{words}");
+    let words = words_of(&play(&program, 1.0, &folds).asked[1]);
+    assert!(words.contains("The arm can go everywhere."), "{words}");
+}
+
+fn smoothing(variant: Option<&str>) -> Program {
+    let compiled = compiler::compile("tasks/smoothing.fab", &ProjectFiles).unwrap();
+    let mut programs = compiled.programs.into_iter();
+    let mut program = programs
+        .find(|program| program.variant.as_deref() == variant)
+        .unwrap();
+    program.cloth.dimx = 28;
+    program.cloth.dimy = 28;
+    program.goal = None;
+    program
+}
+
+#[test]
+fn a_place_that_follows_from_a_distance_is_checked_last_and_costs_an_attempt() {
+    let program = smoothing(None);
+    // In this task's picture +X is up: the uppermost corner is the one that a pull upwards takes out of reach.
+    let answer = |number: usize, request: &Request| {
+        let mut picks = offered(request, "pick");
+        picks.sort_by_key(|pick| {
+            let row = pick.split(", ").nth(1).unwrap().trim_end_matches(')');
+            row.parse::<i32>().unwrap()
+        });
+        let distance = ["0.5", "0.1"][number.min(1)];
+        format!(
+            "Pick Point = {}\nDirection = 90 deg\nDistance = {distance} edge",
+            picks[0]
+        )
+    };
+    let played = play(&program, 0.11, &answer);
+    assert_eq!(played.report.refusals.get("reachable"), Some(&1));
+    assert_eq!((played.report.steps, played.report.queries), (1, 2));
+    let words = words_of(&played.asked[1]);
+    assert!(
+        words.contains("0.5 edge in the direction 90 deg leads to (")
+            && words.contains("which cannot be reached: it lies 212 mm"),
+        "{words}"
+    );
+    let verdict = &played.lines[1]["attempts"][0]["result"]["verdict"];
+    assert_eq!(verdict["check"], "reachable", "{}", played.lines[1]);
+
+    let refused = |_: usize, request: &Request| answer(0, request);
+    let played = play(&program, 0.11, &refused);
+    assert_eq!(
+        (played.report.steps, played.report.skipped_steps),
+        (0, 1),
+        "what is out of reach is never relaxed"
+    );
+    assert_eq!(played.report.refusals.get("reachable"), Some(&3));
+}
+
+#[test]
+fn a_pick_anywhere_on_a_mask_is_checked_too() {
+    let program = smoothing(Some("without_preprocessing"));
+    let answer = |number: usize, _: &Request| {
+        // The middle of the picture is the middle of the cloth.
+        let row = [320, 400][number.min(1)];
+        format!("Pick Point = (360, {row})\nDirection = 270 deg\nDistance = 0.1 edge")
+    };
+    let played = play(&program, 0.02, &answer);
+    assert_eq!(played.report.refusals.get("reachable"), Some(&1));
+    assert_eq!(played.report.steps, 1);
+    assert!(words_of(&played.asked[1]).contains("The pick point (360, 320) cannot be reached: "));
+}

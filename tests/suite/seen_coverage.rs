@@ -1,0 +1,190 @@
+//! Coverage of a cloth whose particles nobody knows: by pictures, against one of the flat cloth.
+
+use super::support;
+use compiler::program::{Comparison, Goal, Metric, Program};
+use runtime::agent::Models;
+use runtime::cache::Cache;
+use runtime::calls::Budget;
+use runtime::examples::Examples;
+use runtime::interrupt::Interrupt;
+use runtime::journal::{JOURNAL_FILE, RunFolder};
+use runtime::model::Geometric;
+use runtime::observation::Observation;
+use runtime::outcome::Outcome;
+use runtime::rollout::{self, CoverageSource, Job, RolloutReport, RunError};
+use runtime::start::Start;
+use runtime::subgoals::{Origin, SubgoalSet};
+use runtime::world::{Executed, Motion, SimulatedWorld, World, WorldError};
+
+/// The simulator's world as one with a camera alone: it does not tell where particles are.
+struct Blind {
+    world: SimulatedWorld,
+    flat: Option<Observation>,
+}
+
+impl World for Blind {
+    fn name(&self) -> &str {
+        "blind"
+    }
+    fn parameters(&self) -> String {
+        self.world.parameters()
+    }
+    fn code(&self) -> String {
+        self.world.code()
+    }
+    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
+        self.world.reset(start)
+    }
+    fn observe(&mut self) -> Result<Observation, WorldError> {
+        self.world.observe()
+    }
+    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+        self.world.act(motion, interrupt)
+    }
+    fn crumple(&self, start: &Start, seed: u64, stop: &Interrupt) -> Result<Start, WorldError> {
+        self.world.crumple(start, seed, stop)
+    }
+    fn particles(&self) -> Option<Vec<[f32; 3]>> {
+        None
+    }
+    fn flat_cloth(&self) -> Option<Observation> {
+        self.flat.clone()
+    }
+}
+
+/// The picture of a flat cloth with that many particles a side.
+fn flat(program: &Program, side: u32) -> Observation {
+    let mut program = program.clone();
+    (program.cloth.dimx, program.cloth.dimy) = (side, side);
+    let mut world = support::world(&program).unwrap();
+    world.reset(&Start::flat(&program.cloth)).unwrap();
+    world.observe().unwrap()
+}
+
+fn with_goal(metric: Metric, limit: f64) -> Program {
+    Program {
+        goal: Some(Goal {
+            metric,
+            is: Comparison::Greater,
+            limit,
+        }),
+        ..support::small_task()
+    }
+}
+
+/// Runs the task's first step with the stand-in, and returns its report and its journal.
+fn play(program: &Program, flat: Option<Observation>) -> Result<(RolloutReport, String), RunError> {
+    let steps = program.subgoals.as_ref().map_or(0, |it| it.steps());
+    let make_world = || -> Result<Box<dyn World>, WorldError> {
+        Ok(Box::new(Blind {
+            world: SimulatedWorld::new(&program.camera, program.picker)?,
+            flat: flat.clone(),
+        }))
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let subgoals = SubgoalSet::obtain(
+        program,
+        &support::root().join("tasks"),
+        support::world(program).unwrap().as_mut(),
+        &Interrupt::default(),
+    );
+    let job = Job {
+        program,
+        start: &Start::flat(&program.cloth),
+        subgoals: &subgoals.unwrap_or(SubgoalSet {
+            pictures: vec![image::RgbImage::new(32, 32); steps + 1],
+            arrows: vec![None; steps],
+            origin: Origin::Author,
+        }),
+        examples: &Examples::default(),
+        models: Models {
+            vision: &Geometric,
+            text: &Geometric,
+        },
+        budget: &Budget::default(),
+        recorder: None,
+        make_world: &make_world,
+        cache: &Cache::none(),
+        interrupt: &Interrupt::default(),
+        horizon: Some(1),
+        early_stop: true,
+        repetition: 0,
+    };
+    let run = folder.path().join("run");
+    let report = rollout::run(&job, RunFolder::create(&run).unwrap(), &mut |_| {})?;
+    Ok((
+        report,
+        std::fs::read_to_string(run.join(JOURNAL_FILE)).unwrap(),
+    ))
+}
+
+#[test]
+fn a_picture_measures_nearly_what_the_particles_do() {
+    let program = with_goal(Metric::Coverage, 0.4);
+    let (report, journal) = play(&program, Some(flat(&program, 28))).unwrap();
+    assert_eq!(report.coverage_source, Some(CoverageSource::Picture));
+    assert_eq!(report.coverage_at_start, Some(1.0));
+    assert_eq!(report.outcome, Outcome::GoalReached);
+    assert_eq!(report.goal_reached, Some(true));
+    let seen = report.coverage.unwrap();
+    // Half of a square that is folded corner to corner; the fold lies 10 mm nearer to the camera.
+    assert!((0.45..0.60).contains(&seen), "{seen}");
+    assert_eq!(
+        (report.coverage_true, report.normalized_improvement),
+        (None, None),
+        "nothing was missing at first"
+    );
+    assert!(journal.contains(r#""coverage_source":"picture""#));
+
+    let folder = tempfile::tempdir().unwrap();
+    let trial = support::Trial::new(&program, &support::root().join("tasks"), Default::default());
+    let known = trial.run_stand_in(&folder.path().join("run"));
+    assert_eq!(known.coverage_source, Some(CoverageSource::Particles));
+    let of_particles = known.progress[0].measures.coverage_true.unwrap();
+    assert!(
+        (seen - of_particles).abs() < 0.05,
+        "{seen} and {of_particles}"
+    );
+}
+
+#[test]
+fn improvement_counts_from_the_first_picture_to_the_flat_cloth() {
+    let program = with_goal(Metric::NormalizedImprovement, 0.9);
+    let (report, _) = play(&program, Some(flat(&program, 40))).unwrap();
+    let (first, last) = (report.coverage_at_start.unwrap(), report.coverage.unwrap());
+    assert!((first - (27.0_f64 / 39.0).powi(2)).abs() < 0.02, "{first}");
+    let gained = (last - first) / (1.0 - first);
+    assert!((report.normalized_improvement.unwrap() - gained).abs() < 1e-12);
+    assert_eq!(report.goal_reached, Some(false));
+}
+
+#[test]
+fn a_goal_that_nothing_can_be_measured_for_is_refused_before_anything_moves() {
+    let program = with_goal(Metric::Coverage, 0.4);
+    let message = play(&program, None).unwrap_err().to_string();
+    assert!(message.contains("`blind` knows neither"), "{message}");
+}
+
+#[test]
+fn a_distance_between_particles_that_nobody_knows_is_not_judged() {
+    let program = with_goal(Metric::ParticleDistance, 0.04);
+    let (report, _) = play(&program, None).unwrap();
+    assert_eq!(report.outcome, Outcome::HorizonReached);
+    assert_eq!((report.goal_reached, report.coverage_source), (None, None));
+}
+
+#[test]
+fn a_picture_of_something_else_is_refused() {
+    let program = with_goal(Metric::Coverage, 0.4);
+    let mut small = flat(&program, 28);
+    small.rgb = image::RgbImage::new(100, 224);
+    let message = play(&program, Some(small)).unwrap_err().to_string();
+    assert!(
+        message.contains("it has 100 x 224 px, and the camera takes 224 x 224 px"),
+        "{message}"
+    );
+    let mut empty = flat(&program, 28);
+    empty.depth_m.fill(0.0);
+    let message = play(&program, Some(empty)).unwrap_err().to_string();
+    assert!(message.contains("takes no pixel of it"), "{message}");
+}
