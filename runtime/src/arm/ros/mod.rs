@@ -86,6 +86,16 @@ pub fn definitions() -> Vec<(&'static str, &'static str)> {
 
 #[cfg(test)]
 mod tests {
+    use super::{RosCamera, RosPort};
+
+    /// A watchdog stops the arm from a thread of its own.
+    #[test]
+    fn ports_and_cameras_may_go_to_another_thread() {
+        fn may_go<T: Send>() {}
+        may_go::<RosPort>();
+        may_go::<RosCamera>();
+    }
+
     /// Sums that other programs carry in them, so that an error in a definition is not compared with itself.
     #[test]
     fn definitions_have_the_sums_that_others_publish() {
