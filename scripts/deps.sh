@@ -1,7 +1,8 @@
 #!/bin/sh
 # Makes sure that a build has what it needs, and installs what is missing where it may.
 #
-# In: the machine, and FABC_NO_INSTALL=1 for "only tell me". Out: exit 0 and silence when
+# In: the machine, FABC_NO_INSTALL=1 for "only tell me", and in FABC_FEATURES the features that are to be
+# built beside the defaults: `ros` needs OpenSSL's development files. Out: exit 0 and silence when
 # nothing is missing; else the installation (Debian and Ubuntu as root or by sudo, macOS by
 # Homebrew, a Rust release by rustup); else exit 2 and one line that names each missing
 # thing and its command. rustup, git and make are the user's own to install.
@@ -33,8 +34,10 @@ package_of() {
     apt-clang) echo clang ;;
     apt-libclang) echo libclang1 ;;
     apt-opencv) echo "libopencv-core-dev libopencv-imgproc-dev" ;;
+    apt-openssl) echo "libssl-dev pkg-config" ;;
     brew-clang | brew-libclang) echo llvm ;;
     brew-opencv) echo opencv ;;
+    dnf-openssl) echo "openssl-devel pkgconf-pkg-config" ;;
     dnf-linker) echo gcc ;;
     dnf-cxx) echo gcc-c++ ;;
     dnf-clang) echo clang ;;
@@ -43,6 +46,7 @@ package_of() {
     pacman-linker | pacman-cxx) echo gcc ;;
     pacman-clang | pacman-libclang) echo clang ;;
     pacman-opencv) echo opencv ;;
+    pacman-openssl) echo "openssl pkgconf" ;;
     esac
 }
 
@@ -109,6 +113,13 @@ has_opencv() {
         /usr/local/lib*/cmake/opencv4 2>/dev/null)" ]
 }
 
+# Whether the `openssl` crate will find its library; on macOS nothing needs it.
+has_openssl() {
+    [ "$installer" != brew ] || return 0
+    if [ -n "${OPENSSL_DIR:-}" ]; then return 0; fi
+    has pkg-config && pkg-config --exists openssl
+}
+
 find_missing() {
     eval "$(sh "$here/toolchain-env.sh")"
     eval "$(sh "$here/opencv-env.sh")"
@@ -144,6 +155,9 @@ find_missing() {
         has_libclang || note_package libclang libclang
     fi
     has_opencv || note_package opencv "OpenCV's core and imgproc development files"
+    case " ${FABC_FEATURES:-} " in
+    *[\ ,]ros[\ ,]*) has_openssl || note_package openssl "OpenSSL's development files and pkg-config" ;;
+    esac
 }
 
 # --- Installing --------------------------------------------------------------------------

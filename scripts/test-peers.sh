@@ -8,7 +8,8 @@
 # writes the same snapshots, is installed beside it and found through FABC_PEER_CARGO_INSTA.
 # mdBook, which builds the book, is installed by book.sh. Where WebAssembly cannot be built or
 # run (wasm-parts.sh), or cargo-insta or mdBook not installed, the peer_node_, peer_cargo_insta_
-# or peer_mdbook_ tests alone are left out, counted as skipped, and the reason is printed.
+# or peer_mdbook_ tests alone are left out, counted as skipped, and the reason is printed. The same
+# holds for ROS (ros-parts.sh), whose tests are a run of their own, since fabc is built otherwise for it.
 set -u
 here=$(dirname "$0")
 
@@ -87,6 +88,25 @@ fi
 if [ -n "$without_mdbook" ]; then
     leave_out "$arguments" peer_mdbook_ "$without_mdbook"
     skipped="$skipped --skip peer_mdbook_"
+fi
+
+# The wire to ROS: what of it needs no other program, and the peer_ros_ tests. Their sums are added to the last line.
+without_ros=$(sh "$here/ros-parts.sh")
+if [ -z "$without_ros" ]; then
+    cargo build --locked --package runtime --features ros --example arm_engine || exit
+    log=$(mktemp) || exit
+    # Nodes are to find each other on this machine whatever its name; ROS_HOSTNAME would come first.
+    env -u ROS_HOSTNAME ROS_IP=127.0.0.1 FABC_PEER_ARM_ENGINE="$(dirname "$environment")/debug/examples/arm_engine" \
+        sh "$here/test.sh" --package fabc --package runtime --features ros --locked --no-fail-fast --lib --test ros \
+        -- --include-ignored arm::ros:: peer_ros_ | tee "$log" | sed 's/^[0-9]* passed, .* skipped$/over ROS: &/'
+    FABC_EARLIER=$(tail -n 1 "$log" | tr -dc '0-9 ')
+    export FABC_EARLIER
+    rm -f "$log"
+else
+    count=$(cat tests/ros/*.rs | grep -c '^fn peer_ros_')
+    echo "left out: $count peer_ros_ tests: $without_ros"
+    FABC_LEFT_OUT=$((${FABC_LEFT_OUT:-0} + count))
+    export FABC_LEFT_OUT
 fi
 # shellcheck disable=SC2086  # words without blanks
 exec sh "$here/test.sh" "$@" -- --ignored $skipped peer_ long_

@@ -5,7 +5,8 @@
 # A Rust test cannot report "skipped": one that lacks recorded data or a foreign part
 # appends its name as a line to the file that FABC_SKIPPED_FILE names, and returns. Such
 # a test counts as skipped, not as passed. FABC_LEFT_OUT is a number of tests that the
-# caller did not even start; they count as skipped too.
+# caller did not even start; they count as skipped too. FABC_EARLIER is `PASSED FAILED SKIPPED`
+# of a run before this one, which is added.
 set -u
 
 work=$(mktemp -d) || exit
@@ -61,6 +62,11 @@ if [ "$code" -ne 0 ] && [ "$failed" -eq 0 ]; then
     echo "cargo test itself ended with $code (no build, or a test binary that crashed): counted as one failure"
     failed=1
 fi
+# shellcheck disable=SC2086  # three numbers or none
+set -- ${FABC_EARLIER:-0 0 0}
+passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
+[ "$2" -eq 0 ] || [ "$code" -ne 0 ] || code=1
+
 if [ "$ignored" -gt 0 ]; then
     echo "left out: $ignored tests that take long or need large foreign parts (make test-peers)"
 fi

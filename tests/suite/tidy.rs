@@ -18,7 +18,7 @@ const EDGES: [(&str, &[&str]); 4] = [
 ];
 
 /// Names that belong to one place: what is named, where that counts, the only place for it.
-const RESERVED: [(Name, &str, &str); 8] = [
+const RESERVED: [(Name, &str, &str); 9] = [
     (Name::Word("opencv"), "", "runtime/src/vision"),
     (
         Name::Crate("sim"),
@@ -35,6 +35,7 @@ const RESERVED: [(Name, &str, &str); 8] = [
         "runtime/src/model/remote",
     ),
     (Name::Word("axum"), "runtime/src/", "runtime/src/serve"),
+    (Name::Word("roslibrust"), "", "runtime/src/arm/ros"),
 ];
 
 /// The most lines of a Rust file; test tables belong into fixtures.

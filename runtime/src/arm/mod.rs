@@ -16,6 +16,8 @@ pub mod limits;
 pub mod log;
 pub mod port;
 pub mod rgbd;
+#[cfg(feature = "ros")]
+pub mod ros;
 pub mod route;
 pub mod settings;
 pub mod simulated;

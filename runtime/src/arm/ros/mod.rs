@@ -1,0 +1,120 @@
+//! The wire to ROS 1: the node of kinova-ros, a controller of joint trajectories, a camera's topics.
+//!
+//! In: the `[ros]` part of the settings. Out: a [`RosPort`] and a [`RosCamera`], which decide nothing. Each has a ROS
+//! node and threads of its own, so that its methods are ordinary calls. Definitions of messages lie in `msgs/`, and
+//! neither a build nor a run needs an installation of ROS here. Only this folder names roslibrust.
+//!
+//! The name under which other machines find this one is `ROS_HOSTNAME`, else `ROS_IP`, else the machine's own: the
+//! library reads these variables itself, so that a `host` in the settings is compared, and not set.
+
+mod connect;
+mod port;
+mod servers;
+mod topics;
+
+mod action;
+mod ledger;
+
+mod camera;
+mod pairs;
+mod picture;
+
+mod link;
+
+pub use camera::RosCamera;
+pub use connect::connect;
+pub use port::RosPort;
+
+/// The Rust types of the messages in `msgs/`, one module a package.
+#[allow(missing_docs, dead_code, unused_imports, clippy::all)]
+mod messages {
+    include!(concat!(env!("OUT_DIR"), "/messages.rs"));
+}
+
+/// Why a master, a node or a camera cannot be reached.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RosError {
+    /// Nobody answers at the master's address.
+    #[error("no master at {address}: is roscore running? ({why})")]
+    Master {
+        /// The address, e.g. `http://localhost:11311`.
+        address: String,
+        /// What the attempt came to.
+        why: String,
+    },
+    /// Others would look for this program at another name than the settings say.
+    #[error(
+        "other nodes find this program as `{found}`, and the settings say `{wanted}`: set ROS_HOSTNAME={wanted} before the start"
+    )]
+    Host {
+        /// The settings' name.
+        wanted: String,
+        /// The name that is used.
+        found: String,
+    },
+    /// Something that has to be there is not.
+    #[error("{0}")]
+    Missing(String),
+    /// A setting is absent or of no use.
+    #[error("{0}")]
+    Setting(String),
+    /// The master did not take a registration.
+    #[error("{what}: {why}")]
+    Refused {
+        /// What was tried.
+        what: String,
+        /// What went wrong.
+        why: String,
+    },
+}
+
+/// Packages of ROS 2 that the generator adds to every set of definitions.
+const OF_ROS_2: [&str; 2] = ["builtin_interfaces/", "service_msgs/"];
+
+/// Returns name and MD5 sum of every message and service that is spoken here, in the order of names.
+///
+/// Nodes talk to each other only where both have the same sum for a topic or service.
+pub fn definitions() -> Vec<(&'static str, &'static str)> {
+    let messages = messages::MESSAGE_REGISTRY.descriptors().iter();
+    let services = messages::SERVICE_REGISTRY.descriptors().iter();
+    messages
+        .map(|message| (message.ros_type_name, message.md5sum))
+        .chain(services.map(|service| (service.ros_service_name, service.md5sum)))
+        .filter(|(name, _)| !OF_ROS_2.iter().any(|package| name.starts_with(package)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{RosCamera, RosPort};
+
+    /// A watchdog stops the arm from a thread of its own.
+    #[test]
+    fn ports_and_cameras_may_go_to_another_thread() {
+        fn may_go<T: Send>() {}
+        may_go::<RosPort>();
+        may_go::<RosCamera>();
+    }
+
+    /// Sums that other programs carry in them, so that an error in a definition is not compared with itself.
+    #[test]
+    fn definitions_have_the_sums_that_others_publish() {
+        let ours = super::definitions();
+        for sum in [
+            (
+                "control_msgs/FollowJointTrajectoryActionGoal",
+                "cff5c1d533bf2f82dd0138d57f4304bb",
+            ),
+            (
+                "control_msgs/FollowJointTrajectoryActionResult",
+                "c4fb3b000dc9da4fd99699380efcc5d9",
+            ),
+            ("kinova_msgs/Stop", "585dc4164508d473dff8f8b67a05d2ad"),
+            ("sensor_msgs/Image", "060021388200f6f0f447d0fcd9c64743"),
+            ("sensor_msgs/CameraInfo", "c9a58c1b0b154e0e6da7578cb991d214"),
+            ("std_msgs/Header", "2176decaecbce78abc3b96ef049fabed"),
+        ] {
+            assert!(ours.contains(&sum), "{sum:?} of {ours:?}");
+        }
+    }
+}

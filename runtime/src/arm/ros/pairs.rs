@@ -1,0 +1,221 @@
+//! Colour and depth that belong together, of those that arrive since a picture was asked for.
+//!
+//! In: messages with stamps, in any order. Out: a colour picture with the depth that is nearest in time; and of what was
+//! left out, how far its stamp was off.
+
+use super::messages::sensor_msgs::{CameraInfo, Image};
+use super::messages::std_msgs::Header;
+use std::collections::VecDeque;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// How far the stamps of colour and depth may be apart.
+pub(super) const PAIR_NS: i64 = 50_000_000;
+
+/// How far a stamp may be ahead of this machine's clock.
+const AHEAD_NS: i64 = 50_000_000;
+
+/// How many pictures of a kind wait for their partner.
+const KEPT: usize = 8;
+
+/// What arrived since a picture was asked for.
+#[derive(Default)]
+pub(super) struct Board {
+    /// Since when pictures are wanted, nanoseconds since 1970; `None` where they are not.
+    wanted_from: Option<i64>,
+    pub(super) colors: Arrived,
+    pub(super) depths: Arrived,
+    pub(super) info: Option<CameraInfo>,
+}
+
+/// The pictures of one topic.
+#[derive(Default)]
+pub(super) struct Arrived {
+    pub(super) pictures: VecDeque<(i64, Image)>,
+    /// The stamp of the last that was too old or too new, relative to when it should have been.
+    pub(super) refused: Option<Refused>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Refused {
+    Old { by_ns: i64 },
+    Ahead { by_ns: i64 },
+}
+
+impl Board {
+    /// Begins to keep pictures that were taken since `from_ns`.
+    pub(super) fn want(&mut self, from_ns: i64) {
+        self.wanted_from = Some(from_ns);
+        (self.colors, self.depths) = (Arrived::default(), Arrived::default());
+    }
+
+    /// Keeps no more pictures; the projection stays, since some cameras say it only once.
+    pub(super) fn rest(&mut self) {
+        self.wanted_from = None;
+        (self.colors, self.depths) = (Arrived::default(), Arrived::default());
+    }
+
+    /// Takes out a colour picture with the depth that is nearest in time.
+    ///
+    /// Which depth is nearest is known once a later one is there, or when `is_last` says that nobody waits longer.
+    pub(super) fn pair(
+        &mut self,
+        needs_depth: bool,
+        is_last: bool,
+    ) -> Option<(Image, Option<Image>)> {
+        if !needs_depth {
+            return self
+                .colors
+                .pictures
+                .pop_front()
+                .map(|(_, color)| (color, None));
+        }
+        let depths = &self.depths.pictures;
+        let newest_ns = depths.iter().map(|(stamp_ns, _)| *stamp_ns).max()?;
+        let (color, depth) =
+            self.colors
+                .pictures
+                .iter()
+                .enumerate()
+                .find_map(|(color, (color_ns, _))| {
+                    let apart = |depth_ns: i64| depth_ns.abs_diff(*color_ns);
+                    let (depth, (depth_ns, _)) = depths
+                        .iter()
+                        .enumerate()
+                        .min_by_key(|(_, (depth_ns, _))| apart(*depth_ns))?;
+                    let is_known = is_last || newest_ns >= *color_ns;
+                    (is_known && apart(*depth_ns) <= PAIR_NS.unsigned_abs())
+                        .then_some((color, depth))
+                })?;
+        let (_, color) = self.colors.pictures.remove(color)?;
+        let (_, depth) = self.depths.pictures.remove(depth)?;
+        Some((color, Some(depth)))
+    }
+}
+
+/// Keeps a picture if one is wanted and it was taken since.
+pub(super) fn take(board: &mut Board, image: Image, place: fn(&mut Board) -> &mut Arrived) {
+    let Some(from_ns) = board.wanted_from else {
+        return;
+    };
+    let (stamp_ns, now_ns) = (stamp_ns(&image.header), now_ns());
+    let arrived = place(board);
+    if stamp_ns < from_ns {
+        arrived.refused = Some(Refused::Old {
+            by_ns: from_ns - stamp_ns,
+        });
+    } else if stamp_ns > now_ns + AHEAD_NS {
+        arrived.refused = Some(Refused::Ahead {
+            by_ns: stamp_ns - now_ns,
+        });
+    } else {
+        if arrived.pictures.len() == KEPT {
+            arrived.pictures.pop_front();
+        }
+        arrived.pictures.push_back((stamp_ns, image));
+    }
+}
+
+pub(super) fn now_ns() -> i64 {
+    let since_epoch = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .unwrap_or_default();
+    i64::try_from(since_epoch.as_nanos()).unwrap_or(i64::MAX / 2)
+}
+
+/// ROS counts seconds without a sign, which the message's type has.
+fn stamp_ns(header: &Header) -> i64 {
+    let stamp = &header.stamp;
+    i64::from(stamp.secs as u32) * 1_000_000_000 + i64::from(stamp.nsecs as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use proptest::prelude::*;
+
+    const MS: i64 = 1_000_000;
+
+    fn image(mark: i64) -> Image {
+        Image {
+            width: mark as u32,
+            ..Image::default()
+        }
+    }
+
+    fn board(colors_ms: &[i64], depths_ms: &[i64]) -> Board {
+        let arrived = |stamps: &[i64]| Arrived {
+            pictures: stamps
+                .iter()
+                .map(|stamp| (stamp * MS, image(*stamp)))
+                .collect(),
+            refused: None,
+        };
+        Board {
+            colors: arrived(colors_ms),
+            depths: arrived(depths_ms),
+            ..Board::default()
+        }
+    }
+
+    /// Returns the stamps of the pair that is found, milliseconds.
+    fn pair(colors_ms: &[i64], depths_ms: &[i64], is_last: bool) -> Option<(u32, u32)> {
+        let (color, depth) = board(colors_ms, depths_ms).pair(true, is_last)?;
+        Some((color.width, depth.unwrap().width))
+    }
+
+    #[test]
+    fn colour_waits_for_the_depth_that_is_nearest() {
+        assert_eq!(pair(&[100], &[100], false), Some((100, 100)));
+        assert_eq!(pair(&[100], &[80], false), None);
+        assert_eq!(pair(&[100], &[80], true), Some((100, 80)));
+        assert_eq!(pair(&[100], &[80, 110], false), Some((100, 110)));
+        assert_eq!(pair(&[100], &[40, 160], true), None);
+        assert_eq!(pair(&[100, 133], &[150], false), Some((100, 150)));
+        assert_eq!(pair(&[90, 133], &[150], false), Some((133, 150)));
+        assert_eq!(pair(&[], &[150], true), None);
+        assert_eq!(pair(&[150], &[], true), None);
+    }
+
+    #[test]
+    fn only_pictures_that_were_taken_since_are_kept() {
+        let mut board = Board::default();
+        let shift = |by_ms: i64| {
+            let stamp_ns = now_ns() + by_ms * MS;
+            let mut image = image(by_ms);
+            (image.header.stamp.secs, image.header.stamp.nsecs) = (
+                (stamp_ns / 1_000_000_000) as i32,
+                (stamp_ns % 1_000_000_000) as i32,
+            );
+            image
+        };
+        take(&mut board, shift(0), |board| &mut board.colors);
+        assert!(board.colors.pictures.is_empty() && board.colors.refused.is_none());
+        board.want(now_ns());
+        take(&mut board, shift(-200), |board| &mut board.colors);
+        assert!(matches!(board.colors.refused, Some(Refused::Old { by_ns }) if by_ns >= 199 * MS));
+        take(&mut board, shift(500), |board| &mut board.colors);
+        assert!(
+            matches!(board.colors.refused, Some(Refused::Ahead { by_ns }) if by_ns >= 400 * MS)
+        );
+        take(&mut board, shift(0), |board| &mut board.colors);
+        assert_eq!(board.colors.pictures.len(), 1);
+    }
+
+    proptest! {
+        /// A pair is never farther apart than allowed, and no other depth would have been nearer.
+        #[test]
+        fn a_pair_is_the_nearest_there_is(
+            colors in prop::collection::vec(0_i64..400, 0..6),
+            depths in prop::collection::vec(0_i64..400, 0..6),
+            is_last: bool,
+        ) {
+            if let Some((color, depth)) = pair(&colors, &depths, is_last) {
+                let apart = |depth: i64| (i64::from(color) - depth).abs();
+                prop_assert!(apart(i64::from(depth)) <= 50);
+                prop_assert!(depths.iter().all(|other| apart(*other) >= apart(i64::from(depth))));
+            }
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! An arm over ROS: where it says it is, and goals that it reaches or gives up.
+
+use super::nodes::{Ros, TRAJECTORY, outcome, send_until_active};
+use nalgebra::{Isometry3, Translation3};
+use runtime::arm::port::{Ending, Goal, GoalId, GoalState, Port, Waypoint};
+use runtime::arm::ros::{self, RosPort};
+use runtime::arm::settings::RosSettings;
+
+/// Where the tool is to go: up by some metres from where it is.
+fn above(port: &mut RosPort, by_m: f64) -> Goal {
+    let tool = port.readings().tool.unwrap().value;
+    Goal::ToolPose(Translation3::new(0.0, 0.0, by_m) * tool)
+}
+
+fn distance(left: &Isometry3<f64>, right: &Isometry3<f64>) -> f64 {
+    (left.translation.vector - right.translation.vector).norm()
+        + left.rotation.angle_to(&right.rotation)
+}
+
+#[test]
+#[ignore = "needs ROS: make test-peers"]
+fn peer_ros_an_arm_says_where_it_is() {
+    let ros = Ros::with_arm();
+    let mut port = ros.connect();
+    let first = port.readings();
+    let tool = first.tool.unwrap();
+    let hand = tool.value.rotation * nalgebra::Vector3::z();
+    assert!(
+        (tool.value.translation.vector - nalgebra::Vector3::new(0.3, -0.2, 0.4)).norm() < 1e-12
+    );
+    assert!(
+        (hand + nalgebra::Vector3::z()).norm() < 1e-9,
+        "the hand points down"
+    );
+    assert_eq!(
+        first.joints_rad.unwrap().value,
+        [4.8, 2.9, 1.0, 4.2, 1.4, 1.3]
+    );
+    assert_eq!(first.fingers.unwrap().value, [0.0, 0.0]);
+    port.wait(0.5);
+    let later = port.readings().tool.unwrap().at_s;
+    assert!(
+        later > tool.at_s && port.now_s() - later < 0.4,
+        "readings go on: {later} after {}",
+        tool.at_s
+    );
+}
+
+#[test]
+#[ignore = "needs ROS: make test-peers"]
+fn peer_ros_goals_of_all_three_servers_are_reached() {
+    let ros = Ros::with_arm();
+    let mut port = ros.connect();
+    let up = above(&mut port, 0.1);
+    let joints = vec![4.0, 3.0, 1.5, 4.0, 1.0, 1.0];
+    let sent = [
+        port.send(&up).unwrap(),
+        port.send(&Goal::JointAngles(joints.clone())).unwrap(),
+        port.send(&Goal::Fingers(vec![5000.0, 4000.0])).unwrap(),
+    ];
+    for goal in &sent {
+        assert_eq!(
+            outcome(&mut port, goal),
+            Some(Ending::Succeeded),
+            "{goal:?}"
+        );
+    }
+    port.wait(0.3);
+    let readings = port.readings();
+    let Goal::ToolPose(target) = up else {
+        unreachable!()
+    };
+    assert!(distance(&readings.tool.unwrap().value, &target) < 1e-9);
+    assert_eq!(readings.fingers.unwrap().value, [5000.0, 4000.0]);
+    // Goals for joints are sent in degrees of 32 bits.
+    let found = readings.joints_rad.unwrap().value;
+    assert!(
+        found
+            .iter()
+            .zip(&joints)
+            .all(|(found, sent)| (found - sent).abs() < 1e-5),
+        "{found:?}"
+    );
+}
+
+#[test]
+#[ignore = "needs ROS: make test-peers"]
+fn peer_ros_a_goal_is_given_up_when_cancelled_or_when_another_comes() {
+    let ros = Ros::with_arm();
+    let mut port = ros.connect();
+    let far = above(&mut port, 0.6);
+    let first = send_until_active(&mut port, &far);
+    port.cancel(&first).unwrap();
+    assert_eq!(outcome(&mut port, &first), Some(Ending::Preempted));
+    port.wait(0.3);
+    let stands = port.readings().tool.unwrap().value;
+    port.wait(0.5);
+    assert_eq!(
+        port.readings().tool.unwrap().value,
+        stands,
+        "a cancelled motion has ended"
+    );
+
+    let second = send_until_active(&mut port, &far);
+    let near = above(&mut port, 0.02);
+    let third = port.send(&near).unwrap();
+    assert_eq!(outcome(&mut port, &third), Some(Ending::Succeeded));
+    assert_eq!(port.state(&second), GoalState::Ended(Ending::Preempted));
+    let unknown = GoalId("never sent".to_owned());
+    assert_eq!(port.state(&unknown), GoalState::Ended(Ending::Rejected));
+    assert!(port.cancel(&unknown).is_err());
+}
+
+#[test]
+#[ignore = "needs ROS: make test-peers"]
+fn peer_ros_a_trajectory_is_followed() {
+    let ros = Ros::with_arm();
+    let settings = RosSettings {
+        trajectory: Some(TRAJECTORY.to_owned()),
+        ..ros.settings()
+    };
+    let mut port = ros::connect(&settings, super::nodes::MODEL, super::nodes::PATIENCE_S).unwrap();
+    let start = port.readings().joints_rad.unwrap().value;
+    let moved = |by: f64| start.iter().map(|angle| angle + by).collect::<Vec<f64>>();
+    let point = |at_s: f64, by: f64| Waypoint {
+        joints_rad: moved(by),
+        at_s,
+    };
+    let goal = Goal::Trajectory(vec![point(0.0, 0.0), point(0.4, 0.2), point(0.8, 0.1)]);
+    let id = port.send(&goal).unwrap();
+    assert_eq!(outcome(&mut port, &id), Some(Ending::Succeeded));
+    port.wait(0.3);
+    let found = port.readings().joints_rad.unwrap().value;
+    assert!(
+        found
+            .iter()
+            .zip(moved(0.1))
+            .all(|(found, sent)| (found - sent).abs() < 1e-12),
+        "{found:?}"
+    );
+    // The hand goes on being the node's.
+    let id = port.send(&Goal::Fingers(vec![100.0, 100.0])).unwrap();
+    assert_eq!(outcome(&mut port, &id), Some(Ending::Succeeded));
+}

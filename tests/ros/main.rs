@@ -1,0 +1,10 @@
+//! The wire to ROS 1 against ROS itself: its master, its Python nodes, actionlib's own servers. `make test-peers` runs it.
+
+#![allow(clippy::unwrap_used)]
+
+mod arm;
+mod camera;
+mod definitions;
+mod faults;
+mod nodes;
+mod stopping;

@@ -1,0 +1,220 @@
+//! A master and an arm's node of their own for each test, both ended with it.
+
+use runtime::arm::port::{Goal, GoalId, GoalState, Port};
+use runtime::arm::ros::{self, RosPort};
+use runtime::arm::settings::RosSettings;
+use std::fs::OpenOptions;
+use std::net::{TcpListener, TcpStream};
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// The arm that the node plays.
+pub const MODEL: &str = "j2n6s200";
+
+/// Its server of joint trajectories.
+pub const TRAJECTORY: &str = "/j2n6s200/follow_joint_trajectory";
+
+/// Debian's Python, which alone has the modules of ROS.
+pub const PYTHON: &str = "/usr/bin/python3";
+
+/// What the programs complained of.
+const LOG: &str = "complaints.log";
+
+/// How long a program may take to start on a busy machine, seconds.
+pub const PATIENCE_S: f64 = 30.0;
+
+/// A program with all that it starts; ended when dropped.
+struct Program(Child);
+
+impl Program {
+    fn start(command: &mut Command) -> Program {
+        Program(
+            command
+                .stdin(Stdio::null())
+                .process_group(0)
+                .spawn()
+                .unwrap(),
+        )
+    }
+
+    fn end(&mut self) {
+        let group = format!("-{}", self.0.id());
+        let ended = Command::new("kill")
+            .args(["-KILL", "--", &group])
+            .stderr(Stdio::null())
+            .status();
+        assert!(ended.is_ok(), "there is no program `kill`");
+        let _ = self.0.wait();
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// A master, and perhaps an arm's node.
+pub struct Ros {
+    node: Option<Program>,
+    _master: Program,
+    port: u16,
+    folder: TempDir,
+}
+
+impl Ros {
+    /// Starts a master, and waits until it answers.
+    pub fn master() -> Ros {
+        let folder = tempfile::tempdir().unwrap();
+        let port = free_port();
+        let mut command = Command::new(PYTHON);
+        command.args(["/usr/bin/rosmaster", "--core", "-p", &port.to_string()]);
+        let ros = Ros {
+            node: None,
+            _master: Program::start(surroundings(&mut command, folder.path(), port)),
+            port,
+            folder,
+        };
+        let deadline = Instant::now() + Duration::from_secs_f64(PATIENCE_S);
+        while TcpStream::connect(("127.0.0.1", port)).is_err() {
+            assert!(Instant::now() < deadline, "rosmaster does not start");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        ros
+    }
+
+    /// Starts a master and the arm's node, which may not be ready yet.
+    pub fn with_arm() -> Ros {
+        let mut ros = Ros::master();
+        generate(&ros.modules(), &[]);
+        ros.start_node();
+        ros
+    }
+
+    /// Starts the arm's node.
+    pub fn start_node(&mut self) {
+        let engine = std::env::var("FABC_PEER_ARM_ENGINE")
+            .expect("make test-peers sets FABC_PEER_ARM_ENGINE");
+        let mut command = Command::new(PYTHON);
+        command.arg(project("tests/peers/arm_node.py"));
+        command
+            .arg(self.modules())
+            .args([MODEL, TRAJECTORY, &engine]);
+        self.node = Some(Program::start(surroundings(
+            &mut command,
+            self.folder.path(),
+            self.port,
+        )));
+    }
+
+    /// Ends the arm's node, and the arm with it, as `kill -9` does.
+    pub fn kill_node(&mut self) {
+        self.node = None;
+    }
+
+    /// Settings that find this master, for the driver of Cartesian goals.
+    pub fn settings(&self) -> RosSettings {
+        RosSettings {
+            master: format!("http://127.0.0.1:{}", self.port),
+            host: None,
+            arm: format!("/{MODEL}_driver"),
+            trajectory: None,
+            joints: Vec::new(),
+            color: Some("/camera/color/image_raw".to_owned()),
+            depth: Some("/camera/aligned_depth_to_color/image_raw".to_owned()),
+            info: Some("/camera/color/camera_info".to_owned()),
+        }
+    }
+
+    /// Connects to the arm's node as soon as it is ready.
+    pub fn connect(&self) -> RosPort {
+        ros::connect(&self.settings(), MODEL, PATIENCE_S).unwrap()
+    }
+
+    fn modules(&self) -> PathBuf {
+        self.folder.path().join("modules")
+    }
+}
+
+impl Drop for Ros {
+    /// Shows what the programs complained of where a test failed; actionlib itself complains of each server's first goal.
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            let log = std::fs::read_to_string(self.folder.path().join(LOG)).unwrap_or_default();
+            eprintln!("the programs of ROS said:\n{log}");
+        }
+    }
+}
+
+/// Writes Python modules of our messages; returns `TYPE SUM` for each of `types`, a line each.
+pub fn generate(modules: &Path, types: &[&str]) -> String {
+    let output = Command::new(PYTHON)
+        .arg(project("tests/peers/ros_messages.py"))
+        .arg(project("runtime/src/arm/ros/msgs"))
+        .arg(modules)
+        .args(types)
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Lets time pass until the goal ends; `None` if it does not within some seconds.
+pub fn outcome(port: &mut RosPort, goal: &GoalId) -> Option<runtime::arm::port::Ending> {
+    let deadline_s = port.now_s() + 20.0;
+    while port.now_s() < deadline_s {
+        if let GoalState::Ended(ending) = port.state(goal) {
+            return Some(ending);
+        }
+        port.wait(0.02);
+    }
+    None
+}
+
+/// Sends a goal and lets time pass until it is active.
+pub fn send_until_active(port: &mut RosPort, goal: &Goal) -> GoalId {
+    let id = port.send(goal).unwrap();
+    let deadline_s = port.now_s() + 10.0;
+    while port.state(&id) != GoalState::Active {
+        assert!(port.now_s() < deadline_s, "{:?}", port.state(&id));
+        port.wait(0.02);
+    }
+    id
+}
+
+/// A port that nobody listens at.
+pub fn free_port() -> u16 {
+    TcpListener::bind(("127.0.0.1", 0))
+        .unwrap()
+        .local_addr()
+        .unwrap()
+        .port()
+}
+
+/// Files and addresses that a program of ROS takes from its environment, all of them this test's own.
+fn surroundings<'a>(command: &'a mut Command, folder: &Path, port: u16) -> &'a mut Command {
+    let log = OpenOptions::new()
+        .create(true)
+        .append(true)
+        .open(folder.join(LOG))
+        .unwrap();
+    command
+        .env("ROS_MASTER_URI", format!("http://127.0.0.1:{port}"))
+        .env("ROS_IP", "127.0.0.1")
+        .env_remove("ROS_HOSTNAME")
+        .env("ROS_HOME", folder)
+        .env("ROS_LOG_DIR", folder)
+        .stdout(Stdio::null())
+        .stderr(log)
+}
+
+fn project(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
