@@ -16,6 +16,7 @@ mod numbers;
 mod outline;
 mod rectangle;
 mod sight;
+mod split;
 #[cfg(test)]
 mod tests;
 
@@ -27,8 +28,9 @@ pub use layers::{DrawnLayer, DrawnShape, draw_layers};
 pub use located::Located;
 pub use mask::{Mask, centroid, depth_mask, mask_picture};
 pub use numbers::draw_numbers;
-pub use outline::{MAX_ALONG, along, contour, edge_middles};
+pub use outline::{MAX_ALONG, along, contour, edge_middles, largest};
 pub use rectangle::{Rectangle, rectangle_around};
+pub use split::{closed, contrast_of, split_mask};
 
 /// Distances to the nearest surface, metres along the optical axis, `[width, height]`.
 ///
