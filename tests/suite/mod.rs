@@ -30,6 +30,7 @@ mod other_grids;
 mod peer_litellm;
 mod peer_providers;
 mod peers;
+mod physical;
 mod pointing;
 mod pointing_told;
 mod provider;
