@@ -13,6 +13,7 @@ mod bench;
 mod book;
 mod bought;
 mod build;
+mod colour_alone;
 mod completions;
 mod demos;
 mod explained;
