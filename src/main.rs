@@ -7,6 +7,8 @@ mod cli;
 #[cfg(feature = "runtime")]
 mod estimate;
 mod exit;
+#[cfg(feature = "runtime")]
+mod operator;
 mod output;
 mod snap;
 mod snapshots;

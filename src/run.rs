@@ -104,6 +104,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         interrupt: &interrupt,
         horizon: None,
         early_stop: true,
+        operator: None,
         repetition: 0,
     };
     let asks = answering.asks_a_provider() || arguments.spend.estimate;

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// The largest source file that is read.
 const MAX_BYTES: u64 = 1 << 22;
 
-/// Gives the compiler one file from disk and those of its folder.
+/// Gives the compiler one file from disk, those of its folder, and those of the folder `lib` beside that.
 ///
 /// The entry itself may be a link to elsewhere; what it uses may not.
 pub struct Disk {
@@ -38,7 +38,7 @@ impl Loader for Disk {
         let bytes = if name == self.entry {
             read_bounded(path)
         } else {
-            inside(&self.folder, path).and_then(|path| read_bounded(&path))
+            inside_or_library(&self.folder, path).and_then(|path| read_bounded(&path))
         };
         let bytes = bytes.map_err(|why| wrong(format!("cannot read `{name}`: {why}")))?;
         String::from_utf8(bytes).map_err(|error| {
@@ -77,6 +77,19 @@ pub fn inside(folder: &Path, path: &Path) -> Result<PathBuf, String> {
         real.display(),
         folder.display()
     ))
+}
+
+/// Returns where a file really lies, as [`inside`] does, also where that is inside of the folder `lib` beside `folder`.
+fn inside_or_library(folder: &Path, path: &Path) -> Result<PathBuf, String> {
+    let found = inside(folder, path);
+    if found.is_ok() {
+        return found;
+    }
+    let above = match folder.as_os_str().is_empty() {
+        true => PathBuf::from(".."),
+        false => folder.join(".."),
+    };
+    inside(&above.join("lib"), path).or(found)
 }
 
 /// Reads a regular file of at most [`MAX_BYTES`]; says why where that is not to be had.
@@ -295,6 +308,7 @@ mod tests {
             "../secret.fab",
             "lib/../../secret.fab",
             "../tasks/lib/base.fab",
+            "../lib/../secret.fab",
             &secret,
         ] {
             let found = codes(&folder, "task.fab", &format!("use \"{path}\"\n"));
@@ -303,5 +317,20 @@ mod tests {
                 "{path}: {found:?}"
             );
         }
+    }
+
+    #[test]
+    fn a_library_beside_the_folder_is_read_and_links_out_of_it_are_not() {
+        let (root, folder) = folders();
+        let tasks = folder.join("own");
+        fs::create_dir(&tasks).expect("a folder");
+        symlink(root.path().join("secret.fab"), folder.join("lib/link.fab")).expect("a link");
+        let text = "use \"../lib/base.fab\"\ntask t extends base { }\n";
+        assert!(codes(&tasks, "task.fab", text).is_empty());
+        let found = codes(&tasks, "task.fab", "use \"../lib/link.fab\"\n");
+        assert!(
+            matches!(found.as_slice(), [message] if message.starts_with("F0002")),
+            "{found:?}"
+        );
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: a name and a loader. Out: every file as it is written, who reaches whom, and diagnostics of form
 //! and of `use`. Bounded by [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`]; no path leads out of the
-//! entry's folder.
+//! entry's folder, but into a folder `lib` that lies beside it.
 
 use crate::ast::{self, Text};
 use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report};
@@ -209,12 +209,12 @@ impl Reading<'_> {
             ));
             return None;
         }
-        let Some(portable_name) = path::within(&self.loaded.portable_names[file.0], &written)
-        else {
+        let here = &self.loaded.portable_names[file.0];
+        let Some(portable_name) = path::within_or_library(here, &written) else {
             let message = format!("the path `{written}` leads out of the folder of the first file");
             self.report
                 .push(Diagnostic::new(Code::BadPath, used.span, message).help(
-                    "move the file beside the first one or below, or check a file higher up",
+                    "move the file beside the first one or below, or into a folder `lib` beside the first one's; or check a file higher up",
                 ));
             return None;
         };

@@ -54,6 +54,14 @@ pub(crate) fn within(file: &str, path: &str) -> Option<String> {
     (!leads_out).then_some(path)
 }
 
+/// Returns `path` as [`within`] does, and also where it leads into the folder `lib` that lies beside the entry's folder.
+pub(crate) fn within_or_library(file: &str, path: &str) -> Option<String> {
+    let path = beside(file, path);
+    let is_library = path.starts_with("../lib/");
+    let leads_out = path == ".." || path.starts_with("../");
+    (is_library || !leads_out).then_some(path)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,5 +83,35 @@ mod tests {
             assert_eq!(within("a.fab", path), None, "{path}");
         }
         assert_eq!(within("lib/a.fab", "../../task/b.fab"), None);
+        assert_eq!(within("a.fab", "../lib/b.fab"), None);
+    }
+
+    #[test]
+    fn a_library_may_lie_beside_the_folder_and_nothing_else() {
+        for (file, path) in [
+            ("a.fab", "../lib/b.fab"),
+            ("../lib/a.fab", "b.fab"),
+            ("deep/a.fab", "../../lib/b.fab"),
+        ] {
+            assert_eq!(
+                within_or_library(file, path),
+                Some("../lib/b.fab".to_owned())
+            );
+        }
+        assert_eq!(
+            within_or_library("../lib/a.fab", "sub/b.fab"),
+            Some("../lib/sub/b.fab".to_owned())
+        );
+        for (file, path) in [
+            ("a.fab", "../b.fab"),
+            ("a.fab", "../lib"),
+            ("a.fab", "../library/b.fab"),
+            ("a.fab", "../../lib/b.fab"),
+            ("a.fab", "../lib/../b.fab"),
+            ("../lib/a.fab", "../b.fab"),
+            ("../lib/a.fab", "../../lib/b.fab"),
+        ] {
+            assert_eq!(within_or_library(file, path), None, "{file} {path}");
+        }
     }
 }

@@ -35,6 +35,7 @@ pub mod files;
 pub mod interrupt;
 pub mod metrics;
 pub mod observation;
+pub mod operator;
 pub mod outcome;
 pub mod parallel;
 pub mod picture;

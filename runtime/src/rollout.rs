@@ -24,6 +24,7 @@ use crate::interrupt::Interrupt;
 use crate::journal::{JournalError, Line, RunFolder};
 use crate::model::lowering;
 use crate::model::recording::Recorder;
+use crate::operator::Operator;
 use crate::outcome::Outcome;
 use crate::result::StepResult;
 use crate::scene::SceneError;
@@ -71,6 +72,8 @@ pub struct Job<'a> {
     pub horizon: Option<u32>,
     /// Whether a goal that is judged after each step ends the rollout; where not, it is judged on the last state.
     pub early_stop: bool,
+    /// Who says at the end whether the task was reached, where somebody is asked.
+    pub operator: Option<&'a dyn Operator>,
     /// Tells apart runs of one job that want independent answers; goes into every request.
     pub repetition: u32,
 }

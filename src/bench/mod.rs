@@ -10,6 +10,7 @@ mod suites;
 use crate::cli::bench::BenchArguments;
 use crate::estimate::{self, Asking};
 use crate::exit::{Exit, Failure};
+use crate::operator::Terminal;
 use crate::setting::models::{self, Answering};
 use crate::{output, setting};
 use prepare::AnsweringBy;
@@ -42,9 +43,11 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         false => models::recorder(&arguments.spend)?,
     };
     let budget = models::budget(&arguments.spend);
-    let threads = arguments
-        .jobs
-        .map_or_else(|| usual_jobs(&answering), usize::from);
+    let threads = match (arguments.operator, arguments.jobs) {
+        (true, _) => 1,
+        (false, Some(jobs)) => usize::from(jobs),
+        (false, None) => usual_jobs(&answering),
+    };
     let prepared = prepare::prepare(&suite, &found.folder, arguments, threads)?;
     let out = match arguments.spend.estimate {
         true => PathBuf::from("runs"),
@@ -65,6 +68,7 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         cache: &cache,
         budget: &budget,
         recorder: recorder.as_ref(),
+        operator: arguments.operator.then_some(&Terminal),
         interrupt: &interrupt,
     };
     let asks = answering.values().any(Answering::asks_a_provider) || arguments.spend.estimate;

@@ -80,7 +80,7 @@ pub fn prepare(
         };
         let program = program.clone();
         let points = match &arguments.starts {
-            None => starts::generated(&suite.starts, &program.cloth),
+            None => starts::generated(suite.starts_of(&program.task), &program.cloth),
             Some(recorded) => {
                 starts::recorded(recorded, &program.task).map_err(Failure::environment)?
             }
@@ -104,6 +104,17 @@ pub fn prepare(
             declared,
             by_grid: BTreeMap::new(),
         });
+    }
+    let is_known = |name: &&String| !tasks.iter().any(|it| it.task.name == **name);
+    if let Some(unknown) = suite.own_starts.keys().find(is_known) {
+        let names: Vec<String> = tasks
+            .iter()
+            .map(|it| format!("`{}`", it.task.name))
+            .collect();
+        return Err(Failure::environment(format!(
+            "the suite states starts of a task `{unknown}`, and has {}",
+            names.join(", ")
+        )));
     }
     if tasks.is_empty() {
         return Err(Failure::environment(

@@ -39,6 +39,9 @@ pub struct BenchArguments {
     /// Only part I of N of the starts, counted from 1; with one `--out`, the last call may leave it away.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<Shard>,
+    /// Ask after each rollout whether the task was reached, and if not, why; rollouts then run one at a time.
+    #[arg(long, conflicts_with = "jobs")]
+    pub operator: bool,
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,

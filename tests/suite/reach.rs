@@ -150,6 +150,7 @@ fn with_job<T>(
         interrupt: &Interrupt::default(),
         horizon: Some(1),
         early_stop: true,
+        operator: None,
         repetition: 0,
     })
 }

@@ -17,9 +17,9 @@ use runtime::subgoals::{Origin, SubgoalSet};
 use runtime::world::{Executed, Motion, SimulatedWorld, World, WorldError};
 
 /// The simulator's world as one with a camera alone: it does not tell where particles are.
-struct Blind {
-    world: SimulatedWorld,
-    flat: Option<Observation>,
+pub(super) struct Blind {
+    pub world: SimulatedWorld,
+    pub flat: Option<Observation>,
 }
 
 impl World for Blind {
@@ -53,7 +53,7 @@ impl World for Blind {
 }
 
 /// The picture of a flat cloth with that many particles a side.
-fn flat(program: &Program, side: u32) -> Observation {
+pub(super) fn flat(program: &Program, side: u32) -> Observation {
     let mut program = program.clone();
     (program.cloth.dimx, program.cloth.dimy) = (side, side);
     let mut world = support::world(&program).unwrap();
@@ -108,6 +108,7 @@ fn play(program: &Program, flat: Option<Observation>) -> Result<(RolloutReport, 
         interrupt: &Interrupt::default(),
         horizon: Some(1),
         early_stop: true,
+        operator: None,
         repetition: 0,
     };
     let run = folder.path().join("run");

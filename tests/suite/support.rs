@@ -195,6 +195,7 @@ impl<'p> Trial<'p> {
             interrupt: &self.interrupt,
             horizon: self.horizon,
             early_stop: self.early_stop,
+            operator: None,
             repetition: self.repetition,
         };
         let folder = match run.join(JOURNAL_FILE).exists() {

@@ -1,4 +1,4 @@
-//! Extractors: `mask(…)`, `harris(…)`, `contour(…)` and the others.
+//! Extractors: `harris(…)`, `contour(…)` and the others; masks have a file of their own.
 
 use super::Context;
 use super::arguments::{Bound, Parameter, bare, bind, named, optional, rest};
@@ -8,7 +8,7 @@ use super::quantity::{Measure, Wanted, read, read_whole};
 use super::subgoals::pixel;
 use crate::ast::{Argument, Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic, among};
-use crate::program::{Extractor, KeypointShape, Moment, Response, Sight};
+use crate::program::{Extractor, Inside, KeypointShape, Moment, Response, Sight};
 
 /// Harris' free parameter where none is stated: the detector's usual one (protocol, section 6).
 const DEFAULT_HARRIS_K: f64 = 0.04;
@@ -16,11 +16,6 @@ const DEFAULT_HARRIS_K: f64 = 0.04;
 /// Side of the square over which a response is averaged where none is stated: OpenCV's, which the paper keeps.
 const DEFAULT_BLOCK_PX: u32 = 3;
 
-const DEPTH: Wanted = Wanted {
-    measure: Measure::Length,
-    range: 1e-3..=10.0,
-    range_words: "a depth from `1mm` to `10m`",
-};
 const MAX_POINTS: Wanted = Wanted {
     measure: Measure::Number,
     range: 1.0..=1000.0,
@@ -41,103 +36,16 @@ const HARRIS_K: Wanted = Wanted {
     range: 1e-3..=0.25,
     range_words: "a number from `0.001` to `0.25`",
 };
+const SHARE: Wanted = Wanted {
+    measure: Measure::Number,
+    range: 1e-3..=0.999,
+    range_words: "a share from `0.001` to `0.999`",
+};
 const BLOCK: Wanted = Wanted {
     measure: Measure::Pixels,
     range: 1.0..=31.0,
     range_words: "an odd side from `1px` to `31px`",
 };
-const HUE: Wanted = Wanted {
-    measure: Measure::Angle,
-    range: 0.0..=std::f64::consts::TAU,
-    range_words: "a hue from `0deg` to `360deg`",
-};
-const FRACTION: Wanted = Wanted {
-    measure: Measure::Number,
-    range: 0.0..=1.0,
-    range_words: "a fraction from `0` to `1`",
-};
-
-/// Builds a mask by depth, or by colour.
-pub(super) fn mask(
-    name: &Ident,
-    arguments: &[Argument],
-    context: &mut Context<'_>,
-) -> Option<(Moment, Extractor)> {
-    let is_colored = arguments.iter().any(|argument| argument.label.is_some());
-    if !is_colored {
-        let bound = bind(name, arguments, &[bare("depth < limit")], context)?;
-        let below_m = depth_limit(bound.get("depth < limit")?, context)?;
-        return Some((Moment::Now, Extractor::DepthMask { below_m }));
-    }
-    let parameters = [named("hue"), named("saturation"), named("value")];
-    let bound = bind(name, arguments, &parameters, context)?;
-    let hue = range(bound.get("hue")?, &HUE, context);
-    let saturation = range(bound.get("saturation")?, &FRACTION, context);
-    let value = range(bound.get("value")?, &FRACTION, context);
-    let (saturation, value) = (saturation?, value?);
-    for (limits, name) in [(saturation, "saturation"), (value, "value")] {
-        if limits[0] > limits[1] {
-            let message = format!("the range of `{name}` ends below its beginning");
-            let span = bound.get(name)?.span;
-            context.push(Diagnostic::new(Code::OutOfRange, span, message));
-            return None;
-        }
-    }
-    let extractor = Extractor::ColorMask {
-        // The way through radians must not move a limit off the whole degree that it names.
-        hue_deg: hue?.map(|hue_rad| (hue_rad.to_degrees() * 1e9).round() / 1e9),
-        saturation,
-        value,
-    };
-    Some((Moment::Now, extractor))
-}
-
-/// Reads `A to B`.
-fn range(expr: &Expr, wanted: &Wanted, context: &mut Context<'_>) -> Option<[f64; 2]> {
-    let ExprKind::Range { low, high } = &expr.kind else {
-        let found = context.written(expr.span);
-        let message = format!("expected a range, found `{found}`");
-        context.push(
-            Diagnostic::new(Code::WrongForm, expr.span, message)
-                .help(format!("write `A to B`, each {}", wanted.range_words)),
-        );
-        return None;
-    };
-    let low = read(low, wanted, context);
-    let high = read(high, wanted, context);
-    Some([low?, high?])
-}
-
-fn depth_limit(expr: &Expr, context: &mut Context<'_>) -> Option<f64> {
-    let limit = match &expr.kind {
-        ExprKind::Compare { left, sign, right }
-            if sign.text == "<"
-                && matches!(&left.kind, ExprKind::Name(name) if name == "depth") =>
-        {
-            right
-        }
-        _ => {
-            context.push(
-                Diagnostic::new(Code::WrongForm, expr.span, "expected a limit of the depth")
-                    .help("write `mask(depth < 646mm)`: the pixels nearer to the camera than that"),
-            );
-            return None;
-        }
-    };
-    let below_m = read(limit, &DEPTH, context)?;
-    let height_m = context.camera.as_ref().map(|camera| camera.height_m);
-    if let Some(height_m) = height_m.filter(|height_m| below_m >= *height_m) {
-        let message = format!(
-            "the mask reaches the table, which is {}mm from the camera",
-            crate::exact::written(height_m * 1000.0, 3)
-        );
-        context.push(
-            Diagnostic::new(Code::MaskSeesTable, limit.span, message)
-                .help("a flat cloth lies about 5 mm above the table"),
-        );
-    }
-    Some(below_m)
-}
 
 /// Builds `harris(…)` or `shi_tomasi(…)`.
 pub(super) fn corners(
@@ -155,6 +63,8 @@ pub(super) fn corners(
         optional("image"),
         optional("of"),
         optional("white"),
+        optional("inside"),
+        optional("margin"),
         optional("block"),
     ];
     parameters.extend(is_harris.then(|| optional("k")));
@@ -181,11 +91,13 @@ pub(super) fn corners(
     let block_px = block(&bound, context);
     let of = sight(bound.get("of"), context);
     let white = white(&bound, of, earlier, context);
+    let inside = inside(&bound, earlier, context);
     let moment = moment(bound.get("at"), context);
     let extractor = Extractor::Corners {
         mask: mask?,
         of: of?,
         white: white?,
+        inside: inside?,
         image_px: image_px?,
         max: max?,
         quality: quality?,
@@ -197,12 +109,17 @@ pub(super) fn corners(
 }
 
 fn block(bound: &Bound<'_>, context: &mut Context<'_>) -> Option<u32> {
-    let Some(expr) = bound.get("block") else {
-        return Some(DEFAULT_BLOCK_PX);
-    };
-    let block_px = read_whole(expr, &BLOCK, context)?;
-    if block_px % 2 == 1 {
-        return Some(block_px);
+    match bound.get("block") {
+        Some(expr) => odd(expr, &BLOCK, context),
+        None => Some(DEFAULT_BLOCK_PX),
+    }
+}
+
+/// Reads the side of a square that has a middle pixel.
+pub(super) fn odd(expr: &Expr, wanted: &Wanted, context: &mut Context<'_>) -> Option<u32> {
+    let side_px = read_whole(expr, wanted, context)?;
+    if side_px % 2 == 1 {
+        return Some(side_px);
     }
     let written = context.written(expr.span);
     context.push(
@@ -211,7 +128,7 @@ fn block(bound: &Bound<'_>, context: &mut Context<'_>) -> Option<u32> {
             expr.span,
             format!("`{written}` is out of range"),
         )
-        .help(format!("accepted is {}", BLOCK.range_words)),
+        .help(format!("accepted is {}", wanted.range_words)),
     );
     None
 }
@@ -254,6 +171,60 @@ fn white(
         return None;
     }
     earlier.named(expr, KeypointShape::Mask, context).map(Some)
+}
+
+/// Reads `inside: BOX, margin: 20px`: None where it is wrong, nothing inside where it is not stated.
+fn inside(
+    bound: &Bound<'_>,
+    earlier: Earlier<'_, '_>,
+    context: &mut Context<'_>,
+) -> Option<Option<Inside>> {
+    let Some(expr) = bound.get("inside") else {
+        if let Some(margin) = bound.get("margin") {
+            let message = "`margin` says how far beside a box, and there is no `inside`";
+            context.push(
+                Diagnostic::new(Code::WrongArguments, margin.span, message)
+                    .help("write `inside: BOX` beside it, or leave `margin` out"),
+            );
+            return None;
+        }
+        return Some(None);
+    };
+    let of = earlier.named(expr, KeypointShape::Box, context);
+    let margin_px = match bound.get("margin") {
+        Some(margin) => read(margin, &SPACING, context),
+        None => Some(0.0),
+    };
+    Some(Some(Inside {
+        of: of?,
+        margin_px: margin_px?,
+    }))
+}
+
+/// Builds `toward(POINTS, POINT, share: 0.1)`.
+pub(super) fn toward(
+    name: &Ident,
+    arguments: &[Argument],
+    earlier: Earlier<'_, '_>,
+    context: &mut Context<'_>,
+) -> Option<(Moment, Extractor)> {
+    let parameters = [
+        bare("points"),
+        bare("point"),
+        named("share"),
+        optional("at"),
+    ];
+    let bound = bind(name, arguments, &parameters, context)?;
+    let points = earlier.named(bound.get("points")?, KeypointShape::Points, context);
+    let to = earlier.named(bound.get("point")?, KeypointShape::Point, context);
+    let share = read(bound.get("share")?, &SHARE, context);
+    let moment = moment(bound.get("at"), context);
+    let extractor = Extractor::Toward {
+        points: points?,
+        to: to?,
+        share: share?,
+    };
+    Some((moment?, extractor))
 }
 
 /// Builds an extractor of one earlier keypoint and nothing else.

@@ -2,6 +2,7 @@
 
 use super::Context;
 use super::extractors;
+use super::masks;
 use super::names::Meaning;
 use crate::ast::{Argument, Expr, ExprKind, Ident, Keypoint};
 use crate::diag::{Code, Diagnostic, among};
@@ -12,8 +13,10 @@ use crate::program::{self, Extractor, KeypointShape, Moment};
 const MAX_KEYPOINTS: usize = 256;
 
 /// The extractors.
-const EXTRACTORS: [&str; 10] = [
+const EXTRACTORS: [&str; 13] = [
     "mask",
+    "closed",
+    "largest",
     "harris",
     "shi_tomasi",
     "centroid",
@@ -22,6 +25,7 @@ const EXTRACTORS: [&str; 10] = [
     "contour",
     "edge_middles",
     "along",
+    "toward",
     "points",
 ];
 
@@ -117,7 +121,9 @@ impl Earlier<'_, '_> {
                 let kind = match wanted {
                     KeypointShape::Box => "box",
                     KeypointShape::Outline => "outline",
-                    _ => "mask",
+                    KeypointShape::Points => "list of points",
+                    KeypointShape::Point => "point",
+                    KeypointShape::Mask => "mask",
                 };
                 context.unknown(kind, &name, context.names.that(fits));
                 None
@@ -144,7 +150,10 @@ fn extractor(
     };
     let of_mask = ("mask", KeypointShape::Mask);
     match name.text.as_str() {
-        "mask" => extractors::mask(name, arguments, context),
+        "mask" => masks::mask(name, arguments, context),
+        "closed" => masks::closed(name, arguments, earlier, context),
+        "largest" => masks::largest(name, arguments, earlier, context),
+        "toward" => extractors::toward(name, arguments, earlier, context),
         "harris" | "shi_tomasi" => extractors::corners(name, arguments, earlier, context),
         "centroid" => one(of_mask, |mask| Extractor::Centroid { mask }, context),
         "bounding_box" => one(of_mask, |mask| Extractor::BoundingBox { mask }, context),

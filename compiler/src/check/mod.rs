@@ -18,6 +18,7 @@ mod folds;
 mod goal;
 mod keypoints;
 mod layers;
+mod masks;
 mod measures;
 mod model;
 mod names;

@@ -105,10 +105,10 @@ fn shape(value: &ExprKind) -> Option<KeypointShape> {
         return None;
     };
     match text.as_str() {
-        "mask" => Some(KeypointShape::Mask),
+        "mask" | "closed" | "largest" => Some(KeypointShape::Mask),
         "bounding_box" => Some(KeypointShape::Box),
         "contour" => Some(KeypointShape::Outline),
-        "harris" | "shi_tomasi" | "edge_middles" | "along" | "points" => {
+        "harris" | "shi_tomasi" | "edge_middles" | "along" | "toward" | "points" => {
             Some(KeypointShape::Points)
         }
         "centroid" | "center" => Some(KeypointShape::Point),

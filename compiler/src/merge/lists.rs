@@ -32,6 +32,38 @@ impl<'a, T> Indexed<'a, T> {
         }
     }
 
+    /// Merges a block of parts: one of a known name takes the old one's place, new ones that stand above it in the block
+    /// come directly before it, and all others come after.
+    pub fn put_block(&mut self, block: &'a [T], name: impl Fn(&'a T) -> &'a str) {
+        let mut before: BTreeMap<usize, Vec<&'a T>> = BTreeMap::new();
+        let mut new: Vec<&'a T> = Vec::new();
+        for part in block {
+            match self.places.get(name(part)) {
+                Some(place) => {
+                    self.list[*place] = Some(part);
+                    before.entry(*place).or_default().append(&mut new);
+                }
+                None => new.push(part),
+            }
+        }
+        if before.values().any(|moved| !moved.is_empty()) {
+            let old = std::mem::take(&mut self.list);
+            self.places.clear();
+            for (place, part) in old.into_iter().enumerate() {
+                for moved in before.remove(&place).into_iter().flatten() {
+                    self.put(name(moved), moved);
+                }
+                match part {
+                    Some(part) => self.put(name(part), part),
+                    None => self.list.push(None),
+                }
+            }
+        }
+        for part in new {
+            self.put(name(part), part);
+        }
+    }
+
     /// Takes a part out.
     pub fn remove(&mut self, name: &str) -> Option<&'a T> {
         let place = self.places.remove(name)?;

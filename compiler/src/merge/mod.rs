@@ -1,7 +1,8 @@
 //! Joins a task with those that it extends, and with one of its variants.
 //!
 //! A section of the task replaces the extended task's whole section. Only five merge by name: a constant, a
-//! keypoint or a stage of the same name takes the old one's place, others come after; a component is
+//! keypoint or a stage of the same name takes the old one's place, others come after (new keypoints directly before the
+//! replaced one that they stand above, so that it may use them); a component is
 //! replaced with `override`, added without, and left out with `without`; single checks of an inherited
 //! `verify` are replaced and left out likewise. A variant is joined like a task that extends the one it
 //! stands in.
@@ -196,9 +197,8 @@ impl<'a> Merged<'a> {
         for constant in &body.constants {
             self.constants.put(&constant.name.text, constant);
         }
-        for keypoint in keypoints {
-            self.keypoints.put(&keypoint.name.text, keypoint);
-        }
+        self.keypoints
+            .put_block(keypoints, |keypoint| &keypoint.name.text);
         for stage in &body.stages {
             self.stages.put(&stage.name.text, stage);
         }

@@ -42,6 +42,29 @@ pub enum Extractor {
         /// Value (brightness), 0 to 1.
         value: [f64; 2],
     },
+    /// The pixels on one side of the level that best tells two kinds of pixels apart (Otsu's). Gives a mask.
+    SplitMask {
+        /// What is told apart.
+        of: Channel,
+        /// Which side is kept.
+        keep: Side,
+        /// Side of the square over which levels are averaged first, pixels, odd; 1 for none.
+        blur_px: u32,
+        /// How far the means of the two sides must lie apart, 0 to 1; where they do not, the mask is empty.
+        contrast: f64,
+    },
+    /// A mask with its gaps filled: grown by a square and shrunk again. Gives a mask.
+    Closed {
+        /// The mask's name.
+        mask: String,
+        /// Side of the square, pixels.
+        by_px: u32,
+    },
+    /// The largest piece of a mask. Gives a mask.
+    Largest {
+        /// The mask's name.
+        mask: String,
+    },
     /// Corners that a mask shows (OpenCV's goodFeaturesToTrack). Gives points.
     Corners {
         /// The mask's name.
@@ -51,6 +74,9 @@ pub enum Extractor {
         /// A mask whose pixels are painted white in the picture before the detector sees it; none: it is as it is.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         white: Option<String>,
+        /// The box in or near which corners are kept; none: all are.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        inside: Option<Inside>,
         /// Side of the square image that the detector sees, pixels of that image; results are scaled back.
         image_px: u32,
         /// The most corners kept, strongest first.
@@ -100,11 +126,49 @@ pub enum Extractor {
         /// How many.
         count: u32,
     },
+    /// Points moved towards another point. Gives points.
+    Toward {
+        /// The points' name.
+        points: String,
+        /// The name of the point that they move towards.
+        to: String,
+        /// By which share of their way to it, above 0 and below 1.
+        share: f64,
+    },
     /// Points that are always the same. Gives points.
     Fixed {
         /// The points.
         points: Vec<PixelPoint>,
     },
+}
+
+/// The box that corners are kept in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Inside {
+    /// The box's name.
+    pub of: String,
+    /// How far beside it a corner may lie, pixels.
+    pub margin_px: f64,
+}
+
+/// A number that each pixel of a picture has, 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Channel {
+    /// Its grey level.
+    Brightness,
+    /// How far its colour is from grey: three times its saturation, at most 1.
+    Saturation,
+}
+
+/// One side of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// What is below it: dark, or grey.
+    Low,
+    /// What is above it: bright, or coloured.
+    High,
 }
 
 /// What a corner detector looks at; outside of the mask all is black.
@@ -160,15 +224,28 @@ impl Extractor {
         }
     }
 
+    /// Returns the mask that this one is a cleaner form of; none where it is taken from the picture.
+    pub fn refines(&self) -> Option<&str> {
+        match self {
+            Extractor::Closed { mask, .. } | Extractor::Largest { mask } => Some(mask),
+            _ => None,
+        }
+    }
+
     /// Returns what this extractor gives.
     pub fn shape(&self) -> KeypointShape {
         match self {
-            Extractor::DepthMask { .. } | Extractor::ColorMask { .. } => KeypointShape::Mask,
+            Extractor::DepthMask { .. }
+            | Extractor::ColorMask { .. }
+            | Extractor::SplitMask { .. }
+            | Extractor::Closed { .. }
+            | Extractor::Largest { .. } => KeypointShape::Mask,
             Extractor::BoundingBox { .. } => KeypointShape::Box,
             Extractor::Contour { .. } => KeypointShape::Outline,
             Extractor::Corners { .. }
             | Extractor::EdgeMiddles { .. }
             | Extractor::Along { .. }
+            | Extractor::Toward { .. }
             | Extractor::Fixed { .. } => KeypointShape::Points,
             Extractor::Centroid { .. } | Extractor::BoxCenter { .. } | Extractor::PictureCenter => {
                 KeypointShape::Point

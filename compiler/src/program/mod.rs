@@ -30,7 +30,9 @@ pub use cloth::{Cloth, ClothStart};
 pub use demos::Demos;
 pub use folds::{ClothPoint, Fold, Sequence};
 pub use goal::{Goal, Metric};
-pub use keypoints::{Extractor, Keypoint, KeypointShape, Moment, Response, Sight};
+pub use keypoints::{
+    Channel, Extractor, Inside, Keypoint, KeypointShape, Moment, Response, Side, Sight,
+};
 pub use picker::Picker;
 pub use prompts::{
     Arrow, Example, Layers, ModelRole, Picture, Read, Stage, Template, Variable, Which, Words,

@@ -30,6 +30,7 @@ pub fn first_questions_of(bench: &Bench<'_>) -> Result<Vec<Vec<FirstQuestion>>, 
             interrupt: bench.interrupt,
             horizon: bench.suite.horizons.last().copied(),
             early_stop: true,
+            operator: None,
             repetition: 0,
         };
         let questions = first_questions(&job);

@@ -2,8 +2,10 @@
 //!
 //! Smoothing is measured twice (protocol, section 5): by SoftGym's grid, whose numbers the paper prints and
 //! which decides when a rollout stops, and by the true area. A value with the stop is the one at the first step
-//! that met the goal, frozen from there; a value without is that of a rollout which went on.
+//! that met the goal, frozen from there; a value without is that of a rollout which went on. Measures by pictures, of a cloth
+//! whose particles nobody knows, have metrics of their own: a rollout has values for the one kind or for the other.
 
+use crate::rollout::CoverageSource;
 use serde::{Deserialize, Serialize};
 
 /// A measure of a rollout.
@@ -23,9 +25,22 @@ pub enum Metric {
     NormalizedImprovementSourceWithoutStop,
     /// Normalized improvement by the true area, of a rollout that does not stop early.
     NormalizedImprovementTrueWithoutStop,
+    /// Normalized improvement by pictures, with the early stop.
+    NormalizedImprovementPicture,
+    /// Whether the cloth covers at least [`COVERED`] in the end by SoftGym's grid; its statistic is always the share.
+    #[serde(rename = "covered_0.85_source")]
+    CoveredSource,
+    /// Likewise by pictures.
+    #[serde(rename = "covered_0.85_picture")]
+    CoveredPicture,
     /// Whether the goal was reached; its statistic is always the share.
     GoalReached,
+    /// Whether the operator says that the task was reached, of the rollouts that were judged; always the share.
+    ReachedByOperator,
 }
+
+/// The coverage from which on the paper counts a cloth on the real table as smooth.
+pub const COVERED: f64 = 0.85;
 
 impl Metric {
     /// Returns its name in suites, JSON and CSV.
@@ -41,7 +56,11 @@ impl Metric {
             Metric::NormalizedImprovementTrueWithoutStop => {
                 "normalized_improvement_true_without_stop"
             }
+            Metric::NormalizedImprovementPicture => "normalized_improvement_picture",
+            Metric::CoveredSource => "covered_0.85_source",
+            Metric::CoveredPicture => "covered_0.85_picture",
             Metric::GoalReached => "goal_reached",
+            Metric::ReachedByOperator => "reached_by_operator",
         }
     }
 
@@ -54,7 +73,11 @@ impl Metric {
             Metric::NormalizedImprovementTrue => "NI, true",
             Metric::NormalizedImprovementSourceWithoutStop => "source, no stop",
             Metric::NormalizedImprovementTrueWithoutStop => "true, no stop",
+            Metric::NormalizedImprovementPicture => "NI, picture",
+            Metric::CoveredSource => "covers 0.85, source",
+            Metric::CoveredPicture => "covers 0.85, picture",
             Metric::GoalReached => "goal reached",
+            Metric::ReachedByOperator => "reached, by the operator",
         }
     }
 
@@ -62,8 +85,34 @@ impl Metric {
     pub fn digits(self) -> usize {
         match self {
             Metric::MeanParticleDistanceMm | Metric::MeanParticleDistanceMmGamma09 => 1,
-            Metric::GoalReached => 2,
+            _ if self.is_share() => 2,
             _ => 3,
+        }
+    }
+
+    /// Returns whether it says of a rollout that something happened or not, so that its statistic is the share.
+    pub fn is_share(self) -> bool {
+        matches!(
+            self,
+            Metric::CoveredSource
+                | Metric::CoveredPicture
+                | Metric::GoalReached
+                | Metric::ReachedByOperator
+        )
+    }
+
+    /// Returns what coverage must have been measured on for a rollout to have a value; none where that does not matter.
+    pub fn source(self) -> Option<CoverageSource> {
+        match self {
+            Metric::NormalizedImprovementSource
+            | Metric::NormalizedImprovementTrue
+            | Metric::NormalizedImprovementSourceWithoutStop
+            | Metric::NormalizedImprovementTrueWithoutStop
+            | Metric::CoveredSource => Some(CoverageSource::Particles),
+            Metric::NormalizedImprovementPicture | Metric::CoveredPicture => {
+                Some(CoverageSource::Picture)
+            }
+            _ => None,
         }
     }
 
@@ -99,7 +148,11 @@ mod tests {
             Metric::NormalizedImprovementTrue,
             Metric::NormalizedImprovementSourceWithoutStop,
             Metric::NormalizedImprovementTrueWithoutStop,
+            Metric::NormalizedImprovementPicture,
+            Metric::CoveredSource,
+            Metric::CoveredPicture,
             Metric::GoalReached,
+            Metric::ReachedByOperator,
         ] {
             assert_eq!(
                 serde_json::json!(metric),

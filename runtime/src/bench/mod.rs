@@ -30,6 +30,7 @@ use crate::examples::Examples;
 use crate::interrupt::Interrupt;
 use crate::model::Nature;
 use crate::model::recording::Recorder;
+use crate::operator::Operator;
 use crate::rollout::RunError;
 use crate::subgoals::SubgoalSet;
 use crate::world::{World, WorldError};
@@ -60,6 +61,8 @@ pub struct Bench<'a> {
     pub budget: &'a Budget,
     /// Where questions and answers are recorded, where that is wanted.
     pub recorder: Option<&'a Recorder>,
+    /// Who says after each rollout whether its task was reached, where somebody is asked; rollouts then run one at a time.
+    pub operator: Option<&'a dyn Operator>,
     /// A request to stop early.
     pub interrupt: &'a Interrupt,
 }

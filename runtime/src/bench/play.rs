@@ -43,6 +43,8 @@ pub struct Results {
     pub found: usize,
     /// Why rollouts are missing, where some are.
     pub stopped: Option<Stop>,
+    /// Name of the world.
+    pub world: String,
     /// Hash of the world's parameters.
     pub params: String,
     /// What the work took.
@@ -98,7 +100,7 @@ pub fn play(
     };
     results.spent.starts_s = begun.elapsed().as_secs_f64();
     refuse_examples(bench, &laid)?;
-    results.params = params(bench)?;
+    (results.world, results.params) = world(bench)?;
     let begun = Instant::now();
     let is_whole = experts::simulate(bench, &laid, progress, &mut results.spent)?;
     results.spent.experts_s = begun.elapsed().as_secs_f64();
@@ -115,9 +117,11 @@ pub fn play(
             .restore(&ledger::read(&folder_of(bench, *which))?.spent);
     }
     progress(Phase::Rollouts, 0, jobs.len());
+    // One person sees one rollout at a time.
+    let side_by_side = bench.operator.map_or(bench.threads, |_| 1);
     let done = in_parallel(
         jobs.len(),
-        bench.threads,
+        side_by_side,
         |index| one(bench, &laid, jobs[index]),
         |done| progress(Phase::Rollouts, done, jobs.len()),
     )?;
@@ -159,12 +163,13 @@ fn interrupted(results: Results) -> Results {
     }
 }
 
-fn params(bench: &Bench<'_>) -> Result<String, BenchError> {
+/// Returns the name and the parameters of the world.
+fn world(bench: &Bench<'_>) -> Result<(String, String), BenchError> {
     let Some(task) = bench.tasks.first() else {
-        return Ok(String::new());
+        return Ok(<_>::default());
     };
     let world = (bench.make_world)(&task.program).map_err(|error| at(&task.name, error))?;
-    Ok(world.parameters())
+    Ok((world.name().to_owned(), world.parameters()))
 }
 
 pub(super) fn at(place: &str, error: WorldError) -> BenchError {
@@ -280,6 +285,7 @@ fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Option<(Played, b
         interrupt: bench.interrupt,
         horizon: bench.suite.horizons.last().copied(),
         early_stop: entry.stops_early(&bench.suite.metrics),
+        operator: bench.operator,
         repetition,
     };
     let world = make_world().map_err(|error| at(&place(bench, entry, start), error))?;

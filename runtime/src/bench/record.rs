@@ -4,7 +4,9 @@
 //! whether a rollout was run just now or found finished, so that both give the same figures.
 
 use crate::journal::{JOURNAL_FILE, MAX_SPENT_BYTES, SPENT_FILE};
+use crate::operator::Judgement;
 use crate::outcome::Outcome;
+use crate::rollout::CoverageSource;
 use crate::{bounded, npy};
 use compiler::program::{Goal, Metric as GoalMetric};
 use serde::Deserialize;
@@ -22,6 +24,10 @@ pub struct Record {
     pub outcome: Outcome,
     /// Its steps, in order; the last may be one that ended it.
     pub steps: Vec<Step>,
+    /// What coverage was measured on.
+    pub coverage_source: Option<CoverageSource>,
+    /// What the operator said of it, where somebody was asked.
+    pub operator: Option<Judgement>,
     /// Where the cloth lay in the end, grid order, world frame, metres; none where nothing was ever executed.
     pub last: Option<Vec<[f32; 3]>>,
 }
@@ -33,9 +39,9 @@ pub struct Step {
     pub is_taken: bool,
     /// Questions asked.
     pub queries: u32,
-    /// Coverage by SoftGym's grid after it.
+    /// Coverage after it by the source measure: SoftGym's grid, or pictures.
     pub coverage: Option<f64>,
-    /// Normalized improvement by SoftGym's grid after it.
+    /// Normalized improvement after it by the same measure.
     pub improvement: Option<f64>,
     /// Normalized improvement by the true area after it.
     pub improvement_true: Option<f64>,
@@ -127,6 +133,13 @@ fn ended(folder: &Path, end: &Value, steps: Vec<Step>) -> Found {
         (Ok(outcome), Some(last)) => Found::Finished(Record {
             outcome,
             steps,
+            // Journals without a source are older than measures by pictures.
+            coverage_source: match &end["report"]["coverage_source"] {
+                Value::Null if end["report"]["coverage"].is_null() => None,
+                Value::Null => Some(CoverageSource::Particles),
+                source => CoverageSource::deserialize(source).ok(),
+            },
+            operator: Judgement::deserialize(&end["report"]["operator"]).ok(),
             last,
         }),
         _ => Found::Unfinished,
@@ -258,7 +271,7 @@ impl Record {
     }
 }
 
-/// Returns whether a goal that is judged after each step is met; as in a rollout, by SoftGym's grid.
+/// Returns whether a goal that is judged after each step is met; as in a rollout, by the source measure.
 fn meets(goal: &Goal, step: &Step) -> bool {
     let value = match goal.metric {
         GoalMetric::Coverage => step.coverage,

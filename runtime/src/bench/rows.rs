@@ -3,7 +3,7 @@
 //! In: finished rollouts. Out: [`Row`]s, whose fields JSON and CSV have too. Every finished rollout counts,
 //! however it ended: its last state is what is measured, and `outcomes` says how many ended how.
 
-use super::metric::Metric;
+use super::metric::{COVERED, Metric};
 use super::play::{Played, Results};
 use super::record::Step;
 use super::statistics::{self, Statistic, Summary};
@@ -14,6 +14,13 @@ use crate::outcome::Outcome;
 use compiler::program::{Goal, Program};
 use serde::Serialize;
 use std::collections::BTreeMap;
+
+/// The name of the world that needs no table.
+const SIMULATED: &str = "sim";
+
+/// What is said of a row whose suite is for a real table.
+const REHEARSAL: &str =
+    "a rehearsal in the simulator, which says that the protocol runs and nothing of an arm";
 
 /// One figure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -52,6 +59,9 @@ pub struct Row {
     pub cost: Option<f64>,
     /// Rollouts by how they ended, with as many actions as `horizon` says.
     pub outcomes: BTreeMap<&'static str, usize>,
+    /// Rollouts that the operator calls not reached, by why.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub causes: BTreeMap<&'static str, usize>,
     /// Wall time of render, vision, prompt, parse and verify per action, seconds.
     pub planning_s: Option<f64>,
     /// The model.
@@ -96,6 +106,8 @@ struct Shown<'b> {
     program: &'b Program,
     /// By start.
     rollouts: Vec<Vec<&'b Played>>,
+    /// Whether the simulator stood in for the table on which an operator lays the cloth.
+    is_rehearsal: bool,
 }
 
 impl<'b> Shown<'b> {
@@ -116,6 +128,11 @@ impl<'b> Shown<'b> {
             entry,
             program: entry.programs.values().next()?,
             rollouts,
+            is_rehearsal: results.world == SIMULATED
+                && bench
+                    .suite
+                    .starts_of(&bench.tasks[entry.task].name)
+                    .is_laid_by_hand(),
         })
         .filter(|_| !is_empty)
     }
@@ -132,8 +149,14 @@ impl<'b> Shown<'b> {
 
     fn metrics(&self) -> impl Iterator<Item = Metric> {
         let stops = self.entry.stops_early(&self.bench.suite.metrics);
+        // How much a folded cloth covers says nothing of the fold.
+        let is_fold = self
+            .goal()
+            .is_some_and(|goal| !goal.metric.is_judged_each_step());
         let metrics = self.bench.suite.metrics.iter().copied();
-        metrics.filter(move |metric| !(stops && metric.is_without_stop()))
+        metrics.filter(move |metric| {
+            !(stops && metric.is_without_stop()) && !(is_fold && metric.source().is_some())
+        })
     }
 
     fn rows(&self) -> Vec<Row> {
@@ -172,6 +195,7 @@ impl<'b> Shown<'b> {
                         planning_s: None,
                         cost: None,
                         outcomes: BTreeMap::new(),
+                        causes: BTreeMap::new(),
                         ..row
                     });
                 }
@@ -181,9 +205,9 @@ impl<'b> Shown<'b> {
     }
 
     fn statistic(&self, metric: Metric) -> Statistic {
-        match metric {
-            Metric::GoalReached => Statistic::Share,
-            _ => self.bench.suite.statistic,
+        match metric.is_share() {
+            true => Statistic::Share,
+            false => self.bench.suite.statistic,
         }
     }
 
@@ -205,7 +229,13 @@ impl<'b> Shown<'b> {
     }
 
     fn value(&self, played: &Played, metric: Metric, cut: u32) -> Option<f64> {
-        let steps = played.record.steps_to(cut, self.stop(metric));
+        let record = &played.record;
+        // What is measured otherwise is no value of this metric.
+        if metric.source().is_some() && metric.source() != record.coverage_source {
+            return None;
+        }
+        let steps = record.steps_to(cut, self.stop(metric));
+        let share = |holds: bool| Some(f64::from(u8::from(holds)));
         match metric {
             Metric::MeanParticleDistanceMm | Metric::MeanParticleDistanceMmGamma09 => {
                 let distances = played.distances_m.iter();
@@ -213,13 +243,18 @@ impl<'b> Shown<'b> {
                 wanted.next().map(|(_, distance_m)| distance_m * 1000.0)
             }
             Metric::NormalizedImprovementSource
+            | Metric::NormalizedImprovementPicture
             | Metric::NormalizedImprovementSourceWithoutStop => last(steps, |it| it.improvement),
             Metric::NormalizedImprovementTrue | Metric::NormalizedImprovementTrueWithoutStop => {
                 last(steps, |it| it.improvement_true)
             }
-            Metric::GoalReached => {
-                let outcome = self.outcome(played, metric, cut);
-                Some(f64::from(u8::from(outcome == Outcome::GoalReached)))
+            Metric::CoveredSource | Metric::CoveredPicture => {
+                share(last(steps, |it| it.coverage).is_some_and(|covered| covered >= COVERED))
+            }
+            Metric::GoalReached => share(self.outcome(played, metric, cut) == Outcome::GoalReached),
+            Metric::ReachedByOperator => {
+                let judgement = record.operator.as_ref()?;
+                share(judgement.reached)
             }
         }
     }
@@ -245,6 +280,11 @@ impl<'b> Shown<'b> {
                 .entry(self.outcome(played, metric, cut).name())
                 .or_default() += 1;
         }
+        let mut causes = BTreeMap::new();
+        let judged = rollouts().filter_map(|played| played.record.operator.as_ref());
+        for cause in judged.filter_map(|judgement| judgement.why) {
+            *causes.entry(cause.name()).or_default() += 1;
+        }
         let steps: Vec<&Step> = rollouts()
             .flat_map(|played| played.record.steps_to(cut, self.stop(metric)))
             .collect();
@@ -259,9 +299,11 @@ impl<'b> Shown<'b> {
             .stand_in_note
             .iter()
             .filter(|_| is_stand_in);
+        let rehearsed = self.is_rehearsal.then_some(REHEARSAL);
         let notes: Vec<&str> = own
             .chain(&self.entry.method.note)
             .map(String::as_str)
+            .chain(rehearsed)
             .collect();
         Row {
             task: self.bench.tasks[self.entry.task].name.clone(),
@@ -281,6 +323,7 @@ impl<'b> Shown<'b> {
             s_per_action: per_action(steps.iter().map(|step| step.seconds).sum()),
             cost: cost.and_then(per_action),
             outcomes,
+            causes,
             planning_s: statistics::mean(&planning),
             model: Some(self.entry.models.name()),
             model_is_stand_in: is_stand_in,
@@ -304,12 +347,15 @@ fn quoted(quote: &Quote) -> Row {
         method: quote.method.clone(),
         metric: quote.metric,
         horizon: quote.horizon,
-        n: None,
+        n: quote.n.map(|n| n as usize),
         repeats: None,
         statistic: quote.statistic.as_str().to_owned(),
         value: quote.value,
         spread: quote.spread,
-        ci95: None,
+        ci95: quote
+            .n
+            .filter(|_| quote.statistic == Statistic::Share)
+            .and_then(|n| statistics::wilson(quote.value, n as usize)),
         quoted: true,
         source: Some(quote.source.clone()),
         data_size: None,
@@ -317,6 +363,7 @@ fn quoted(quote: &Quote) -> Row {
         s_per_action: None,
         cost: None,
         outcomes: BTreeMap::new(),
+        causes: BTreeMap::new(),
         planning_s: None,
         model: None,
         model_is_stand_in: false,

@@ -19,6 +19,9 @@ const MAX_BYTES: u64 = 64 << 20;
 /// The most starts of one folder.
 const MOST: usize = 1000;
 
+/// How far a flat cloth that stands for one laid by hand is turned more than the one before: about as a person sees to lay it.
+const ASKEW_DEG: f64 = 2.0;
+
 /// A start that is not laid yet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartPoint {
@@ -34,6 +37,7 @@ enum Lie {
     Turned { deg: f64 },
     Crumpled { seed: u64 },
     Recorded(Start),
+    ByHand { number: u32 },
 }
 
 /// Why a folder of recorded starts cannot be used.
@@ -86,6 +90,14 @@ pub fn generated(starts: &Starts, cloth: &Cloth) -> Vec<StartPoint> {
                 lie: Lie::Crumpled {
                     seed: first_seed + number as u64,
                 },
+            });
+            points.collect()
+        }
+        Starts::Operator { count } => {
+            let points = (0..*count).map(|number| StartPoint {
+                number: u64::from(number),
+                cloth: cloth.clone(),
+                lie: Lie::ByHand { number },
             });
             points.collect()
         }
@@ -225,6 +237,9 @@ impl StartPoint {
     }
 
     /// Lays the cloth; a crumpled one comes from the cache or is crumpled in `world`.
+    ///
+    /// One that a person lays is crumpled there too, where the world can do that; where it cannot, its positions are those of
+    /// the flat cloth and mean nothing, and the world has the person lay it.
     pub fn lay(
         &self,
         world: &dyn World,
@@ -234,11 +249,38 @@ impl StartPoint {
         match &self.lie {
             Lie::Turned { deg } => Ok(Start::turned_by(&self.cloth, deg.to_radians())),
             Lie::Recorded(start) => Ok(start.clone()),
-            Lie::Crumpled { seed } => {
-                let flat = Start::flat(&self.cloth);
-                crumple::start(&flat, *seed, world, cache, interrupt, &mut || {})
-                    .map(|crumpled| crumpled.start)
+            Lie::Crumpled { seed } => self.crumpled(*seed, world, cache, interrupt),
+            Lie::ByHand { number } => {
+                let seed = u64::from(*number);
+                let laid = match self.cloth.start {
+                    ClothStart::Crumpled => self.crumpled(seed, world, cache, interrupt),
+                    _ => Ok(Start::turned_by(
+                        &self.cloth,
+                        (ASKEW_DEG * f64::from(*number)).to_radians(),
+                    )),
+                };
+                let start = match laid {
+                    Err(WorldError::CannotCrumple { .. }) => Start::flat(&self.cloth),
+                    laid => laid?,
+                };
+                Ok(Start {
+                    name: format!("laid by hand, {}", number + 1),
+                    seed: Some(seed),
+                    ..start
+                })
             }
         }
+    }
+
+    fn crumpled(
+        &self,
+        seed: u64,
+        world: &dyn World,
+        cache: &Cache,
+        interrupt: &Interrupt,
+    ) -> Result<Start, WorldError> {
+        let flat = Start::flat(&self.cloth);
+        crumple::start(&flat, seed, world, cache, interrupt, &mut || {})
+            .map(|crumpled| crumpled.start)
     }
 }

@@ -7,6 +7,7 @@
 use super::metric::Metric;
 use super::statistics::Statistic;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// The most starts of one task, repeats of one start, tasks, methods, and steps of a rollout.
 const MOST: u32 = 1000;
@@ -32,6 +33,9 @@ pub struct Suite {
     pub repeats: u32,
     /// Where the cloth lies at first.
     pub starts: Starts,
+    /// The same of single tasks, by their names, where it is not as `starts` says.
+    #[serde(default, rename = "starts_of")]
+    pub own_starts: BTreeMap<String, Starts>,
     /// Task files, relative to the suite's own.
     pub tasks: Vec<String>,
     /// How a task is done, a row each.
@@ -65,6 +69,12 @@ pub enum Starts {
         count: u32,
         /// The seed of the first.
         first_seed: u64,
+    },
+    /// By hand, as the task says: flat or crumpled. A simulator, where the suite is rehearsed, crumples by the start's
+    /// number as the seed, and turns a flat cloth by two degrees more each time.
+    Operator {
+        /// How many.
+        count: u32,
     },
 }
 
@@ -119,6 +129,8 @@ pub struct Quote {
     pub value: f64,
     /// Its spread, where one was said.
     pub spread: Option<f64>,
+    /// Of how many rollouts, where that was said; gives a share Wilson's interval.
+    pub n: Option<u32>,
     /// Where it stands.
     pub source: String,
 }
@@ -182,12 +194,43 @@ impl Suite {
             if !finite.into_iter().all(f64::is_finite) {
                 return wrong("quoted.value", "it is no finite number".to_owned());
             }
+            quote.n.map_or(Ok(()), |n| within("quoted.n", n))?;
+            if quote.statistic == Statistic::Share && !(0.0..=1.0).contains(&quote.value) {
+                return wrong(
+                    "quoted.value",
+                    format!("{} is no share from 0 to 1", quote.value),
+                );
+            }
+        }
+        let mut all = self.own_starts.values().chain([&self.starts]);
+        if all.any(Starts::is_laid_by_hand) {
+            let distance = |metric: &&Metric| metric.fold_fraction().is_some();
+            if let Some(metric) = self.metrics.iter().find(distance) {
+                let why = format!(
+                    "`{}` compares with simulated ends of the same start, and nobody knows how a cloth lies that is laid by hand",
+                    metric.as_str()
+                );
+                return wrong("metrics", why);
+            }
+        }
+        for starts in self.own_starts.values() {
+            starts.check()?;
         }
         self.starts.check()
+    }
+
+    /// Returns where the cloth of a task lies at first.
+    pub fn starts_of(&self, task: &str) -> &Starts {
+        self.own_starts.get(task).unwrap_or(&self.starts)
     }
 }
 
 impl Starts {
+    /// Returns whether a person lays the cloth.
+    pub fn is_laid_by_hand(&self) -> bool {
+        matches!(self, Starts::Operator { .. })
+    }
+
     fn check(&self) -> Result<(), SuiteError> {
         let sides = match self {
             Starts::Flat { sides, turns_deg } => {
@@ -219,6 +262,7 @@ impl Starts {
                 }
                 sides
             }
+            Starts::Operator { count } => return within("starts.count", *count),
         };
         filled("starts.sides", sides)?;
         match sides.iter().find(|side| !(2..=MOST).contains(*side)) {

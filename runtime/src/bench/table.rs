@@ -7,6 +7,8 @@ use super::metric::Metric;
 use super::rows::Row;
 use super::statistics::Statistic;
 use super::suite::Suite;
+use crate::rollout::CoverageSource;
+use std::collections::BTreeMap;
 
 /// Stands under every table that quotes somebody.
 const COMPARISON: &str = "Quoted rows are others' figures and stand for themselves. Ours come from our simulator and our experts, theirs from PyFleX: this is a comparison and not a ranking.";
@@ -36,7 +38,7 @@ pub fn markdown(title: &str, suite: &Suite, rows: &[Row]) -> String {
 pub fn csv(rows: &[Row]) -> String {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     let mut lines = vec![
-        "task,method,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note"
+        "task,method,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note,causes"
             .to_owned(),
     ];
     for row in rows {
@@ -61,8 +63,9 @@ pub fn csv(rows: &[Row]) -> String {
             number(row.s_per_action),
             number(row.planning_s),
             number(row.cost),
-            outcomes(row),
+            counted(&row.outcomes),
             row.note.clone().unwrap_or_default(),
+            counted(&row.causes),
         ];
         lines.push(cells.map(|cell| escaped(&cell)).join(","));
     }
@@ -141,6 +144,10 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
         "ended",
     ];
     let mut table = vec![head.map(str::to_owned).to_vec()];
+    let has_causes = lines.iter().any(|line| !line[0].causes.is_empty());
+    if has_causes {
+        table[0].push("not reached for".to_owned());
+    }
     let number = |value: Option<f64>, digits: usize| {
         value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
     };
@@ -157,8 +164,11 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
             number(row.s_per_action, 2),
             number(row.planning_s.map(|seconds| seconds * 1000.0), 0),
             number(row.cost, 2),
-            outcomes(row),
+            counted(&row.outcomes),
         ]);
+        if has_causes {
+            cells.push(counted(&row.causes));
+        }
         table.push(cells);
     }
     table
@@ -204,11 +214,8 @@ fn figure(row: &Row) -> String {
     text
 }
 
-fn outcomes(row: &Row) -> String {
-    let counts = row
-        .outcomes
-        .iter()
-        .map(|(name, count)| format!("{count} {name}"));
+fn counted(counts: &BTreeMap<&'static str, usize>) -> String {
+    let counts = counts.iter().map(|(name, count)| format!("{count} {name}"));
     counts.collect::<Vec<_>>().join(", ")
 }
 
@@ -237,6 +244,22 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
         lines.push(
             "Goal reached: share of rollouts [Wilson's 95 % interval over starts].".to_owned(),
         );
+    }
+    let others = |row: &&Row| row.metric.is_share() && row.metric != Metric::GoalReached;
+    if rows.iter().any(|row| others(&row)) {
+        lines.push("Reached by the operator, and covering 0.85 of the flat cloth's area in the end: shares of the rollouts for which that is known [Wilson's 95 % interval].".to_owned());
+    }
+    if rows.iter().any(|row| row.quoted && row.ci95.is_some()) {
+        lines.push(
+            "Intervals of quoted shares are Wilson's, computed here from the quoted counts."
+                .to_owned(),
+        );
+    }
+    if rows
+        .iter()
+        .any(|row| row.metric.source() == Some(CoverageSource::Picture))
+    {
+        lines.push("By pictures: the cloth's pixels over those of the flat cloth under the same camera, which is not SoftGym's measure nor the true area.".to_owned());
     }
     if rows
         .iter()

@@ -15,7 +15,7 @@ use crate::outcome::Outcome;
 use crate::sheet::Sheet;
 use crate::vision;
 use crate::world::World;
-use crate::{digest, npy, picture};
+use crate::{digest, npy, operator, picture};
 use image::RgbImage;
 use serde_json::{Map, json};
 use sha2::{Digest, Sha256};
@@ -204,7 +204,7 @@ impl<'j> Keeper<'j> {
             normalized_improvement,
             normalized_improvement_true,
         } = covered.now;
-        let report = Report {
+        let mut report = Report {
             task: job.program.task.clone(),
             variant: job.program.variant.clone(),
             outcome,
@@ -214,6 +214,7 @@ impl<'j> Keeper<'j> {
                 .as_ref()
                 .filter(|goal| covered.judges(goal))
                 .map(|_| outcome == Outcome::GoalReached),
+            operator: None,
             mean_particle_distance_mm: score.map(|score| score.distance_m * 1000.0),
             coverage_source: covered.source,
             coverage,
@@ -249,6 +250,9 @@ impl<'j> Keeper<'j> {
             seconds,
             wall_s: wall.as_secs_f64(),
         };
+        if let Some(operator) = job.operator.filter(|_| operator::is_judged(outcome)) {
+            report.operator = operator.judge(&report);
+        }
         // A rollout that is done is not lost for want of a picture of it.
         let sheet = match sheet.picture(&report).unwrap_or_default() {
             Some(picture) => Some(self.folder.keep("sheet.png", &picture::encode(&picture))?),

@@ -2,6 +2,7 @@
 
 use super::covered::{CoverageSource, Measures};
 use crate::calls::{Spent, Usage};
+use crate::operator::Judgement;
 use crate::outcome::Outcome;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -18,6 +19,8 @@ pub struct Report {
     pub outcome: Outcome,
     /// Whether the declared goal was met; null without a goal, and where the world does not know what it is judged on.
     pub goal_reached: Option<bool>,
+    /// What the operator says of it; null where nobody was asked, or nobody answered.
+    pub operator: Option<Judgement>,
     /// Mean distance to the nearest expert result, millimetres.
     pub mean_particle_distance_mm: Option<f64>,
     /// What coverage was measured on, which says what its figures can be compared with; null where nothing was measured.

@@ -4,7 +4,7 @@ use super::measured::measured;
 use super::{Found, Scene, SceneError};
 use crate::observation::Observation;
 use crate::vision::{self, CornerSearch, Located, Mask};
-use compiler::program::{Extractor, PixelPoint};
+use compiler::program::{Extractor, Inside, PixelPoint};
 use std::borrow::Cow;
 
 impl Scene {
@@ -32,10 +32,24 @@ impl Scene {
                 let rgb = &observation.rgb;
                 seen(vision::color_mask(rgb, *hue_deg, *saturation, *value))?
             }
+            Extractor::SplitMask {
+                of,
+                keep,
+                blur_px,
+                contrast,
+            } => {
+                let rgb = &observation.rgb;
+                seen(vision::split_mask(rgb, *of, *keep, *blur_px, *contrast))?
+            }
+            Extractor::Closed { mask, by_px } => {
+                Found::Mask(vision::closed(self.mask(mask)?, *by_px))
+            }
+            Extractor::Largest { mask } => Found::Mask(vision::largest(self.mask(mask)?)),
             Extractor::Corners {
                 mask,
                 of,
                 white,
+                inside,
                 image_px,
                 max,
                 quality,
@@ -59,7 +73,13 @@ impl Scene {
                     }
                     None => Cow::Borrowed(&observation.rgb),
                 };
-                let found = vision::corners(&observation.depth_m, &rgb, mask, &search)?;
+                let mut found = vision::corners(&observation.depth_m, &rgb, mask, &search)?;
+                if let Some(Inside { of, margin_px }) = inside {
+                    let frame = self.corners_of(of)?;
+                    found.retain(|corner| {
+                        vision::box_distance_px(corner.pixel, frame) <= *margin_px
+                    });
+                }
                 Found::Points(found)
             }
             Extractor::Centroid { mask } => vision::centroid(self.mask(mask)?)
@@ -89,6 +109,15 @@ impl Scene {
             }
             Extractor::Along { outline, count } => {
                 Found::Points(vision::along(self.outline(outline)?, *count))
+            }
+            Extractor::Toward { points, to, share } => {
+                let to = self.points_of(to).first().map(|point| point.at);
+                let points = self.points_of(points).iter();
+                let moved = |at: [f64; 2], to: [f64; 2]| {
+                    Located::at([0, 1].map(|axis| at[axis] + share * (to[axis] - at[axis])))
+                };
+                let moved = points.filter_map(|point| Some(moved(point.at, to?)));
+                Found::Points(moved.collect())
             }
             Extractor::Fixed { points } => {
                 Found::Points(points.iter().copied().map(Located::at_center_of).collect())

@@ -22,6 +22,8 @@ use serde_json::{Map, Value, json};
 #[derive(Clone, Debug)]
 pub struct Scene {
     found: Vec<(String, Found)>,
+    /// The name of the cloth's mask.
+    cloth: Option<String>,
     /// Candidate points that were taken out of it, in the order in which the action's fields list them.
     unreachable: Vec<Unreachable>,
 }
@@ -86,6 +88,7 @@ impl Scene {
     ) -> Result<Scene, SceneError> {
         let mut scene = Scene {
             found: Vec::with_capacity(program.keypoints.len()),
+            cloth: None,
             unreachable: Vec::new(),
         };
         for keypoint in &program.keypoints {
@@ -96,7 +99,7 @@ impl Scene {
                 Some(found) => found.clone(),
                 None => scene.extract(&keypoint.name, &keypoint.extractor, observation)?,
             };
-            scene.found.push((keypoint.name.clone(), found));
+            scene.add(keypoint, found);
         }
         for field in &program.actions {
             if let Choices::Region { mask } = &field.choices
@@ -119,24 +122,42 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Finds the cloth alone, the mask that `program` declares first; `None` where it is out of view.
+    /// Finds the cloth alone, the mask that [`Scene::cloth`] returns; `None` where it is out of view.
     pub fn cloth_in(
         program: &Program,
         observation: &Observation,
     ) -> Result<Option<Mask>, SceneError> {
-        let scene = Scene {
+        let mut scene = Scene {
             found: Vec::new(),
+            cloth: None,
             unreachable: Vec::new(),
         };
         let is_mask = |keypoint: &&Keypoint| keypoint.extractor.shape() == KeypointShape::Mask;
-        let Some(keypoint) = program.keypoints.iter().find(is_mask) else {
-            return Ok(None);
-        };
-        match scene.extract(&keypoint.name, &keypoint.extractor, observation) {
-            Ok(Found::Mask(mask)) => Ok(Some(mask)),
-            Ok(_) | Err(SceneError::OutOfView { .. }) => Ok(None),
-            Err(error) => Err(error),
+        for keypoint in program.keypoints.iter().filter(is_mask) {
+            let (name, extractor) = (&keypoint.name, &keypoint.extractor);
+            if scene.cloth.is_some() && extractor.refines() != scene.cloth.as_deref() {
+                continue;
+            }
+            match scene.extract(name, extractor, observation) {
+                Ok(found) => scene.add(keypoint, found),
+                Err(SceneError::OutOfView { .. }) => return Ok(None),
+                Err(error) => return Err(error),
+            }
         }
+        Ok(scene.cloth().cloned())
+    }
+
+    /// Adds what was found; the first mask is the cloth, and so is one that is made of it to be cleaner.
+    fn add(&mut self, keypoint: &Keypoint, found: Found) {
+        let is_cloth = match (&found, &self.cloth) {
+            (Found::Mask(_), None) => true,
+            (Found::Mask(_), Some(cloth)) => keypoint.extractor.refines() == Some(cloth),
+            _ => false,
+        };
+        if is_cloth {
+            self.cloth = Some(keypoint.name.clone());
+        }
+        self.found.push((keypoint.name.clone(), found));
     }
 
     fn get(&self, name: &str) -> Option<&Found> {
@@ -160,6 +181,15 @@ impl Scene {
         }
     }
 
+    /// Returns the points of a keypoint, one for a point; none for another shape.
+    fn points_of(&self, name: &str) -> &[Located] {
+        match self.get(name) {
+            Some(Found::Points(points)) => points,
+            Some(Found::Point(point)) => std::slice::from_ref(point),
+            _ => &[],
+        }
+    }
+
     fn corners_of(&self, name: &str) -> Result<[PixelPoint; 2], SceneError> {
         match self.get(name) {
             Some(Found::Box(corners)) => Ok(*corners),
@@ -167,12 +197,10 @@ impl Scene {
         }
     }
 
-    /// Returns the mask that was found first: the cloth, on which a pick must land.
+    /// Returns the mask of the cloth, on which a pick must land: the one that is declared first, or what `closed` and
+    /// `largest` made of it.
     pub fn cloth(&self) -> Option<&Mask> {
-        self.found.iter().find_map(|(_, found)| match found {
-            Found::Mask(mask) => Some(mask),
-            _ => None,
-        })
+        self.mask(self.cloth.as_deref()?).ok()
     }
 
     /// Returns where the found point lies that a pixel stands for, `[column, row]`, pixels.

@@ -112,6 +112,21 @@ pub(super) fn misread([red, green, blue]: [u8; 3]) -> [u8; 3] {
     [b, g, r].map(|level| (level * 255.0) as u8)
 }
 
+/// Returns how far a colour is from grey, in 255 levels: three times its saturation, at most all of them.
+///
+/// More than a third is plainly coloured: without that bound a cloth with a bright and a pale side, one 0.4 and the other fully saturated, falls
+/// in two before it is told from the table. Saturation is a share of the value, so in the dark it follows the camera's noise;
+/// below a tenth of the scale it counts as none.
+pub(super) fn saturation_level(color: [u8; 3]) -> u8 {
+    const PLAIN: f64 = 1.0 / 3.0;
+    const DARK: f64 = 0.1;
+    let [_, saturation, value] = hsv(color);
+    if value < DARK {
+        return 0;
+    }
+    ((saturation / PLAIN).min(1.0) * 255.0 + 0.5) as u8
+}
+
 /// Returns the grey level of a colour as OpenCV's `cvtColor` computes it for 8-bit pictures.
 ///
 /// Its weights are 0.299, 0.587 and 0.114 in units of 2^-15, rounded half up. OpenCV's function is not called

@@ -13,6 +13,15 @@ pub struct Located {
 }
 
 impl Located {
+    /// Takes a point `[column, row]`, and the pixel that holds it.
+    pub fn at(at: [f64; 2]) -> Located {
+        let [column, row] = at.map(|at| at.floor() as i32);
+        Located {
+            pixel: PixelPoint::new(column, row),
+            at,
+        }
+    }
+
     /// Takes a pixel's own centre.
     pub fn at_center_of(pixel: PixelPoint) -> Located {
         Located {

@@ -18,6 +18,7 @@ mod outline;
 mod rectangle;
 mod residuals;
 mod sight;
+mod split;
 #[cfg(test)]
 mod tests;
 
@@ -30,9 +31,10 @@ pub use located::Located;
 pub use marks::{Found, find_again, marks};
 pub use mask::{Mask, centroid, depth_mask, mask_picture};
 pub use numbers::draw_numbers;
-pub use outline::{MAX_ALONG, along, contour, edge_middles};
+pub use outline::{MAX_ALONG, along, contour, edge_middles, largest};
 pub use rectangle::{Rectangle, rectangle_around};
 pub use residuals::draw_residuals;
+pub use split::{closed, contrast_of, split_mask};
 
 /// Distances to the nearest surface, metres along the optical axis, `[width, height]`.
 ///

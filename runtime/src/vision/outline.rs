@@ -57,6 +57,17 @@ pub fn contour(mask: &Mask, tolerance_px: f64) -> Result<Vec<PixelPoint>, Vision
     Ok(in_order(points.collect()))
 }
 
+/// Returns the mask's largest piece alone; of equally large ones the one that begins farther up, then farther left.
+pub fn largest(mask: &Mask) -> Mask {
+    let mut is_inside = vec![false; mask.width() as usize * mask.height() as usize];
+    for pixel in largest_piece(mask) {
+        is_inside[pixel.v as usize * mask.width() as usize + pixel.u as usize] = true;
+    }
+    Mask::from_fn(mask.width(), mask.height(), |column, row| {
+        is_inside[row as usize * mask.width() as usize + column as usize]
+    })
+}
+
 /// Collects the pixels of the largest piece, in no particular order.
 fn largest_piece(mask: &Mask) -> Vec<PixelPoint> {
     let index = |pixel: PixelPoint| pixel.v as usize * mask.width() as usize + pixel.u as usize;

@@ -28,6 +28,8 @@ fn record(improvements: &[f64], outcome: Outcome) -> Record {
         steps.push(Step::default());
     }
     Record {
+        coverage_source: Some(CoverageSource::Particles),
+        operator: None,
         outcome,
         steps,
         last: None,

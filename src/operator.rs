@@ -1,0 +1,148 @@
+//! Asks the person beside the arm, on the terminal, what came of a rollout.
+//!
+//! In: a report, and lines of stdin. Out: a [`Judgement`]. Questions go to stderr, so that stdout stays data; where stdin ends,
+//! nobody has answered.
+
+use crate::output;
+use runtime::operator::{Cause, Judgement, Operator};
+use runtime::rollout::RolloutReport;
+use std::io::{BufRead, Read};
+
+/// How often a question is put again where the answer is none of the offered ones.
+const TRIES: u32 = 10;
+/// The longest line that is read, bytes.
+const MAX_LINE: u64 = 4096;
+
+/// Asks on the terminal.
+pub struct Terminal;
+
+impl Operator for Terminal {
+    fn judge(&self, report: &RolloutReport) -> Option<Judgement> {
+        output::progress("");
+        output::talk(&format!(
+            "{} has ended: {} after {} actions, in `{}`",
+            report.task,
+            report.outcome.name(),
+            report.steps,
+            report.run_dir
+        ));
+        let judgement = asked(&mut std::io::stdin().lock(), &mut output::talk);
+        if judgement.is_none() {
+            output::talk("note: nobody answered; the rollout is kept without a judgement");
+        }
+        judgement
+    }
+}
+
+/// Puts the questions; none where the lines end, or none of many answers is an offered one.
+fn asked(lines: &mut dyn BufRead, say: &mut dyn FnMut(&str)) -> Option<Judgement> {
+    let reached = choice(
+        lines,
+        say,
+        "Was the task reached? y or n:",
+        |answer| match answer {
+            "y" | "yes" => Some(true),
+            "n" | "no" => Some(false),
+            _ => None,
+        },
+    )?;
+    let why = match reached {
+        true => None,
+        false => {
+            let question = "Why not? hardware (the arm, its grasp, the camera), detection (corners, the cloth) or reasoning (what the model chose); h, d or r:";
+            let cause = choice(lines, say, question, |answer| {
+                let mut all = Cause::ALL.into_iter();
+                all.find(|cause| !answer.is_empty() && cause.name().starts_with(answer))
+            })?;
+            Some(cause)
+        }
+    };
+    say("In a few words, or nothing:");
+    let words = line(lines).filter(|words| !words.is_empty());
+    Some(Judgement {
+        reached,
+        why,
+        words,
+    })
+}
+
+fn choice<T>(
+    lines: &mut dyn BufRead,
+    say: &mut dyn FnMut(&str),
+    question: &str,
+    meant: impl Fn(&str) -> Option<T>,
+) -> Option<T> {
+    for _ in 0..TRIES {
+        say(question);
+        if let Some(found) = meant(&line(lines)?.to_lowercase()) {
+            return Some(found);
+        }
+    }
+    None
+}
+
+/// Reads a line; none at the end.
+fn line(lines: &mut dyn BufRead) -> Option<String> {
+    let mut bytes = Vec::new();
+    let read = lines.take(MAX_LINE).read_until(b'\n', &mut bytes);
+    match read {
+        Ok(n_bytes) if n_bytes > 0 => Some(String::from_utf8_lossy(&bytes).trim().to_owned()),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn answered(typed: &str) -> (Option<Judgement>, usize) {
+        let mut questions = 0;
+        let judgement = asked(&mut typed.as_bytes(), &mut |_| questions += 1);
+        (judgement, questions)
+    }
+
+    fn judgement(reached: bool, why: Option<Cause>, words: Option<&str>) -> Option<Judgement> {
+        let words = words.map(str::to_owned);
+        Some(Judgement {
+            reached,
+            why,
+            words,
+        })
+    }
+
+    #[test]
+    fn answers_are_understood_and_others_asked_for_again() {
+        for (typed, expected, questions) in [
+            ("y\n\n", judgement(true, None, None), 2),
+            ("YES\nas told\n", judgement(true, None, Some("as told")), 2),
+            ("n\nh\n\n", judgement(false, Some(Cause::Hardware), None), 3),
+            (
+                "perhaps\n\nno\nx\ndetection\ntwo corners lay hidden",
+                judgement(
+                    false,
+                    Some(Cause::Detection),
+                    Some("two corners lay hidden"),
+                ),
+                6,
+            ),
+            (
+                "n\nreason\n",
+                judgement(false, Some(Cause::Reasoning), None),
+                3,
+            ),
+            ("", None, 1),
+            ("n\n", None, 2),
+        ] {
+            assert_eq!(answered(typed), (expected, questions), "{typed:?}");
+        }
+        assert_eq!(answered(&"what\n".repeat(50)), (None, TRIES as usize));
+    }
+
+    #[test]
+    fn a_line_without_end_is_cut() {
+        let long = format!("y\n{}", "a".repeat(1 << 20));
+        let (judgement, _) = answered(&long);
+        let words = judgement.and_then(|it| it.words).expect("there are words");
+        assert_eq!(words.len(), MAX_LINE as usize);
+    }
+}
