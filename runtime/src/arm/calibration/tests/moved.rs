@@ -218,7 +218,7 @@ fn a_moved_camera_is_noticed() {
     ] {
         let moved = made.moved(&table.shot());
         assert!(
-            matches!(moved, Moved::ByPx { by_px, .. } if (by_px - px).abs() < 0.3),
+            matches!(moved, Moved::ByPx { by_px, .. } if (by_px - px).abs() < 0.15),
             "{name}: {moved:?}"
         );
         if let Moved::ByPx { turn_deg, .. } = moved {
