@@ -317,7 +317,7 @@ fn what_cannot_be_seen_is_not_claimed() {
 fn what_looks_the_same_all_over_is_no_mark() {
     let squares = |by: u32| {
         RgbImage::from_fn(640, 480, |u, v| {
-            let is_light = ((u + 640 - by) / 12 + v / 12) % 2 == 0;
+            let is_light = ((u + 640 - by) / 12 + v / 12).is_multiple_of(2);
             Rgb([if is_light { 180 } else { 90 }; 3])
         })
     };
