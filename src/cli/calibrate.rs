@@ -6,11 +6,12 @@ use std::path::PathBuf;
 
 /// How points are given.
 const POINTS: &str = "\
-Points are lines `u,v,x,y,z` or `u,v,x,y,z,depth`: a pixel of the camera's own picture, then the tool's position in metres
-in the arm's base frame when the fingertips touch what the pixel shows. Without --pairs they are typed, one a line; `undo`
-takes the last one back, `list` shows them, `done` or the end of input ends it. What was typed is kept in OUT.pairs.csv.
+Points are lines `u,v,x,y,z` or `u,v,x,y,z,depth`: a pixel of the camera's own picture, then the tool's position in \
+metres in the arm's base frame when the fingertips touch what the pixel shows. Without --pairs they are typed, one a \
+line; `undo` takes the last one back, `list` shows them, `done` or the end of input ends it. What was typed is kept beside \
+the file, as NAME.pairs.csv.
 
-Exit codes: 0 written, 2 refused, 64 wrong usage.";
+Exit codes: 0 written, 2 refused or a file cannot be used, 64 wrong usage.";
 
 /// Arguments of `calibrate`.
 #[derive(Args)]

@@ -309,3 +309,13 @@ fn beyond_the_horizon_there_is_no_table() {
         assert_eq!(camera.table_from_pixel([f64::NAN, 1.0]), None);
     }
 }
+
+#[test]
+fn a_lens_bends_as_opencv_defines_it() {
+    let camera = pinhole(Isometry3::identity(), [0.1, 0.01, 0.001, 0.002, 0.001]);
+    // By hand from the formulas in OpenCV's manual, for the ray (0.1, 0.2, 1).
+    let [x, y] = [0.100_682_512_5, 0.201_215_025];
+    let [u, v] = camera.pixel_from_world(Point3::new(0.2, 0.4, 2.0)).unwrap();
+    let off = (u - 311.0 - 500.0 * x).hypot(v - 250.0 - 480.0 * y);
+    assert!(off < 1e-9, "{u}, {v}");
+}

@@ -5,7 +5,7 @@
 
 use super::Calibration;
 use crate::arm::rgbd::{Intrinsics, Shot};
-use crate::vision::{Found, find_again, marks};
+use crate::vision::{Found, VisionError, find_again, marks};
 use image::GrayImage;
 use image::imageops::{self, FilterType};
 
@@ -78,38 +78,41 @@ impl Calibration {
                     .to_owned(),
             };
         };
-        self.compare(reference, &imageops::grayscale(&shot.rgb))
+        let compared = self.compare(reference, &imageops::grayscale(&shot.rgb));
+        compared.unwrap_or_else(|error| Moved::Unsure {
+            why: error.to_string(),
+        })
     }
 
     /// Returns how many marks the reference has by which a moved camera would be noticed, and how many it needs.
     pub fn marks(&self) -> [usize; 2] {
         let n = self.reference.as_ref().map_or(0, |reference| {
-            marks(&reduced(reference, factor(reference))).len()
+            marks(&reduced(reference, factor(reference))).map_or(0, |marks| marks.len())
         });
         [n, FEW]
     }
 
-    fn compare(&self, reference: &GrayImage, now: &GrayImage) -> Moved {
+    fn compare(&self, reference: &GrayImage, now: &GrayImage) -> Result<Moved, VisionError> {
         let times = factor(reference);
         let (reference, now) = (reduced(reference, times), reduced(now, times));
-        let known = marks(&reference);
+        let known = marks(&reference)?;
         let n_known = known.len();
         if n_known < FEW {
-            return Moved::Unsure {
+            return Ok(Moved::Unsure {
                 why: format!(
                     "the calibration's picture shows {n_known} places that can be found again, and {FEW} are needed: \
                      stick a few pieces of printed paper beside the cloth's place and calibrate anew"
                 ),
-            };
+            });
         }
-        let found = find_again(&reference, &known, &now);
+        let found = find_again(&reference, &known, &now)?;
         let Some((motion, agreeing)) = shared(&found) else {
-            return unsure(0, n_known);
+            return Ok(unsure(0, n_known));
         };
         let n_marks = agreeing.len();
         let is_enough = n_marks >= AGREEING && n_marks as f64 >= AGREEING_SHARE * n_known as f64;
         if !is_enough {
-            return unsure(n_marks, n_known);
+            return Ok(unsure(n_marks, n_known));
         }
         let extent = |axis: usize| {
             let along = || agreeing.iter().map(|found| found.at_px[axis]);
@@ -117,11 +120,11 @@ impl Calibration {
         };
         let size = [reference.width(), reference.height()].map(f64::from);
         if extent(0) < APART * size[0] || extent(1) < APART * size[1] {
-            return Moved::Unsure {
+            return Ok(Moved::Unsure {
                 why: format!(
                     "the {n_marks} places that are found again lie close together; clear more of the table"
                 ),
-            };
+            });
         }
         let scale = f64::from(times);
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
@@ -131,7 +134,7 @@ impl Calibration {
             (u - corner[0]).hypot(v - corner[1])
         });
         let by_px = by.into_iter().fold(0.0, f64::max);
-        match by_px <= STILL_PX {
+        Ok(match by_px <= STILL_PX {
             true => Moved::No {
                 by_px: by_px * scale,
                 n_marks,
@@ -141,7 +144,7 @@ impl Calibration {
                 turn_deg: motion.turn().to_degrees(),
                 n_marks,
             },
-        }
+        })
     }
 }
 
