@@ -5,7 +5,7 @@ use compiler::program::{Goal, Metric};
 use compiler::verify::Verdict;
 use runtime::agent::{Attempt, Finding};
 use runtime::calls::Spent;
-use runtime::rollout::{Event, RolloutReport};
+use runtime::rollout::{CoverageSource, Event, RolloutReport};
 use runtime::world::Grasp;
 
 /// Shows one event on stderr, unless it is of one of the `earlier` steps, which were shown when they were new.
@@ -100,9 +100,13 @@ pub fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
     if let Some(coverage) = report.coverage
         && goal.is_some_and(|goal| goal.metric.is_judged_each_step())
     {
+        let measure = match report.coverage_source {
+            Some(CoverageSource::Picture) => "by pictures",
+            _ => "source",
+        };
         let both = |source: f64, truly: Option<f64>| {
             let truly = truly.map_or(String::new(), |truly| format!(", {truly:.3} (true)"));
-            format!("{source:.3} (source){truly}")
+            format!("{source:.3} ({measure}){truly}")
         };
         let gained = report.normalized_improvement;
         let gained = gained.map_or(String::new(), |gained| {

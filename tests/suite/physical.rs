@@ -27,7 +27,7 @@ use std::sync::Mutex;
 const SUITE: &str = r#"
 about = "Three folds on a table."
 statistic = "mean"
-metrics = ["reached_by_operator", "normalized_improvement_source"]
+metrics = ["reached_by_operator", "normalized_improvement_source", "goal_reached"]
 tasks = ["../tiny.fab"]
 [starts]
 lie = "operator"
@@ -89,7 +89,7 @@ fn the_operator_is_asked_once_and_the_table_says_what_was_said() {
             .unwrap()
             .contains("a rehearsal in the simulator")
     );
-    let quoted = &rows[1];
+    let quoted = &rows[2];
     assert_eq!(
         (&quoted["quoted"], &quoted["n"]),
         (&Value::Bool(true), &4.into())
@@ -100,7 +100,12 @@ fn the_operator_is_asked_once_and_the_table_says_what_was_said() {
         (low - 0.150_0).abs() < 1e-4 && (high - 0.850_0).abs() < 1e-4,
         "{low} {high}"
     );
-    assert_eq!(rows.len(), 2, "a fold has no row of coverage: {rows:?}");
+    let metrics: Vec<&Value> = rows.iter().map(|row| &row["metric"]).collect();
+    assert_eq!(
+        metrics,
+        ["reached_by_operator", "goal_reached", "reached_by_operator"],
+        "a fold has no row of coverage"
+    );
 
     let journal = folder
         .path()
@@ -258,6 +263,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
             "reached_by_operator",
             "normalized_improvement_picture",
             "covered_0.85_picture",
+            "goal_reached",
             "reached_by_operator"
         ]
     );
@@ -274,4 +280,39 @@ fn coverage_by_pictures_has_columns_of_its_own() {
         assert!(text.contains(wanted), "{wanted}: {text}");
     }
     assert!(!text.contains("NI, source"), "{text}");
+
+    // A distance between particles that nobody knows is judged by nobody but the operator.
+    let mut fold = smoothing();
+    fold.goal = support::task("double_triangle").goal;
+    fold.task = "fold".to_owned();
+    let entry = Entry {
+        task: 0,
+        method: &suite.methods[0],
+        models,
+        programs: BTreeMap::from([([28, 28], fold.clone())]),
+        subgoals: SubgoalSet {
+            pictures: Vec::new(),
+            arrows: Vec::new(),
+            origin: Origin::Author,
+        },
+        examples: Examples::default(),
+        repeats: 1,
+    };
+    let tasks = vec![Task {
+        name: "fold".to_owned(),
+        starts: starts::generated(&suite.starts, &fold.cloth),
+        program: fold,
+    }];
+    let bench = Bench {
+        tasks,
+        entries: vec![entry],
+        ..bench
+    };
+    let results = play::play(&bench, &|_, _, _| {}).unwrap();
+    assert_eq!(results.rollouts.len(), 3);
+    assert_eq!(
+        rows::rows(&bench, &results),
+        [],
+        "nothing is known, and nobody answered"
+    );
 }

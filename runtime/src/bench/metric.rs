@@ -33,7 +33,7 @@ pub enum Metric {
     /// Likewise by pictures.
     #[serde(rename = "covered_0.85_picture")]
     CoveredPicture,
-    /// Whether the goal was reached; its statistic is always the share.
+    /// Whether the goal was reached, of the rollouts for which that is known; its statistic is always the share.
     GoalReached,
     /// Whether the operator says that the task was reached, of the rollouts that were judged; always the share.
     ReachedByOperator,

@@ -26,6 +26,8 @@ pub struct Record {
     pub steps: Vec<Step>,
     /// What coverage was measured on.
     pub coverage_source: Option<CoverageSource>,
+    /// Whether the world knew what the task's goal is judged on.
+    pub is_goal_judged: bool,
     /// What the operator said of it, where somebody was asked.
     pub operator: Option<Judgement>,
     /// Where the cloth lay in the end, grid order, world frame, metres; none where nothing was ever executed.
@@ -139,6 +141,7 @@ fn ended(folder: &Path, end: &Value, steps: Vec<Step>) -> Found {
                 Value::Null => Some(CoverageSource::Particles),
                 source => CoverageSource::deserialize(source).ok(),
             },
+            is_goal_judged: !end["report"]["goal_reached"].is_null(),
             operator: Judgement::deserialize(&end["report"]["operator"]).ok(),
             last,
         }),

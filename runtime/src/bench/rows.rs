@@ -155,7 +155,9 @@ impl<'b> Shown<'b> {
             .is_some_and(|goal| !goal.metric.is_judged_each_step());
         let metrics = self.bench.suite.metrics.iter().copied();
         metrics.filter(move |metric| {
-            !(stops && metric.is_without_stop()) && !(is_fold && metric.source().is_some())
+            let is_left_out =
+                stops && metric.is_without_stop() || is_fold && metric.source().is_some();
+            !is_left_out
         })
     }
 
@@ -251,6 +253,7 @@ impl<'b> Shown<'b> {
             Metric::CoveredSource | Metric::CoveredPicture => {
                 share(last(steps, |it| it.coverage).is_some_and(|covered| covered >= COVERED))
             }
+            Metric::GoalReached if !record.is_goal_judged => None,
             Metric::GoalReached => share(self.outcome(played, metric, cut) == Outcome::GoalReached),
             Metric::ReachedByOperator => {
                 let judgement = record.operator.as_ref()?;

@@ -1,3 +1,5 @@
+//! Splits, closings and largest pieces on pictures whose answer is known.
+
 use super::*;
 use crate::vision::largest;
 use image::Rgb;

@@ -29,6 +29,7 @@ fn record(improvements: &[f64], outcome: Outcome) -> Record {
     }
     Record {
         coverage_source: Some(CoverageSource::Particles),
+        is_goal_judged: true,
         operator: None,
         outcome,
         steps,
