@@ -23,7 +23,7 @@ const RESERVED: [(Name, &str, &str); 9] = [
     (
         Name::Crate("sim"),
         "runtime/src/",
-        "runtime/src/world/simulated.rs",
+        "runtime/src/world/simulated",
     ),
     (Name::Word("pest"), "", "grammar/src/"),
     (Name::Word("pest_derive"), "", "grammar/src/"),

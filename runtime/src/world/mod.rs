@@ -3,6 +3,7 @@
 //! In: a [`Start`] and [`Motion`]s in metres. Out: [`Observation`]s and what really happened. A world
 //! knows nothing of prompts, models or checks.
 
+pub mod jaco;
 pub mod simulated;
 
 use crate::interrupt::Interrupt;
@@ -11,6 +12,7 @@ use crate::start::Start;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
+pub use jaco::ArmWorld;
 pub use simulated::{Look, SimulatedWorld};
 
 /// A point in the world frame: right-handed, z up, origin at the table's centre, metres.
@@ -108,6 +110,10 @@ pub enum Grasp {
     Particle(u32),
     /// Nothing: the cloth was out of reach of the gripper.
     Missed,
+    /// Something: fingers that were closed stopped before they met.
+    Held,
+    /// The gripper closed, and nothing tells what is in it.
+    Unverified,
 }
 
 /// Why a world failed.

@@ -1,4 +1,6 @@
-//! The bundled cloth simulator as a [`World`]; the only file that names the simulator's crate.
+//! The bundled cloth simulator as a [`World`]; this module alone names the simulator's crate.
+
+pub mod table;
 
 use super::{Executed, Grasp, Motion, World, WorldError};
 use crate::camera::Camera;

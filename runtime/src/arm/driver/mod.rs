@@ -101,3 +101,46 @@ pub trait Arm {
     /// Lets a stopped arm move again: only where a person said so.
     fn enable(&mut self) -> Result<(), ArmError>;
 }
+
+impl<A: Arm + ?Sized> Arm for Box<A> {
+    fn name(&self) -> String {
+        (**self).name()
+    }
+
+    fn now_s(&self) -> f64 {
+        (**self).now_s()
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        (**self).wait(seconds);
+    }
+
+    fn state(&mut self) -> Result<ArmState, ArmError> {
+        (**self).state()
+    }
+
+    fn move_tool(
+        &mut self,
+        to: &Isometry3<f64>,
+        speed_m_s: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<ArmState, ArmError> {
+        (**self).move_tool(to, speed_m_s, watch)
+    }
+
+    fn move_fingers(
+        &mut self,
+        opening: Opening,
+        watch: &mut Watch<'_>,
+    ) -> Result<Between, ArmError> {
+        (**self).move_fingers(opening, watch)
+    }
+
+    fn stop(&mut self) -> Result<(), ArmError> {
+        (**self).stop()
+    }
+
+    fn enable(&mut self) -> Result<(), ArmError> {
+        (**self).enable()
+    }
+}

@@ -1,0 +1,374 @@
+//! An arm over a table as a [`World`]: a real one behind its driver, or the simulated one.
+//!
+//! In: motions in the world frame, whose origin is the middle of the table that the settings state. Out: pictures as the
+//! task's camera takes them, and what is verified of each motion. The world cannot be repeated and knows no particles,
+//! except that a simulated table does.
+
+use super::simulated::table::{ClothTable, TableCamera};
+use super::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
+use crate::arm::calibration::{Calibration, Moved, Window};
+use crate::arm::driver::{Arm, ArmError, Between, PortArm};
+use crate::arm::execute::{Broken, Execution, without_cloth};
+use crate::arm::kinematics::chain::Chain;
+use crate::arm::kinematics::reach::{Reach, Turn};
+use crate::arm::limits::{self, Limited};
+use crate::arm::log::ArmLog;
+use crate::arm::rgbd::{RgbdSource, Shot};
+use crate::arm::route;
+use crate::arm::settings::{DriverKind, Settings};
+use crate::arm::simulated::{SimulatedArm, Simulation};
+use crate::arm::supervisor::{Supervisor, Watchdog};
+use crate::interrupt::Interrupt;
+use crate::observation::Observation;
+use crate::start::Start;
+use crate::vision::DepthImage;
+use image::imageops::{self, FilterType};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use sha2::{Digest, Sha256};
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// How far from `rest_m` the tool may be when a picture is taken, metres.
+const AT_REST_M: f64 = 0.02;
+
+/// Everything that an arm's world is made of.
+pub struct Parts {
+    /// The settings.
+    pub settings: Settings,
+    /// The hash of the settings' text.
+    pub settings_hash: String,
+    /// Where the camera's pixels lie for the arm.
+    pub calibration: Calibration,
+    /// Side of the square picture that the task's camera takes, pixels.
+    pub image_px: u32,
+    /// Who gives leave to move.
+    pub supervisor: Box<dyn Supervisor>,
+    /// Who stops the arm when this program hangs.
+    pub watchdog: Box<dyn Watchdog>,
+    /// The run folder, for the arm's journal; without it nothing moves.
+    pub folder: Option<PathBuf>,
+}
+
+/// An arm over a table.
+pub struct ArmWorld {
+    parts: Parts,
+    base_from_world: Isometry3<f64>,
+    arm: Limited<Box<dyn Arm>>,
+    camera: Box<dyn RgbdSource>,
+    /// The simulated table, where there is one.
+    table: Option<Rc<RefCell<ClothTable>>>,
+    reach: Reach,
+    log: Option<ArmLog>,
+    is_laid: bool,
+    is_camera_checked: bool,
+    n_actions: u32,
+    begun_s: f64,
+}
+
+impl ArmWorld {
+    /// Sets up the arm and the table that this program simulates.
+    pub fn simulated(parts: Parts) -> Result<ArmWorld, WorldError> {
+        let settings = &parts.settings;
+        if settings.driver != DriverKind::Simulated {
+            return Err(motion("its settings name another driver than `simulated`".to_owned()));
+        }
+        let base_from_world = base_from_world(settings);
+        let table = Rc::new(RefCell::new(ClothTable::new(settings, &base_from_world)?));
+        let simulation = Simulation::of(settings).map_err(motion)?;
+        let arm = SimulatedArm::new(simulation, Some(table.clone()));
+        let arm = PortArm::by_poses(arm, &settings.model, settings.fingers, settings.tolerance);
+        let camera = TableCamera(table.clone());
+        let mut world = ArmWorld::new(parts, Box::new(arm), Box::new(camera))?;
+        world.table = Some(table);
+        Ok(world)
+    }
+
+    /// Puts limits around an arm, over a table that a camera sees.
+    pub fn new(
+        parts: Parts,
+        arm: Box<dyn Arm>,
+        camera: Box<dyn RgbdSource>,
+    ) -> Result<ArmWorld, WorldError> {
+        let settings = &parts.settings;
+        parts
+            .calibration
+            .check_settings(settings)
+            .map_err(|why| motion(format!("the calibration does not fit the settings: {why}")))?;
+        let chain = Chain::of_model(&settings.model).map_err(|why| motion(why.to_string()))?;
+        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
+        let margin_m = settings.tolerance.position_m;
+        let log = parts.folder.as_deref().map(ArmLog::open).transpose();
+        Ok(ArmWorld {
+            base_from_world: base_from_world(settings),
+            arm: Limited::new(arm, settings.workspace.clone(), margin_m),
+            camera,
+            table: None,
+            reach: Reach::tool_down(&chain, turn),
+            log: log.map_err(|error| motion(error.to_string()))?,
+            is_laid: false,
+            is_camera_checked: false,
+            n_actions: 0,
+            begun_s: 0.0,
+            parts,
+        })
+    }
+
+    /// Returns a point of the world in the base frame, not below the table.
+    fn base_point(&self, point: &WorldPoint) -> Point3<f64> {
+        let mut at = self.base_from_world * point;
+        at.z = at.z.max(self.parts.settings.table.center_m[2]);
+        at
+    }
+
+    /// Checks that the camera is where it was calibrated; a simulated one cannot be moved.
+    fn check_camera(&mut self, shot: &Shot) -> Result<(), WorldError> {
+        if self.is_camera_checked || self.table.is_some() {
+            return Ok(());
+        }
+        let why = match self.parts.calibration.moved(shot) {
+            Moved::No { .. } => {
+                self.is_camera_checked = true;
+                return Ok(());
+            }
+            Moved::ByPx { by_px, turn_deg, .. } => format!(
+                "it was moved since it was calibrated, by {by_px:.1} px and {turn_deg:.1} degrees; calibrate anew"
+            ),
+            Moved::Changed { what } => format!("its pictures are not those of the calibration: {what}"),
+            Moved::Unsure { why } => {
+                format!("whether it was moved since it was calibrated cannot be said: {why}")
+            }
+        };
+        Err(WorldError::Camera { why })
+    }
+
+    /// Cuts the task's square picture out of the camera's own.
+    fn square(&self, shot: &Shot) -> Result<Observation, WorldError> {
+        let size_px = [shot.rgb.width(), shot.rgb.height()];
+        let window = Window::from(self.parts.settings.camera.window_px);
+        if !window.is_in(size_px) {
+            return Err(WorldError::Camera {
+                why: format!(
+                    "its picture has {} x {} px, and `window_px` goes beyond it",
+                    size_px[0], size_px[1]
+                ),
+            });
+        }
+        let (left, top, side) = (window.left_px, window.top_px, window.side_px);
+        let image_px = self.parts.image_px;
+        let rgb = imageops::crop_imm(&shot.rgb, left, top, side, side).to_image();
+        let rgb = match side == image_px {
+            true => rgb,
+            false => imageops::resize(&rgb, image_px, image_px, FilterType::Triangle),
+        };
+        // The mean of a near and a far reading is none, so that depth is taken from one pixel each.
+        let depth_m = DepthImage::from_fn(image_px, image_px, |column, row| {
+            let raw = |at: u32| (2 * u64::from(at) + 1) * u64::from(side) / (2 * u64::from(image_px));
+            *shot
+                .depth_m
+                .get_pixel(left + raw(column) as u32, top + raw(row) as u32)
+        });
+        Ok(Observation {
+            rgb,
+            depth_m,
+            camera: self.parts.calibration.camera(
+                &self.base_from_world.inverse(),
+                &window,
+                image_px,
+            ),
+            time_s: self.arm.now_s() - self.begun_s,
+        })
+    }
+}
+
+impl World for ArmWorld {
+    fn name(&self) -> &str {
+        match self.table {
+            Some(_) => "simulated_arm",
+            None => "jaco",
+        }
+    }
+
+    fn parameters(&self) -> String {
+        let mut hash = Sha256::new();
+        hash.update(&self.parts.settings_hash);
+        hash.update(self.parts.calibration.to_toml());
+        let hex: Vec<String> = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        hex.concat()[..16].to_owned()
+    }
+
+    fn code(&self) -> String {
+        env!("CARGO_PKG_VERSION").to_owned()
+    }
+
+    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
+        let wrong = |why: &str| WorldError::Start {
+            start: start.name.clone(),
+            why: why.to_owned(),
+        };
+        let n_particles = start.grid.dimx as usize * start.grid.dimy as usize;
+        if start.positions.len() != n_particles
+            || !start.positions.iter().flatten().all(|value| value.is_finite())
+        {
+            return Err(wrong("its positions are not those of its grid"));
+        }
+        let tool = self.arm.state().map_err(|error| motion(error.to_string()))?.tool;
+        let rest = Vector3::from(self.parts.settings.workspace.rest_m);
+        if (tool.translation.vector - rest).norm() > AT_REST_M {
+            return Err(motion(format!(
+                "the tool is at ({:.3}, {:.3}, {:.3}) and not at `rest_m`, so that the arm may hide the cloth; bring it there by hand",
+                tool.translation.x, tool.translation.y, tool.translation.z
+            )));
+        }
+        match &self.table {
+            Some(table) => table.borrow_mut().lay(start)?,
+            None if !self.parts.supervisor.lays_cloth(start) => {
+                return Err(wrong("nobody says that the cloth lies on the table"));
+            }
+            None => {}
+        }
+        self.is_laid = true;
+        self.is_camera_checked = false;
+        self.begun_s = self.arm.now_s();
+        Ok(())
+    }
+
+    fn observe(&mut self) -> Result<Observation, WorldError> {
+        if !self.is_laid {
+            return Err(WorldError::NotReset);
+        }
+        let shot = self.camera.shoot().map_err(|error| WorldError::Camera {
+            why: error.to_string(),
+        })?;
+        self.check_camera(&shot)?;
+        self.square(&shot)
+    }
+
+    fn act(&mut self, motion_asked: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+        if !self.is_laid {
+            return Err(WorldError::NotReset);
+        }
+        let [pick, place] = [&motion_asked.pick, &motion_asked.place].map(|point| self.base_point(point));
+        let settings = self.parts.settings.clone();
+        let from = self.arm.state().map_err(|error| motion(error.to_string()))?.tool;
+        let segments = route::segments(&settings, &from, &pick, &place);
+        let empty = without_cloth(&segments, &pick, settings.motion.retreat_m);
+        check_all(&settings, &from, &segments).map_err(motion)?;
+        self.n_actions += 1;
+        let Some(log) = &mut self.log else {
+            return Err(motion("the arm has no run folder for its journal, and moves only with one".to_owned()));
+        };
+        let done = Execution {
+            arm: &mut self.arm,
+            log,
+            supervisor: self.parts.supervisor.as_mut(),
+            watchdog: self.parts.watchdog.as_mut(),
+            interrupt,
+            speed_m_s: settings.motion.speed_m_s,
+            number: self.n_actions,
+        }
+        .run([pick, place], &segments, &empty);
+        let done = done.map_err(told)?;
+        let world_from_base = self.base_from_world.inverse();
+        Ok(Executed {
+            motion: Motion {
+                pick: world_from_base * done.grasped_at,
+                place: world_from_base * done.released_at,
+            },
+            grasp: match done.between {
+                Between::Something => Grasp::Held,
+                Between::Nothing => Grasp::Missed,
+                Between::Unknown => Grasp::Unverified,
+            },
+            duration_s: done.duration_s,
+        })
+    }
+
+    fn crumple(&self, _: &Start, _: u64, _: &Interrupt) -> Result<Start, WorldError> {
+        Err(WorldError::CannotCrumple {
+            world: self.name().to_owned(),
+        })
+    }
+
+    fn particles(&self) -> Option<Vec<[f32; 3]>> {
+        self.table.as_ref()?.borrow().particles()
+    }
+
+    fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
+        let settings = &self.parts.settings;
+        let at = self.base_point(point);
+        let motion = &settings.motion;
+        let top_m = route::travel_height_m(settings) - at.z;
+        let heights = [motion.pre_pick_m, motion.lift_m, motion.retreat_m, top_m.max(0.0)];
+        if let Err(why) = self.reach.check(&at, &heights) {
+            return Some(format!("it lies {why}"));
+        }
+        let pose = |above_m: f64| {
+            let over = Point3::new(at.x, at.y, at.z + above_m);
+            crate::arm::kinematics::tool_down::tool_down(&over, 0.0)
+        };
+        let (low, high) = (pose(motion.grasp_m.min(motion.release_m)), pose(top_m.max(0.0)));
+        let margin_m = settings.tolerance.position_m;
+        let check = |from, to| {
+            limits::check(&settings.workspace, margin_m, from, to, motion.speed_m_s).err()
+        };
+        check(&high, &low).or_else(|| check(&low, &high))
+    }
+}
+
+/// Checks every segment of a route before the first is begun.
+fn check_all(
+    settings: &Settings,
+    from: &Isometry3<f64>,
+    segments: &[route::Segment],
+) -> Result<(), String> {
+    let mut at = *from;
+    for segment in segments {
+        let route::Act::Move(to) = segment.act else {
+            continue;
+        };
+        limits::check(
+            &settings.workspace,
+            settings.tolerance.position_m,
+            &at,
+            &to,
+            settings.motion.speed_m_s,
+        )
+        .map_err(|why| format!("`{}` is not allowed: {why}", segment.name.text()))?;
+        at = to;
+    }
+    Ok(())
+}
+
+/// Returns the world frame of some settings, which has its origin at the middle of the table.
+pub fn base_from_world(settings: &Settings) -> Isometry3<f64> {
+    let [x, y, z] = settings.table.center_m;
+    Isometry3::from_parts(
+        Translation3::new(x, y, z),
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), settings.table.turn_deg.to_radians()),
+    )
+}
+
+/// Reads the settings and the calibration that a world is made of; says what is wrong with either.
+pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
+    let settings = Settings::load(path).map_err(|error| error.to_string())?;
+    let text = crate::bounded::read(path, 1 << 20).map_err(|why| format!("`{}`: {why}", path.display()))?;
+    let hash: Vec<String> = Sha256::digest(&text).iter().map(|byte| format!("{byte:02x}")).collect();
+    let beside = path.parent().unwrap_or(Path::new("."));
+    let calibration = Calibration::load(&beside.join(&settings.calibration));
+    let calibration = calibration.map_err(|error| error.to_string())?;
+    Ok((settings, hash.concat(), calibration))
+}
+
+fn motion(why: String) -> WorldError {
+    WorldError::Motion { why }
+}
+
+/// Says what is known of a motion that was not carried out to its end.
+fn told(broken: Broken) -> WorldError {
+    match (&broken.why, &broken.stopped) {
+        // An arm of which the stop is not verified is told as a failure, whoever asked for the stop.
+        (ArmError::Interrupted, None | Some(Ok(()))) => WorldError::Interrupted,
+        _ => motion(broken.to_string()),
+    }
+}
