@@ -30,6 +30,12 @@ pub fn run(arguments: &ResumeArguments) -> Result<Exit, Failure> {
         directory,
         arguments: mut wanted,
     } = begun;
+    if wanted.world != "sim" {
+        return Err(Failure::environment(format!(
+            "the rollout in `{}` was carried out by an arm, which cannot do it again: see how it was left with `fabc robot recover`, and begin a new run",
+            arguments.run.display()
+        )));
+    }
     // Paths of the command line are relative to where it was given.
     std::env::set_current_dir(&directory).map_err(|error| {
         Failure::environment(format!(

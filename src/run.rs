@@ -21,6 +21,7 @@ use runtime::subgoals::{Origin, SubgoalError, SubgoalSet};
 use runtime::world::WorldError;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// Name of the file in a run folder that says how the run was begun.
 pub const RUN_FILE: &str = "run.json";
@@ -71,8 +72,14 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     // Lengths in `edge` and the flat area are those of the cloth that lies there; subgoals show the task's own.
     let shown = program;
     let program = setting::fitted(&arguments.task, &shown, &start)?;
-    let make_world = || setting::world(&program);
-    let subgoals = prepare(&shown, &start, &beside, &make_world, &interrupt)?;
+    let make_expert_world = || setting::world(&program);
+    let subgoals = prepare(&shown, &start, &beside, &make_expert_world, &interrupt)?;
+    // Where the arm's journal is to lie; nothing moves before it is known.
+    let journal = OnceLock::new();
+    let make_world = || match arguments.world.as_str() {
+        "jaco" => setting::arm::world(&program, &arguments.robot, journal.get()),
+        _ => setting::world(&program),
+    };
     let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
     say_origin(subgoals.origin, &arguments.task.file);
     let asked = answering.models();
@@ -100,6 +107,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         budget: &budget,
         recorder: recorder.as_ref(),
         make_world: &make_world,
+        make_expert_world: &make_expert_world,
         cache: &setting::cache(),
         interrupt: &interrupt,
         horizon: None,
@@ -132,6 +140,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         }
     };
     let folder = folder.map_err(Failure::environment)?;
+    let _ = journal.set(folder.path().to_owned());
     // Nobody else writes into the folder from here on.
     let spent = ledger::read(folder.path())
         .map_err(Failure::environment)?

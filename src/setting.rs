@@ -1,5 +1,6 @@
 //! What a verb needs around a program: a world, a start, a cache, a way to be stopped.
 
+pub mod arm;
 pub mod known;
 pub mod models;
 pub mod remote;

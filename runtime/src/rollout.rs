@@ -62,8 +62,10 @@ pub struct Job<'a> {
     pub budget: &'a Budget,
     /// Where questions and answers are recorded, where that is wanted.
     pub recorder: Option<&'a Recorder>,
-    /// Makes the world of the rollout, and more of them for expert results.
+    /// Makes the world of the rollout.
     pub make_world: &'a MakeWorld<'a>,
+    /// Makes worlds that know their particles, for expert results; an arm's world must not be made to repeat them.
+    pub make_expert_world: &'a MakeWorld<'a>,
     /// Where expert results are kept.
     pub cache: &'a Cache,
     /// A request to stop early.

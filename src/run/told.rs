@@ -34,10 +34,10 @@ pub fn show(event: Event<'_>, earlier: u32) {
             } else {
                 format!(", taken at {} on the cloth", action.pick_on_cloth_px)
             };
-            let missed = if grasp == Grasp::Missed {
-                ", nothing grasped"
-            } else {
-                ""
+            let missed = match grasp {
+                Grasp::Missed => ", nothing grasped",
+                Grasp::Unverified => ", grasp not verified",
+                Grasp::Particle(_) | Grasp::Held => "",
             };
             output::talk(&format!(
                 "step {step}/{horizon}: pick {}{moved}, place {}{missed}   {seconds:.1} s{}",

@@ -146,6 +146,7 @@ fn with_job<T>(
         budget: &Budget::default(),
         recorder: None,
         make_world: &make_world,
+        make_expert_world: &make_world,
         cache: &Cache::none(),
         interrupt: &Interrupt::default(),
         horizon: Some(1),

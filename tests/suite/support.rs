@@ -191,6 +191,7 @@ impl<'p> Trial<'p> {
             budget: &self.budget,
             recorder: self.recorder.as_ref(),
             make_world: &make_world,
+            make_expert_world: &make_world,
             cache: &self.cache,
             interrupt: &self.interrupt,
             horizon: self.horizon,

@@ -2,10 +2,12 @@
 
 use super::support;
 use compiler::program::Cloth;
+use runtime::arm::supervisor::{NoWatchdog, Unattended};
 use runtime::interrupt::Interrupt;
 use runtime::metrics::coverage;
 use runtime::start::Start;
-use runtime::world::{Grasp, Motion, World, WorldError, WorldPoint};
+use runtime::world::jaco::{self, Parts};
+use runtime::world::{ArmWorld, Grasp, Motion, World, WorldError, WorldPoint};
 
 /// Fails with the name of the promise that a world breaks.
 fn conforms(make: &dyn Fn() -> Box<dyn World>) {
@@ -177,4 +179,24 @@ fn crumpling_depends_on_the_seed_alone_or_is_refused(world: &dyn World) {
 fn the_simulated_world_conforms() {
     let program = support::small_task();
     conforms(&|| support::world(&program).unwrap());
+}
+
+#[test]
+fn the_simulated_arm_conforms() {
+    let program = support::small_task();
+    let folder = tempfile::tempdir().unwrap();
+    let robot = support::root().join("tasks/real/simulated.toml");
+    conforms(&|| {
+        let (settings, settings_hash, calibration) = jaco::load(&robot).unwrap();
+        let parts = Parts {
+            settings,
+            settings_hash,
+            calibration,
+            image_px: program.camera.image_px,
+            supervisor: Box::new(Unattended),
+            watchdog: Box::new(NoWatchdog),
+            folder: Some(folder.path().to_owned()),
+        };
+        Box::new(ArmWorld::simulated(parts).unwrap())
+    });
 }

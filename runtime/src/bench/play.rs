@@ -281,6 +281,7 @@ fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Option<(Played, b
         budget: bench.budget,
         recorder: bench.recorder,
         make_world: &make_world,
+        make_expert_world: &make_world,
         cache: bench.cache,
         interrupt: bench.interrupt,
         horizon: bench.suite.horizons.last().copied(),

@@ -45,7 +45,7 @@ pub(super) fn score(
     let ends = expert::ends(
         &job.program.experts,
         job.start,
-        job.make_world,
+        job.make_expert_world,
         job.cache,
         job.interrupt,
         &mut announce,

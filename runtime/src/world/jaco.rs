@@ -71,7 +71,9 @@ impl ArmWorld {
     pub fn simulated(parts: Parts) -> Result<ArmWorld, WorldError> {
         let settings = &parts.settings;
         if settings.driver != DriverKind::Simulated {
-            return Err(motion("its settings name another driver than `simulated`".to_owned()));
+            return Err(motion(
+                "its settings name another driver than `simulated`".to_owned(),
+            ));
         }
         let base_from_world = base_from_world(settings);
         let table = Rc::new(RefCell::new(ClothTable::new(settings, &base_from_world)?));
@@ -131,10 +133,14 @@ impl ArmWorld {
                 self.is_camera_checked = true;
                 return Ok(());
             }
-            Moved::ByPx { by_px, turn_deg, .. } => format!(
+            Moved::ByPx {
+                by_px, turn_deg, ..
+            } => format!(
                 "it was moved since it was calibrated, by {by_px:.1} px and {turn_deg:.1} degrees; calibrate anew"
             ),
-            Moved::Changed { what } => format!("its pictures are not those of the calibration: {what}"),
+            Moved::Changed { what } => {
+                format!("its pictures are not those of the calibration: {what}")
+            }
             Moved::Unsure { why } => {
                 format!("whether it was moved since it was calibrated cannot be said: {why}")
             }
@@ -163,7 +169,8 @@ impl ArmWorld {
         };
         // The mean of a near and a far reading is none, so that depth is taken from one pixel each.
         let depth_m = DepthImage::from_fn(image_px, image_px, |column, row| {
-            let raw = |at: u32| (2 * u64::from(at) + 1) * u64::from(side) / (2 * u64::from(image_px));
+            let raw =
+                |at: u32| (2 * u64::from(at) + 1) * u64::from(side) / (2 * u64::from(image_px));
             *shot
                 .depth_m
                 .get_pixel(left + raw(column) as u32, top + raw(row) as u32)
@@ -193,7 +200,11 @@ impl World for ArmWorld {
         let mut hash = Sha256::new();
         hash.update(&self.parts.settings_hash);
         hash.update(self.parts.calibration.to_toml());
-        let hex: Vec<String> = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        let hex: Vec<String> = hash
+            .finalize()
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
         hex.concat()[..16].to_owned()
     }
 
@@ -208,11 +219,19 @@ impl World for ArmWorld {
         };
         let n_particles = start.grid.dimx as usize * start.grid.dimy as usize;
         if start.positions.len() != n_particles
-            || !start.positions.iter().flatten().all(|value| value.is_finite())
+            || !start
+                .positions
+                .iter()
+                .flatten()
+                .all(|value| value.is_finite())
         {
             return Err(wrong("its positions are not those of its grid"));
         }
-        let tool = self.arm.state().map_err(|error| motion(error.to_string()))?.tool;
+        let tool = self
+            .arm
+            .state()
+            .map_err(|error| motion(error.to_string()))?
+            .tool;
         let rest = Vector3::from(self.parts.settings.workspace.rest_m);
         if (tool.translation.vector - rest).norm() > AT_REST_M {
             return Err(motion(format!(
@@ -244,19 +263,30 @@ impl World for ArmWorld {
         self.square(&shot)
     }
 
-    fn act(&mut self, motion_asked: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+    fn act(
+        &mut self,
+        motion_asked: &Motion,
+        interrupt: &Interrupt,
+    ) -> Result<Executed, WorldError> {
         if !self.is_laid {
             return Err(WorldError::NotReset);
         }
-        let [pick, place] = [&motion_asked.pick, &motion_asked.place].map(|point| self.base_point(point));
+        let [pick, place] =
+            [&motion_asked.pick, &motion_asked.place].map(|point| self.base_point(point));
         let settings = self.parts.settings.clone();
-        let from = self.arm.state().map_err(|error| motion(error.to_string()))?.tool;
+        let from = self
+            .arm
+            .state()
+            .map_err(|error| motion(error.to_string()))?
+            .tool;
         let segments = route::segments(&settings, &from, &pick, &place);
         let empty = without_cloth(&segments, &pick, settings.motion.retreat_m);
         check_all(&settings, &from, &segments).map_err(motion)?;
         self.n_actions += 1;
         let Some(log) = &mut self.log else {
-            return Err(motion("the arm has no run folder for its journal, and moves only with one".to_owned()));
+            return Err(motion(
+                "the arm has no run folder for its journal, and moves only with one".to_owned(),
+            ));
         };
         let done = Execution {
             arm: &mut self.arm,
@@ -299,7 +329,12 @@ impl World for ArmWorld {
         let at = self.base_point(point);
         let motion = &settings.motion;
         let top_m = route::travel_height_m(settings) - at.z;
-        let heights = [motion.pre_pick_m, motion.lift_m, motion.retreat_m, top_m.max(0.0)];
+        let heights = [
+            motion.pre_pick_m,
+            motion.lift_m,
+            motion.retreat_m,
+            top_m.max(0.0),
+        ];
         if let Err(why) = self.reach.check(&at, &heights) {
             return Some(format!("it lies {why}"));
         }
@@ -307,7 +342,10 @@ impl World for ArmWorld {
             let over = Point3::new(at.x, at.y, at.z + above_m);
             crate::arm::kinematics::tool_down::tool_down(&over, 0.0)
         };
-        let (low, high) = (pose(motion.grasp_m.min(motion.release_m)), pose(top_m.max(0.0)));
+        let (low, high) = (
+            pose(motion.grasp_m.min(motion.release_m)),
+            pose(top_m.max(0.0)),
+        );
         let margin_m = settings.tolerance.position_m;
         let check = |from, to| {
             limits::check(&settings.workspace, margin_m, from, to, motion.speed_m_s).err()
@@ -352,8 +390,12 @@ pub fn base_from_world(settings: &Settings) -> Isometry3<f64> {
 /// Reads the settings and the calibration that a world is made of; says what is wrong with either.
 pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
     let settings = Settings::load(path).map_err(|error| error.to_string())?;
-    let text = crate::bounded::read(path, 1 << 20).map_err(|why| format!("`{}`: {why}", path.display()))?;
-    let hash: Vec<String> = Sha256::digest(&text).iter().map(|byte| format!("{byte:02x}")).collect();
+    let text = crate::bounded::read(path, 1 << 20)
+        .map_err(|why| format!("`{}`: {why}", path.display()))?;
+    let hash: Vec<String> = Sha256::digest(&text)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
     let beside = path.parent().unwrap_or(Path::new("."));
     let calibration = Calibration::load(&beside.join(&settings.calibration));
     let calibration = calibration.map_err(|error| error.to_string())?;

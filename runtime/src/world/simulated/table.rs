@@ -35,7 +35,10 @@ pub struct ClothTable {
 
 impl ClothTable {
     /// Sets up a table without cloth; says why the camera cannot be set up.
-    pub fn new(settings: &Settings, base_from_world: &Isometry3<f64>) -> Result<ClothTable, WorldError> {
+    pub fn new(
+        settings: &Settings,
+        base_from_world: &Isometry3<f64>,
+    ) -> Result<ClothTable, WorldError> {
         let camera = settings.simulated.clone();
         let lens = TopDownCamera::new(
             camera.camera_height_m as f32,
@@ -92,9 +95,8 @@ impl ClothTable {
     /// Returns the particle that the fingers would take: of those within reach the uppermost, nearest of equals.
     fn between(&self, tip: [f32; 3]) -> Option<usize> {
         let positions = self.particles()?;
-        let aside_m = |point: &[f32; 3]| {
-            f64::from(point[0] - tip[0]).hypot(f64::from(point[1] - tip[1]))
-        };
+        let aside_m =
+            |point: &[f32; 3]| f64::from(point[0] - tip[0]).hypot(f64::from(point[1] - tip[1]));
         let within = positions.iter().enumerate().filter(|(_, point)| {
             aside_m(point) <= REACH_ASIDE_M && f64::from(point[2] - tip[2]).abs() <= REACH_UP_M
         });
@@ -130,7 +132,9 @@ impl Table for ClothTable {
                 }
                 None => [0.0; 3],
             };
-            let steps = (seconds / f64::from(self.params.step_secs)).round().max(1.0) as u32;
+            let steps = (seconds / f64::from(self.params.step_secs))
+                .round()
+                .max(1.0) as u32;
             let part = shift.map(|way| way / steps as f32);
             (0..steps).try_for_each(|_| cloth.step_held(part))
         };
@@ -179,8 +183,8 @@ impl RgbdSource for TableCamera {
             .positions()
             .iter()
             .map(|point| {
-                let point = world_from_camera
-                    .inverse_transform_point(&Point3::from(point.map(f64::from)));
+                let point =
+                    world_from_camera.inverse_transform_point(&Point3::from(point.map(f64::from)));
                 [point.x as f32, point.y as f32, point.z as f32]
             })
             .collect();
