@@ -10,7 +10,7 @@ fn the_simulated_arm_folds_a_double_triangle() {
     let run = folder.path().join("run");
     let robot = root().join("tasks/real/simulated.toml");
     let task = root().join("tasks/real/double_triangle.fab");
-    let output = fabc()
+    let output = fabc(folder.path())
         .args(["run", task.to_str().unwrap(), "--world", "jaco"])
         .args(["--robot", robot.to_str().unwrap(), "--json", "--out"])
         .arg(&run)
@@ -27,7 +27,11 @@ fn the_simulated_arm_folds_a_double_triangle() {
     assert!(count("begin") >= 24, "{}", count("begin"));
     assert_eq!(count("halted"), 0);
 
-    let again = fabc().args(["resume"]).arg(&run).output().unwrap();
+    let again = fabc(folder.path())
+        .args(["resume"])
+        .arg(&run)
+        .output()
+        .unwrap();
     assert_eq!(
         again.status.code(),
         Some(0),
@@ -40,7 +44,7 @@ fn an_arm_without_settings_is_told_so() {
     let folder = tempfile::tempdir().unwrap();
     let missing = folder.path().join("none.toml");
     let task = root().join("tasks/real/double_triangle.fab");
-    let output = fabc()
+    let output = fabc(folder.path())
         .args(["run", task.to_str().unwrap(), "--world", "jaco"])
         .args(["--robot", missing.to_str().unwrap(), "--out"])
         .arg(folder.path().join("run"))

@@ -4,9 +4,13 @@
 //! task's camera takes them, and what is verified of each motion. The world cannot be repeated and knows no particles,
 //! except that a simulated table does.
 
+mod parts;
+
+pub use parts::{Parts, base_from_world, load};
+
 use super::simulated::table::{ClothTable, TableCamera};
 use super::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
-use crate::arm::calibration::{Calibration, Moved, Window};
+use crate::arm::calibration::{Moved, Window};
 use crate::arm::driver::{Arm, ArmError, Between, PortArm};
 use crate::arm::execute::{Broken, Execution, without_cloth};
 use crate::arm::kinematics::chain::Chain;
@@ -17,38 +21,18 @@ use crate::arm::rgbd::{RgbdSource, Shot};
 use crate::arm::route;
 use crate::arm::settings::{DriverKind, Settings};
 use crate::arm::simulated::{SimulatedArm, Simulation};
-use crate::arm::supervisor::{Supervisor, Watchdog};
 use crate::interrupt::Interrupt;
 use crate::observation::Observation;
 use crate::start::Start;
 use crate::vision::DepthImage;
 use image::imageops::{self, FilterType};
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use sha2::{Digest, Sha256};
 use std::cell::RefCell;
-use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 /// How far from `rest_m` the tool may be when a picture is taken, metres.
 const AT_REST_M: f64 = 0.02;
-
-/// Everything that an arm's world is made of.
-pub struct Parts {
-    /// The settings.
-    pub settings: Settings,
-    /// The hash of the settings' text.
-    pub settings_hash: String,
-    /// Where the camera's pixels lie for the arm.
-    pub calibration: Calibration,
-    /// Side of the square picture that the task's camera takes, pixels.
-    pub image_px: u32,
-    /// Who gives leave to move.
-    pub supervisor: Box<dyn Supervisor>,
-    /// Who stops the arm when this program hangs.
-    pub watchdog: Box<dyn Watchdog>,
-    /// The run folder, for the arm's journal; without it nothing moves.
-    pub folder: Option<PathBuf>,
-}
 
 /// An arm over a table.
 pub struct ArmWorld {
@@ -376,30 +360,6 @@ fn check_all(
         at = to;
     }
     Ok(())
-}
-
-/// Returns the world frame of some settings, which has its origin at the middle of the table.
-pub fn base_from_world(settings: &Settings) -> Isometry3<f64> {
-    let [x, y, z] = settings.table.center_m;
-    Isometry3::from_parts(
-        Translation3::new(x, y, z),
-        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), settings.table.turn_deg.to_radians()),
-    )
-}
-
-/// Reads the settings and the calibration that a world is made of; says what is wrong with either.
-pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
-    let settings = Settings::load(path).map_err(|error| error.to_string())?;
-    let text = crate::bounded::read(path, 1 << 20)
-        .map_err(|why| format!("`{}`: {why}", path.display()))?;
-    let hash: Vec<String> = Sha256::digest(&text)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
-    let beside = path.parent().unwrap_or(Path::new("."));
-    let calibration = Calibration::load(&beside.join(&settings.calibration));
-    let calibration = calibration.map_err(|error| error.to_string())?;
-    Ok((settings, hash.concat(), calibration))
 }
 
 fn motion(why: String) -> WorldError {

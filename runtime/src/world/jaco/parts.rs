@@ -1,0 +1,50 @@
+//! What an arm's world is made of: files, and who watches.
+
+use crate::arm::calibration::Calibration;
+use crate::arm::settings::Settings;
+use crate::arm::supervisor::{Supervisor, Watchdog};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// Everything that an arm's world is made of.
+pub struct Parts {
+    /// The settings.
+    pub settings: Settings,
+    /// The hash of the settings' text.
+    pub settings_hash: String,
+    /// Where the camera's pixels lie for the arm.
+    pub calibration: Calibration,
+    /// Side of the square picture that the task's camera takes, pixels.
+    pub image_px: u32,
+    /// Who gives leave to move.
+    pub supervisor: Box<dyn Supervisor>,
+    /// Who stops the arm when this program hangs.
+    pub watchdog: Box<dyn Watchdog>,
+    /// The run folder, for the arm's journal; without it nothing moves.
+    pub folder: Option<PathBuf>,
+}
+
+/// Returns the world frame of some settings, which has its origin at the middle of the table.
+pub fn base_from_world(settings: &Settings) -> Isometry3<f64> {
+    let [x, y, z] = settings.table.center_m;
+    Isometry3::from_parts(
+        Translation3::new(x, y, z),
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), settings.table.turn_deg.to_radians()),
+    )
+}
+
+/// Reads the settings and the calibration that a world is made of; says what is wrong with either.
+pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
+    let settings = Settings::load(path).map_err(|error| error.to_string())?;
+    let text = crate::bounded::read(path, 1 << 20)
+        .map_err(|why| format!("`{}`: {why}", path.display()))?;
+    let hash: Vec<String> = Sha256::digest(&text)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    let beside = path.parent().unwrap_or(Path::new("."));
+    let calibration = Calibration::load(&beside.join(&settings.calibration));
+    let calibration = calibration.map_err(|error| error.to_string())?;
+    Ok((settings, hash.concat(), calibration))
+}
