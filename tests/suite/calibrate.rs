@@ -22,6 +22,7 @@ center_m = [0.45, 0.0, 0.02]
 [workspace]
 min_m = [0.15, -0.525, 0.0]
 max_m = [0.75, 0.525, 0.5]
+rest_m = [0.3, -0.4, 0.4]
 
 [fingers]
 count = 2

@@ -103,12 +103,7 @@ impl<P: Port> PortArm<P> {
     }
 
     /// Says a motion to a pose in the words of the arm's node.
-    fn goal(
-        &self,
-        from: &ArmState,
-        to: &Isometry3<f64>,
-        speed_m_s: f64,
-    ) -> Result<Goal, ArmError> {
+    fn goal(&self, from: &ArmState, to: &Isometry3<f64>, speed_m_s: f64) -> Result<Goal, ArmError> {
         let Way::Trajectories(chain) = &self.way else {
             return Ok(Goal::ToolPose(*to));
         };
