@@ -15,6 +15,8 @@ pub mod new;
 pub mod render;
 pub mod review;
 #[cfg(feature = "runtime")]
+pub mod robot;
+#[cfg(feature = "runtime")]
 pub mod sim;
 pub mod snap;
 
@@ -80,6 +82,9 @@ pub enum Verb {
     /// Measures where the camera's pixels lie for the arm, from points that it touched.
     #[cfg(feature = "runtime")]
     Calibrate(calibrate::CalibrateArguments),
+    /// Looks after an arm: whether its settings can be used, and what a run left it in.
+    #[cfg(feature = "runtime")]
+    Robot(robot::RobotArguments),
     /// Lists what is known of models: prices, pictures, coordinates, shutdown dates, each with its source.
     #[cfg(feature = "runtime")]
     Models(models::ModelsArguments),
@@ -125,6 +130,8 @@ impl Verb {
             Verb::Bench(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Calibrate(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::Robot(arguments) => arguments.verb.wants_json(),
             #[cfg(feature = "runtime")]
             Verb::Models(arguments) => arguments.json,
             #[cfg(feature = "runtime")]

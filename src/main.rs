@@ -43,6 +43,8 @@ mod render;
 mod resume;
 mod review;
 #[cfg(feature = "runtime")]
+mod robot;
+#[cfg(feature = "runtime")]
 mod run;
 #[cfg(feature = "runtime")]
 mod see;
@@ -126,6 +128,8 @@ fn run(verb: Verb) -> Exit {
         Verb::Bench(arguments) => bench::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Calibrate(arguments) => calibrate::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::Robot(arguments) => robot::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Models(arguments) => models::run(&arguments),
         #[cfg(feature = "runtime")]

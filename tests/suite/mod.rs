@@ -42,6 +42,7 @@ mod recorded_starts;
 mod resumed;
 mod retried_steps;
 mod review;
+mod robot;
 mod see;
 mod seen_coverage;
 mod serve;

@@ -3,6 +3,8 @@
 //! In: text. Out: [`Settings`], every number checked; an error names the key, its value and what would be right. The
 //! place of the camera is measured and lies in a file of its own (`fabc calibrate`).
 
+mod check;
+
 use super::rgbd::Intrinsics;
 use crate::bounded;
 use serde::Deserialize;
@@ -305,8 +307,10 @@ impl Settings {
         Settings::parse(&text).map_err(wrong)
     }
 
-    /// Reads settings from text; says what is wrong otherwise.
+    /// Reads settings from text and checks every number; says what is wrong otherwise.
     pub fn parse(text: &str) -> Result<Settings, String> {
-        toml::from_str(text).map_err(|error| error.to_string())
+        let settings = toml::from_str(text).map_err(|error| error.to_string())?;
+        check::check(&settings)?;
+        Ok(settings)
     }
 }

@@ -1,0 +1,97 @@
+//! Arguments of `robot`, and how a person watches over an arm.
+
+use clap::{Args, Subcommand, ValueEnum, ValueHint};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// What `recover` does not do.
+const BY_HAND: &str = "\
+It moves nothing itself. Bring the arm to rest by hand or by the vendor's own tools, take the cloth out of its fingers, and \
+then say what was done, by --how or typed. Mind that `home` of the vendor's driver opens the hand: what it holds falls.
+
+Exit codes: 0 clear, 2 nobody has looked after the arm, and nothing is changed.";
+
+/// Arguments of `robot`.
+#[derive(Args)]
+pub struct RobotArguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub verb: RobotVerb,
+}
+
+/// What to do.
+#[derive(Subcommand)]
+pub enum RobotVerb {
+    /// Says whether an arm's settings and its calibration can be used, and what of the workspace it reaches.
+    Check(CheckArguments),
+    /// Says in what state a run left the arm, and notes what a person did about it.
+    #[command(after_help = BY_HAND)]
+    Recover(RecoverArguments),
+    /// Stops the arm when the lines on stdin cease; started by the command that moves it.
+    #[command(hide = true)]
+    Watchdog(WatchdogArguments),
+}
+
+impl RobotVerb {
+    /// Returns whether stdout must be one JSON document, whatever happens.
+    pub fn wants_json(&self) -> bool {
+        match self {
+            RobotVerb::Check(arguments) => arguments.json,
+            RobotVerb::Recover(arguments) => arguments.json,
+            RobotVerb::Watchdog(_) => false,
+        }
+    }
+}
+
+/// Arguments of `robot check`.
+#[derive(Args)]
+pub struct CheckArguments {
+    /// The arm's settings.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub robot: PathBuf,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `robot recover`.
+#[derive(Args)]
+pub struct RecoverArguments {
+    /// The run folder.
+    #[arg(value_name = "RUN", value_hint = ValueHint::DirPath)]
+    pub run: PathBuf,
+    /// What was done, in words; default: it is asked for.
+    #[arg(long, value_name = "WORDS")]
+    pub how: Option<String>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `robot watchdog`.
+#[derive(Args)]
+pub struct WatchdogArguments {
+    /// The arm's settings.
+    #[arg(long, value_name = "FILE")]
+    pub robot: PathBuf,
+    /// The longest without a sign of life, seconds.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub timeout: f64,
+}
+
+/// What a person is asked before an arm moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Confirm {
+    /// Once before each pick and place.
+    Each,
+    /// Before each part of it.
+    Segment,
+    /// Nothing.
+    None,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let read = text.parse().ok().filter(|it| (0.05..=60.0).contains(it));
+    read.ok_or_else(|| "write seconds, 0.05 to 60".to_owned())
+}

@@ -1,0 +1,157 @@
+//! `fabc robot check`: whether an arm's settings and its calibration can be used, and what it reaches.
+//!
+//! In: a settings file, and the calibration that it names. Out: one line a subject, or JSON; the exit code says whether all
+//! that a run needs is there. The arm and the camera are not asked.
+
+use crate::cli::robot::CheckArguments;
+use crate::exit::{Exit, Failure};
+use crate::output;
+use nalgebra::Point3;
+use runtime::arm::calibration::Calibration;
+use runtime::arm::kinematics::chain::Chain;
+use runtime::arm::kinematics::reach::{Reach, Turn};
+use runtime::arm::settings::{CameraSource, Settings};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// A place, and why it is not reached where it is not.
+struct Place {
+    name: &'static str,
+    at_m: [f64; 3],
+    why_not: Option<String>,
+}
+
+/// What is known of the calibration.
+enum Measured {
+    /// It can be used; its error where each point is left out, millimetres.
+    Fits(f64),
+    /// It cannot.
+    Not(String),
+    /// The simulated camera's place is known.
+    NotNeeded,
+}
+
+/// Looks at the settings and all that they name.
+pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
+    let settings = Settings::load(&arguments.robot).map_err(Failure::environment)?;
+    let chain = Chain::of_model(&settings.model).map_err(Failure::environment)?;
+    let places = places(&settings, &chain);
+    let measured = measured(&arguments.robot, &settings);
+    // A corner of the table out of reach costs the points near it; a run needs the middle, and where the hand rests.
+    let mut needed = places.iter().filter(|place| !is_corner(place));
+    let is_usable = needed.all(|it| it.why_not.is_none()) && !matches!(measured, Measured::Not(_));
+    let exit = match is_usable {
+        true => Exit::Done,
+        false => Exit::Environment,
+    };
+    match arguments.json {
+        true => output::json(&as_json(&settings, &places, &measured, exit)),
+        false => output::data(&as_text(&settings, &places, &measured)),
+    }
+    if exit != Exit::Done {
+        output::talk("error: this arm cannot be used as it is set up");
+    }
+    Ok(exit)
+}
+
+fn is_corner(place: &Place) -> bool {
+    place.name.starts_with("corner")
+}
+
+fn places(settings: &Settings, chain: &Chain) -> Vec<Place> {
+    let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
+    let reach = Reach::tool_down(chain, turn);
+    let [x, y, z] = settings.table.center_m;
+    let ([left, low, _], [right, high, _]) = (settings.workspace.min_m, settings.workspace.max_m);
+    let motion = &settings.motion;
+    let over_table = [
+        motion.pre_pick_m,
+        motion.lift_m,
+        motion.retreat_m,
+        motion.travel_m,
+    ];
+    let place = |name, at_m: [f64; 3], above_m: &[f64]| Place {
+        name,
+        at_m,
+        why_not: reach
+            .check(&Point3::from(at_m), above_m)
+            .err()
+            .map(|why| why.to_string()),
+    };
+    vec![
+        place("middle of the table", [x, y, z], &over_table),
+        place("rest", settings.workspace.rest_m, &[]),
+        place("corner, least x, least y", [left, low, z], &over_table),
+        place("corner, least x, most y", [left, high, z], &over_table),
+        place("corner, most x, least y", [right, low, z], &over_table),
+        place("corner, most x, most y", [right, high, z], &over_table),
+    ]
+}
+
+fn measured(robot: &Path, settings: &Settings) -> Measured {
+    if settings.camera.source == CameraSource::Simulated {
+        return Measured::NotNeeded;
+    }
+    let path = robot
+        .parent()
+        .unwrap_or(Path::new(""))
+        .join(&settings.calibration);
+    let calibration = match Calibration::load(&path) {
+        Ok(calibration) => calibration,
+        Err(error) => {
+            let robot = robot.display();
+            return Measured::Not(format!(
+                "{error}; `fabc calibrate --robot {robot}` writes it"
+            ));
+        }
+    };
+    match calibration.check_settings(settings) {
+        Ok(()) => Measured::Fits(calibration.accuracy.left_out_rms_mm),
+        Err(refusal) => Measured::Not(format!("it does not fit these settings: {refusal}")),
+    }
+}
+
+fn as_text(settings: &Settings, places: &[Place], measured: &Measured) -> String {
+    let mut lines = vec![format!(
+        "settings     {}, {}: can be used",
+        settings.name, settings.model
+    )];
+    lines.push(match measured {
+        Measured::Fits(error_mm) => {
+            format!("calibration  can be used; a point left out is {error_mm:.1} mm off")
+        }
+        Measured::Not(why) => format!("calibration  cannot be used: {why}"),
+        Measured::NotNeeded => "calibration  not looked at: the camera is simulated".to_owned(),
+    });
+    for place in places {
+        let [x, y, z] = place.at_m;
+        let said = match &place.why_not {
+            None => "reached".to_owned(),
+            Some(why) => format!("out of reach: {why}"),
+        };
+        lines.push(format!(
+            "reach        {} ({x:.3}, {y:.3}, {z:.3}): {said}",
+            place.name
+        ));
+    }
+    lines.join("\n")
+}
+
+fn as_json(settings: &Settings, places: &[Place], measured: &Measured, exit: Exit) -> Value {
+    let places: Vec<Value> = places
+        .iter()
+        .map(|it| json!({ "place": it.name, "at_m": it.at_m, "why_not": it.why_not }))
+        .collect();
+    let calibration = match measured {
+        Measured::Fits(error_mm) => json!({ "usable": true, "left_out_mm": error_mm }),
+        Measured::Not(why) => json!({ "usable": false, "why": why }),
+        Measured::NotNeeded => Value::Null,
+    };
+    json!({
+        "name": settings.name,
+        "model": settings.model,
+        "calibration": calibration,
+        "reach": places,
+        "exit": exit.code(),
+    })
+}

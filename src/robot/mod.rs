@@ -1,0 +1,22 @@
+//! `fabc robot`: looks after an arm, and stands between it and the person beside it.
+//!
+//! In: an arm's settings, a run folder, lines and keys. Out: what can be used, what was left, leave to move. Nothing here
+//! moves an arm; the watchdog stops one.
+
+mod check;
+mod held;
+mod recover;
+pub mod terminal;
+pub mod watchdog;
+
+use crate::cli::robot::{RobotArguments, RobotVerb};
+use crate::exit::{Exit, Failure};
+
+/// Does what is asked.
+pub fn run(arguments: &RobotArguments) -> Result<Exit, Failure> {
+    match &arguments.verb {
+        RobotVerb::Check(arguments) => check::run(arguments),
+        RobotVerb::Recover(arguments) => recover::run(arguments),
+        RobotVerb::Watchdog(arguments) => watchdog::run(arguments),
+    }
+}

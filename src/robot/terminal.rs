@@ -1,0 +1,190 @@
+//! The person beside the arm, asked on the terminal.
+//!
+//! In: what is about to move, lines and keys of stdin. Out: leave to do it, or not. Questions go to stderr, so that stdout
+//! stays data. Where stdin ends, or no answer is understood, there is no leave.
+
+use super::held::{Held, Keys};
+use crate::cli::robot::Confirm;
+use crate::exit::Failure;
+use crate::output;
+use runtime::arm::route::{Act, Segment};
+use runtime::arm::supervisor::{Asked, Supervisor};
+use runtime::start::Start;
+use std::io::{BufRead, IsTerminal, Read};
+use std::time::Instant;
+
+/// How often a question is put again where the answer is none of the offered ones.
+const TRIES: u32 = 10;
+
+/// The longest line that is read, bytes.
+const MAX_LINE: u64 = 4096;
+
+/// Whether a key has to be held while the arm moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HoldToRun {
+    /// The space bar.
+    Space,
+    /// None.
+    Off,
+}
+
+/// Asks on the terminal.
+pub struct Terminal {
+    confirm: Confirm,
+    hold: HoldToRun,
+    keys: Option<Keys>,
+    held: Held,
+}
+
+impl Terminal {
+    /// Makes sure that there is somebody to ask, before anything else; wrong usage where there is no terminal.
+    pub fn new(confirm: Confirm, hold: HoldToRun) -> Result<Terminal, Failure> {
+        let needs = match (confirm, hold) {
+            (Confirm::None, HoldToRun::Off) => None,
+            (Confirm::None, HoldToRun::Space) => Some("`--hold-to-run` waits for a key"),
+            _ => Some("`--confirm` asks before the arm moves"),
+        };
+        if let Some(needs) = needs
+            && !std::io::stdin().is_terminal()
+        {
+            return Err(Failure::usage(format!(
+                "{needs}, and stdin is no terminal; `--confirm none` without `--hold-to-run` needs none"
+            )));
+        }
+        if hold == HoldToRun::Space {
+            Keys::watch().map_err(|why| {
+                Failure::usage(format!("`--hold-to-run` cannot see keys here: {why}"))
+            })?;
+        }
+        Ok(Terminal {
+            confirm,
+            hold,
+            keys: None,
+            held: Held::default(),
+        })
+    }
+
+    /// Has typed lines shown and read as ever, until motion asks for the key again.
+    pub fn let_go(&mut self) {
+        self.keys = None;
+        self.held = Held::default();
+    }
+
+    fn ask(&mut self, question: &str) -> bool {
+        self.let_go();
+        output::progress("");
+        leave(
+            &mut std::io::stdin().lock(),
+            &mut output::talk,
+            &format!("{question} y or n:"),
+        )
+    }
+}
+
+impl Supervisor for Terminal {
+    fn lays_cloth(&mut self, start: &Start) -> bool {
+        match self.confirm {
+            Confirm::None => true,
+            Confirm::Each | Confirm::Segment => {
+                self.ask(&format!("Does the cloth lie as at `{}`?", start.name))
+            }
+        }
+    }
+
+    fn allows(&mut self, asked: Asked<'_>) -> bool {
+        match (self.confirm, asked) {
+            (Confirm::Each, Asked::Action { .. }) | (Confirm::Segment, Asked::Segment(_)) => {
+                self.ask(&question(&asked))
+            }
+            _ => true,
+        }
+    }
+
+    fn is_holding(&mut self) -> bool {
+        if self.hold == HoldToRun::Off {
+            return true;
+        }
+        if self.keys.is_none() {
+            output::talk("hold the space bar to move");
+            self.keys = Keys::watch().ok();
+        }
+        let typed = self.keys.as_mut().map(Keys::typed).unwrap_or_default();
+        self.held.is_held(&typed, Instant::now())
+    }
+}
+
+fn question(asked: &Asked<'_>) -> String {
+    match asked {
+        Asked::Action {
+            number,
+            points: [pick, place],
+            segments,
+        } => {
+            let at = |x: f64, y: f64, z: f64| format!("{x:.3}, {y:.3}, {z:.3} m");
+            let pick = at(pick.x, pick.y, pick.z);
+            let place = at(place.x, place.y, place.z);
+            let segments: Vec<String> = segments.iter().map(in_words).collect();
+            let segments = segments.join("\n  ");
+            format!("action {number}: pick at {pick}, place at {place}\n  {segments}\nMove?")
+        }
+        Asked::Segment(segment) => format!("{}\nMove?", in_words(segment)),
+    }
+}
+
+fn in_words(segment: &Segment) -> String {
+    let name = segment.name.text();
+    match segment.act {
+        Act::Move(to) => {
+            let to = to.translation.vector;
+            format!("{name}: to {:.3}, {:.3}, {:.3} m", to.x, to.y, to.z)
+        }
+        Act::Hand(opening) => format!("{name}: fingers {opening:?}").to_lowercase(),
+    }
+}
+
+/// Puts a question until it is answered by y or n; none at the end, or after too many other answers, is no.
+fn leave(lines: &mut dyn BufRead, say: &mut dyn FnMut(&str), question: &str) -> bool {
+    say(question);
+    for _ in 0..TRIES {
+        let mut bytes = Vec::new();
+        match lines.take(MAX_LINE).read_until(b'\n', &mut bytes) {
+            Ok(1..) => {}
+            _ => return false,
+        }
+        match String::from_utf8_lossy(&bytes)
+            .trim()
+            .to_lowercase()
+            .as_str()
+        {
+            "y" | "yes" => return true,
+            "n" | "no" => return false,
+            _ => say("y or n:"),
+        }
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_yes_gives_leave() {
+        for (typed, expected) in [
+            ("y\n", true),
+            (" YES \n", true),
+            ("what\n\nyes", true),
+            ("n\ny\n", false),
+            ("", false),
+            ("perhaps\n", false),
+        ] {
+            let mut said = Vec::new();
+            let mut say = |text: &str| said.push(text.to_owned());
+            let allowed = leave(&mut typed.as_bytes(), &mut say, "Move?");
+            assert_eq!(allowed, expected, "{typed:?}");
+            assert_eq!(said[0], "Move?");
+        }
+        let many = "x\n".repeat(TRIES as usize) + "y\n";
+        assert!(!leave(&mut many.as_bytes(), &mut |_| {}, "Move?"));
+    }
+}

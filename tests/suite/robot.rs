@@ -1,0 +1,180 @@
+//! `fabc robot`: what a run left an arm in is said and noted, never changed unsaid; settings that cannot be used are named.
+
+use super::support::{Said, fabc, finish};
+use serde_json::Value;
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::Stdio;
+use tempfile::TempDir;
+
+const ROBOT: &str = "\
+name = \"lab\"
+model = \"j2n6s200\"
+driver = \"simulated\"
+calibration = \"lab.toml\"
+table = { center_m = [0.45, 0.0, 0.02] }
+workspace = { min_m = [0.3, -0.3, 0.0], max_m = [0.75, 0.3, 0.5], rest_m = [0.35, -0.25, 0.3] }
+fingers = { count = 2, open = 0.0, closed = 6400.0, tolerance = 200.0 }
+camera = { source = \"simulated\", window_px = [0, 0, 480] }
+";
+
+const GRASP: &str = "\
+{\"type\":\"begin\",\"action\":2,\"segment\":\"grasp\",\"to_m\":null,\"hand\":\"closed\",\"from_m\":[0.4,0.1,0.02]}
+{\"type\":\"halted\",\"why\":\"interrupted\",\"stopped\":true}
+";
+
+fn robot(folder: &Path, arguments: &[&str], typed: &str) -> Said {
+    let mut child = fabc(folder)
+        .arg("robot")
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // A command that ended early has closed its end.
+    let _ = child.stdin.take().unwrap().write_all(typed.as_bytes());
+    let output = child.wait_with_output().unwrap();
+    Said {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// A folder with a run that was stopped as the fingers closed.
+fn left() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("run")).unwrap();
+    fs::write(folder.path().join("run/arm.jsonl"), GRASP).unwrap();
+    folder
+}
+
+fn journal(folder: &TempDir) -> String {
+    fs::read_to_string(folder.path().join("run/arm.jsonl")).unwrap()
+}
+
+#[test]
+fn an_arm_that_nobody_looked_after_stays_as_it_was_left() {
+    let folder = left();
+    for typed in ["", "\n", "   \n"] {
+        let said = robot(folder.path(), &["recover", "run"], typed);
+        assert_eq!(said.code, 2, "{}", said.stderr);
+        assert_eq!(said.stdout, "");
+        assert_eq!(journal(&folder), GRASP);
+        for words in [
+            "`grasp` of action 2 was begun and not verified",
+            "the hand may hold cloth",
+            "halted: interrupted",
+            "`home` of the vendor's driver opens the hand",
+        ] {
+            assert!(said.stderr.contains(words), "{words}: {}", said.stderr);
+        }
+    }
+    let said = robot(folder.path(), &["recover", "run", "--how", " "], "y\n");
+    assert_eq!((said.code, journal(&folder)), (2, GRASP.to_owned()));
+}
+
+#[test]
+fn what_was_done_is_noted_and_the_arm_is_clear() {
+    for (arguments, typed) in [
+        (&["recover", "run", "--how", "taken out by hand"][..], ""),
+        (&["recover", "run"], "taken out by hand\n"),
+    ] {
+        let folder = left();
+        let said = robot(folder.path(), arguments, typed);
+        assert_eq!(said.code, 0, "{}", said.stderr);
+        assert_eq!(said.stdout, "noted: taken out by hand\n");
+        let line = "{\"type\":\"recovered\",\"how\":\"taken out by hand\"}\n";
+        assert_eq!(journal(&folder), format!("{GRASP}{line}"));
+        let said = robot(folder.path(), &["recover", "run", "--json"], "");
+        let read: Value = serde_json::from_str(&said.stdout).unwrap();
+        assert_eq!((said.code, &read["left"]), (0, &Value::from("clear")));
+    }
+    let folder = left();
+    let said = robot(
+        folder.path(),
+        &["recover", "run", "--how", "by hand", "--json"],
+        "",
+    );
+    let read: Value = serde_json::from_str(&said.stdout).unwrap();
+    assert_eq!(read["segment"], "grasp");
+    assert_eq!(read["may_hold"], true);
+    assert_eq!(read["recovered"], "by hand");
+}
+
+#[test]
+fn a_folder_that_is_not_there_is_not_clear() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = robot(folder.path(), &["recover", "nowhere", "--how", "x"], "");
+    assert_eq!(said.code, 2);
+    assert!(said.stderr.contains("there is no run folder `nowhere`"));
+}
+
+fn check(folder: &Path, settings: &str) -> (i32, Value) {
+    fs::write(folder.join("robot.toml"), settings).unwrap();
+    let mut command = fabc(folder);
+    let said = finish(command.args(["robot", "check", "--robot", "robot.toml", "--json"]));
+    (said.code, serde_json::from_str(&said.stdout).unwrap())
+}
+
+#[test]
+fn an_arm_that_is_set_up_is_told_what_it_reaches() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, read) = check(folder.path(), ROBOT);
+    assert_eq!(code, 0, "{read}");
+    let reached: Vec<bool> = read["reach"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|place| place["why_not"].is_null())
+        .collect();
+    // The far corners are 0.81 m away, and it reaches 0.70 m.
+    assert_eq!(reached, [true, true, true, true, false, false], "{read}");
+    let mut command = fabc(folder.path());
+    let said = finish(command.args(["robot", "check", "--robot", "robot.toml"]));
+    assert_eq!(said.code, 0);
+    assert_eq!(
+        said.stdout.matches(": reached").count(),
+        4,
+        "{}",
+        said.stdout
+    );
+}
+
+#[test]
+fn an_arm_that_cannot_be_used_is_named_by_what_lacks() {
+    let folder = tempfile::tempdir().unwrap();
+    let camera = "source = \"directory\", folder = \"shots\",";
+    let (code, read) = check(
+        folder.path(),
+        &ROBOT.replace("source = \"simulated\",", camera),
+    );
+    assert_eq!(
+        (code, &read["calibration"]["usable"]),
+        (2, &Value::from(false))
+    );
+    let far = ROBOT.replace("rest_m = [0.35, -0.25, 0.3]", "rest_m = [0.74, 0.29, 0.3]");
+    let (code, read) = check(folder.path(), &far);
+    assert_eq!((code, read["reach"][1]["why_not"].is_string()), (2, true));
+    let (code, read) = check(folder.path(), &ROBOT.replace("count = 2", "count = 4"));
+    assert_eq!(code, 2);
+    assert!(
+        read["error"]
+            .as_str()
+            .unwrap()
+            .contains("`fingers.count` is `4`"),
+        "{read}"
+    );
+}
+
+#[test]
+fn a_watchdog_that_could_stop_nothing_does_not_say_that_it_is_ready() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("robot.toml"), ROBOT).unwrap();
+    let arguments = ["watchdog", "--robot", "robot.toml", "--timeout", "1"];
+    let said = robot(folder.path(), &arguments, "watch\n");
+    assert_eq!((said.code, said.stdout.as_str()), (2, ""));
+    assert!(said.stderr.contains("cannot be stopped from outside"));
+}
