@@ -332,10 +332,9 @@ pub struct RunArguments {
     /// Where actions are executed.
     #[arg(long, value_name = "WORLD", default_value = "sim", value_parser = ["sim", "jaco"])]
     pub world: String,
-    /// With `--world jaco`: the settings of the arm and its table.
-    #[arg(long, value_name = "FILE", default_value = "robot.toml", value_hint = ValueHint::FilePath)]
-    #[serde(default = "robot_file")]
-    pub robot: PathBuf,
+    #[command(flatten)]
+    #[serde(default)]
+    pub arm: robot::ArmArguments,
     #[command(flatten)]
     pub start: StartArguments,
     /// The run folder; default: the next free `runs/TASK-NNNN`.
@@ -344,12 +343,6 @@ pub struct RunArguments {
     /// Print one JSON document.
     #[arg(long)]
     pub json: bool,
-}
-
-/// Returns the file that `--robot` names by default, for runs that were begun before there was one.
-#[cfg(feature = "runtime")]
-fn robot_file() -> PathBuf {
-    PathBuf::from("robot.toml")
 }
 
 /// Arguments of `resume`.

@@ -8,6 +8,7 @@ use crate::exit::{Exit, Failure};
 use crate::setting::models;
 use crate::{output, setting, sources};
 use compiler::program::Program;
+use runtime::arm::settings::DriverKind;
 use runtime::calls::{Spent, ledger};
 use runtime::examples::Examples;
 use runtime::expert::MakeWorld;
@@ -55,14 +56,23 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = setting::interrupt()?;
     let answering = models::models(&arguments.model, arguments.spend.purpose(), &interrupt)?;
+    let arm = match arguments.world.as_str() {
+        "jaco" => Some(setting::arm::check(&arguments.arm)?),
+        _ => None,
+    };
     let first = setting::world(&program).map_err(Failure::environment)?;
-    let start = setting::start(
-        &program,
-        &beside,
-        &arguments.start,
-        first.as_ref(),
-        &interrupt,
-    )?;
+    let start = match &arm {
+        Some(settings) if settings.driver != DriverKind::Simulated => {
+            setting::arm::start(&program, arguments.start.start.as_ref())?
+        }
+        _ => setting::start(
+            &program,
+            &beside,
+            &arguments.start,
+            first.as_ref(),
+            &interrupt,
+        )?,
+    };
     if let Some(number) = examples.demonstrates(&start) {
         return Err(Failure::environment(format!(
             "the start `{}` is that of demonstration {number}, which the model is told: a result from it would be no test; choose another start",
@@ -77,7 +87,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     // Where the arm's journal is to lie; nothing moves before it is known.
     let journal = OnceLock::new();
     let make_world = || match arguments.world.as_str() {
-        "jaco" => setting::arm::world(&program, &arguments.robot, journal.get()),
+        "jaco" => setting::arm::world(&program, &arguments.arm, journal.get()),
         _ => setting::world(&program),
     };
     let subgoals = subgoals.ok_or_else(Failure::interrupted)?;

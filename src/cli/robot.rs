@@ -43,6 +43,30 @@ impl RobotVerb {
     }
 }
 
+/// The arm of `--world jaco`, and who watches it.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+pub struct ArmArguments {
+    /// With `--world jaco`: the settings of the arm and its table.
+    #[arg(long, value_name = "FILE", default_value = "robot.toml", value_hint = ValueHint::FilePath)]
+    pub robot: PathBuf,
+    /// What a person is asked before the arm moves; default: each pick and place of a real arm, nothing of a simulated one.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub confirm: Option<Confirm>,
+    /// Let the arm move only while the space bar is held.
+    #[arg(long)]
+    pub hold_to_run: bool,
+}
+
+impl Default for ArmArguments {
+    fn default() -> Self {
+        ArmArguments {
+            robot: PathBuf::from("robot.toml"),
+            confirm: None,
+            hold_to_run: false,
+        }
+    }
+}
+
 /// Arguments of `robot check`.
 #[derive(Args)]
 pub struct CheckArguments {

@@ -9,6 +9,7 @@
 //! it along minus z of the base. Nothing here knows of tasks, prompts or models.
 
 pub mod calibration;
+pub mod directory;
 pub mod driver;
 pub mod execute;
 pub mod kinematics;
