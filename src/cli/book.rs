@@ -100,6 +100,7 @@ fn every_verb_is_on_the_page_of_commands() {
         let verbs = match verb.has_subcommands() {
             true => verb
                 .get_subcommands()
+                .filter(|it| !it.is_hide_set())
                 .map(|it| format!("{} {}", verb.get_name(), it.get_name()))
                 .collect(),
             false => vec![verb.get_name().to_owned()],
