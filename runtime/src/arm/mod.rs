@@ -22,3 +22,6 @@ pub mod route;
 pub mod settings;
 pub mod simulated;
 pub mod supervisor;
+
+#[cfg(test)]
+mod tests;
