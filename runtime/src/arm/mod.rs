@@ -23,3 +23,6 @@ pub mod route;
 pub mod settings;
 pub mod simulated;
 pub mod supervisor;
+
+#[cfg(test)]
+mod tests;
