@@ -69,7 +69,11 @@ impl<F: FnMut() -> bool> Supervisor for At<F> {
 #[test]
 fn a_pick_and_place_ends_where_it_says() {
     let mut bench = Bench::with(&[]);
-    let names: Vec<Name> = bench.segments().iter().map(|segment| segment.name).collect();
+    let names: Vec<Name> = bench
+        .segments()
+        .iter()
+        .map(|segment| segment.name)
+        .collect();
     let done = bench.run(&mut Unattended, &mut NoWatchdog).unwrap();
     assert_eq!(done.between, Between::Something);
     assert!((done.grasped_at - Point3::from(PICK_M)).norm() < 0.003);
@@ -79,7 +83,10 @@ fn a_pick_and_place_ends_where_it_says() {
     assert_eq!(begun(bench.folder()), names);
     let entries = entries(bench.folder());
     for pair in entries.chunks(2) {
-        assert!(matches!(pair, [Entry::Begin { .. }, Entry::Done { .. }]), "{pair:?}");
+        assert!(
+            matches!(pair, [Entry::Begin { .. }, Entry::Done { .. }]),
+            "{pair:?}"
+        );
     }
 }
 
@@ -136,7 +143,13 @@ fn an_interrupt_stops_the_arm_in_every_segment() {
             bench.stays_stopped();
             let last = entries(bench.folder()).pop();
             assert!(
-                matches!(last, Some(Entry::Halted { stopped: Some(true), .. })),
+                matches!(
+                    last,
+                    Some(Entry::Halted {
+                        stopped: Some(true),
+                        ..
+                    })
+                ),
                 "{last:?}"
             );
         }
