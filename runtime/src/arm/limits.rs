@@ -64,7 +64,11 @@ pub fn check(
     speed_m_s: f64,
 ) -> Result<(), String> {
     let ends = [from, to].map(|pose| Point3::from(pose.translation.vector));
-    if !ends.iter().flat_map(|end| end.iter()).all(|value| value.is_finite()) {
+    if !ends
+        .iter()
+        .flat_map(|end| end.iter())
+        .all(|value| value.is_finite())
+    {
         return Err("a motion's end is no place".to_owned());
     }
     if !(speed_m_s > 0.0 && speed_m_s <= workspace.max_speed_m_s) {
@@ -81,14 +85,16 @@ pub fn check(
         ));
     }
     let tilt_rad = (to.rotation * Vector3::z()).angle(&-Vector3::z());
-    if tilt_rad > MAX_TILT_RAD {
+    // Written so that what is no number is too much.
+    if !(tilt_rad <= MAX_TILT_RAD) || !to.rotation.coords.iter().all(|value| value.is_finite()) {
         return Err(format!(
             "the hand would be tilted by {:.0} degrees, and at most {:.0} are allowed",
             tilt_rad.to_degrees(),
             MAX_TILT_RAD.to_degrees()
         ));
     }
-    inside(workspace, &ends[0], 0.0).map_err(|why| format!("the tool is {why}; bring it back by hand"))?;
+    inside(workspace, &ends[0], 0.0)
+        .map_err(|why| format!("the tool is {why}; bring it back by hand"))?;
     inside(workspace, &ends[1], margin_m).map_err(|why| format!("the tool would be {why}"))?;
     for zone in &workspace.keep_out {
         if crosses(zone, margin_m, &ends[0], &ends[1]) {
@@ -106,7 +112,10 @@ pub fn check(
 /// Says on which side a point is outside of the box, drawn in by a margin.
 fn inside(workspace: &Workspace, point: &Point3<f64>, margin_m: f64) -> Result<(), String> {
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        let (least, most) = (workspace.min_m[axis] + margin_m, workspace.max_m[axis] - margin_m);
+        let (least, most) = (
+            workspace.min_m[axis] + margin_m,
+            workspace.max_m[axis] - margin_m,
+        );
         // Written so that what is no number is outside.
         if !(point[axis] >= least && point[axis] <= most) {
             let margin = match margin_m > 0.0 {
@@ -168,11 +177,18 @@ impl Lookout<'_> {
                 )));
             }
         }
-        if self.lately.back().is_none_or(|(at_s, _)| state.at_s > *at_s) {
+        if self
+            .lately
+            .back()
+            .is_none_or(|(at_s, _)| state.at_s > *at_s)
+        {
             self.lately.push_back((state.at_s, state.tool));
         }
         while self.lately.len() > 2
-            && self.lately.get(1).is_some_and(|(at_s, _)| state.at_s - at_s >= SPEED_OVER_S)
+            && self
+                .lately
+                .get(1)
+                .is_some_and(|(at_s, _)| state.at_s - at_s >= SPEED_OVER_S)
         {
             self.lately.pop_front();
         }

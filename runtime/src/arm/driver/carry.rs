@@ -56,8 +56,18 @@ pub(super) fn state<P: Port>(port: &mut P, tolerance: &Tolerance) -> Result<ArmS
     let tool = fresh(readings.tool, "tool is", now_s, tolerance.stale_s)?;
     let fingers = fresh(readings.fingers, "fingers are", now_s, tolerance.stale_s)?;
     let joints = fresh(readings.joints_rad, "joints are", now_s, tolerance.stale_s);
-    let is_pose = tool.value.translation.vector.iter().all(|value| value.is_finite())
-        && tool.value.rotation.coords.iter().all(|value| value.is_finite());
+    let is_pose = tool
+        .value
+        .translation
+        .vector
+        .iter()
+        .all(|value| value.is_finite())
+        && tool
+            .value
+            .rotation
+            .coords
+            .iter()
+            .all(|value| value.is_finite());
     if !is_pose {
         return Err(ArmError::OutOfLimits(
             "the arm says that its tool is at a place that is no number".to_owned(),

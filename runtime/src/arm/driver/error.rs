@@ -38,7 +38,9 @@ impl fmt::Display for Off {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ArmError {
     /// The arm has said nothing of itself lately.
-    #[error("the arm has not said for `{for_s:.1}` s where its {what}; its driver or the network may be down")]
+    #[error(
+        "the arm has not said for `{for_s:.1}` s where its {what}; its driver or the network may be down"
+    )]
     Silent {
         /// `tool is` or `fingers are`.
         what: &'static str,
@@ -46,7 +48,9 @@ pub enum ArmError {
         for_s: f64,
     },
     /// The arm is stopped.
-    #[error("the arm is stopped and takes no motion; look why, and let it go with `fabc robot recover`")]
+    #[error(
+        "the arm is stopped and takes no motion; look why, and let it go with `fabc robot recover`"
+    )]
     Stopped,
     /// The tool came to rest elsewhere.
     #[error("the arm says `{said}`, and its tool is {off} from where it was sent")]
@@ -89,7 +93,9 @@ pub enum ArmError {
     #[error(transparent)]
     Port(#[from] PortError),
     /// A stop was asked for, and the arm may move yet.
-    #[error("the arm was told to stop, and it could not be verified that it did: use the physical stop ({why})")]
+    #[error(
+        "the arm was told to stop, and it could not be verified that it did: use the physical stop ({why})"
+    )]
     NotStopped {
         /// What is known.
         why: String,

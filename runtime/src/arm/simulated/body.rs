@@ -92,7 +92,8 @@ impl Body {
         let mut aimed = *to;
         if way_m > 1e-4 {
             let most_m = self.simulation.repeatability_m;
-            let off = Vector3::from_fn(|_, _| (2.0 * self.chance.fraction() - 1.0) * most_m * 0.577);
+            let off =
+                Vector3::from_fn(|_, _| (2.0 * self.chance.fraction() - 1.0) * most_m * 0.577);
             let short = way * (short_m / way_m).min(1.0);
             aimed.translation = Translation3::from(to.translation.vector + off - short);
         }
@@ -101,10 +102,13 @@ impl Body {
             .straight(&from, &aimed, &self.joints_rad, STEP_M)
             .map_err(|why| why.to_string())?;
         let step_s = way_m / self.simulation.speed_m_s / points.len().max(1) as f64;
-        let timed = points.into_iter().enumerate().map(|(index, joints_rad)| Waypoint {
-            joints_rad,
-            at_s: step_s.max(1e-3) * (index + 1) as f64,
-        });
+        let timed = points
+            .into_iter()
+            .enumerate()
+            .map(|(index, joints_rad)| Waypoint {
+                joints_rad,
+                at_s: step_s.max(1e-3) * (index + 1) as f64,
+            });
         self.motion = Some(Motion {
             points: timed.collect(),
             for_s: 0.0,
@@ -180,7 +184,13 @@ impl Body {
         let before_s = motion.for_s;
         motion.for_s += seconds;
         let now_s = motion.for_s;
-        let Some(next) = motion.points.iter().find(|point| point.at_s > before_s) else {
+        // The last point that the time has come for, so that points closer than a step of the clock are passed over.
+        let ahead = motion
+            .points
+            .iter()
+            .find(|point| point.at_s > now_s)
+            .or(motion.points.last());
+        let Some(next) = ahead.filter(|point| point.at_s > before_s) else {
             self.motion = None;
             return;
         };

@@ -147,7 +147,8 @@ impl SimulatedArm {
             self.body.run_away(TICK_S);
         }
         self.body.advance(TICK_S);
-        self.node.advance(self.clock_s, &mut self.body, &mut self.faults);
+        self.node
+            .advance(self.clock_s, &mut self.body, &mut self.faults);
         let tool = self.body.tool();
         for axis in 0..3 {
             let at = tool.translation.vector[axis];

@@ -95,7 +95,11 @@ impl Node {
         match self.ended.get(goal) {
             Some((ending, heard_s)) if *heard_s <= now_s => GoalState::Ended(*ending),
             Some(_) => GoalState::Active,
-            None if self.active.as_ref().is_some_and(|active| active.id == *goal) => {
+            None if self
+                .active
+                .as_ref()
+                .is_some_and(|active| active.id == *goal) =>
+            {
                 GoalState::Active
             }
             None => GoalState::Sent,
@@ -144,17 +148,17 @@ impl Node {
         let started = match (self.is_stopped, &goal) {
             (true, _) => Err(String::new()),
             (false, Goal::ToolPose(pose)) => {
+                // A goal that is no motion cannot fall short, and leaves the fault to the next that is one.
+                let is_motion = Off::between(&body.tool(), pose).position_m > REACHED_M;
                 let falls_short = faults.lasts(FaultKind::FallsShortAlways, now_s)
-                    || faults.take(FaultKind::FallsShort, now_s);
+                    || is_motion && faults.take(FaultKind::FallsShort, now_s);
                 body.go(pose, if falls_short { SHORT_M } else { 0.0 })
             }
             (false, Goal::Trajectory(points)) => body.follow(points),
-            (false, Goal::JointAngles(joints_rad)) => {
-                body.follow(&[crate::arm::port::Waypoint {
-                    joints_rad: joints_rad.clone(),
-                    at_s: 3.0,
-                }])
-            }
+            (false, Goal::JointAngles(joints_rad)) => body.follow(&[crate::arm::port::Waypoint {
+                joints_rad: joints_rad.clone(),
+                at_s: 3.0,
+            }]),
             (false, Goal::Fingers(positions)) => match positions.first() {
                 Some(position) if position.is_finite() => {
                     body.close_to(*position);
@@ -223,7 +227,9 @@ impl Node {
             }
             Goal::JointAngles(joints_rad) => (near(body, joints_rad), STALL_S),
             Goal::Trajectory(points) => (
-                points.last().is_some_and(|last| near(body, &last.joints_rad)),
+                points
+                    .last()
+                    .is_some_and(|last| near(body, &last.joints_rad)),
                 STALL_S,
             ),
         };
@@ -245,7 +251,12 @@ impl Node {
 /// Tells whether the joints are within a degree of some angles.
 fn near(body: &Body, joints_rad: &[f64]) -> bool {
     let off = |(a, b): (&f64, &f64)| (a - b).abs();
-    body.joints_rad().iter().zip(joints_rad).map(off).fold(0.0, f64::max) < 0.017
+    body.joints_rad()
+        .iter()
+        .zip(joints_rad)
+        .map(off)
+        .fold(0.0, f64::max)
+        < 0.017
 }
 
 fn measure(body: &Body) -> (nalgebra::Vector3<f64>, f64) {

@@ -69,7 +69,11 @@ impl<F: FnMut() -> bool> Supervisor for At<F> {
 #[test]
 fn a_pick_and_place_ends_where_it_says() {
     let mut bench = Bench::with(&[]);
-    let names: Vec<Name> = bench.segments().iter().map(|segment| segment.name).collect();
+    let names: Vec<Name> = bench
+        .segments()
+        .iter()
+        .map(|segment| segment.name)
+        .collect();
     let done = bench.run(&mut Unattended, &mut NoWatchdog).unwrap();
     assert_eq!(done.between, Between::Something);
     assert!((done.grasped_at - Point3::from(PICK_M)).norm() < 0.003);
@@ -79,19 +83,22 @@ fn a_pick_and_place_ends_where_it_says() {
     assert_eq!(begun(bench.folder()), names);
     let entries = entries(bench.folder());
     for pair in entries.chunks(2) {
-        assert!(matches!(pair, [Entry::Begin { .. }, Entry::Done { .. }]), "{pair:?}");
+        assert!(
+            matches!(pair, [Entry::Begin { .. }, Entry::Done { .. }]),
+            "{pair:?}"
+        );
     }
 }
 
 #[test]
 fn every_motion_is_written_down_before_it_begins() {
-    struct Reader<'r>(&'r Path, usize);
-    impl Supervisor for Reader<'_> {
+    struct Counter(usize);
+    impl Supervisor for Counter {
         fn lays_cloth(&mut self, _: &Start) -> bool {
             true
         }
         fn allows(&mut self, asked: Asked<'_>) -> bool {
-            self.1 += usize::from(matches!(asked, Asked::Segment(_)));
+            self.0 += usize::from(matches!(asked, Asked::Segment(_)));
             true
         }
     }
@@ -111,10 +118,10 @@ fn every_motion_is_written_down_before_it_begins() {
     }
     let mut bench = Bench::with(&[]);
     let folder = bench.folder().to_owned();
-    let mut reader = Reader(&folder, 0);
+    let mut counter = Counter(0);
     let mut watchdog = Looking(&folder, 0);
-    bench.run(&mut reader, &mut watchdog).unwrap();
-    assert_eq!(reader.1, watchdog.1);
+    bench.run(&mut counter, &mut watchdog).unwrap();
+    assert_eq!(counter.0, watchdog.1);
 }
 
 #[test]
@@ -136,7 +143,13 @@ fn an_interrupt_stops_the_arm_in_every_segment() {
             bench.stays_stopped();
             let last = entries(bench.folder()).pop();
             assert!(
-                matches!(last, Some(Entry::Halted { stopped: Some(true), .. })),
+                matches!(
+                    last,
+                    Some(Entry::Halted {
+                        stopped: Some(true),
+                        ..
+                    })
+                ),
                 "{last:?}"
             );
         }

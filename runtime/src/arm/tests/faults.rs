@@ -25,7 +25,11 @@ fn survives(seed: u64, usual_s: f64) -> bool {
     assert!(took_s < usual_s + LATER_S, "{told}: {took_s:.1} s");
     bench.port().wait(5.0);
 
-    let over_m = if kind == FaultKind::Runaway { RUNAWAY_M } else { 0.0 };
+    let over_m = if kind == FaultKind::Runaway {
+        RUNAWAY_M
+    } else {
+        0.0
+    };
     let [least, most] = bench.port().extent_m();
     let workspace = bench.settings.workspace.clone();
     for axis in 0..3 {
@@ -43,7 +47,10 @@ fn survives(seed: u64, usual_s: f64) -> bool {
             }
         }
         Err(broken) => {
-            assert!(!matches!(broken.why, ArmError::Panicked(_)), "{told}: {broken}");
+            assert!(
+                !matches!(broken.why, ArmError::Panicked(_)),
+                "{told}: {broken}"
+            );
             if matches!(broken.stopped, Some(Ok(()))) {
                 assert!(bench.port().is_stopped(), "{told}: {broken}");
                 let moved_m = bench.port().moved_after_stop_m().unwrap();

@@ -19,11 +19,13 @@ fn a_journal_cut_anywhere_tells_whether_cloth_may_be_held() {
         // What is known of the lines that are whole: from the beginning of the grasp to the verified release.
         let text = std::str::from_utf8(&bytes[..cut]).unwrap();
         let whole = text.lines().filter(|line| line.ends_with("}"));
-        let whole: Vec<Entry> = whole.filter_map(|line| serde_json::from_str(line).ok()).collect();
+        let whole: Vec<Entry> = whole
+            .filter_map(|line| serde_json::from_str(line).ok())
+            .collect();
         let begins = |name: Name| {
-            whole.iter().position(
-                |entry| matches!(entry, Entry::Begin { segment, .. } if *segment == name),
-            )
+            whole
+                .iter()
+                .position(|entry| matches!(entry, Entry::Begin { segment, .. } if *segment == name))
         };
         let is_released = begins(Name::Release).is_some_and(|begun| whole.len() > begun + 1);
         let holds = begins(Name::Grasp).is_some() && !is_released;
@@ -76,6 +78,9 @@ fn a_release_that_was_not_verified_may_hold_cloth_ever_after() {
     for entry in [begin(Name::Release), halted, begin(Name::Rise)] {
         log.write(&entry).unwrap();
         let said = left(folder.path()).unwrap();
-        assert!(matches!(said, Left::Unclear { may_hold: true, .. }), "{said:?}");
+        assert!(
+            matches!(said, Left::Unclear { may_hold: true, .. }),
+            "{said:?}"
+        );
     }
 }

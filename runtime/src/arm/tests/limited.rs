@@ -37,7 +37,11 @@ fn coordinate(least: f64, most: f64) -> impl Strategy<Value = f64> {
 }
 
 fn point() -> impl Strategy<Value = Point3<f64>> {
-    (coordinate(0.15, 0.75), coordinate(-0.525, 0.525), coordinate(0.01, 0.45))
+    (
+        coordinate(0.15, 0.75),
+        coordinate(-0.525, 0.525),
+        coordinate(0.01, 0.45),
+    )
         .prop_map(|(x, y, z)| Point3::new(x, y, z))
 }
 
@@ -99,7 +103,10 @@ fn a_pose_that_is_none_is_refused() {
     ] {
         let mut to = here;
         to.rotation = UnitQuaternion::new_unchecked(broken);
-        assert!(check(&workspace(), MARGIN_M, &here, &to, 0.1).is_err(), "{broken}");
+        assert!(
+            check(&workspace(), MARGIN_M, &here, &to, 0.1).is_err(),
+            "{broken}"
+        );
     }
     for axis in 0..3 {
         let mut to = here;
@@ -116,7 +123,9 @@ fn what_is_refused_does_not_move() {
     let outside = tool_down(&Point3::new(0.4, -0.3, 0.0), 0.0);
     let refused = bench.arm.move_tool(&outside, SPEED_M_S, &mut nobody);
     assert!(matches!(refused, Err(ArmError::Refused(_))), "{refused:?}");
-    let fast = bench.arm.move_tool(&tool_down(&PICK_M.into(), 0.0), 0.5, &mut nobody);
+    let fast = bench
+        .arm
+        .move_tool(&tool_down(&PICK_M.into(), 0.0), 0.5, &mut nobody);
     assert!(matches!(fast, Err(ArmError::Refused(_))), "{fast:?}");
     assert!(bench.off_m(bench.settings.workspace.rest_m) < 1e-6);
 }
@@ -126,7 +135,10 @@ fn what_is_refused_does_not_move() {
 fn an_arm_that_runs_away_is_stopped_at_its_limits() {
     let mut bench = Bench::with(&[(FaultKind::Runaway, 0.8)]);
     let aside = tool_down(&Point3::new(0.45, 0.5, 0.1), 0.0);
-    bench.arm.move_tool(&aside, SPEED_M_S, &mut nobody).unwrap_err();
+    bench
+        .arm
+        .move_tool(&aside, SPEED_M_S, &mut nobody)
+        .unwrap_err();
     bench.arm.stop().unwrap();
     bench.stays_stopped();
 }
@@ -135,5 +147,8 @@ fn an_arm_that_runs_away_is_stopped_at_its_limits() {
 fn a_hand_that_is_carried_off_while_its_fingers_move_is_stopped() {
     let mut bench = Bench::with(&[(FaultKind::Runaway, 0.3)]);
     let closed = bench.arm.move_fingers(Opening::Closed, &mut nobody);
-    assert!(matches!(closed, Err(ArmError::OutOfLimits(_))), "{closed:?}");
+    assert!(
+        matches!(closed, Err(ArmError::OutOfLimits(_))),
+        "{closed:?}"
+    );
 }
