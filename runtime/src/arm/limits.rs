@@ -85,7 +85,8 @@ pub fn check(
         ));
     }
     let tilt_rad = (to.rotation * Vector3::z()).angle(&-Vector3::z());
-    if tilt_rad > MAX_TILT_RAD {
+    // Written so that what is no number is too much.
+    if !(tilt_rad <= MAX_TILT_RAD) || !to.rotation.coords.iter().all(|value| value.is_finite()) {
         return Err(format!(
             "the hand would be tilted by {:.0} degrees, and at most {:.0} are allowed",
             tilt_rad.to_degrees(),

@@ -189,9 +189,7 @@ fn after(left: Left, entry: Entry) -> Left {
             segment,
             action,
             to_m,
-            may_hold: segment.may_hold()
-                || matches!(before, Left::Unclear { may_hold: true, segment: earlier, .. }
-                    if earlier != Name::Release),
+            may_hold: segment.may_hold() || matches!(before, Left::Unclear { may_hold: true, .. }),
             is_verified: false,
             why: None,
         },

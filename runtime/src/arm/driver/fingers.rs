@@ -5,7 +5,7 @@
 
 use super::carry::{LOOK_S, Word, carry_out, state};
 use super::{ArmError, Between, Opening, Watch};
-use crate::arm::port::{Goal, Port};
+use crate::arm::port::{Ending, Goal, Port};
 use crate::arm::settings::{FingerSettings, Tolerance};
 
 /// The longest that the hand may take, seconds.
@@ -64,6 +64,10 @@ fn judge(
         Opening::Open => Err(wrong()),
         // Fingers that have not left their open position grasp nothing: the goal was refused or never came.
         Opening::Closed if off(settings.open) <= settings.tolerance => Err(wrong()),
+        // A node gives fingers that stall up as preempted; it aborts the goal of a hand that is stopped on its way.
+        Opening::Closed if matches!(word, Word::Ended(Ending::Aborted | Ending::Rejected)) => {
+            Err(wrong())
+        }
         Opening::Closed => match settings.cloth {
             Some(cloth) if off(settings.closed) >= cloth => Ok(Between::Something),
             Some(_) if are_there => Ok(Between::Nothing),

@@ -265,7 +265,8 @@ impl<P: Port> Arm for PortArm<P> {
         self.check_enabled(watch)?;
         let (fingers, tolerance) = (self.fingers, self.tolerance);
         let between = move_fingers(&mut self.port, &fingers, &tolerance, opening, watch);
-        if between.is_err() {
+        // Only once no goal is under way: one that is would give way, and the node then lets a stopped arm go.
+        if let Err(ArmError::Fingers { .. }) = between {
             // An arm that was stopped meanwhile leaves its fingers anywhere: that is the reason to tell.
             self.check_enabled(watch)?;
         }

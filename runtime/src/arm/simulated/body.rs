@@ -184,7 +184,13 @@ impl Body {
         let before_s = motion.for_s;
         motion.for_s += seconds;
         let now_s = motion.for_s;
-        let Some(next) = motion.points.iter().find(|point| point.at_s > before_s) else {
+        // The last point that the time has come for, so that points closer than a step of the clock are passed over.
+        let ahead = motion
+            .points
+            .iter()
+            .find(|point| point.at_s > now_s)
+            .or(motion.points.last());
+        let Some(next) = ahead.filter(|point| point.at_s > before_s) else {
             self.motion = None;
             return;
         };

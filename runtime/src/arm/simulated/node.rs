@@ -148,8 +148,10 @@ impl Node {
         let started = match (self.is_stopped, &goal) {
             (true, _) => Err(String::new()),
             (false, Goal::ToolPose(pose)) => {
+                // A goal that is no motion cannot fall short, and leaves the fault to the next that is one.
+                let is_motion = Off::between(&body.tool(), pose).position_m > REACHED_M;
                 let falls_short = faults.lasts(FaultKind::FallsShortAlways, now_s)
-                    || faults.take(FaultKind::FallsShort, now_s);
+                    || is_motion && faults.take(FaultKind::FallsShort, now_s);
                 body.go(pose, if falls_short { SHORT_M } else { 0.0 })
             }
             (false, Goal::Trajectory(points)) => body.follow(points),

@@ -124,9 +124,10 @@ fn a_pressed_stop_is_never_taken_back() {
         let mut bench = Bench::with(&[(FaultKind::PressedStop, pressed_s)]);
         while bench.port().now_s() < 3.0 {
             let moved = go(&mut bench);
-            if bench.port().is_stopped() && moved.is_err() {
-                assert_eq!(moved, Err(ArmError::Stopped), "{pressed_s}");
+            if let Err(error) = moved {
+                assert_eq!(error, ArmError::Stopped, "{pressed_s}");
             }
+            bench.port().wait(0.1);
         }
         assert_eq!(go(&mut bench), Err(ArmError::Stopped), "{pressed_s}");
         let fingers = bench.driver().move_fingers(Opening::Closed, &mut nobody);
