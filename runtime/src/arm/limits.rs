@@ -11,6 +11,9 @@ use std::collections::VecDeque;
 /// How much faster than allowed a measured speed may be before the arm is stopped: positions are measured to 1 mm.
 const SPEED_SLACK: f64 = 1.5;
 
+/// How far the tool may move while only the fingers should, metres: as near as the arm's node itself holds a place.
+const FINGERS_STAY_M: f64 = 0.010;
+
 /// Over how long speed is measured, seconds.
 const SPEED_OVER_S: f64 = 0.4;
 
@@ -254,8 +257,18 @@ impl<A: Arm> Arm for Limited<A> {
             workspace: &self.workspace,
             lately: VecDeque::new(),
         };
+        let begun_at = self.arm.state()?.tool;
         self.arm.move_fingers(opening, &mut |state| {
             lookout.look(state)?;
+            let carried_m = Off::between(&begun_at, &state.tool).position_m;
+            // Written so that what is no number stops it too.
+            let stays = carried_m <= FINGERS_STAY_M;
+            if !stays {
+                return Err(Halt::Stop(ArmError::OutOfLimits(format!(
+                    "the tool moved by {:.0} mm while only the fingers should",
+                    carried_m * 1000.0
+                ))));
+            }
             watch(state)
         })
     }
