@@ -255,7 +255,7 @@ impl<'j> Turn<'j> {
 
     fn stop_for(&mut self, error: &WorldError) -> Option<Outcome> {
         let outcome = match error {
-            WorldError::Interrupted => Outcome::Interrupted,
+            WorldError::Interrupted | WorldError::Halted { .. } => Outcome::Interrupted,
             _ => Outcome::WorldFailed,
         };
         self.stop(outcome, &error.to_string())
