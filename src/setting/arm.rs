@@ -4,7 +4,9 @@ use crate::cli::robot::ArmArguments;
 use crate::exit::Failure;
 use crate::robot::terminal::{HoldToRun, Terminal};
 use crate::robot::watchdog::Process;
+use crate::robot::{connect, standing};
 use compiler::program::Program;
+use runtime::arm::last;
 use runtime::arm::settings::{DriverKind, Settings};
 use runtime::arm::supervisor::{NoWatchdog, Supervisor, Unattended};
 use runtime::start::Start;
@@ -16,13 +18,15 @@ use std::path::PathBuf;
 pub fn check(arguments: &ArmArguments) -> Result<Settings, Failure> {
     let (settings, ..) = jaco::load(&arguments.robot).map_err(Failure::environment)?;
     supervisor(arguments, &settings)?;
-    if settings.driver != DriverKind::Simulated && !cfg!(feature = "ros") {
-        return Err(Failure::environment(format!(
-            "`{}` is of a real arm, and this fabc was built without ROS: build it with `--features ros`",
-            arguments.robot.display()
-        )));
+    if settings.driver == DriverKind::Simulated {
+        return Ok(settings);
     }
-    Ok(settings)
+    standing::claim(&arguments.robot).map_err(Failure::environment)?;
+    standing::check(&arguments.robot).map_err(Failure::environment)?;
+    match cfg!(feature = "ros") {
+        true => Ok(settings),
+        false => Err(Failure::environment(connect::without_ros(&arguments.robot))),
+    }
 }
 
 /// Returns the start of a cloth that a person lays.
@@ -61,19 +65,23 @@ pub fn world(
     if is_simulated {
         return Ok(Box::new(ArmWorld::simulated(parts)?));
     }
+    standing::check(&arguments.robot).map_err(failed)?;
     let watchdog = Process::start(&arguments.robot, watchdog_s).map_err(failed)?;
     parts.watchdog = Box::new(watchdog);
-    real(parts, arguments)
+    let world = real(parts, arguments)?;
+    if let Some(folder) = folder {
+        // Before the first motion: after a crash in it, the next run must find this one.
+        last::note(&arguments.robot, folder).map_err(|error| failed(error.to_string()))?;
+    }
+    Ok(world)
 }
 
 /// Connects to a real arm and its camera, and starts its watchdog.
 #[cfg(feature = "ros")]
 fn real(parts: Parts, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
     use runtime::arm::directory::DirectoryCamera;
-    use runtime::arm::driver::{Arm, PortArm};
-    use runtime::arm::kinematics::chain::Chain;
     use runtime::arm::rgbd::RgbdSource;
-    use runtime::arm::ros::{RosCamera, connect};
+    use runtime::arm::ros::RosCamera;
     use runtime::arm::settings::CameraSource;
 
     let settings = parts.settings.clone();
@@ -100,35 +108,13 @@ fn real(parts: Parts, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldE
             ));
         }
     };
-    let port = connect(ros, &settings.model, camera.timeout_s);
-    let port = port.map_err(|error| failed(error.to_string()))?;
-    let arm: Box<dyn Arm> = match settings.driver {
-        DriverKind::Trajectory => {
-            let chain =
-                Chain::of_model(&settings.model).map_err(|error| failed(error.to_string()))?;
-            Box::new(PortArm::by_trajectories(
-                port,
-                chain,
-                settings.fingers,
-                settings.tolerance,
-            ))
-        }
-        _ => Box::new(PortArm::by_poses(
-            port,
-            &settings.model,
-            settings.fingers,
-            settings.tolerance,
-        )),
-    };
+    let arm = connect::arm(&settings).map_err(failed)?;
     Ok(Box::new(ArmWorld::new(parts, arm, source)?))
 }
 
 #[cfg(not(feature = "ros"))]
 fn real(_: Parts, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
-    Err(failed(format!(
-        "`{}` is of a real arm, and this fabc was built without ROS: build it with `--features ros`",
-        arguments.robot.display()
-    )))
+    Err(failed(connect::without_ros(&arguments.robot)))
 }
 
 /// Returns who gives leave to move: for a real arm a person, unless told otherwise.
