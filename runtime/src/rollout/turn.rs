@@ -256,6 +256,7 @@ impl<'j> Turn<'j> {
     fn stop_for(&mut self, error: &WorldError) -> Option<Outcome> {
         let outcome = match error {
             WorldError::Interrupted => Outcome::Interrupted,
+            WorldError::PlannedOnly => Outcome::Planned,
             _ => Outcome::WorldFailed,
         };
         self.stop(outcome, &error.to_string())

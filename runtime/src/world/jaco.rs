@@ -5,8 +5,10 @@
 //! except that a simulated table does.
 
 mod parts;
+mod planning;
 
 pub use parts::{Parts, base_from_world, load};
+pub use planning::{PLAN_FILE, PLAN_PICTURE, PlanningWorld, read_plan};
 
 use super::simulated::table::{ClothTable, TableCamera};
 use super::{Executed, Grasp, Motion, World, WorldError, WorldPoint};

@@ -12,7 +12,7 @@ use crate::start::Start;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
-pub use jaco::ArmWorld;
+pub use jaco::{ArmWorld, PlanningWorld};
 pub use simulated::{Look, SimulatedWorld};
 
 /// A point in the world frame: right-handed, z up, origin at the table's centre, metres.
@@ -151,4 +151,7 @@ pub enum WorldError {
     /// Somebody asked to stop.
     #[error("interrupted")]
     Interrupted,
+    /// The motion was planned, and nothing is to move.
+    #[error("planned, and not moved")]
+    PlannedOnly,
 }
