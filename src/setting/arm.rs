@@ -29,13 +29,13 @@ pub fn check(arguments: &ArmArguments, moving: Moving) -> Result<Settings, Failu
     if moving == Moving::Planned {
         return Ok(settings);
     }
-    supervisor(arguments, &settings)?;
     if settings.driver != DriverKind::Simulated && !cfg!(feature = "ros") {
         return Err(Failure::environment(format!(
             "`{}` is of a real arm, and this fabc was built without ROS: build it with `--features ros`",
             arguments.robot.display()
         )));
     }
+    supervisor(arguments, &settings)?;
     Ok(settings)
 }
 
@@ -148,7 +148,7 @@ fn camera(
             camera.intrinsics.clone(),
         ))),
         (CameraSource::Ros, _) => subscribed(settings),
-        _ => Err(failed(
+        _ => Err(no_camera(
             "a real arm needs the camera `ros`, or `directory` with a folder".to_owned(),
         )),
     }
@@ -157,16 +157,18 @@ fn camera(
 #[cfg(feature = "ros")]
 fn subscribed(settings: &Settings) -> Result<Box<dyn RgbdSource>, WorldError> {
     let Some(ros) = &settings.ros else {
-        return Err(failed("the settings have no `[ros]`".to_owned()));
+        return Err(no_camera("the settings have no `[ros]`".to_owned()));
     };
     let camera = runtime::arm::ros::RosCamera::subscribe(ros, settings.camera.timeout_s);
-    Ok(Box::new(camera.map_err(|error| failed(error.to_string()))?))
+    Ok(Box::new(
+        camera.map_err(|error| no_camera(error.to_string()))?,
+    ))
 }
 
 #[cfg(not(feature = "ros"))]
 fn subscribed(_: &Settings) -> Result<Box<dyn RgbdSource>, WorldError> {
-    Err(failed(
-        "the camera `ros` needs a fabc that was built with `--features ros`".to_owned(),
+    Err(no_camera(
+        "`source = \"ros\"` needs a fabc that was built with `--features ros`".to_owned(),
     ))
 }
 
@@ -194,4 +196,8 @@ fn supervisor(
 
 fn failed(why: String) -> WorldError {
     WorldError::Motion { why }
+}
+
+fn no_camera(why: String) -> WorldError {
+    WorldError::Camera { why }
 }
