@@ -5,12 +5,14 @@
 //! except that a simulated table does.
 
 mod parts;
+mod picture;
 
-pub use parts::{Parts, base_from_world, load};
+pub use parts::{About, Parts, about, base_from_world, load};
+pub use picture::FlatPicture;
 
 use super::simulated::table::{ClothTable, TableCamera};
 use super::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
-use crate::arm::calibration::{Moved, Window};
+use crate::arm::calibration::Moved;
 use crate::arm::driver::{Arm, ArmError, Between, PortArm};
 use crate::arm::execute::{Broken, Execution, without_cloth};
 use crate::arm::kinematics::chain::Chain;
@@ -24,10 +26,7 @@ use crate::arm::simulated::{SimulatedArm, Simulation};
 use crate::interrupt::Interrupt;
 use crate::observation::Observation;
 use crate::start::Start;
-use crate::vision::DepthImage;
-use image::imageops::{self, FilterType};
 use nalgebra::{Isometry3, Point3, Vector3};
-use sha2::{Digest, Sha256};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -42,6 +41,7 @@ pub struct ArmWorld {
     camera: Box<dyn RgbdSource>,
     /// The simulated table, where there is one.
     table: Option<Rc<RefCell<ClothTable>>>,
+    flat: Option<FlatPicture>,
     reach: Reach,
     log: Option<ArmLog>,
     is_laid: bool,
@@ -90,6 +90,7 @@ impl ArmWorld {
             arm: Limited::new(arm, settings.workspace.clone(), margin_m),
             camera,
             table: None,
+            flat: None,
             reach: Reach::tool_down(&chain, turn),
             log: log.map_err(|error| motion(error.to_string()))?,
             is_laid: false,
@@ -98,6 +99,11 @@ impl ArmWorld {
             begun_s: 0.0,
             parts,
         })
+    }
+
+    /// Measures coverage against a picture of the flat cloth; it counts into the world's parameters.
+    pub fn with_flat(self, flat: Option<FlatPicture>) -> ArmWorld {
+        ArmWorld { flat, ..self }
     }
 
     /// Returns a point of the world in the base frame, not below the table.
@@ -131,69 +137,24 @@ impl ArmWorld {
         };
         Err(WorldError::Camera { why })
     }
-
-    /// Cuts the task's square picture out of the camera's own.
-    fn square(&self, shot: &Shot) -> Result<Observation, WorldError> {
-        let size_px = [shot.rgb.width(), shot.rgb.height()];
-        let window = Window::from(self.parts.settings.camera.window_px);
-        if !window.is_in(size_px) {
-            return Err(WorldError::Camera {
-                why: format!(
-                    "its picture has {} x {} px, and `window_px` goes beyond it",
-                    size_px[0], size_px[1]
-                ),
-            });
-        }
-        let (left, top, side) = (window.left_px, window.top_px, window.side_px);
-        let image_px = self.parts.image_px;
-        let rgb = imageops::crop_imm(&shot.rgb, left, top, side, side).to_image();
-        let rgb = match side == image_px {
-            true => rgb,
-            false => imageops::resize(&rgb, image_px, image_px, FilterType::Triangle),
-        };
-        // The mean of a near and a far reading is none, so that depth is taken from one pixel each.
-        let depth_m = DepthImage::from_fn(image_px, image_px, |column, row| {
-            let raw =
-                |at: u32| (2 * u64::from(at) + 1) * u64::from(side) / (2 * u64::from(image_px));
-            *shot
-                .depth_m
-                .get_pixel(left + raw(column) as u32, top + raw(row) as u32)
-        });
-        Ok(Observation {
-            rgb,
-            depth_m,
-            camera: self.parts.calibration.camera(
-                &self.base_from_world.inverse(),
-                &window,
-                image_px,
-            ),
-            time_s: self.arm.now_s() - self.begun_s,
-        })
-    }
 }
 
 impl World for ArmWorld {
     fn name(&self) -> &str {
-        match self.table {
-            Some(_) => "simulated_arm",
-            None => "jaco",
-        }
+        parts::name(self.parts.settings.driver)
     }
 
     fn parameters(&self) -> String {
-        let mut hash = Sha256::new();
-        hash.update(&self.parts.settings_hash);
-        hash.update(self.parts.calibration.to_toml());
-        let hex: Vec<String> = hash
-            .finalize()
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
-        hex.concat()[..16].to_owned()
+        let Parts {
+            settings_hash,
+            calibration,
+            ..
+        } = &self.parts;
+        parts::parameters(settings_hash, calibration, self.flat.as_ref())
     }
 
     fn code(&self) -> String {
-        env!("CARGO_PKG_VERSION").to_owned()
+        parts::code(self.parts.settings.driver)
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
@@ -244,7 +205,7 @@ impl World for ArmWorld {
             why: error.to_string(),
         })?;
         self.check_camera(&shot)?;
-        self.square(&shot)
+        picture::square(&self.parts, &shot, self.arm.now_s() - self.begun_s)
     }
 
     fn act(
@@ -306,6 +267,15 @@ impl World for ArmWorld {
 
     fn particles(&self) -> Option<Vec<[f32; 3]>> {
         self.table.as_ref()?.borrow().particles()
+    }
+
+    fn flat_cloth(&self) -> Option<Observation> {
+        let shot = match (&self.flat, &self.table) {
+            (Some(flat), _) => flat.shot(),
+            (None, Some(table)) => table.borrow().flat_shot()?,
+            (None, None) => return None,
+        };
+        picture::square(&self.parts, &shot, 0.0).ok()
     }
 
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
