@@ -337,6 +337,11 @@ pub struct RunArguments {
     pub arm: robot::ArmArguments,
     #[command(flatten)]
     pub start: StartArguments,
+    /// Ask at the end whether the task was reached, and if not, why. Default: with a real arm, unless `--confirm none` is
+    /// said or stdin is no terminal.
+    #[arg(long)]
+    #[serde(default)]
+    pub operator: bool,
     /// The run folder; default: the next free `runs/TASK-NNNN`.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,

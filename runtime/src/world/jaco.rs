@@ -6,17 +6,17 @@
 
 mod parts;
 mod picture;
+mod within;
 
 pub use parts::{About, Parts, about, base_from_world, load};
 pub use picture::FlatPicture;
+pub use within::WithinReach;
 
 use super::simulated::table::{ClothTable, TableCamera};
 use super::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
 use crate::arm::calibration::Moved;
 use crate::arm::driver::{Arm, ArmError, Between, PortArm};
 use crate::arm::execute::{Broken, Execution, without_cloth};
-use crate::arm::kinematics::chain::Chain;
-use crate::arm::kinematics::reach::{Reach, Turn};
 use crate::arm::limits::{self, Limited};
 use crate::arm::log::ArmLog;
 use crate::arm::rgbd::{RgbdSource, Shot};
@@ -26,9 +26,10 @@ use crate::arm::simulated::{SimulatedArm, Simulation};
 use crate::interrupt::Interrupt;
 use crate::observation::Observation;
 use crate::start::Start;
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Vector3};
 use std::cell::RefCell;
 use std::rc::Rc;
+use within::{ArmReach, base_point};
 
 /// How far from `rest_m` the tool may be when a picture is taken, metres.
 const AT_REST_M: f64 = 0.02;
@@ -42,7 +43,7 @@ pub struct ArmWorld {
     /// The simulated table, where there is one.
     table: Option<Rc<RefCell<ClothTable>>>,
     flat: Option<FlatPicture>,
-    reach: Reach,
+    reach: ArmReach,
     log: Option<ArmLog>,
     is_laid: bool,
     is_camera_checked: bool,
@@ -81,8 +82,6 @@ impl ArmWorld {
             .calibration
             .check_settings(settings)
             .map_err(|why| motion(format!("the calibration does not fit the settings: {why}")))?;
-        let chain = Chain::of_model(&settings.model).map_err(|why| motion(why.to_string()))?;
-        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
         let margin_m = settings.tolerance.position_m;
         let log = parts.folder.as_deref().map(ArmLog::open).transpose();
         Ok(ArmWorld {
@@ -91,7 +90,7 @@ impl ArmWorld {
             camera,
             table: None,
             flat: None,
-            reach: Reach::tool_down(&chain, turn),
+            reach: ArmReach::of(settings)?,
             log: log.map_err(|error| motion(error.to_string()))?,
             is_laid: false,
             is_camera_checked: false,
@@ -104,13 +103,6 @@ impl ArmWorld {
     /// Measures coverage against a picture of the flat cloth; it counts into the world's parameters.
     pub fn with_flat(self, flat: Option<FlatPicture>) -> ArmWorld {
         ArmWorld { flat, ..self }
-    }
-
-    /// Returns a point of the world in the base frame, not below the table.
-    fn base_point(&self, point: &WorldPoint) -> Point3<f64> {
-        let mut at = self.base_from_world * point;
-        at.z = at.z.max(self.parts.settings.table.center_m[2]);
-        at
     }
 
     /// Checks that the camera is where it was calibrated; a simulated one cannot be moved.
@@ -216,8 +208,8 @@ impl World for ArmWorld {
         if !self.is_laid {
             return Err(WorldError::NotReset);
         }
-        let [pick, place] =
-            [&motion_asked.pick, &motion_asked.place].map(|point| self.base_point(point));
+        let [pick, place] = [&motion_asked.pick, &motion_asked.place]
+            .map(|point| base_point(&self.parts.settings, point));
         let settings = self.parts.settings.clone();
         let from = self
             .arm
@@ -243,6 +235,7 @@ impl World for ArmWorld {
             number: self.n_actions,
         }
         .run([pick, place], &segments, &empty);
+        self.parts.supervisor.at_rest();
         let done = done.map_err(told)?;
         let world_from_base = self.base_from_world.inverse();
         Ok(Executed {
@@ -279,32 +272,7 @@ impl World for ArmWorld {
     }
 
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
-        let settings = &self.parts.settings;
-        let at = self.base_point(point);
-        let motion = &settings.motion;
-        let top_m = route::travel_height_m(settings) - at.z;
-        let heights = [
-            motion.pre_pick_m,
-            motion.lift_m,
-            motion.retreat_m,
-            top_m.max(0.0),
-        ];
-        if let Err(why) = self.reach.check(&at, &heights) {
-            return Some(format!("it lies {why}"));
-        }
-        let pose = |above_m: f64| {
-            let over = Point3::new(at.x, at.y, at.z + above_m);
-            crate::arm::kinematics::tool_down::tool_down(&over, 0.0)
-        };
-        let (low, high) = (
-            pose(motion.grasp_m.min(motion.release_m)),
-            pose(top_m.max(0.0)),
-        );
-        let margin_m = settings.tolerance.position_m;
-        let check = |from, to| {
-            limits::check(&settings.workspace, margin_m, from, to, motion.speed_m_s).err()
-        };
-        check(&high, &low).or_else(|| check(&low, &high))
+        self.reach.out_of_reach(&self.parts.settings, point)
     }
 }
 
