@@ -341,6 +341,11 @@ pub struct RunArguments {
     pub plan_only: bool,
     #[command(flatten)]
     pub start: StartArguments,
+    /// Ask at the end whether the task was reached, and if not, why. Default: with a real arm, unless `--confirm none` is
+    /// said or stdin is no terminal.
+    #[arg(long)]
+    #[serde(default)]
+    pub operator: bool,
     /// The run folder; default: the next free `runs/TASK-NNNN`.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,

@@ -6,6 +6,7 @@ mod told;
 use crate::cli::RunArguments;
 use crate::estimate::{self, Asking};
 use crate::exit::{Exit, Failure};
+use crate::operator::Terminal;
 use crate::setting::arm::Moving;
 use crate::setting::models;
 use crate::{output, setting, sources};
@@ -101,6 +102,14 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         "jaco" => setting::arm::world(&program, &arguments.arm, moving, journal.get()),
         _ => setting::world(&program),
     };
+    let make_look = || match arguments.world.as_str() {
+        "jaco" => setting::arm::look(&program, &arguments.arm),
+        _ => setting::world(&program),
+    };
+    let has_operator = arguments.operator
+        || arm
+            .as_ref()
+            .is_some_and(|settings| setting::arm::has_operator(&arguments.arm, settings));
     let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
     say_origin(subgoals.origin, &arguments.task.file);
     let asked = answering.models();
@@ -133,12 +142,17 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         interrupt: &interrupt,
         horizon: None,
         early_stop: true,
-        operator: None,
+        operator: has_operator.then_some(&Terminal),
         repetition: 0,
     };
     let asks = answering.asks_a_provider() || arguments.spend.estimate;
     let questions = match asks {
-        true => rollout::first_questions(&job).map_err(Failure::environment)?,
+        // Nobody lays a cloth, and nothing is connected, for the sake of an estimate.
+        true => rollout::first_questions(&Job {
+            make_world: &make_look,
+            ..job
+        })
+        .map_err(Failure::environment)?,
         false => Vec::new(),
     };
     answering.check(&questions)?;

@@ -111,6 +111,10 @@ impl Supervisor for Terminal {
         let typed = self.keys.as_mut().map(Keys::typed).unwrap_or_default();
         self.held.is_held(&typed, Instant::now())
     }
+
+    fn at_rest(&mut self) {
+        self.let_go();
+    }
 }
 
 fn question(asked: &Asked<'_>) -> String {

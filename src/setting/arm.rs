@@ -1,17 +1,18 @@
 //! The world of `--world jaco`: an arm's settings, its calibration, its driver, and who watches it.
 
-use crate::cli::robot::ArmArguments;
+use crate::cli::robot::{ArmArguments, Confirm};
 use crate::exit::Failure;
 use crate::robot::terminal::{HoldToRun, Terminal};
 use crate::robot::watchdog::Process;
-use compiler::program::Program;
+use compiler::program::{ClothStart, Program};
 use runtime::arm::directory::DirectoryCamera;
 use runtime::arm::rgbd::RgbdSource;
 use runtime::arm::settings::{CameraSource, DriverKind, Settings};
 use runtime::arm::supervisor::{NoWatchdog, Supervisor, Unattended};
 use runtime::start::Start;
-use runtime::world::jaco::{self, Parts};
+use runtime::world::jaco::{self, FlatPicture, Parts, WithinReach};
 use runtime::world::{ArmWorld, PlanningWorld, World, WorldError};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 /// Whether an arm is to move.
@@ -25,7 +26,8 @@ pub enum Moving {
 
 /// Makes sure before anything else that the settings can be used and that there is somebody to ask.
 pub fn check(arguments: &ArmArguments, moving: Moving) -> Result<Settings, Failure> {
-    let (settings, ..) = jaco::load(&arguments.robot).map_err(Failure::environment)?;
+    let (settings, _, calibration) = jaco::load(&arguments.robot).map_err(Failure::environment)?;
+    FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(Failure::environment)?;
     if moving == Moving::Planned {
         return Ok(settings);
     }
@@ -46,7 +48,11 @@ pub fn start(program: &Program, named: Option<&String>) -> Result<Start, Failure
             "`--start {named}` is for the simulator: on a real table a person lays the cloth"
         ))),
         None => Ok(Start {
-            name: "laid by hand".to_owned(),
+            name: match program.cloth.start {
+                ClothStart::Crumpled => "crumpled by hand",
+                _ => "flat, laid by hand",
+            }
+            .to_owned(),
             ..Start::flat(&program.cloth)
         }),
     }
@@ -60,6 +66,7 @@ pub fn world(
     folder: Option<&PathBuf>,
 ) -> Result<Box<dyn World>, WorldError> {
     let (settings, settings_hash, calibration) = jaco::load(&arguments.robot).map_err(failed)?;
+    let flat = FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(failed)?;
     let supervisor = match moving {
         Moving::Carried => {
             supervisor(arguments, &settings).map_err(|error| failed(error.to_string()))?
@@ -79,22 +86,44 @@ pub fn world(
         folder: folder.cloned(),
     };
     match (moving, is_simulated) {
-        (Moving::Planned, true) => return Ok(Box::new(PlanningWorld::simulated(parts)?)),
-        (Moving::Carried, true) => return Ok(Box::new(ArmWorld::simulated(parts)?)),
+        (Moving::Planned, true) => {
+            return Ok(Box::new(PlanningWorld::simulated(parts)?.with_flat(flat)));
+        }
+        (Moving::Carried, true) => {
+            return Ok(Box::new(ArmWorld::simulated(parts)?.with_flat(flat)));
+        }
         (Moving::Planned, false) => {
             let camera = camera(&parts.settings, arguments)?;
-            return Ok(Box::new(PlanningWorld::new(parts, camera)?));
+            return Ok(Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat)));
         }
         (Moving::Carried, false) => {}
     }
     let watchdog = Process::start(&arguments.robot, watchdog_s).map_err(failed)?;
     parts.watchdog = Box::new(watchdog);
-    real(parts, arguments)
+    real(parts, flat, arguments)
+}
+
+/// Makes a simulated world in which that alone can be done which the arm reaches: nobody is asked, and nothing moves.
+pub fn look(program: &Program, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
+    let (settings, ..) = jaco::load(&arguments.robot).map_err(failed)?;
+    let world = super::world(program)?;
+    Ok(Box::new(WithinReach::new(world, settings)?))
+}
+
+/// Returns whether somebody beside the arm is asked in the end, where the command line does not say so.
+pub fn has_operator(arguments: &ArmArguments, settings: &Settings) -> bool {
+    settings.driver != DriverKind::Simulated
+        && arguments.confirm != Some(Confirm::None)
+        && std::io::stdin().is_terminal()
 }
 
 /// Connects to a real arm and its camera, and starts its watchdog.
 #[cfg(feature = "ros")]
-fn real(parts: Parts, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
+fn real(
+    parts: Parts,
+    flat: Option<FlatPicture>,
+    arguments: &ArmArguments,
+) -> Result<Box<dyn World>, WorldError> {
     use runtime::arm::driver::{Arm, PortArm};
     use runtime::arm::kinematics::chain::Chain;
     use runtime::arm::ros::connect;
@@ -124,11 +153,15 @@ fn real(parts: Parts, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldE
             settings.tolerance,
         )),
     };
-    Ok(Box::new(ArmWorld::new(parts, arm, source)?))
+    Ok(Box::new(ArmWorld::new(parts, arm, source)?.with_flat(flat)))
 }
 
 #[cfg(not(feature = "ros"))]
-fn real(_: Parts, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
+fn real(
+    _: Parts,
+    _: Option<FlatPicture>,
+    arguments: &ArmArguments,
+) -> Result<Box<dyn World>, WorldError> {
     Err(failed(format!(
         "`{}` is of a real arm, and this fabc was built without ROS: build it with `--features ros`",
         arguments.robot.display()
@@ -177,8 +210,6 @@ fn supervisor(
     arguments: &ArmArguments,
     settings: &Settings,
 ) -> Result<Box<dyn Supervisor>, Failure> {
-    use crate::cli::robot::Confirm;
-
     let is_simulated = settings.driver == DriverKind::Simulated;
     if is_simulated && arguments.confirm.is_none() && !arguments.hold_to_run {
         return Ok(Box::new(Unattended));

@@ -4,7 +4,8 @@
 //! `plan.json` and `plan.png`. No arm is connected, so that none can move: the tool is taken to be where the settings let it
 //! rest.
 
-use super::{ArmWorld, Parts, motion};
+use super::within::base_point;
+use super::{ArmWorld, FlatPicture, Parts, motion};
 use crate::arm::driver::resting::Resting;
 use crate::arm::kinematics::chain::Chain;
 use crate::arm::kinematics::tool_down::tool_down;
@@ -72,6 +73,14 @@ impl PlanningWorld {
         })
     }
 
+    /// Measures coverage against a picture of the flat cloth, as the arm's own world does.
+    pub fn with_flat(self, flat: Option<FlatPicture>) -> PlanningWorld {
+        PlanningWorld {
+            world: self.world.with_flat(flat),
+            ..self
+        }
+    }
+
     /// Writes a plan and its drawing into the run folder.
     fn keep(&mut self, plan: &Plan) -> Result<(), WorldError> {
         let Some(folder) = &self.folder else {
@@ -86,7 +95,13 @@ impl PlanningWorld {
             calibration,
             ..
         } = &self.world.parts;
-        let drawn = draw(plan, &shot.rgb, calibration, settings, &self.world.reach);
+        let drawn = draw(
+            plan,
+            &shot.rgb,
+            calibration,
+            settings,
+            self.world.reach.reach(),
+        );
         let drawn = drawn.map_err(|error| motion(error.to_string()))?;
         let text = serde_json::to_vec_pretty(plan).map_err(|error| motion(error.to_string()))?;
         let picture = picture::encode(&drawn);
@@ -131,7 +146,8 @@ impl World for PlanningWorld {
         if !self.world.is_laid {
             return Err(WorldError::NotReset);
         }
-        let points = [&asked.pick, &asked.place].map(|point| self.world.base_point(point));
+        let settings = &self.world.parts.settings;
+        let points = [&asked.pick, &asked.place].map(|point| base_point(settings, point));
         let at_rest = self.world.arm.arm().state();
         let from = at_rest.map_err(|error| motion(error.to_string()))?.tool;
         let plan = Plan::make(&self.world.parts.settings, &self.chain, &from, points);
