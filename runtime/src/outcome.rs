@@ -24,7 +24,7 @@ pub enum Outcome {
     BudgetExhausted,
     /// The world could not be observed or moved.
     WorldFailed,
-    /// The user stopped the rollout.
+    /// The user stopped the rollout, or gave no leave to move.
     Interrupted,
     /// The first action was planned, as asked, and nothing moved.
     Planned,
