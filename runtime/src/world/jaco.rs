@@ -237,7 +237,6 @@ impl World for ArmWorld {
             number: self.n_actions,
         }
         .run([pick, place], &segments, &empty);
-        self.parts.supervisor.at_rest();
         let done = done.map_err(told)?;
         let world_from_base = self.base_from_world.inverse();
         Ok(Executed {
