@@ -5,7 +5,7 @@ use crate::exit::Failure;
 use crate::robot::terminal::{HoldToRun, Terminal};
 use crate::robot::watchdog::Process;
 use compiler::program::{ClothStart, Program};
-use runtime::arm::directory::DirectoryCamera;
+use runtime::arm::directory::{DirectoryCamera, Which};
 use runtime::arm::rgbd::RgbdSource;
 use runtime::arm::settings::{CameraSource, DriverKind, Settings};
 use runtime::arm::supervisor::{NoWatchdog, Supervisor, Unattended};
@@ -93,7 +93,7 @@ pub fn world(
             return Ok(Box::new(ArmWorld::simulated(parts)?.with_flat(flat)));
         }
         (Moving::Planned, false) => {
-            let camera = camera(&parts.settings, arguments)?;
+            let camera = camera(&parts.settings, arguments, Which::Last)?;
             return Ok(Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat)));
         }
         (Moving::Carried, false) => {}
@@ -132,7 +132,13 @@ fn real(
     let Some(ros) = &settings.ros else {
         return Err(failed("the settings have no `[ros]`".to_owned()));
     };
-    let source = camera(&settings, arguments)?;
+    let source = camera(
+        &settings,
+        arguments,
+        Which::Fresh {
+            timeout_s: settings.camera.timeout_s,
+        },
+    )?;
     let port = connect(ros, &settings.model, settings.camera.timeout_s);
     let port = port.map_err(|error| failed(error.to_string()))?;
     let arm: Box<dyn Arm> = match settings.driver {
@@ -168,10 +174,11 @@ fn real(
     )))
 }
 
-/// Opens the camera over a real table.
+/// Opens the camera over a real table; `which` picture of it, where it is a folder.
 fn camera(
     settings: &Settings,
     arguments: &ArmArguments,
+    which: Which,
 ) -> Result<Box<dyn RgbdSource>, WorldError> {
     let camera = &settings.camera;
     let beside = arguments.robot.parent().unwrap_or(Path::new("."));
@@ -179,6 +186,7 @@ fn camera(
         (CameraSource::Directory, Some(folder)) => Ok(Box::new(DirectoryCamera::of(
             &beside.join(folder),
             camera.intrinsics.clone(),
+            which,
         ))),
         (CameraSource::Ros, _) => subscribed(settings),
         _ => Err(no_camera(

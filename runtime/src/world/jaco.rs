@@ -49,6 +49,8 @@ pub struct ArmWorld {
     log: Option<ArmLog>,
     is_laid: bool,
     is_camera_checked: bool,
+    /// The camera's own picture that was taken last.
+    last_shot: Option<Shot>,
     n_actions: u32,
     begun_s: f64,
 }
@@ -96,6 +98,7 @@ impl ArmWorld {
             log: log.map_err(|error| motion(error.to_string()))?,
             is_laid: false,
             is_camera_checked: false,
+            last_shot: None,
             n_actions: 0,
             begun_s: 0.0,
             parts,
@@ -199,7 +202,9 @@ impl World for ArmWorld {
             why: error.to_string(),
         })?;
         self.check_camera(&shot)?;
-        picture::square(&self.parts, &shot, self.arm.now_s() - self.begun_s)
+        let seen = picture::square(&self.parts, &shot, self.arm.now_s() - self.begun_s);
+        self.last_shot = Some(shot);
+        seen
     }
 
     fn act(
