@@ -3,6 +3,7 @@
 mod support;
 
 mod agent_loop;
+mod arm_faults;
 mod arm_run;
 mod asked;
 mod bad_bench_input;

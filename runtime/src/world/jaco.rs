@@ -5,13 +5,15 @@
 //! except that a simulated table does.
 
 mod parts;
+mod rehearsal;
 
 pub use parts::{Parts, base_from_world, load};
+pub use rehearsal::Rehearsal;
 
-use super::simulated::table::{ClothTable, TableCamera};
+use super::simulated::table::ClothTable;
 use super::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
 use crate::arm::calibration::{Moved, Window};
-use crate::arm::driver::{Arm, ArmError, Between, PortArm};
+use crate::arm::driver::{Arm, ArmError, Between};
 use crate::arm::execute::{Broken, Execution, without_cloth};
 use crate::arm::kinematics::chain::Chain;
 use crate::arm::kinematics::reach::{Reach, Turn};
@@ -19,8 +21,7 @@ use crate::arm::limits::{self, Limited};
 use crate::arm::log::ArmLog;
 use crate::arm::rgbd::{RgbdSource, Shot};
 use crate::arm::route;
-use crate::arm::settings::{DriverKind, Settings};
-use crate::arm::simulated::{SimulatedArm, Simulation};
+use crate::arm::settings::Settings;
 use crate::interrupt::Interrupt;
 use crate::observation::Observation;
 use crate::start::Start;
@@ -51,25 +52,6 @@ pub struct ArmWorld {
 }
 
 impl ArmWorld {
-    /// Sets up the arm and the table that this program simulates.
-    pub fn simulated(parts: Parts) -> Result<ArmWorld, WorldError> {
-        let settings = &parts.settings;
-        if settings.driver != DriverKind::Simulated {
-            return Err(motion(
-                "its settings name another driver than `simulated`".to_owned(),
-            ));
-        }
-        let base_from_world = base_from_world(settings);
-        let table = Rc::new(RefCell::new(ClothTable::new(settings, &base_from_world)?));
-        let simulation = Simulation::of(settings).map_err(motion)?;
-        let arm = SimulatedArm::new(simulation, Some(table.clone()));
-        let arm = PortArm::by_poses(arm, &settings.model, settings.fingers, settings.tolerance);
-        let camera = TableCamera(table.clone());
-        let mut world = ArmWorld::new(parts, Box::new(arm), Box::new(camera))?;
-        world.table = Some(table);
-        Ok(world)
-    }
-
     /// Puts limits around an arm, over a table that a camera sees.
     pub fn new(
         parts: Parts,

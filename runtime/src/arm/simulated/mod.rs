@@ -9,9 +9,11 @@
 mod body;
 mod faults;
 mod node;
+mod shared;
 
 pub use body::Table;
 pub use faults::{Fault, FaultKind};
+pub use shared::SharedArm;
 
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::{Reach, Turn};
