@@ -100,7 +100,8 @@ pub fn arm(settings: &Settings) -> Result<Box<dyn Arm>, String> {
     Ok(match settings.driver {
         DriverKind::Trajectory => {
             let chain = Chain::of_model(&settings.model).map_err(|error| error.to_string())?;
-            Box::new(PortArm::by_trajectories(port, chain, fingers, tolerance))
+            let arm = PortArm::by_trajectories(port, chain, fingers, tolerance);
+            Box::new(arm.with_floor(settings.table.center_m[2]))
         }
         _ => Box::new(PortArm::by_poses(port, &settings.model, fingers, tolerance)),
     })

@@ -7,24 +7,25 @@
 mod parts;
 mod picture;
 mod planning;
+mod rehearsal;
 mod within;
 
 pub use parts::{About, Parts, about, base_from_world, load};
 pub use picture::FlatPicture;
 pub use planning::{PLAN_FILE, PLAN_PICTURE, PlanningWorld, read_plan};
+pub use rehearsal::Rehearsal;
 pub use within::WithinReach;
 
-use super::simulated::table::{ClothTable, TableCamera};
+use super::simulated::table::ClothTable;
 use super::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
 use crate::arm::calibration::Moved;
-use crate::arm::driver::{Arm, ArmError, Between, PortArm};
+use crate::arm::driver::{Arm, ArmError, Between};
 use crate::arm::execute::{Broken, Execution, without_cloth};
 use crate::arm::limits::{self, Limited};
 use crate::arm::log::ArmLog;
 use crate::arm::rgbd::{RgbdSource, Shot};
 use crate::arm::route;
-use crate::arm::settings::{DriverKind, Settings};
-use crate::arm::simulated::{SimulatedArm, Simulation};
+use crate::arm::settings::Settings;
 use crate::interrupt::Interrupt;
 use crate::observation::Observation;
 use crate::start::Start;
@@ -56,25 +57,6 @@ pub struct ArmWorld {
 }
 
 impl ArmWorld {
-    /// Sets up the arm and the table that this program simulates.
-    pub fn simulated(parts: Parts) -> Result<ArmWorld, WorldError> {
-        let settings = &parts.settings;
-        if settings.driver != DriverKind::Simulated {
-            return Err(motion(
-                "its settings name another driver than `simulated`".to_owned(),
-            ));
-        }
-        let base_from_world = base_from_world(settings);
-        let table = Rc::new(RefCell::new(ClothTable::new(settings, &base_from_world)?));
-        let simulation = Simulation::of(settings).map_err(motion)?;
-        let arm = SimulatedArm::new(simulation, Some(table.clone()));
-        let arm = PortArm::by_poses(arm, &settings.model, settings.fingers, settings.tolerance);
-        let camera = TableCamera(table.clone());
-        let mut world = ArmWorld::new(parts, Box::new(arm), Box::new(camera))?;
-        world.table = Some(table);
-        Ok(world)
-    }
-
     /// Puts limits around an arm, over a table that a camera sees.
     pub fn new(
         parts: Parts,
