@@ -1,12 +1,14 @@
-//! Connects to a real arm, as its settings say.
+//! Connects to a real arm and its camera, as its settings say.
 //!
-//! In: settings with `[ros]`. Out: its port, or its driver; else why there is none. Nothing is moved by connecting. A build
+//! In: settings with `[ros]`. Out: its port, its driver, its camera; else why there is none. Nothing is moved by connecting. A build
 //! without the feature `ros` connects to none.
 
 use crate::exit::Failure;
+use runtime::arm::directory::{DirectoryCamera, Which};
 use runtime::arm::driver::Arm;
 use runtime::arm::port::Port;
-use runtime::arm::settings::{DriverKind, Settings};
+use runtime::arm::rgbd::RgbdSource;
+use runtime::arm::settings::{CameraSource, DriverKind, Settings};
 use std::path::Path;
 
 /// Loads the settings of a real arm; fails for one that this program simulates, and where this build has no ROS.
@@ -32,6 +34,43 @@ pub fn without_ros(robot: &Path) -> String {
         "`{}` is of a real arm, and this fabc was built without ROS: build it with `--features ros`",
         robot.display()
     )
+}
+
+/// Opens the camera over a real table.
+///
+/// - `robot`: the settings' file, beside which a folder of pictures lies.
+/// - `which`: the picture of that folder.
+pub fn camera(
+    settings: &Settings,
+    robot: &Path,
+    which: Which,
+) -> Result<Box<dyn RgbdSource>, String> {
+    let camera = &settings.camera;
+    let beside = robot.parent().unwrap_or(Path::new("."));
+    match (camera.source, &camera.folder) {
+        (CameraSource::Directory, Some(folder)) => Ok(Box::new(DirectoryCamera::of(
+            &beside.join(folder),
+            camera.intrinsics.clone(),
+            which,
+        ))),
+        (CameraSource::Ros, _) => subscribed(settings),
+        _ => Err("a real arm needs the camera `ros`, or `directory` with a folder".to_owned()),
+    }
+}
+
+#[cfg(feature = "ros")]
+fn subscribed(settings: &Settings) -> Result<Box<dyn RgbdSource>, String> {
+    let ros = settings
+        .ros
+        .as_ref()
+        .ok_or("the settings have no `[ros]`")?;
+    let camera = runtime::arm::ros::RosCamera::subscribe(ros, settings.camera.timeout_s);
+    Ok(Box::new(camera.map_err(|error| error.to_string())?))
+}
+
+#[cfg(not(feature = "ros"))]
+fn subscribed(_: &Settings) -> Result<Box<dyn RgbdSource>, String> {
+    Err("`source = \"ros\"` needs a fabc that was built with `--features ros`".to_owned())
 }
 
 /// Connects to the node of an arm.
@@ -61,7 +100,8 @@ pub fn arm(settings: &Settings) -> Result<Box<dyn Arm>, String> {
     Ok(match settings.driver {
         DriverKind::Trajectory => {
             let chain = Chain::of_model(&settings.model).map_err(|error| error.to_string())?;
-            Box::new(PortArm::by_trajectories(port, chain, fingers, tolerance))
+            let arm = PortArm::by_trajectories(port, chain, fingers, tolerance);
+            Box::new(arm.with_floor(settings.table.center_m[2]))
         }
         _ => Box::new(PortArm::by_poses(port, &settings.model, fingers, tolerance)),
     })

@@ -5,6 +5,7 @@ use compiler::program::{Goal, Metric};
 use compiler::verify::Verdict;
 use runtime::agent::{Attempt, Finding};
 use runtime::calls::Spent;
+use runtime::operator::Judgement;
 use runtime::rollout::{CoverageSource, Event, RolloutReport};
 use runtime::world::Grasp;
 
@@ -127,6 +128,7 @@ pub fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
             both(coverage, report.coverage_true)
         ));
     }
+    lines.extend(report.operator.as_ref().map(judged));
     let stand_in = if report.model_is_stand_in {
         ", a stand-in and no vision-language model"
     } else {
@@ -155,6 +157,18 @@ pub fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
         report.run_dir
     ));
     lines.join("\n")
+}
+
+/// Says what the operator says.
+fn judged(judgement: &Judgement) -> String {
+    let said = match (judgement.reached, judgement.why) {
+        (true, _) => "reached".to_owned(),
+        (false, Some(why)) => format!("not reached, for {}", why.name()),
+        (false, None) => "not reached".to_owned(),
+    };
+    let words = judgement.words.iter();
+    let words: String = words.map(|words| format!(": {words}")).collect();
+    format!("the operator says: {said}{words}")
 }
 
 /// Says what models were paid for, where calls were made.

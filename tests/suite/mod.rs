@@ -4,6 +4,7 @@ mod pty;
 mod support;
 
 mod agent_loop;
+mod arm_faults;
 mod arm_run;
 mod asked;
 mod bad_bench_input;

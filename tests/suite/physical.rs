@@ -246,6 +246,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
             repeats: 1,
         }],
         make_world: &make_world,
+        arm: None,
         out: folder.path().to_owned(),
         threads: 2,
         cache: &Cache::none(),

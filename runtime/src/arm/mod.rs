@@ -16,6 +16,7 @@ pub mod kinematics;
 pub mod last;
 pub mod limits;
 pub mod log;
+pub mod plan;
 pub mod port;
 pub mod rgbd;
 #[cfg(feature = "ros")]

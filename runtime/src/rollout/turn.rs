@@ -255,6 +255,7 @@ impl<'j> Turn<'j> {
 
     fn stop_for(&mut self, error: &WorldError) -> Option<Outcome> {
         let outcome = match error {
+            WorldError::PlannedOnly => Outcome::Planned,
             WorldError::Interrupted | WorldError::Halted { .. } => Outcome::Interrupted,
             _ => Outcome::WorldFailed,
         };

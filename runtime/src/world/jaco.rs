@@ -5,31 +5,34 @@
 //! except that a simulated table does.
 
 mod parts;
+mod picture;
+mod planning;
+mod rehearsal;
+mod within;
 
-pub use parts::{Parts, base_from_world, load};
+pub use parts::{About, Parts, about, base_from_world, load};
+pub use picture::FlatPicture;
+pub use planning::{PLAN_FILE, PLAN_PICTURE, PlanningWorld, read_plan};
+pub use rehearsal::Rehearsal;
+pub use within::WithinReach;
 
-use super::simulated::table::{ClothTable, TableCamera};
+use super::simulated::table::ClothTable;
 use super::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
-use crate::arm::calibration::{Moved, Window};
-use crate::arm::driver::{Arm, ArmError, Between, PortArm};
+use crate::arm::calibration::Moved;
+use crate::arm::driver::{Arm, ArmError, Between};
 use crate::arm::execute::{Broken, Execution, without_cloth};
-use crate::arm::kinematics::chain::Chain;
-use crate::arm::kinematics::reach::{Reach, Turn};
 use crate::arm::limits::{self, Limited};
 use crate::arm::log::ArmLog;
 use crate::arm::rgbd::{RgbdSource, Shot};
 use crate::arm::route;
-use crate::arm::settings::{DriverKind, Settings};
-use crate::arm::simulated::{SimulatedArm, Simulation};
+use crate::arm::settings::Settings;
 use crate::interrupt::Interrupt;
 use crate::observation::Observation;
 use crate::start::Start;
-use crate::vision::DepthImage;
-use image::imageops::{self, FilterType};
-use nalgebra::{Isometry3, Point3, Vector3};
-use sha2::{Digest, Sha256};
+use nalgebra::{Isometry3, Vector3};
 use std::cell::RefCell;
 use std::rc::Rc;
+use within::{ArmReach, base_point};
 
 /// How far from `rest_m` the tool may be when a picture is taken, metres.
 const AT_REST_M: f64 = 0.02;
@@ -42,34 +45,18 @@ pub struct ArmWorld {
     camera: Box<dyn RgbdSource>,
     /// The simulated table, where there is one.
     table: Option<Rc<RefCell<ClothTable>>>,
-    reach: Reach,
+    flat: Option<FlatPicture>,
+    reach: ArmReach,
     log: Option<ArmLog>,
     is_laid: bool,
     is_camera_checked: bool,
+    /// The camera's own picture that was taken last.
+    last_shot: Option<Shot>,
     n_actions: u32,
     begun_s: f64,
 }
 
 impl ArmWorld {
-    /// Sets up the arm and the table that this program simulates.
-    pub fn simulated(parts: Parts) -> Result<ArmWorld, WorldError> {
-        let settings = &parts.settings;
-        if settings.driver != DriverKind::Simulated {
-            return Err(motion(
-                "its settings name another driver than `simulated`".to_owned(),
-            ));
-        }
-        let base_from_world = base_from_world(settings);
-        let table = Rc::new(RefCell::new(ClothTable::new(settings, &base_from_world)?));
-        let simulation = Simulation::of(settings).map_err(motion)?;
-        let arm = SimulatedArm::new(simulation, Some(table.clone()));
-        let arm = PortArm::by_poses(arm, &settings.model, settings.fingers, settings.tolerance);
-        let camera = TableCamera(table.clone());
-        let mut world = ArmWorld::new(parts, Box::new(arm), Box::new(camera))?;
-        world.table = Some(table);
-        Ok(world)
-    }
-
     /// Puts limits around an arm, over a table that a camera sees.
     pub fn new(
         parts: Parts,
@@ -81,8 +68,6 @@ impl ArmWorld {
             .calibration
             .check_settings(settings)
             .map_err(|why| motion(format!("the calibration does not fit the settings: {why}")))?;
-        let chain = Chain::of_model(&settings.model).map_err(|why| motion(why.to_string()))?;
-        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
         let margin_m = settings.tolerance.position_m;
         let log = parts.folder.as_deref().map(ArmLog::open).transpose();
         Ok(ArmWorld {
@@ -90,21 +75,21 @@ impl ArmWorld {
             arm: Limited::new(arm, settings.workspace.clone(), margin_m),
             camera,
             table: None,
-            reach: Reach::tool_down(&chain, turn),
+            flat: None,
+            reach: ArmReach::of(settings)?,
             log: log.map_err(|error| motion(error.to_string()))?,
             is_laid: false,
             is_camera_checked: false,
+            last_shot: None,
             n_actions: 0,
             begun_s: 0.0,
             parts,
         })
     }
 
-    /// Returns a point of the world in the base frame, not below the table.
-    fn base_point(&self, point: &WorldPoint) -> Point3<f64> {
-        let mut at = self.base_from_world * point;
-        at.z = at.z.max(self.parts.settings.table.center_m[2]);
-        at
+    /// Measures coverage against a picture of the flat cloth; it counts into the world's parameters.
+    pub fn with_flat(self, flat: Option<FlatPicture>) -> ArmWorld {
+        ArmWorld { flat, ..self }
     }
 
     /// Checks that the camera is where it was calibrated; a simulated one cannot be moved.
@@ -131,69 +116,24 @@ impl ArmWorld {
         };
         Err(WorldError::Camera { why })
     }
-
-    /// Cuts the task's square picture out of the camera's own.
-    fn square(&self, shot: &Shot) -> Result<Observation, WorldError> {
-        let size_px = [shot.rgb.width(), shot.rgb.height()];
-        let window = Window::from(self.parts.settings.camera.window_px);
-        if !window.is_in(size_px) {
-            return Err(WorldError::Camera {
-                why: format!(
-                    "its picture has {} x {} px, and `window_px` goes beyond it",
-                    size_px[0], size_px[1]
-                ),
-            });
-        }
-        let (left, top, side) = (window.left_px, window.top_px, window.side_px);
-        let image_px = self.parts.image_px;
-        let rgb = imageops::crop_imm(&shot.rgb, left, top, side, side).to_image();
-        let rgb = match side == image_px {
-            true => rgb,
-            false => imageops::resize(&rgb, image_px, image_px, FilterType::Triangle),
-        };
-        // The mean of a near and a far reading is none, so that depth is taken from one pixel each.
-        let depth_m = DepthImage::from_fn(image_px, image_px, |column, row| {
-            let raw =
-                |at: u32| (2 * u64::from(at) + 1) * u64::from(side) / (2 * u64::from(image_px));
-            *shot
-                .depth_m
-                .get_pixel(left + raw(column) as u32, top + raw(row) as u32)
-        });
-        Ok(Observation {
-            rgb,
-            depth_m,
-            camera: self.parts.calibration.camera(
-                &self.base_from_world.inverse(),
-                &window,
-                image_px,
-            ),
-            time_s: self.arm.now_s() - self.begun_s,
-        })
-    }
 }
 
 impl World for ArmWorld {
     fn name(&self) -> &str {
-        match self.table {
-            Some(_) => "simulated_arm",
-            None => "jaco",
-        }
+        parts::name(self.parts.settings.driver)
     }
 
     fn parameters(&self) -> String {
-        let mut hash = Sha256::new();
-        hash.update(&self.parts.settings_hash);
-        hash.update(self.parts.calibration.to_toml());
-        let hex: Vec<String> = hash
-            .finalize()
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
-        hex.concat()[..16].to_owned()
+        let Parts {
+            settings_hash,
+            calibration,
+            ..
+        } = &self.parts;
+        parts::parameters(settings_hash, calibration, self.flat.as_ref())
     }
 
     fn code(&self) -> String {
-        env!("CARGO_PKG_VERSION").to_owned()
+        parts::code(self.parts.settings.driver)
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
@@ -244,7 +184,9 @@ impl World for ArmWorld {
             why: error.to_string(),
         })?;
         self.check_camera(&shot)?;
-        self.square(&shot)
+        let seen = picture::square(&self.parts, &shot, self.arm.now_s() - self.begun_s);
+        self.last_shot = Some(shot);
+        seen
     }
 
     fn act(
@@ -255,8 +197,8 @@ impl World for ArmWorld {
         if !self.is_laid {
             return Err(WorldError::NotReset);
         }
-        let [pick, place] =
-            [&motion_asked.pick, &motion_asked.place].map(|point| self.base_point(point));
+        let [pick, place] = [&motion_asked.pick, &motion_asked.place]
+            .map(|point| base_point(&self.parts.settings, point));
         let settings = self.parts.settings.clone();
         let from = self
             .arm
@@ -308,33 +250,17 @@ impl World for ArmWorld {
         self.table.as_ref()?.borrow().particles()
     }
 
+    fn flat_cloth(&self) -> Option<Observation> {
+        let shot = match (&self.flat, &self.table) {
+            (Some(flat), _) => flat.shot(),
+            (None, Some(table)) => table.borrow().flat_shot()?,
+            (None, None) => return None,
+        };
+        picture::square(&self.parts, &shot, 0.0).ok()
+    }
+
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
-        let settings = &self.parts.settings;
-        let at = self.base_point(point);
-        let motion = &settings.motion;
-        let top_m = route::travel_height_m(settings) - at.z;
-        let heights = [
-            motion.pre_pick_m,
-            motion.lift_m,
-            motion.retreat_m,
-            top_m.max(0.0),
-        ];
-        if let Err(why) = self.reach.check(&at, &heights) {
-            return Some(format!("it lies {why}"));
-        }
-        let pose = |above_m: f64| {
-            let over = Point3::new(at.x, at.y, at.z + above_m);
-            crate::arm::kinematics::tool_down::tool_down(&over, 0.0)
-        };
-        let (low, high) = (
-            pose(motion.grasp_m.min(motion.release_m)),
-            pose(top_m.max(0.0)),
-        );
-        let margin_m = settings.tolerance.position_m;
-        let check = |from, to| {
-            limits::check(&settings.workspace, margin_m, from, to, motion.speed_m_s).err()
-        };
-        check(&high, &low).or_else(|| check(&low, &high))
+        self.reach.out_of_reach(&self.parts.settings, point)
     }
 }
 

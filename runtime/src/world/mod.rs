@@ -12,7 +12,7 @@ use crate::start::Start;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
-pub use jaco::ArmWorld;
+pub use jaco::{ArmWorld, PlanningWorld};
 pub use simulated::{Look, SimulatedWorld};
 
 /// A point in the world frame: right-handed, z up, origin at the table's centre, metres.
@@ -151,6 +151,9 @@ pub enum WorldError {
     /// Somebody asked to stop.
     #[error("interrupted")]
     Interrupted,
+    /// The motion was planned, and nothing is to move.
+    #[error("planned, and not moved")]
+    PlannedOnly,
     /// Somebody asked to stop, or gave no leave to go on, in the middle of a motion.
     #[error("{told}")]
     Halted {

@@ -31,6 +31,7 @@ pub struct ClothTable {
     /// Where the hand was in the last step, world frame, while it holds cloth.
     holds_at: Option<[f32; 3]>,
     broken: Option<String>,
+    is_unseen: bool,
 }
 
 impl ClothTable {
@@ -57,6 +58,7 @@ impl ClothTable {
             world_from_base: base_from_world.inverse(),
             holds_at: None,
             broken: None,
+            is_unseen: false,
         })
     }
 
@@ -87,9 +89,58 @@ impl ClothTable {
         self.cloth.as_ref().map(Simulator::positions)
     }
 
+    /// Takes a picture of the same cloth as it lies flat on the table's middle; none before a cloth is laid.
+    pub fn flat_shot(&self) -> Option<Shot> {
+        let grid = self.cloth.as_ref()?.grid();
+        Some(self.shot_of(grid, &grid.flat_positions(&self.params)))
+    }
+
+    /// Returns a digest of the code that moves the cloth.
+    pub fn code() -> &'static str {
+        sim::CODE_DIGEST
+    }
+
     fn tip(&self, tool: &Isometry3<f64>) -> [f32; 3] {
         let tip = self.world_from_base * Point3::from(tool.translation.vector);
         [tip.x as f32, tip.y as f32, tip.z as f32]
+    }
+
+    /// Returns what the camera sees of a cloth that lies so; positions in the world frame, metres.
+    fn shot_of(&self, grid: Grid, positions: &[[f32; 3]]) -> Shot {
+        let SimulatedSettings {
+            camera_offset_m: [x, y],
+            camera_turn_deg,
+            camera_fov_deg,
+            camera_px,
+            ..
+        } = self.camera;
+        // The renderer looks down on the origin, so that the cloth is brought to where the camera is.
+        let world_from_camera = Isometry3::from_parts(
+            Translation3::new(x, y, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera_turn_deg.to_radians()),
+        );
+        let seen: Vec<[f32; 3]> = positions
+            .iter()
+            .map(|point| {
+                let point =
+                    world_from_camera.inverse_transform_point(&Point3::from(point.map(f64::from)));
+                [point.x as f32, point.y as f32, point.z as f32]
+            })
+            .collect();
+        let frame = self.lens.render(grid, &seen, &self.look);
+        const INVARIANT: &str = "a frame holds width * height pixels";
+        let half_px = f64::from(camera_px) / 2.0;
+        Shot {
+            rgb: RgbImage::from_raw(frame.width, frame.height, frame.rgb).expect(INVARIANT),
+            depth_m: DepthImage::from_raw(frame.width, frame.height, frame.depth_m)
+                .expect(INVARIANT),
+            intrinsics: Some(Intrinsics {
+                size_px: [camera_px; 2],
+                focal_px: [half_px / (camera_fov_deg.to_radians() / 2.0).tan(); 2],
+                middle_px: [half_px; 2],
+                distortion: Vec::new(),
+            }),
+        }
     }
 
     /// Returns the particle that the fingers would take: of those within reach the uppermost, nearest of equals.
@@ -146,6 +197,10 @@ impl Table for ClothTable {
     fn is_between(&self, tool: &Isometry3<f64>) -> bool {
         self.holds_at.is_some() || self.between(self.tip(tool)).is_some()
     }
+
+    fn lose_camera(&mut self) {
+        self.is_unseen = true;
+    }
 }
 
 /// The camera over a simulated table.
@@ -165,42 +220,11 @@ impl RgbdSource for TableCamera {
         if let Some(why) = &table.broken {
             return Err(failed(why.clone()));
         }
+        if table.is_unseen {
+            return Err(failed("nothing comes from it any more".to_owned()));
+        }
         let cloth = table.cloth.as_ref();
         let cloth = cloth.ok_or_else(|| failed("no cloth has been laid yet".to_owned()))?;
-        let SimulatedSettings {
-            camera_offset_m: [x, y],
-            camera_turn_deg,
-            camera_fov_deg,
-            camera_px,
-            ..
-        } = table.camera;
-        // The renderer looks down on the origin, so that the cloth is brought to where the camera is.
-        let world_from_camera = Isometry3::from_parts(
-            Translation3::new(x, y, 0.0),
-            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera_turn_deg.to_radians()),
-        );
-        let seen: Vec<[f32; 3]> = cloth
-            .positions()
-            .iter()
-            .map(|point| {
-                let point =
-                    world_from_camera.inverse_transform_point(&Point3::from(point.map(f64::from)));
-                [point.x as f32, point.y as f32, point.z as f32]
-            })
-            .collect();
-        let frame = table.lens.render(cloth.grid(), &seen, &table.look);
-        const INVARIANT: &str = "a frame holds width * height pixels";
-        let half_px = f64::from(camera_px) / 2.0;
-        Ok(Shot {
-            rgb: RgbImage::from_raw(frame.width, frame.height, frame.rgb).expect(INVARIANT),
-            depth_m: DepthImage::from_raw(frame.width, frame.height, frame.depth_m)
-                .expect(INVARIANT),
-            intrinsics: Some(Intrinsics {
-                size_px: [camera_px; 2],
-                focal_px: [half_px / (camera_fov_deg.to_radians() / 2.0).tan(); 2],
-                middle_px: [half_px; 2],
-                distortion: Vec::new(),
-            }),
-        })
+        Ok(table.shot_of(cloth.grid(), &cloth.positions()))
     }
 }

@@ -1,0 +1,133 @@
+//! What an arm reaches, and a world in which that alone can be done though no arm is there.
+//!
+//! In: an arm's settings, and points of the world frame. Out: why nothing can be picked or placed there, in words for a
+//! model. The world is for questions before a rollout: it asks nobody, and nothing real moves in it.
+
+use super::base_from_world;
+use crate::arm::kinematics::chain::Chain;
+use crate::arm::kinematics::reach::{Reach, Turn};
+use crate::arm::kinematics::tool_down::tool_down;
+use crate::arm::settings::Settings;
+use crate::arm::{limits, route};
+use crate::interrupt::Interrupt;
+use crate::observation::Observation;
+use crate::start::Start;
+use crate::world::{Executed, Motion, World, WorldError, WorldPoint};
+use nalgebra::Point3;
+
+/// What an arm reaches with its hand pointing down.
+pub(super) struct ArmReach(Reach);
+
+impl ArmReach {
+    /// Finds what the arm of some settings reaches.
+    pub(super) fn of(settings: &Settings) -> Result<ArmReach, WorldError> {
+        let chain = Chain::of_model(&settings.model).map_err(|why| WorldError::Motion {
+            why: why.to_string(),
+        })?;
+        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
+        Ok(ArmReach(Reach::tool_down(&chain, turn)))
+    }
+
+    /// Returns what is reached in the base frame.
+    pub(super) fn reach(&self) -> &Reach {
+        &self.0
+    }
+
+    /// Says why nothing can be done at a point of the world frame, as [`World::out_of_reach`] does.
+    pub(super) fn out_of_reach(&self, settings: &Settings, point: &WorldPoint) -> Option<String> {
+        let at = base_point(settings, point);
+        let motion = &settings.motion;
+        let top_m = route::travel_height_m(settings) - at.z;
+        let heights = [
+            motion.pre_pick_m,
+            motion.lift_m,
+            motion.retreat_m,
+            top_m.max(0.0),
+        ];
+        if let Err(why) = self.0.check(&at, &heights) {
+            return Some(format!("it lies {why}"));
+        }
+        let pose = |above_m: f64| tool_down(&Point3::new(at.x, at.y, at.z + above_m), 0.0);
+        let (low, high) = (
+            pose(motion.grasp_m.min(motion.release_m)),
+            pose(top_m.max(0.0)),
+        );
+        let margin_m = settings.tolerance.position_m;
+        let check = |from, to| {
+            limits::check(&settings.workspace, margin_m, from, to, motion.speed_m_s).err()
+        };
+        check(&high, &low).or_else(|| check(&low, &high))
+    }
+}
+
+/// Returns a point of the world in the base frame, not below the table.
+pub(super) fn base_point(settings: &Settings, point: &WorldPoint) -> Point3<f64> {
+    let mut at = base_from_world(settings) * point;
+    at.z = at.z.max(settings.table.center_m[2]);
+    at
+}
+
+/// A world in which nothing can be done where an arm does not reach.
+pub struct WithinReach {
+    world: Box<dyn World>,
+    settings: Settings,
+    reach: ArmReach,
+}
+
+impl WithinReach {
+    /// Puts an arm's reach around a world that has none of its own; fails for a model of an arm that is not known.
+    pub fn new(world: Box<dyn World>, settings: Settings) -> Result<WithinReach, WorldError> {
+        Ok(WithinReach {
+            world,
+            reach: ArmReach::of(&settings)?,
+            settings,
+        })
+    }
+}
+
+impl World for WithinReach {
+    fn name(&self) -> &str {
+        self.world.name()
+    }
+
+    fn parameters(&self) -> String {
+        self.world.parameters()
+    }
+
+    fn code(&self) -> String {
+        self.world.code()
+    }
+
+    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
+        self.world.reset(start)
+    }
+
+    fn observe(&mut self) -> Result<Observation, WorldError> {
+        self.world.observe()
+    }
+
+    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+        self.world.act(motion, interrupt)
+    }
+
+    fn crumple(
+        &self,
+        start: &Start,
+        seed: u64,
+        interrupt: &Interrupt,
+    ) -> Result<Start, WorldError> {
+        self.world.crumple(start, seed, interrupt)
+    }
+
+    fn particles(&self) -> Option<Vec<[f32; 3]>> {
+        self.world.particles()
+    }
+
+    fn flat_cloth(&self) -> Option<Observation> {
+        self.world.flat_cloth()
+    }
+
+    fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
+        self.reach.out_of_reach(&self.settings, point)
+    }
+}
