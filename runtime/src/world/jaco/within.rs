@@ -39,15 +39,21 @@ impl ArmReach {
             motion.retreat_m,
             top_m.max(0.0),
         ];
-        if let Err(why) = self.0.check(&at, &heights) {
-            return Some(format!("it lies {why}"));
+        let margin_m = settings.tolerance.position_m;
+        // At the rim, an arm that comes to rest as far off as is tolerated finds no way to the point.
+        let radius_m = at.x.hypot(at.y).max(f64::MIN_POSITIVE);
+        for by_m in [0.0, margin_m, -margin_m] {
+            let share = 1.0 + by_m / radius_m;
+            let near = Point3::new(at.x * share, at.y * share, at.z);
+            if let Err(why) = self.0.check(&near, &heights) {
+                return Some(format!("it lies {why}"));
+            }
         }
         let pose = |above_m: f64| tool_down(&Point3::new(at.x, at.y, at.z + above_m), 0.0);
         let (low, high) = (
             pose(motion.grasp_m.min(motion.release_m)),
             pose(top_m.max(0.0)),
         );
-        let margin_m = settings.tolerance.position_m;
         let check = |from, to| {
             limits::check(&settings.workspace, margin_m, from, to, motion.speed_m_s).err()
         };
