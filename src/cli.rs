@@ -335,6 +335,10 @@ pub struct RunArguments {
     #[command(flatten)]
     #[serde(default)]
     pub arm: robot::ArmArguments,
+    /// With `--world jaco`: plan the first action, print and draw it (plan.json, plan.png), and connect to no arm.
+    #[arg(long)]
+    #[serde(default)]
+    pub plan_only: bool,
     #[command(flatten)]
     pub start: StartArguments,
     /// Ask at the end whether the task was reached, and if not, why. Default: with a real arm, unless `--confirm none` is

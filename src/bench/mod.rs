@@ -12,6 +12,7 @@ use crate::cli::bench::BenchArguments;
 use crate::estimate::{self, Asking};
 use crate::exit::{Exit, Failure};
 use crate::operator::Terminal;
+use crate::setting::arm::Moving;
 use crate::setting::models::{self, Answering};
 use crate::{output, setting};
 use compiler::program::Program;
@@ -67,7 +68,12 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         return Err(Failure::interrupted());
     };
     let make_arm_world = |program: &Program, folder: &Path| {
-        setting::arm::world(program, &arguments.arm, Some(&folder.to_owned()))
+        setting::arm::world(
+            program,
+            &arguments.arm,
+            Moving::Carried,
+            Some(&folder.to_owned()),
+        )
     };
     let make_look = |program: &Program| setting::arm::look(program, &arguments.arm);
     let bench = Bench {

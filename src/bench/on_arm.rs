@@ -5,6 +5,7 @@
 use crate::cli::bench::BenchArguments;
 use crate::exit::Failure;
 use crate::setting;
+use crate::setting::arm::Moving;
 use runtime::arm::settings::{DriverKind, Settings};
 use runtime::bench::on_arm::Cloths;
 use runtime::bench::suite::Suite;
@@ -30,7 +31,7 @@ pub fn check(arguments: &BenchArguments, suite: &Suite) -> Result<Option<Arm>, F
             "`--jobs {jobs}` is for the simulator: an arm carries rollouts out one at a time"
         )));
     }
-    let settings = setting::arm::check(&arguments.arm)?;
+    let settings = setting::arm::check(&arguments.arm, Moving::Carried)?;
     let cloths = match settings.driver {
         DriverKind::Simulated => Cloths::Simulated,
         DriverKind::Kinova | DriverKind::Trajectory => Cloths::ByHand,

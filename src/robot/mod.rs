@@ -12,6 +12,8 @@ pub mod watchdog;
 use crate::cli::robot::{RobotArguments, RobotVerb};
 use crate::exit::{Exit, Failure};
 
+pub use held::restore as restore_terminal;
+
 /// Does what is asked.
 pub fn run(arguments: &RobotArguments) -> Result<Exit, Failure> {
     match &arguments.verb {

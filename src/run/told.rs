@@ -14,6 +14,9 @@ pub fn show(event: Event<'_>, earlier: u32) {
     match event {
         Event::Asked { step, .. } | Event::Stepped { step, .. } | Event::Skipped { step, .. }
             if step <= earlier => {}
+        Event::Stopped { step, horizon, why } => {
+            output::talk(&format!("step {step}/{horizon}: ended: {why}"));
+        }
         Event::Asked { step, attempt } => {
             if let Some(refusal) = refusal(attempt) {
                 output::talk(&format!(
@@ -88,6 +91,12 @@ fn refusal(attempt: &Attempt) -> Option<String> {
 /// Sums up a rollout.
 pub fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
     let mut lines = vec![format!("outcome: {}", report.outcome.name())];
+    let words = report.stopped.as_deref();
+    lines.extend(
+        words
+            .filter(|why| *why != report.outcome.name())
+            .map(|why| format!("stopped: {why}")),
+    );
     if let Some(mm) = report.mean_particle_distance_mm {
         let goal = goal
             .filter(|goal| goal.metric == Metric::ParticleDistance)

@@ -5,25 +5,39 @@ use crate::exit::Failure;
 use crate::robot::terminal::{HoldToRun, Terminal};
 use crate::robot::watchdog::Process;
 use compiler::program::{ClothStart, Program};
-use runtime::arm::settings::{DriverKind, Settings};
+use runtime::arm::directory::DirectoryCamera;
+use runtime::arm::rgbd::RgbdSource;
+use runtime::arm::settings::{CameraSource, DriverKind, Settings};
 use runtime::arm::supervisor::{NoWatchdog, Supervisor, Unattended};
 use runtime::start::Start;
 use runtime::world::jaco::{self, FlatPicture, Parts, WithinReach};
-use runtime::world::{ArmWorld, World, WorldError};
+use runtime::world::{ArmWorld, PlanningWorld, World, WorldError};
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// Whether an arm is to move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moving {
+    /// It carries actions out.
+    Carried,
+    /// The first action is planned, and no arm is connected.
+    Planned,
+}
 
 /// Makes sure before anything else that the settings can be used and that there is somebody to ask.
-pub fn check(arguments: &ArmArguments) -> Result<Settings, Failure> {
+pub fn check(arguments: &ArmArguments, moving: Moving) -> Result<Settings, Failure> {
     let (settings, _, calibration) = jaco::load(&arguments.robot).map_err(Failure::environment)?;
     FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(Failure::environment)?;
-    supervisor(arguments, &settings)?;
+    if moving == Moving::Planned {
+        return Ok(settings);
+    }
     if settings.driver != DriverKind::Simulated && !cfg!(feature = "ros") {
         return Err(Failure::environment(format!(
             "`{}` is of a real arm, and this fabc was built without ROS: build it with `--features ros`",
             arguments.robot.display()
         )));
     }
+    supervisor(arguments, &settings)?;
     Ok(settings)
 }
 
@@ -48,11 +62,17 @@ pub fn start(program: &Program, named: Option<&String>) -> Result<Start, Failure
 pub fn world(
     program: &Program,
     arguments: &ArmArguments,
+    moving: Moving,
     folder: Option<&PathBuf>,
 ) -> Result<Box<dyn World>, WorldError> {
     let (settings, settings_hash, calibration) = jaco::load(&arguments.robot).map_err(failed)?;
     let flat = FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(failed)?;
-    let supervisor = supervisor(arguments, &settings).map_err(|error| failed(error.to_string()))?;
+    let supervisor = match moving {
+        Moving::Carried => {
+            supervisor(arguments, &settings).map_err(|error| failed(error.to_string()))?
+        }
+        Moving::Planned => Box::new(Unattended),
+    };
     let is_simulated = settings.driver == DriverKind::Simulated;
     let watchdog_s = settings.tolerance.watchdog_s;
     let mut parts = Parts {
@@ -65,8 +85,18 @@ pub fn world(
         watchdog: Box::new(NoWatchdog),
         folder: folder.cloned(),
     };
-    if is_simulated {
-        return Ok(Box::new(ArmWorld::simulated(parts)?.with_flat(flat)));
+    match (moving, is_simulated) {
+        (Moving::Planned, true) => {
+            return Ok(Box::new(PlanningWorld::simulated(parts)?.with_flat(flat)));
+        }
+        (Moving::Carried, true) => {
+            return Ok(Box::new(ArmWorld::simulated(parts)?.with_flat(flat)));
+        }
+        (Moving::Planned, false) => {
+            let camera = camera(&parts.settings, arguments)?;
+            return Ok(Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat)));
+        }
+        (Moving::Carried, false) => {}
     }
     let watchdog = Process::start(&arguments.robot, watchdog_s).map_err(failed)?;
     parts.watchdog = Box::new(watchdog);
@@ -94,38 +124,16 @@ fn real(
     flat: Option<FlatPicture>,
     arguments: &ArmArguments,
 ) -> Result<Box<dyn World>, WorldError> {
-    use runtime::arm::directory::DirectoryCamera;
     use runtime::arm::driver::{Arm, PortArm};
     use runtime::arm::kinematics::chain::Chain;
-    use runtime::arm::rgbd::RgbdSource;
-    use runtime::arm::ros::{RosCamera, connect};
-    use runtime::arm::settings::CameraSource;
+    use runtime::arm::ros::connect;
 
     let settings = parts.settings.clone();
-    let camera = &settings.camera;
     let Some(ros) = &settings.ros else {
         return Err(failed("the settings have no `[ros]`".to_owned()));
     };
-    let beside = arguments
-        .robot
-        .parent()
-        .unwrap_or(std::path::Path::new("."));
-    let source: Box<dyn RgbdSource> = match (camera.source, &camera.folder) {
-        (CameraSource::Ros, _) => {
-            let subscribed = RosCamera::subscribe(ros, camera.timeout_s);
-            Box::new(subscribed.map_err(|error| failed(error.to_string()))?)
-        }
-        (CameraSource::Directory, Some(folder)) => Box::new(DirectoryCamera::of(
-            &beside.join(folder),
-            camera.intrinsics.clone(),
-        )),
-        _ => {
-            return Err(failed(
-                "a real arm needs the camera `ros`, or `directory` with a folder".to_owned(),
-            ));
-        }
-    };
-    let port = connect(ros, &settings.model, camera.timeout_s);
+    let source = camera(&settings, arguments)?;
+    let port = connect(ros, &settings.model, settings.camera.timeout_s);
     let port = port.map_err(|error| failed(error.to_string()))?;
     let arm: Box<dyn Arm> = match settings.driver {
         DriverKind::Trajectory => {
@@ -160,6 +168,43 @@ fn real(
     )))
 }
 
+/// Opens the camera over a real table.
+fn camera(
+    settings: &Settings,
+    arguments: &ArmArguments,
+) -> Result<Box<dyn RgbdSource>, WorldError> {
+    let camera = &settings.camera;
+    let beside = arguments.robot.parent().unwrap_or(Path::new("."));
+    match (camera.source, &camera.folder) {
+        (CameraSource::Directory, Some(folder)) => Ok(Box::new(DirectoryCamera::of(
+            &beside.join(folder),
+            camera.intrinsics.clone(),
+        ))),
+        (CameraSource::Ros, _) => subscribed(settings),
+        _ => Err(no_camera(
+            "a real arm needs the camera `ros`, or `directory` with a folder".to_owned(),
+        )),
+    }
+}
+
+#[cfg(feature = "ros")]
+fn subscribed(settings: &Settings) -> Result<Box<dyn RgbdSource>, WorldError> {
+    let Some(ros) = &settings.ros else {
+        return Err(no_camera("the settings have no `[ros]`".to_owned()));
+    };
+    let camera = runtime::arm::ros::RosCamera::subscribe(ros, settings.camera.timeout_s);
+    Ok(Box::new(
+        camera.map_err(|error| no_camera(error.to_string()))?,
+    ))
+}
+
+#[cfg(not(feature = "ros"))]
+fn subscribed(_: &Settings) -> Result<Box<dyn RgbdSource>, WorldError> {
+    Err(no_camera(
+        "`source = \"ros\"` needs a fabc that was built with `--features ros`".to_owned(),
+    ))
+}
+
 /// Returns who gives leave to move: for a real arm a person, unless told otherwise.
 fn supervisor(
     arguments: &ArmArguments,
@@ -182,4 +227,8 @@ fn supervisor(
 
 fn failed(why: String) -> WorldError {
     WorldError::Motion { why }
+}
+
+fn no_camera(why: String) -> WorldError {
+    WorldError::Camera { why }
 }

@@ -1,5 +1,6 @@
 //! One module per subject; `support` holds what they share.
 
+mod pty;
 mod support;
 
 mod agent_loop;
@@ -56,6 +57,7 @@ mod steered;
 mod tidy;
 mod verbs;
 mod watch;
+mod watched_arm;
 mod whole_programs;
 mod why;
 mod world_conformance;

@@ -15,6 +15,7 @@ pub mod execute;
 pub mod kinematics;
 pub mod limits;
 pub mod log;
+pub mod plan;
 pub mod port;
 pub mod rgbd;
 #[cfg(feature = "ros")]

@@ -6,10 +6,12 @@
 
 mod parts;
 mod picture;
+mod planning;
 mod within;
 
 pub use parts::{About, Parts, about, base_from_world, load};
 pub use picture::FlatPicture;
+pub use planning::{PLAN_FILE, PLAN_PICTURE, PlanningWorld, read_plan};
 pub use within::WithinReach;
 
 use super::simulated::table::{ClothTable, TableCamera};
@@ -306,9 +308,15 @@ fn motion(why: String) -> WorldError {
 
 /// Says what is known of a motion that was not carried out to its end.
 fn told(broken: Broken) -> WorldError {
+    let told = broken.to_string();
     match (&broken.why, &broken.stopped) {
         // An arm of which the stop is not verified is told as a failure, whoever asked for the stop.
-        (ArmError::Interrupted, None | Some(Ok(()))) => WorldError::Interrupted,
-        _ => motion(broken.to_string()),
+        (ArmError::Interrupted | ArmError::NotConfirmed, None | Some(Ok(()))) => {
+            match broken.in_segment {
+                None if broken.why == ArmError::Interrupted => WorldError::Interrupted,
+                _ => WorldError::Halted { told },
+            }
+        }
+        _ => motion(told),
     }
 }

@@ -7,6 +7,7 @@
 mod carry;
 mod error;
 mod fingers;
+pub mod resting;
 mod tool;
 
 pub use error::{ArmError, Off};

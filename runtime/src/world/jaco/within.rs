@@ -28,6 +28,11 @@ impl ArmReach {
         Ok(ArmReach(Reach::tool_down(&chain, turn)))
     }
 
+    /// Returns what is reached in the base frame.
+    pub(super) fn reach(&self) -> &Reach {
+        &self.0
+    }
+
     /// Says why nothing can be done at a point of the world frame, as [`World::out_of_reach`] does.
     pub(super) fn out_of_reach(&self, settings: &Settings, point: &WorldPoint) -> Option<String> {
         let at = base_point(settings, point);
