@@ -20,10 +20,14 @@ impl Operator for Terminal {
     fn judge(&self, report: &RolloutReport) -> Option<Judgement> {
         output::progress("");
         output::talk(&format!(
-            "{} has ended: {} after {} actions, in `{}`",
+            "{} has ended: {} after {} actions{}, in `{}`",
             report.task,
             report.outcome.name(),
             report.steps,
+            report
+                .stopped
+                .as_ref()
+                .map_or(String::new(), |why| format!(" ({why})")),
             report.run_dir
         ));
         let judgement = asked(&mut std::io::stdin().lock(), &mut output::talk);

@@ -6,7 +6,7 @@
 
 use super::laid::Laid;
 use super::metric::Metric;
-use super::play::{self, Ended, Phase, Played, Which};
+use super::play::{self, Ended, Phase, Played, Stop, Which};
 use super::record;
 use super::starts::StartPoint;
 use super::suite::Suite;
@@ -59,6 +59,8 @@ pub(super) struct Done {
     pub played: Vec<(Played, bool)>,
     /// The folders of those that were cut off.
     pub cut_off: Vec<PathBuf>,
+    /// Why no further one was begun, where that was so.
+    pub stop: Option<Stop>,
     /// How the arm was left, where it was left so.
     pub left: Option<LeftArm>,
 }
@@ -110,16 +112,16 @@ pub(super) fn play(
         match play::one(bench, laid, *which)? {
             Ended::Played(played, was_found) => done.played.push((*played, was_found)),
             Ended::CutOff => done.cut_off.push(folder.clone()),
-            Ended::Stopped => {
-                done.left = left(&folder)?;
-                break;
-            }
+            Ended::Stopped(stop) => done.stop = Some(stop),
         }
-        progress(Phase::Rollouts, number + 1, jobs.len());
         done.left = left(&folder)?;
         if done.left.is_some() {
+            done.stop.get_or_insert(Stop::ArmLeft);
+        }
+        if done.stop.is_some() {
             break;
         }
+        progress(Phase::Rollouts, number + 1, jobs.len());
     }
     Ok(done)
 }
