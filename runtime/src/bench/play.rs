@@ -45,7 +45,7 @@ pub struct Results {
     pub found: usize,
     /// The folders of rollouts on an arm that were cut off and are not gone on with.
     pub cut_off: Vec<PathBuf>,
-    /// How the arm was left, where the last rollout did not bring it to rest with an empty hand.
+    /// The rollout that failed for the arm's sake, or did not bring it to rest with an empty hand, where one did so.
     pub left: Option<LeftArm>,
     /// Why rollouts are missing, where some are.
     pub stopped: Option<Stop>,
@@ -64,7 +64,7 @@ pub enum Stop {
     Interrupted,
     /// A cap on calls or cost was reached.
     Capped,
-    /// An arm was left otherwise than at rest with an empty hand.
+    /// A rollout failed for the arm's sake, or left it otherwise than at rest with an empty hand.
     ArmLeft,
 }
 

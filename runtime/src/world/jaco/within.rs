@@ -137,3 +137,37 @@ impl World for WithinReach {
         self.reach.out_of_reach(&self.settings, point)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::world::jaco::load;
+    use std::path::Path;
+
+    /// At the rim lies a point to which one posture leads and no other near it: an arm a millimetre beside it does not come
+    /// there.
+    #[test]
+    fn points_at_the_rim_are_left_out_by_what_an_arm_may_be_off() {
+        let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tasks/real/simulated.toml");
+        let (settings, ..) = load(&robot).unwrap();
+        let reach = ArmReach::of(&settings).unwrap();
+        let world_from_base = base_from_world(&settings).inverse();
+        let angle_rad = 0.215_f64;
+        let at = |radius_m: f64| {
+            let (sin, cos) = angle_rad.sin_cos();
+            let base = Point3::new(radius_m * cos, radius_m * sin, 0.02);
+            reach.out_of_reach(&settings, &(world_from_base * base))
+        };
+        assert_eq!(at(0.70), None);
+        let why = at(0.7072).unwrap();
+        assert!(why.contains("it lies 0.71 m from the arm's base"), "{why}");
+        assert!(at(0.1835).is_some(), "the same holds near the base");
+        assert_eq!(at(0.19), None);
+        // The arm itself would call both reached.
+        for radius_m in [0.7072, 0.1835] {
+            let base = Point3::new(radius_m * angle_rad.cos(), radius_m * angle_rad.sin(), 0.02);
+            assert!(reach.0.check(&base, &[0.05, 0.10]).is_ok(), "{radius_m}");
+        }
+    }
+}
