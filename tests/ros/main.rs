@@ -6,5 +6,8 @@ mod arm;
 mod camera;
 mod definitions;
 mod faults;
+mod lab;
 mod nodes;
 mod stopping;
+mod touching;
+mod whole;
