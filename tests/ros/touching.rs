@@ -5,11 +5,11 @@
 
 use super::lab::Lab;
 use super::nodes::PATIENCE_S;
+use nalgebra::Point3;
 use runtime::arm::driver::{Arm, PortArm};
 use runtime::arm::kinematics::tool_down::tool_down;
 use runtime::arm::rgbd::RgbdSource;
 use runtime::arm::ros::RosCamera;
-use nalgebra::Point3;
 use runtime::chance::Chance;
 use serde_json::json;
 
@@ -74,7 +74,9 @@ fn drive(lab: &mut Lab, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let mut go = |[x, y, z]: [f64; 3]| {
         let to = tool_down(&Point3::new(x, y, z), 0.0);
         let speed_m_s = settings.motion.speed_m_s;
-        let state = arm.move_tool(&to, speed_m_s, &mut |_| Ok(())).unwrap();
+        let state = arm
+            .move_tool(&to, speed_m_s, &mut |_| Ok(()))
+            .unwrap_or_else(|error| panic!("({x:.3}, {y:.3}, {z:.3}): {error}"));
         state.tool.translation.vector.into()
     };
     let reached = places.iter().map(|place| go(*place)).collect();
@@ -88,7 +90,7 @@ fn places() -> Vec<[f64; 3]> {
     let at = |row: usize, column: usize| {
         // There and back again, so that no way is long.
         let column = if row % 2 == 0 { column } else { 3 - column };
-        let (x, y) = (0.45 + 0.27 * shares[row], 0.27 * shares[column]);
+        let (x, y) = (0.45 + 0.22 * shares[row], 0.27 * shares[column]);
         let drawn_in = (0.67 / f64::hypot(x, y)).min(1.0);
         [x * drawn_in, y * drawn_in, 0.02]
     };

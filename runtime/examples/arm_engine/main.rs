@@ -65,13 +65,17 @@ fn main() -> io::Result<()> {
         None => Box::new(straight::Arm::default()),
         Some(text) => {
             let plan: scene::Plan = serde_json::from_str(&text).map_err(io::Error::other)?;
+            let scene = scene::Scene::new(&plan).map_err(io::Error::other)?;
             control::listen(&plan.control, sender.clone())?;
-            Box::new(scene::Scene::new(&plan).map_err(io::Error::other)?)
+            Box::new(scene)
         }
     };
     std::thread::spawn(move || {
         let mut requests = io::stdin().lock();
-        while sender.send(Asked::Node(read_request(&mut requests))).is_ok() {}
+        while sender
+            .send(Asked::Node(read_request(&mut requests)))
+            .is_ok()
+        {}
     });
     let mut answers = io::stdout().lock();
     let (mut last, mut owed) = (Instant::now(), Duration::ZERO);
@@ -103,10 +107,7 @@ fn main() -> io::Result<()> {
     }
 }
 
-fn reply(
-    answers: &mut impl Write,
-    (mut answer, blobs): (Value, Vec<Vec<u8>>),
-) -> io::Result<()> {
+fn reply(answers: &mut impl Write, (mut answer, blobs): (Value, Vec<Vec<u8>>)) -> io::Result<()> {
     answer["blobs"] = blobs.iter().map(Vec::len).collect();
     let text = answer.to_string();
     answers.write_all(&(text.len() as u32).to_le_bytes())?;

@@ -5,12 +5,13 @@
 //! printed papers on it, by which a moved camera would be noticed.
 
 use super::Stage;
+use compiler::program::{Cloth, ClothStart};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use runtime::arm::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
 use runtime::arm::rgbd::{RgbdError, RgbdSource, Shot};
 use runtime::arm::settings::{Settings, SimulatedSettings};
 use runtime::arm::simulated::{Fault, FaultKind, SimulatedArm, Simulation};
-use runtime::start::{Grid, RESTING_HEIGHT_M, Start};
+use runtime::start::Start;
 use runtime::world::jaco::base_from_world;
 use runtime::world::simulated::table::{ClothTable, TableCamera};
 use serde::Deserialize;
@@ -23,7 +24,7 @@ use std::rc::Rc;
 const SHORT_SILENCE_S: f64 = 0.6;
 
 /// How far beside its place a cloth is that nobody sees, metres.
-const OUT_OF_VIEW_M: f32 = 3.0;
+const OUT_OF_VIEW_M: f32 = 1.5;
 
 /// Where the papers are, as shares of half the picture's side from its middle; and their own side.
 const PAPERS: std::ops::Range<f64> = 0.70..0.94;
@@ -65,24 +66,26 @@ impl Scene {
         let settings = Settings::load(&plan.robot).map_err(|error| error.to_string())?;
         let table = ClothTable::new(&settings, &base_from_world(&settings));
         let table = Rc::new(RefCell::new(table.map_err(|error| error.to_string())?));
-        let (messages, faults) = plan.faults.iter().partition(|fault| is_of_messages(fault.kind));
+        let (messages, faults) = plan
+            .faults
+            .iter()
+            .partition(|fault| is_of_messages(fault.kind));
         let simulation = Simulation {
             seed: plan.seed,
             faults,
             ..Simulation::of(&settings)?
         };
         let (dimx, dimy, spacing_m) = plan.cloth;
-        let grid = Grid { dimx, dimy, spacing_m };
         let scene = Scene {
             arm: SimulatedArm::new(simulation, Some(table.clone())),
             camera: TableCamera(table.clone()),
             table,
             settings,
-            start: flat(grid, 0.0),
+            start: flat([dimx, dimy], spacing_m, 0.0),
             messages,
             goals_to_lose: 0,
         };
-        let unseen = flat(Grid { dimx: 3, dimy: 3, ..grid }, OUT_OF_VIEW_M);
+        let unseen = flat([3; 2], spacing_m, OUT_OF_VIEW_M);
         let laid = scene.table.borrow_mut().lay(&unseen);
         laid.map_err(|error| error.to_string())?;
         Ok(scene)
@@ -119,25 +122,30 @@ impl Scene {
 
 fn is_of_messages(kind: FaultKind) -> bool {
     use FaultKind::{LostCancel, LostGoal, LostGoals, LostResult, LostStop, ShortSilence, Silence};
-    let of_messages = [LostGoal, LostGoals, LostResult, LostCancel, LostStop, Silence, ShortSilence];
+    let of_messages = [
+        LostGoal,
+        LostGoals,
+        LostResult,
+        LostCancel,
+        LostStop,
+        Silence,
+        ShortSilence,
+    ];
     of_messages.contains(&kind)
 }
 
-/// A flat cloth around a place on the world's x axis.
-fn flat(grid: Grid, at_x_m: f32) -> Start {
-    let half = |count: u32| f64::from(count - 1) / 2.0;
-    let along = |index: u32, count: u32| ((f64::from(index) - half(count)) * grid.spacing_m) as f32;
-    let place = |index: u32| {
-        let (ix, iy) = (index % grid.dimx, index / grid.dimx);
-        [at_x_m + along(ix, grid.dimx), along(iy, grid.dimy), RESTING_HEIGHT_M as f32]
-    };
-    Start {
-        name: "flat".to_owned(),
-        seed: None,
-        grid,
-        outline: None,
-        positions: (0..grid.dimx * grid.dimy).map(place).collect(),
+/// A cloth that lies flat, its middle at a place on the world's x axis.
+fn flat([dimx, dimy]: [u32; 2], spacing_m: f64, at_x_m: f32) -> Start {
+    let mut start = Start::flat(&Cloth {
+        dimx,
+        dimy,
+        spacing_m,
+        start: ClothStart::Flat,
+    });
+    for position in &mut start.positions {
+        position[0] += at_x_m;
     }
+    start
 }
 
 impl Stage for Scene {
@@ -166,7 +174,10 @@ impl Stage for Scene {
 
     fn fail(&mut self, kind: FaultKind) -> Result<(), String> {
         match is_of_messages(kind) {
-            true => self.messages.push(Fault { kind, from_s: self.arm.now_s() }),
+            true => self.messages.push(Fault {
+                kind,
+                from_s: self.arm.now_s(),
+            }),
             false => self.arm.fail(kind),
         }
         Ok(())

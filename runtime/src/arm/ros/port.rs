@@ -54,14 +54,6 @@ impl Servers {
         all.extend(self.trajectory.iter().map(|client| client as &dyn Client));
         all
     }
-
-    /// Returns those without which the settings' driver cannot work.
-    pub(super) fn needed(&self) -> Vec<&dyn Client> {
-        match &self.trajectory {
-            Some(trajectory) => vec![trajectory],
-            None => self.all(),
-        }
-    }
 }
 
 impl RosPort {
@@ -122,7 +114,15 @@ impl RosPort {
     fn cancel_all(&self) -> Result<(), String> {
         self.open_goals()
             .into_iter()
-            .try_for_each(|(server, id)| server.cancel(&id))
+            .try_for_each(|(server, id)| server.cancel(&id))?;
+        self.empty_controller()
+    }
+
+    /// Ends every trajectory, whoever sent it: `in/stop` only holds the joints, and its controller would go on where the arm
+    /// is let go. Another server would take it as a reason to let a stopped arm go.
+    fn empty_controller(&self) -> Result<(), String> {
+        let trajectory = self.servers.trajectory.as_ref();
+        trajectory.map_or(Ok(()), ActionClient::cancel_everything)
     }
 }
 
@@ -213,11 +213,14 @@ impl Port for RosPort {
         let deadline = Instant::now() + STOP_SETTLE;
         loop {
             let are_over = self.open_goals().is_empty();
+            // Before the service, so that it has left this program by the time that answers.
+            let emptied = self.empty_controller();
             if let Err(why) = self.call_stop() {
                 // The last that can be done without the service; the arm stays enabled, so that this is no success.
                 let _ = self.cancel_all();
                 return Err(failed(&self.arm, why));
             }
+            emptied.map_err(|why| failed(&self.arm, why))?;
             if are_over || Instant::now() >= deadline {
                 return Ok(());
             }
