@@ -8,6 +8,7 @@ mod definitions;
 mod faults;
 mod lab;
 mod nodes;
+mod rollouts;
 mod stopping;
 mod touching;
 mod whole;
