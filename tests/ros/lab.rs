@@ -8,12 +8,14 @@ use runtime::arm::log::ARM_FILE;
 use runtime::arm::settings::Settings;
 use runtime::arm::simulated::FaultKind;
 use runtime::chance::Chance;
+use runtime::journal::JOURNAL_FILE;
 use serde_json::{Value, json};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -52,6 +54,30 @@ pub enum Driver {
     Trajectory,
 }
 
+/// How many labs there are; each has four programs that must keep up with the time.
+static LABS: Mutex<u32> = Mutex::new(0);
+static ONE_LESS: Condvar = Condvar::new();
+const MOST_LABS: u32 = 2;
+
+/// One of the labs that there may be at a time.
+struct Place;
+
+impl Place {
+    fn wait() -> Place {
+        let labs = LABS.lock().unwrap_or_else(PoisonError::into_inner);
+        let free = ONE_LESS.wait_while(labs, |labs| *labs >= MOST_LABS);
+        *free.unwrap_or_else(PoisonError::into_inner) += 1;
+        Place
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        *LABS.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
+        ONE_LESS.notify_one();
+    }
+}
+
 /// An arm, its table and its camera.
 pub struct Lab {
     pub ros: Ros,
@@ -59,6 +85,8 @@ pub struct Lab {
     asked: UnixStream,
     answers: BufReader<UnixStream>,
     folder: TempDir,
+    /// Last, since everything above ends before it.
+    _place: Place,
 }
 
 impl Lab {
@@ -66,6 +94,7 @@ impl Lab {
     ///
     /// - `seed`: draws where the camera is, and all chance.
     pub fn new(driver: Driver, seed: u64) -> Lab {
+        let place = Place::wait();
         let folder = tempfile::tempdir().unwrap();
         let mut chance = Chance::seeded(seed);
         let mut within = |most: f64| (2.0 * chance.fraction() - 1.0) * most;
@@ -96,6 +125,7 @@ impl Lab {
             asked,
             answers,
             folder,
+            _place: place,
         }
     }
 
@@ -150,6 +180,11 @@ impl Lab {
 
     /// Starts to fold a Double Triangle.
     pub fn run(&self) -> Run {
+        self.run_from(Stdio::null(), &[])
+    }
+
+    /// The same with something on stdin, and with more arguments.
+    pub fn run_from(&self, stdin: Stdio, more: &[&str]) -> Run {
         let folder = self.folder().join("run");
         let said = |name: &str| File::create(self.folder().join(name)).unwrap();
         let task = project("tasks/real/double_triangle.fab");
@@ -159,6 +194,8 @@ impl Lab {
             .arg(self.robot())
             .args(["--confirm", "none", "--json", "--out"])
             .arg(&folder)
+            .args(more)
+            .stdin(stdin)
             .stdout(said("stdout"))
             .stderr(said("stderr"));
         Run {
@@ -194,6 +231,10 @@ pub struct Ended {
     pub code: Option<i32>,
     /// The report; null where there is none.
     pub report: Value,
+    /// Why the last step was not done, as the run's journal says it; empty where it was.
+    pub why: String,
+    /// The arm's journal.
+    pub journal: String,
     pub stderr: String,
 }
 
@@ -217,6 +258,7 @@ impl Run {
         }
     }
 
+    /// Returns the arm's journal as far as it is written.
     pub fn journal(&self) -> String {
         std::fs::read_to_string(self.folder.join(ARM_FILE)).unwrap_or_default()
     }
@@ -243,8 +285,19 @@ impl Run {
         Ended {
             code: status.code(),
             report: serde_json::from_str(&self.said("stdout")).unwrap_or_default(),
+            why: self.why(),
+            journal: self.journal(),
             stderr: self.said("stderr"),
         }
+    }
+
+    fn why(&self) -> String {
+        let steps = std::fs::read_to_string(self.folder.join(JOURNAL_FILE)).unwrap_or_default();
+        let lines = steps
+            .lines()
+            .filter_map(|line| serde_json::from_str(line).ok());
+        let whys = lines.filter_map(|line: Value| Some(line["stopped"].as_str()?.to_owned()));
+        whys.last().unwrap_or_default()
     }
 
     fn said(&self, name: &str) -> String {

@@ -6,6 +6,7 @@ mod arm;
 mod camera;
 mod definitions;
 mod faults;
+mod key;
 mod lab;
 mod nodes;
 mod rollouts;
