@@ -106,12 +106,9 @@ fn real(parts: Parts, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldE
         DriverKind::Trajectory => {
             let chain =
                 Chain::of_model(&settings.model).map_err(|error| failed(error.to_string()))?;
-            Box::new(PortArm::by_trajectories(
-                port,
-                chain,
-                settings.fingers,
-                settings.tolerance,
-            ))
+            let (fingers, tolerance) = (settings.fingers, settings.tolerance);
+            let arm = PortArm::by_trajectories(port, chain, fingers, tolerance);
+            Box::new(arm.with_floor(settings.table.center_m[2]))
         }
         _ => Box::new(PortArm::by_poses(
             port,

@@ -100,7 +100,7 @@ pub fn check(
         .map_err(|why| format!("the tool is {why}; bring it back by hand"))?;
     inside(workspace, &ends[1], margin_m).map_err(|why| format!("the tool would be {why}"))?;
     for zone in &workspace.keep_out {
-        if crosses(zone, margin_m, &ends[0], &ends[1]) {
+        if crosses(zone, margin_m, &ends[0], &ends[1]) && !leaves(zone, margin_m, &ends) {
             return Err(format!(
                 "the way from {} to {} leads through `{}`, which is kept out",
                 place(&ends[0]),
@@ -153,6 +153,16 @@ fn crosses(zone: &KeepOut, margin_m: f64, from: &Point3<f64>, to: &Point3<f64>) 
         leave = leave.min(a.max(b));
     }
     enter <= leave
+}
+
+/// Tells whether a way begins beside a zone, within its margin, and leads out of the margin without coming nearer.
+fn leaves(zone: &KeepOut, margin_m: f64, [from, to]: &[Point3<f64>; 2]) -> bool {
+    let nearest = Point3::from(Vector3::from_fn(|axis, _| {
+        from[axis].clamp(zone.min_m[axis], zone.max_m[axis])
+    }));
+    let away = from - nearest;
+    // The distance to a box is convex along a line: where it does not fall at first, it never does.
+    away.norm() > 0.0 && away.dot(&(to - from)) >= 0.0 && !crosses(zone, margin_m, to, to)
 }
 
 fn place(point: &Point3<f64>) -> String {

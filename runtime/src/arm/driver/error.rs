@@ -42,7 +42,7 @@ pub enum ArmError {
         "the arm has not said for `{for_s:.1}` s where its {what}; its driver or the network may be down"
     )]
     Silent {
-        /// `tool is` or `fingers are`.
+        /// `tool is`, `joints are` or `fingers are`.
         what: &'static str,
         /// For how long, seconds.
         for_s: f64,
@@ -100,7 +100,7 @@ pub enum ArmError {
         /// What is known.
         why: String,
     },
-    /// A motion was ended for now.
+    /// A motion was ended for now, and the arm is at rest.
     #[error("paused")]
     Paused,
     /// The person who watches said no.

@@ -3,7 +3,8 @@
 //! In: the messages of a [`Port`], on a clock that only [`Port::wait`] moves. Out: joints and fingers that move, words
 //! that arrive late or never, and cloth under the hand. Like kinova-ros: readings come ten times a second; a goal counts
 //! as reached within 10 mm and 2 degrees; a goal that is cancelled, gives way to another or stalls makes the node stop
-//! the arm and *start it again*; a stopped arm aborts every goal. No dynamics: a motion keeps its speed and ends at once.
+//! the arm and *start it again*; a stopped arm aborts every goal, but for a trajectory, which waits until the arm is let go
+//! and is given up after twice its time. No dynamics: a motion keeps its speed and ends at once.
 
 mod body;
 mod faults;
@@ -41,6 +42,7 @@ pub struct SimulatedArm {
     since_stop: Option<(Isometry3<f64>, f64)>,
     /// Every pose of the tool so far is within these, metres: least and largest.
     extent_m: [[f64; 3]; 2],
+    is_blind: bool,
 }
 
 /// How an arm is simulated.
@@ -98,6 +100,7 @@ impl SimulatedArm {
             read_s: f64::NEG_INFINITY,
             since_stop: None,
             extent_m: [at, at],
+            is_blind: false,
         };
         arm.read();
         arm
@@ -132,7 +135,11 @@ impl SimulatedArm {
 
     /// Tells whether the camera gives no picture any more.
     pub fn is_blind(&mut self) -> bool {
-        self.faults.lasts(FaultKind::NoPicture, self.clock_s)
+        if self.faults.take(FaultKind::NoPicture, self.clock_s) {
+            self.is_blind = true;
+            self.body.lose_camera();
+        }
+        self.is_blind
     }
 
     fn tick(&mut self) {
@@ -146,6 +153,7 @@ impl SimulatedArm {
         if self.faults.lasts(FaultKind::StuckFingers, self.clock_s) {
             self.body.stick_fingers();
         }
+        self.is_blind();
         let runs_away = !self.node.is_stopped()
             && self.node.is_busy()
             && self.faults.lasts(FaultKind::Runaway, self.clock_s);
@@ -199,7 +207,8 @@ impl SimulatedArm {
 
     fn be_stopped(&mut self) {
         self.node.stop(&mut self.body);
-        self.since_stop = Some((self.body.tool(), 0.0));
+        // A second stop says nothing of how far the arm went after the first.
+        self.since_stop.get_or_insert((self.body.tool(), 0.0));
     }
 }
 
@@ -243,7 +252,7 @@ impl Port for SimulatedArm {
     }
 
     fn start(&mut self) -> Result<(), PortError> {
-        self.node.start();
+        self.node.start(&mut self.body);
         self.since_stop = None;
         Ok(())
     }

@@ -92,6 +92,30 @@ proptest! {
     }
 }
 
+/// A tool that came to rest nearer to a zone than its margin is not caught there.
+#[test]
+fn a_tool_within_the_margin_of_a_zone_may_go_away_from_it() {
+    let allowed = |from: [f64; 3], to: [f64; 3]| {
+        let [from, to] = [from, to].map(|point| tool_down(&point.into(), 0.0));
+        check(&workspace(), MARGIN_M, &from, &to, 0.1).is_ok()
+    };
+    let beside = [0.55 - 0.001, 0.15, 0.10];
+    assert!(allowed(beside, [0.40, 0.15, 0.10]));
+    // Straight up along its side, as a pick and place begins.
+    assert!(allowed(beside, [beside[0], 0.15, 0.35]));
+    for to in [
+        [0.55 - 0.002, 0.15, 0.10], // still within the margin
+        [0.549, 0.19, 0.10],        // along the zone, and still within the margin
+        [0.60, 0.15, 0.40],         // over its corner
+        [0.75 - 0.01, 0.15, 0.10],  // through it
+        [0.56, 0.30, 0.10],         // nearer at first
+    ] {
+        assert!(!allowed(beside, to), "{to:?}");
+    }
+    let within = [0.55 + 0.001, 0.15, 0.10];
+    assert!(!allowed(within, [0.40, 0.15, 0.10]));
+}
+
 #[test]
 fn a_pose_that_is_none_is_refused() {
     let here = tool_down(&Point3::new(0.4, 0.3, 0.2), 0.0);
