@@ -23,10 +23,14 @@ impl Operator for Terminal {
         // Whoever held a key while the arm moved may hold it still, and answers in lines from here on.
         terminal::be_as_before();
         output::talk(&format!(
-            "{} has ended: {} after {} actions, in `{}`",
+            "{} has ended: {} after {} actions{}, in `{}`",
             report.task,
             report.outcome.name(),
             report.steps,
+            report
+                .stopped
+                .as_ref()
+                .map_or(String::new(), |why| format!(" ({why})")),
             report.run_dir
         ));
         let judgement = asked(&mut std::io::stdin().lock(), &mut output::talk);

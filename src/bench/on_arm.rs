@@ -31,12 +31,13 @@ pub fn check(arguments: &BenchArguments, suite: &Suite) -> Result<Option<Arm>, F
             "`--jobs {jobs}` is for the simulator: an arm carries rollouts out one at a time"
         )));
     }
-    let settings = setting::arm::check(&arguments.arm, Moving::Carried)?;
+    let settings = Settings::load(&arguments.arm.robot).map_err(Failure::environment)?;
     let cloths = match settings.driver {
         DriverKind::Simulated => Cloths::Simulated,
         DriverKind::Kinova | DriverKind::Trajectory => Cloths::ByHand,
     };
     cloths.check(suite).map_err(Failure::environment)?;
+    let settings = setting::arm::check(&arguments.arm, Moving::Carried)?;
     Ok(Some(Arm {
         about: jaco::about(&arguments.arm.robot).map_err(Failure::environment)?,
         cloths,

@@ -77,6 +77,7 @@ impl Report<'_> {
             "arm_left": self.results.left.as_ref().map(|left| json!({
                 "run_dir": left.folder.display().to_string(),
                 "why": left.why,
+                "is_clear": left.is_clear,
             })),
             "cut_off": self.results.cut_off.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>(),
             "calls": self.bench.budget.spent(),
@@ -186,14 +187,20 @@ impl Report<'_> {
         })
     }
 
-    /// Says how the arm was left, where it was not left at rest with an empty hand.
+    /// Says after which rollout none was begun for the arm's sake, and why.
     fn arm_left(&self) -> Option<String> {
         let left = self.results.left.as_ref()?;
         let folder = left.folder.display();
-        Some(format!(
-            "the arm was left in the middle of a motion, and no further rollout was begun: {}; look after it, and say so by `fabc robot recover {folder}`",
-            left.why
-        ))
+        Some(match left.is_clear {
+            true => format!(
+                "no further rollout was begun after `{folder}`, in which the arm or the camera failed: {}; the arm is at rest",
+                left.why
+            ),
+            false => format!(
+                "the arm was left in the middle of a motion, and no further rollout was begun: {}; look after it, and say so by `fabc robot recover {folder}`",
+                left.why
+            ),
+        })
     }
 
     /// Mean over all actions.

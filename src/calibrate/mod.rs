@@ -17,6 +17,7 @@ use runtime::arm::calibration::{
     Calibration, Method, Pair, Refusal, Terms, ToolReader, draw_errors, place_at_rest, read_pairs,
 };
 use runtime::arm::settings::{CameraSource, Settings};
+use runtime::world::jaco;
 use runtime::{picture, store};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -138,8 +139,12 @@ fn read(file: &Path) -> Result<Vec<Pair>, Failure> {
     })
 }
 
-/// Returns the camera's own picture: the one that is given, or the newest of the camera's folder.
+/// Returns the camera's own picture: the one that is given, the newest of the camera's folder, or that of a simulated table.
 fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<RgbImage>, Failure> {
+    if arguments.image.is_none() && settings.camera.source == CameraSource::Simulated {
+        let table = jaco::simulated_table(settings).map_err(Failure::environment)?;
+        return Ok(Some(table));
+    }
     let path = match (
         &arguments.image,
         settings.camera.source,

@@ -1,6 +1,6 @@
 //! `fabc run --world jaco` with the arm that is simulated: the whole loop, without a robot.
 
-use super::support::{fabc, root};
+use super::support::{bring_robot, fabc, root};
 use runtime::arm::log::{Left, left};
 use serde_json::Value;
 
@@ -58,18 +58,7 @@ fn an_arm_without_settings_is_told_so() {
 /// Runs the fold with the arm's settings changed, and returns the folder and what came of it.
 fn planned(edits: &[(&str, &str)]) -> (tempfile::TempDir, std::process::Output) {
     let folder = tempfile::tempdir().unwrap();
-    let mut settings = std::fs::read_to_string(root().join("tasks/real/simulated.toml")).unwrap();
-    for (from, to) in edits {
-        assert!(settings.contains(from), "{from}");
-        settings = settings.replace(from, to);
-    }
-    std::fs::write(folder.path().join("robot.toml"), settings).unwrap();
-    let calibration = "simulated.calibration.toml";
-    std::fs::copy(
-        root().join("tasks/real").join(calibration),
-        folder.path().join(calibration),
-    )
-    .unwrap();
+    bring_robot(folder.path(), edits);
     let task = root().join("tasks/real/double_triangle.fab");
     let output = fabc(folder.path())
         .args(["run", task.to_str().unwrap(), "--world", "jaco"])

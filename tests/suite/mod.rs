@@ -4,7 +4,10 @@ mod pty;
 mod support;
 
 mod agent_loop;
+mod arm_bench;
 mod arm_faults;
+mod arm_flat;
+mod arm_laid;
 mod arm_run;
 mod asked;
 mod bad_bench_input;

@@ -125,8 +125,10 @@ fn check(folder: &Path, settings: &str) -> (i32, Value) {
 fn an_arm_that_is_set_up_is_told_what_it_reaches() {
     let folder = tempfile::tempdir().unwrap();
     let shipped = root().join("tasks/real");
-    let calibration = "simulated.calibration.toml";
-    fs::copy(shipped.join(calibration), folder.path().join(calibration)).unwrap();
+    for ending in ["toml", "png"] {
+        let calibration = format!("simulated.calibration.{ending}");
+        fs::copy(shipped.join(&calibration), folder.path().join(&calibration)).unwrap();
+    }
     let settings = fs::read_to_string(shipped.join("simulated.toml")).unwrap();
     let (code, read) = check(folder.path(), &settings);
     assert_eq!(code, 0, "{read}");

@@ -1,17 +1,18 @@
 //! Rollouts of a suite on an arm: one after the other, on cloths that are laid for each.
 //!
-//! In: a bench with an arm. Out: what has ended, what was cut off, and whether the arm was left otherwise than at rest with an
-//! empty hand, after which nothing more is begun. A rollout that was cut off is not gone on with: the table is no longer as
+//! In: a bench with an arm. Out: what has ended, what was cut off, and the rollout that failed for the
+//! arm's sake or left it otherwise than at rest with an empty hand, after which nothing more is begun. A rollout that was cut off is not gone on with: the table is no longer as
 //! it was. Nothing here moves: that is done by the world of each rollout.
 
 use super::laid::Laid;
 use super::metric::Metric;
-use super::play::{self, Ended, Phase, Played, Which};
+use super::play::{self, Ended, Phase, Played, Stop, Which};
 use super::record;
 use super::starts::StartPoint;
 use super::suite::Suite;
 use super::{Bench, BenchError};
 use crate::arm::log::{self, ARM_FILE, Left};
+use crate::outcome::Outcome;
 use crate::start::Start;
 use crate::world::jaco::About;
 use crate::world::{World, WorldError};
@@ -43,11 +44,13 @@ pub enum Cloths {
     ByHand,
 }
 
-/// How an arm was left that did not come to rest with an empty hand.
+/// The rollout after which no further one was begun, since it did not end as one does.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftArm {
     /// The run folder.
     pub folder: PathBuf,
+    /// Whether the arm came to rest with an empty hand, so that a person need not look after it first.
+    pub is_clear: bool,
     /// What the rollout said last.
     pub why: String,
 }
@@ -59,7 +62,9 @@ pub(super) struct Done {
     pub played: Vec<(Played, bool)>,
     /// The folders of those that were cut off.
     pub cut_off: Vec<PathBuf>,
-    /// How the arm was left, where it was left so.
+    /// Why no further one was begun, where that was so.
+    pub stop: Option<Stop>,
+    /// The rollout after which that was so for the arm's sake.
     pub left: Option<LeftArm>,
 }
 
@@ -91,7 +96,7 @@ pub(super) fn by_hand(point: &StartPoint) -> Start {
     }
 }
 
-/// Carries rollouts out, until all have ended or the arm was left otherwise than clear.
+/// Carries rollouts out, until all have ended, or one failed for the arm's sake or left it otherwise than clear.
 pub(super) fn play(
     bench: &Bench<'_>,
     laid: &Laid,
@@ -107,19 +112,25 @@ pub(super) fn play(
     let mut done = Done::default();
     for (number, which) in jobs.iter().enumerate() {
         let folder = play::folder_of(bench, *which);
+        let mut has_failed = false;
         match play::one(bench, laid, *which)? {
-            Ended::Played(played, was_found) => done.played.push((*played, was_found)),
-            Ended::CutOff => done.cut_off.push(folder.clone()),
-            Ended::Stopped => {
-                done.left = left(&folder)?;
-                break;
+            Ended::Played(played, was_found) => {
+                has_failed = !was_found && played.record.outcome == Outcome::WorldFailed;
+                done.played.push((*played, was_found));
             }
+            Ended::CutOff => done.cut_off.push(folder.clone()),
+            Ended::Stopped(stop) => done.stop = Some(stop),
         }
-        progress(Phase::Rollouts, number + 1, jobs.len());
-        done.left = left(&folder)?;
+        let is_clear = !is_unclear(&folder)?;
+        // A camera that was moved, or an arm that does not answer, would fail the next one alike.
+        done.left = (has_failed || !is_clear).then(|| left(&folder, is_clear));
         if done.left.is_some() {
+            done.stop.get_or_insert(Stop::ArmLeft);
+        }
+        if done.stop.is_some() {
             break;
         }
+        progress(Phase::Rollouts, number + 1, jobs.len());
     }
     Ok(done)
 }
@@ -130,12 +141,13 @@ pub(super) fn has_begun(folder: &Path) -> bool {
     has_moved || record::has_steps(folder)
 }
 
-fn left(folder: &Path) -> Result<Option<LeftArm>, BenchError> {
-    Ok(is_unclear(folder)?.then(|| LeftArm {
+fn left(folder: &Path, is_clear: bool) -> LeftArm {
+    let why = record::last_words(folder);
+    LeftArm {
         folder: folder.to_owned(),
-        why: record::last_words(folder)
-            .unwrap_or_else(|| "its journal does not say why".to_owned()),
-    }))
+        is_clear,
+        why: why.unwrap_or_else(|| "its journal does not say why".to_owned()),
+    }
 }
 
 fn is_unclear(folder: &Path) -> Result<bool, BenchError> {

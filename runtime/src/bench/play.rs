@@ -45,7 +45,7 @@ pub struct Results {
     pub found: usize,
     /// The folders of rollouts on an arm that were cut off and are not gone on with.
     pub cut_off: Vec<PathBuf>,
-    /// How the arm was left, where the last rollout did not bring it to rest with an empty hand.
+    /// The rollout that failed for the arm's sake, or did not bring it to rest with an empty hand, where one did so.
     pub left: Option<LeftArm>,
     /// Why rollouts are missing, where some are.
     pub stopped: Option<Stop>,
@@ -64,7 +64,7 @@ pub enum Stop {
     Interrupted,
     /// A cap on calls or cost was reached.
     Capped,
-    /// An arm was left otherwise than at rest with an empty hand.
+    /// A rollout failed for the arm's sake, or left it otherwise than at rest with an empty hand.
     ArmLeft,
 }
 
@@ -137,12 +137,12 @@ pub fn play(
         results.rollouts.push(played);
     }
     results.spent.rollouts_s = begun.elapsed().as_secs_f64();
-    results.stopped = if bench.interrupt.is_raised() {
-        (results.rollouts.len() < jobs.len()).then_some(Stop::Interrupted)
-    } else if done.left.is_some() {
-        Some(Stop::ArmLeft)
-    } else {
-        (results.rollouts.len() + done.cut_off.len() < jobs.len()).then_some(Stop::Capped)
+    let missing = jobs.len() - results.rollouts.len() - done.cut_off.len();
+    results.stopped = match (done.stop, bench.interrupt.is_raised()) {
+        (Some(stop), _) => Some(stop),
+        (None, _) if missing == 0 => None,
+        (None, true) => Some(Stop::Interrupted),
+        (None, false) => Some(Stop::Capped),
     };
     (results.cut_off, results.left) = (done.cut_off, done.left);
     Ok(results)
@@ -160,7 +160,7 @@ fn side_by_side(
         bench.side_by_side(),
         |index| match one(bench, laid, jobs[index])? {
             Ended::Played(played, was_found) => Ok(Some((*played, was_found))),
-            Ended::CutOff | Ended::Stopped => Ok(None),
+            Ended::CutOff | Ended::Stopped(_) => Ok(None),
         },
         |done| progress(Phase::Rollouts, done, jobs.len()),
     );
@@ -248,8 +248,8 @@ pub(super) enum Ended {
     Played(Box<Played>, bool),
     /// It was cut off on an arm, and is not gone on with.
     CutOff,
-    /// It was stopped.
-    Stopped,
+    /// It was stopped, or not begun.
+    Stopped(Stop),
 }
 
 /// Finds or runs a rollout, and scores its last state.
@@ -292,13 +292,13 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
         Found::Other(why) => return Err(BenchError::Other { folder, why }),
         Found::Unfinished if is_on_arm && on_arm::has_begun(&folder) => return Ok(Ended::CutOff),
         Found::Finished(_) | Found::Unfinished => match run(&job, &folder, &identity)? {
-            Some(record) => (record, false),
-            None => return Ok(Ended::Stopped),
+            Ok(record) => (record, false),
+            Err(stop) => return Ok(Ended::Stopped(stop)),
         },
     };
     let distances_m = match experts::distances_m(bench, &job, &record) {
         Ok(distances_m) => distances_m,
-        Err(WorldError::Interrupted) => return Ok(Ended::Stopped),
+        Err(WorldError::Interrupted) => return Ok(Ended::Stopped(Stop::Interrupted)),
         Err(error) => return Err(at(&place(bench, entry, start), error)),
     };
     let played = Played {
@@ -323,10 +323,14 @@ fn identity(job: &Job<'_>, about: About) -> Identity {
     }
 }
 
-/// Runs a rollout into its folder, or goes on with one that was cut off; None where it is stopped.
-fn run(job: &Job<'_>, folder: &Path, identity: &Identity) -> Result<Option<Record>, BenchError> {
+/// Runs a rollout into its folder, or goes on with one that was cut off; says why where it is stopped.
+fn run(
+    job: &Job<'_>,
+    folder: &Path,
+    identity: &Identity,
+) -> Result<Result<Record, Stop>, BenchError> {
     if job.interrupt.is_raised() {
-        return Ok(None);
+        return Ok(Err(Stop::Interrupted));
     }
     let failed = |error: RunError| BenchError::Run {
         place: folder.display().to_string(),
@@ -338,8 +342,10 @@ fn run(job: &Job<'_>, folder: &Path, identity: &Identity) -> Result<Option<Recor
     };
     let open = open.map_err(|error| failed(error.into()))?;
     let report = rollout::run(job, open, &mut |_| {}).map_err(failed)?;
-    if let Outcome::Interrupted | Outcome::BudgetExhausted = report.outcome {
-        return Ok(None);
+    match report.outcome {
+        Outcome::Interrupted => return Ok(Err(Stop::Interrupted)),
+        Outcome::BudgetExhausted => return Ok(Err(Stop::Capped)),
+        _ => {}
     }
     let hopeless = [Fault::NotAuthorised, Fault::QuotaExhausted].map(Fault::name);
     let named = hopeless
@@ -352,11 +358,11 @@ fn run(job: &Job<'_>, folder: &Path, identity: &Identity) -> Result<Option<Recor
         });
     }
     match record::find(folder, identity) {
-        Found::Finished(record) => Ok(Some(record)),
+        Found::Finished(record) => Ok(Ok(record)),
         Found::Other(why) => Err(BenchError::Other {
             folder: folder.to_owned(),
             why,
         }),
-        Found::Unfinished => Ok(None),
+        Found::Unfinished => Ok(Err(Stop::Interrupted)),
     }
 }

@@ -11,7 +11,7 @@ mod rehearsal;
 mod within;
 
 pub use parts::{About, Parts, about, base_from_world, load};
-pub use picture::FlatPicture;
+pub use picture::{FlatPicture, simulated_table};
 pub use planning::{PLAN_FILE, PLAN_PICTURE, PlanningWorld, read_plan};
 pub use rehearsal::Rehearsal;
 pub use within::WithinReach;
@@ -92,9 +92,11 @@ impl ArmWorld {
         ArmWorld { flat, ..self }
     }
 
-    /// Checks that the camera is where it was calibrated; a simulated one cannot be moved.
+    /// Checks that the camera is where it was calibrated; of a simulated one that was calibrated without a picture, its
+    /// place is known.
     fn check_camera(&mut self, shot: &Shot) -> Result<(), WorldError> {
-        if self.is_camera_checked || self.table.is_some() {
+        let is_known = self.table.is_some() && self.parts.calibration.reference.is_none();
+        if self.is_camera_checked || is_known {
             return Ok(());
         }
         let why = match self.parts.calibration.moved(shot) {

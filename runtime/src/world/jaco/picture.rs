@@ -12,6 +12,7 @@ use crate::observation::Observation;
 use crate::picture;
 use crate::vision::DepthImage;
 use crate::world::WorldError;
+use crate::world::simulated::table::ClothTable;
 use image::RgbImage;
 use image::imageops::{self, FilterType};
 use std::path::Path;
@@ -62,6 +63,12 @@ impl FlatPicture {
     pub(super) fn bytes(&self) -> &[u8] {
         self.0.as_raw()
     }
+}
+
+/// Takes the camera's own picture of the table that settings simulate, without a cloth.
+pub fn simulated_table(settings: &Settings) -> Result<RgbImage, WorldError> {
+    let table = ClothTable::new(settings, &base_from_world(settings))?;
+    Ok(table.bare_shot()?.rgb)
 }
 
 /// Cuts the task's square picture out of the camera's own.

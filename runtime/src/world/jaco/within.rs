@@ -44,15 +44,21 @@ impl ArmReach {
             motion.retreat_m,
             top_m.max(0.0),
         ];
-        if let Err(why) = self.0.check(&at, &heights) {
-            return Some(format!("it lies {why}"));
+        let margin_m = settings.tolerance.position_m;
+        // At the rim, an arm that comes to rest as far off as is tolerated finds no way to the point.
+        let radius_m = at.x.hypot(at.y).max(f64::MIN_POSITIVE);
+        for by_m in [0.0, margin_m, -margin_m] {
+            let share = 1.0 + by_m / radius_m;
+            let near = Point3::new(at.x * share, at.y * share, at.z);
+            if let Err(why) = self.0.check(&near, &heights) {
+                return Some(format!("it lies {why}"));
+            }
         }
         let pose = |above_m: f64| tool_down(&Point3::new(at.x, at.y, at.z + above_m), 0.0);
         let (low, high) = (
             pose(motion.grasp_m.min(motion.release_m)),
             pose(top_m.max(0.0)),
         );
-        let margin_m = settings.tolerance.position_m;
         let check = |from, to| {
             limits::check(&settings.workspace, margin_m, from, to, motion.speed_m_s).err()
         };
@@ -129,5 +135,39 @@ impl World for WithinReach {
 
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
         self.reach.out_of_reach(&self.settings, point)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::world::jaco::load;
+    use std::path::Path;
+
+    /// At the rim lies a point to which one posture leads and no other near it: an arm a millimetre beside it does not come
+    /// there.
+    #[test]
+    fn points_at_the_rim_are_left_out_by_what_an_arm_may_be_off() {
+        let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tasks/real/simulated.toml");
+        let (settings, ..) = load(&robot).unwrap();
+        let reach = ArmReach::of(&settings).unwrap();
+        let world_from_base = base_from_world(&settings).inverse();
+        let angle_rad = 0.215_f64;
+        let at = |radius_m: f64| {
+            let (sin, cos) = angle_rad.sin_cos();
+            let base = Point3::new(radius_m * cos, radius_m * sin, 0.02);
+            reach.out_of_reach(&settings, &(world_from_base * base))
+        };
+        assert_eq!(at(0.70), None);
+        let why = at(0.7072).unwrap();
+        assert!(why.contains("it lies 0.71 m from the arm's base"), "{why}");
+        assert!(at(0.1835).is_some(), "the same holds near the base");
+        assert_eq!(at(0.19), None);
+        // The arm itself would call both reached.
+        for radius_m in [0.7072, 0.1835] {
+            let base = Point3::new(radius_m * angle_rad.cos(), radius_m * angle_rad.sin(), 0.02);
+            assert!(reach.0.check(&base, &[0.05, 0.10]).is_ok(), "{radius_m}");
+        }
     }
 }

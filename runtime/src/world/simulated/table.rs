@@ -3,7 +3,7 @@
 //! In: where the hand is, step by step, and whether it is closed. Out: a cloth that goes along, and the camera's pictures.
 //! The hand takes one particle, as the picker of the simulated world does, and touches nothing on its way.
 
-use super::{Look, stopped};
+use super::{Look, sheets, stopped};
 use crate::arm::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
 use crate::arm::settings::{Settings, SimulatedSettings};
 use crate::arm::simulated::Table;
@@ -19,6 +19,9 @@ use std::rc::Rc;
 /// How far from the fingertips, seen from above, cloth is taken hold of; and how far above or below them. Metres.
 const REACH_ASIDE_M: f64 = 0.012;
 const REACH_UP_M: f64 = 0.015;
+
+/// What is seen no higher than this over the table is the table, metres: cloth lies higher.
+const TABLE_M: f64 = 0.001;
 
 /// A cloth on a table.
 pub struct ClothTable {
@@ -95,6 +98,15 @@ impl ClothTable {
         Some(self.shot_of(grid, &grid.flat_positions(&self.params)))
     }
 
+    /// Takes a picture of the table without a cloth.
+    pub fn bare_shot(&self) -> Result<Shot, WorldError> {
+        let anywhere = Grid::new(2, 2, 0.01).map_err(|error| WorldError::Camera {
+            why: error.to_string(),
+        })?;
+        // What lies so far from the table's middle is in no picture of it.
+        Ok(self.shot_of(anywhere, &[[1e4, 0.0, 0.0]; 4]))
+    }
+
     /// Returns a digest of the code that moves the cloth.
     pub fn code() -> &'static str {
         sim::CODE_DIGEST
@@ -110,6 +122,7 @@ impl ClothTable {
         let SimulatedSettings {
             camera_offset_m: [x, y],
             camera_turn_deg,
+            camera_height_m,
             camera_fov_deg,
             camera_px,
             ..
@@ -130,13 +143,27 @@ impl ClothTable {
         let frame = self.lens.render(grid, &seen, &self.look);
         const INVARIANT: &str = "a frame holds width * height pixels";
         let half_px = f64::from(camera_px) / 2.0;
+        let focal_px = half_px / (camera_fov_deg.to_radians() / 2.0).tan();
+        let mut rgb = RgbImage::from_raw(frame.width, frame.height, frame.rgb).expect(INVARIANT);
+        let depth_m =
+            DepthImage::from_raw(frame.width, frame.height, frame.depth_m).expect(INVARIANT);
+        for (column, row, color) in rgb.enumerate_pixels_mut() {
+            if f64::from(depth_m.get_pixel(column, row).0[0]) < camera_height_m - TABLE_M {
+                continue;
+            }
+            let [right, down] = [column, row].map(|at| f64::from(at) + 0.5 - half_px);
+            let per_px = camera_height_m / focal_px;
+            let at = world_from_camera * Point3::new(right * per_px, -down * per_px, 0.0);
+            if let Some(grey) = sheets::printed([at.x, at.y]) {
+                color.0 = [grey; 3];
+            }
+        }
         Shot {
-            rgb: RgbImage::from_raw(frame.width, frame.height, frame.rgb).expect(INVARIANT),
-            depth_m: DepthImage::from_raw(frame.width, frame.height, frame.depth_m)
-                .expect(INVARIANT),
+            rgb,
+            depth_m,
             intrinsics: Some(Intrinsics {
                 size_px: [camera_px; 2],
-                focal_px: [half_px / (camera_fov_deg.to_radians() / 2.0).tan(); 2],
+                focal_px: [focal_px; 2],
                 middle_px: [half_px; 2],
                 distortion: Vec::new(),
             }),
