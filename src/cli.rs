@@ -335,8 +335,17 @@ pub struct RunArguments {
     #[command(flatten)]
     #[serde(default)]
     pub arm: robot::ArmArguments,
+    /// With `--world jaco`: plan the first action, print and draw it (plan.json, plan.png), and connect to no arm.
+    #[arg(long)]
+    #[serde(default)]
+    pub plan_only: bool,
     #[command(flatten)]
     pub start: StartArguments,
+    /// Ask at the end whether the task was reached, and if not, why. Default: with a real arm, unless `--confirm none` is
+    /// said or stdin is no terminal.
+    #[arg(long)]
+    #[serde(default)]
+    pub operator: bool,
     /// The run folder; default: the next free `runs/TASK-NNNN`.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub out: Option<PathBuf>,

@@ -1,10 +1,13 @@
 //! `fabc run`: one rollout, with a line of progress per step.
 
+mod planned;
 mod told;
 
 use crate::cli::RunArguments;
 use crate::estimate::{self, Asking};
 use crate::exit::{Exit, Failure};
+use crate::operator::Terminal;
+use crate::setting::arm::Moving;
 use crate::setting::models;
 use crate::{output, setting, sources};
 use compiler::program::Program;
@@ -56,8 +59,17 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = setting::interrupt()?;
     let answering = models::models(&arguments.model, arguments.spend.purpose(), &interrupt)?;
+    let moving = match arguments.plan_only {
+        true => Moving::Planned,
+        false => Moving::Carried,
+    };
     let arm = match arguments.world.as_str() {
-        "jaco" => Some(setting::arm::check(&arguments.arm)?),
+        "jaco" => Some(setting::arm::check(&arguments.arm, moving)?),
+        _ if arguments.plan_only => {
+            return Err(Failure::usage(
+                "`--plan-only` plans for an arm: give `--world jaco` and its settings, `--robot FILE`".to_owned(),
+            ));
+        }
         _ => None,
     };
     let first = setting::world(&program).map_err(Failure::environment)?;
@@ -87,9 +99,17 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     // Where the arm's journal is to lie; nothing moves before it is known.
     let journal = OnceLock::new();
     let make_world = || match arguments.world.as_str() {
-        "jaco" => setting::arm::world(&program, &arguments.arm, journal.get()),
+        "jaco" => setting::arm::world(&program, &arguments.arm, moving, journal.get()),
         _ => setting::world(&program),
     };
+    let make_look = || match arguments.world.as_str() {
+        "jaco" => setting::arm::look(&program, &arguments.arm),
+        _ => setting::world(&program),
+    };
+    let has_operator = arguments.operator
+        || arm
+            .as_ref()
+            .is_some_and(|settings| setting::arm::has_operator(&arguments.arm, settings));
     let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
     say_origin(subgoals.origin, &arguments.task.file);
     let asked = answering.models();
@@ -122,12 +142,17 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         interrupt: &interrupt,
         horizon: None,
         early_stop: true,
-        operator: None,
+        operator: has_operator.then_some(&Terminal),
         repetition: 0,
     };
     let asks = answering.asks_a_provider() || arguments.spend.estimate;
     let questions = match asks {
-        true => rollout::first_questions(&job).map_err(Failure::environment)?,
+        // Nobody lays a cloth, and nothing is connected, for the sake of an estimate.
+        true => rollout::first_questions(&Job {
+            make_world: &make_look,
+            ..job
+        })
+        .map_err(Failure::environment)?,
         false => Vec::new(),
     };
     answering.check(&questions)?;
@@ -163,7 +188,9 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     }
     let report = rollout::run(&job, folder, &mut |event| told::show(event, earlier))
         .map_err(Failure::environment)?;
-    if arguments.json {
+    if let (Some(settings), true) = (&arm, arguments.plan_only) {
+        planned::say(&report, settings, arguments.json)?;
+    } else if arguments.json {
         output::json(
             &serde_json::to_value(&report).expect("a report has string keys and finite numbers"),
         );
@@ -239,7 +266,7 @@ pub fn say_origin(origin: Origin, file: &str) {
 /// Returns the exit code of a rollout that ended so; `goal_reached` is null without a goal.
 pub fn exit_of(outcome: Outcome, goal_reached: Option<bool>) -> Exit {
     match outcome {
-        Outcome::GoalReached => Exit::Done,
+        Outcome::GoalReached | Outcome::Planned => Exit::Done,
         Outcome::HorizonReached if goal_reached.is_none() => Exit::Done,
         Outcome::ModelFailed | Outcome::WorldFailed => Exit::Environment,
         Outcome::Interrupted => Exit::Interrupted,

@@ -16,6 +16,7 @@ use runtime::interrupt::Interrupt;
 use runtime::start::{Grid, Start, StartFrame, Up};
 use runtime::world::{SimulatedWorld, World, WorldError};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// The seed of a crumpled cloth where the command line names none.
 const DEFAULT_SEED: u64 = 0;
@@ -157,14 +158,24 @@ pub fn cache_folder() -> Option<PathBuf> {
     named.or_else(|| dirs::cache_dir().map(|folder| folder.join("fabc")))
 }
 
+/// What SIGINT raises: there is one handler in a process.
+static INTERRUPT: OnceLock<Interrupt> = OnceLock::new();
+
+/// Returns whether SIGINT came since [`interrupt`] was called.
+pub fn is_interrupted() -> bool {
+    INTERRUPT.get().is_some_and(Interrupt::is_raised)
+}
+
 /// Lets SIGINT stop work between two of its steps.
 ///
 /// A second SIGINT ends the process at once.
 pub fn interrupt() -> Result<Interrupt, Failure> {
-    let interrupt = Interrupt::default();
+    let interrupt = INTERRUPT.get_or_init(Interrupt::default).clone();
     let raised = interrupt.clone();
     ctrlc::set_handler(move || {
         if raised.is_raised() {
+            // Nothing is dropped on this way out.
+            crate::robot::restore_terminal();
             std::process::exit(i32::from(crate::exit::Exit::Interrupted.code()));
         }
         raised.raise();

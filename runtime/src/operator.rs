@@ -54,10 +54,10 @@ pub trait Operator: Sync {
     fn judge(&self, report: &RolloutReport) -> Option<Judgement>;
 }
 
-/// Returns whether there is something to judge: not where the rollout was broken off for want of a model or of time.
+/// Returns whether there is something to judge: not where the rollout was broken off for want of a model or of time, or only planned.
 pub(crate) fn is_judged(outcome: Outcome) -> bool {
     !matches!(
         outcome,
-        Outcome::Interrupted | Outcome::BudgetExhausted | Outcome::ModelFailed
+        Outcome::Interrupted | Outcome::BudgetExhausted | Outcome::ModelFailed | Outcome::Planned
     )
 }

@@ -24,8 +24,10 @@ pub enum Outcome {
     BudgetExhausted,
     /// The world could not be observed or moved.
     WorldFailed,
-    /// The user stopped the rollout.
+    /// The user stopped the rollout, or gave no leave to move.
     Interrupted,
+    /// The first action was planned, as asked, and nothing moved.
+    Planned,
 }
 
 impl Outcome {
@@ -42,6 +44,7 @@ impl Outcome {
             Outcome::BudgetExhausted => "budget_exhausted",
             Outcome::WorldFailed => "world_failed",
             Outcome::Interrupted => "interrupted",
+            Outcome::Planned => "planned",
         }
     }
 }
@@ -63,6 +66,7 @@ mod tests {
             Outcome::BudgetExhausted,
             Outcome::WorldFailed,
             Outcome::Interrupted,
+            Outcome::Planned,
         ] {
             assert_eq!(
                 serde_json::json!(outcome),

@@ -121,6 +121,15 @@ pub enum Event<'a> {
         /// What the rollout would have ended with.
         why: Outcome,
     },
+    /// The rollout ends in a step that was not done.
+    Stopped {
+        /// From 1.
+        step: u32,
+        /// How many there are at most.
+        horizon: u32,
+        /// Why, in words.
+        why: &'a str,
+    },
     /// Expert results must be simulated before the score is known.
     SimulatingExperts {
         /// How many.
@@ -236,6 +245,13 @@ pub fn run(
         }
         keeper.folder.append(&Line::Step(&turn.line))?;
         keeper.count(&turn)?;
+        if let Some(why) = &turn.line.stopped {
+            progress(Event::Stopped {
+                step: tries.number,
+                horizon: job.horizon(),
+                why,
+            });
+        }
         if tries.before.is_some() && turn.line.executed.is_some() {
             keeper.tally.retries += 1;
         }

@@ -3,6 +3,7 @@
 //! What a suite is, how it is carried out and what is said of it is `runtime::bench`; here files are found, tasks
 //! compiled, and tables printed and written.
 
+mod on_arm;
 mod prepare;
 mod report;
 mod suites;
@@ -11,9 +12,12 @@ use crate::cli::bench::BenchArguments;
 use crate::estimate::{self, Asking};
 use crate::exit::{Exit, Failure};
 use crate::operator::Terminal;
+use crate::setting::arm::Moving;
 use crate::setting::models::{self, Answering};
 use crate::{output, setting};
+use compiler::program::Program;
 use prepare::AnsweringBy;
+use runtime::bench::on_arm::OnArm;
 use runtime::bench::play::{self, Phase, Results, Stop};
 use runtime::bench::{Bench, BenchError, first_questions_of, rows};
 use runtime::cache::Cache;
@@ -31,6 +35,11 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
     let begun = Instant::now();
     let found = suites::find(&arguments.suite)?;
     let suite = suites::narrowed(found.suite, arguments.variant.as_deref());
+    let arm = on_arm::check(arguments, &suite)?;
+    let has_operator = arguments.operator
+        || arm
+            .as_ref()
+            .is_some_and(|arm| setting::arm::has_operator(&arguments.arm, &arm.settings));
     let interrupt = setting::interrupt()?;
     let answering = prepare::answering(
         &suite,
@@ -43,10 +52,10 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         false => models::recorder(&arguments.spend)?,
     };
     let budget = models::budget(&arguments.spend);
-    let threads = match (arguments.operator, arguments.jobs) {
-        (true, _) => 1,
-        (false, Some(jobs)) => usize::from(jobs),
-        (false, None) => usual_jobs(&answering),
+    let threads = match arguments.jobs {
+        _ if arguments.operator => 1,
+        Some(jobs) => usize::from(jobs),
+        None => usual_jobs(&answering),
     };
     let prepared = prepare::prepare(&suite, &found.folder, arguments, threads)?;
     let out = match arguments.spend.estimate {
@@ -58,17 +67,32 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
     else {
         return Err(Failure::interrupted());
     };
+    let make_arm_world = |program: &Program, folder: &Path| {
+        setting::arm::world(
+            program,
+            &arguments.arm,
+            Moving::Carried,
+            Some(&folder.to_owned()),
+        )
+    };
+    let make_look = |program: &Program| setting::arm::look(program, &arguments.arm);
     let bench = Bench {
         suite: &suite,
         tasks: prepared.into_iter().map(|it| it.task).collect(),
         entries,
         make_world: &setting::world,
+        arm: arm.map(|arm| OnArm {
+            about: arm.about,
+            cloths: arm.cloths,
+            make_world: &make_arm_world,
+            make_look: &make_look,
+        }),
         out: out.clone(),
         threads,
         cache: &cache,
         budget: &budget,
         recorder: recorder.as_ref(),
-        operator: arguments.operator.then_some(&Terminal),
+        operator: has_operator.then_some(&Terminal),
         interrupt: &interrupt,
     };
     let asks = answering.values().any(Answering::asks_a_provider) || arguments.spend.estimate;
@@ -207,6 +231,9 @@ fn exit_of(results: &Results) -> Exit {
     match results.stopped {
         Some(Stop::Interrupted) => return Exit::Interrupted,
         Some(Stop::Capped) => return Exit::Unreached,
+        // As that of the rollout that ended so.
+        Some(Stop::ArmLeft) => return Exit::Environment,
+        None if !results.cut_off.is_empty() => return Exit::Unreached,
         None => {}
     }
     let mut outcomes = results.rollouts.iter().map(|played| played.record.outcome);

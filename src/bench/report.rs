@@ -52,7 +52,7 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
         "{name}: {} in `{}`{part}, {} at a time; model {}",
         counted(rollouts, "rollout"),
         bench.out.display(),
-        bench.threads,
+        bench.side_by_side(),
         models.join(", ")
     )
 }
@@ -74,6 +74,12 @@ impl Report<'_> {
             "out": self.bench.out.display().to_string(),
             "interrupted": self.results.stopped == Some(Stop::Interrupted),
             "capped": self.results.stopped == Some(Stop::Capped),
+            "arm_left": self.results.left.as_ref().map(|left| json!({
+                "run_dir": left.folder.display().to_string(),
+                "why": left.why,
+                "is_clear": left.is_clear,
+            })),
+            "cut_off": self.results.cut_off.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>(),
             "calls": self.bench.budget.spent(),
             "rollouts": {
                 "planned": self.results.planned,
@@ -123,6 +129,7 @@ impl Report<'_> {
             let why = match stop {
                 Stop::Interrupted => "interrupted",
                 Stop::Capped => "stopped by a cap",
+                Stop::ArmLeft => "ended by the arm",
             };
             lines.push(format!(
                 "{why}: {} of {} rollouts have ended; the same `--out` goes on from there",
@@ -135,6 +142,8 @@ impl Report<'_> {
                 self.results.found, self.results.planned
             ));
         }
+        lines.extend(self.cut_off());
+        lines.extend(self.arm_left());
         let calls = self.bench.budget.spent();
         if calls.calls > 0 {
             lines.push(format!("calls: {}, {}", calls.calls, calls.in_words()));
@@ -161,6 +170,37 @@ impl Report<'_> {
             self.bench.out.display()
         ));
         lines.join("\n")
+    }
+
+    /// Names the rollouts on an arm that are not gone on with.
+    fn cut_off(&self) -> Option<String> {
+        let folders = self.results.cut_off.iter();
+        let names: Vec<String> = folders
+            .map(|folder| format!("`{}`", folder.display()))
+            .collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "warning: {} on the arm was cut off earlier, and is neither gone on with nor in the tables: {}; move its folder away to have it carried out from the beginning",
+                counted(names.len(), "rollout"),
+                names.join(", ")
+            )
+        })
+    }
+
+    /// Says after which rollout none was begun for the arm's sake, and why.
+    fn arm_left(&self) -> Option<String> {
+        let left = self.results.left.as_ref()?;
+        let folder = left.folder.display();
+        Some(match left.is_clear {
+            true => format!(
+                "no further rollout was begun after `{folder}`, in which the arm or the camera failed: {}; the arm is at rest",
+                left.why
+            ),
+            false => format!(
+                "the arm was left in the middle of a motion, and no further rollout was begun: {}; look after it, and say so by `fabc robot recover {folder}`",
+                left.why
+            ),
+        })
     }
 
     /// Mean over all actions.

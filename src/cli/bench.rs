@@ -1,6 +1,7 @@
 //! The command line of `fabc bench`.
 
 use super::asked::{ModelArguments, SpendArguments};
+use super::robot::ArmArguments;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
 
@@ -39,7 +40,13 @@ pub struct BenchArguments {
     /// Only part I of N of the starts, counted from 1; with one `--out`, the last call may leave it away.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<Shard>,
-    /// Ask after each rollout whether the task was reached, and if not, why; rollouts then run one at a time.
+    /// Where rollouts are carried out; on an arm one at a time.
+    #[arg(long, value_name = "WORLD", default_value = "sim", value_parser = ["sim", "jaco"])]
+    pub world: String,
+    #[command(flatten)]
+    pub arm: ArmArguments,
+    /// Ask after each rollout whether the task was reached, and if not, why; rollouts then run one at a time. Default: with
+    /// a real arm, unless `--confirm none` is said or stdin is no terminal.
     #[arg(long, conflicts_with = "jobs")]
     pub operator: bool,
     /// Print one JSON document.

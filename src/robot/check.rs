@@ -10,7 +10,7 @@ use nalgebra::Point3;
 use runtime::arm::calibration::Calibration;
 use runtime::arm::kinematics::chain::Chain;
 use runtime::arm::kinematics::reach::{Reach, Turn};
-use runtime::arm::settings::{CameraSource, Settings};
+use runtime::arm::settings::Settings;
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -27,8 +27,6 @@ enum Measured {
     Fits(f64),
     /// It cannot.
     Not(String),
-    /// The simulated camera's place is known.
-    NotNeeded,
 }
 
 /// Looks at the settings and all that they name.
@@ -89,9 +87,6 @@ fn places(settings: &Settings, chain: &Chain) -> Vec<Place> {
 }
 
 fn measured(robot: &Path, settings: &Settings) -> Measured {
-    if settings.camera.source == CameraSource::Simulated {
-        return Measured::NotNeeded;
-    }
     let path = robot
         .parent()
         .unwrap_or(Path::new(""))
@@ -121,7 +116,6 @@ fn as_text(settings: &Settings, places: &[Place], measured: &Measured) -> String
             format!("calibration  can be used; a point left out is {error_mm:.1} mm off")
         }
         Measured::Not(why) => format!("calibration  cannot be used: {why}"),
-        Measured::NotNeeded => "calibration  not looked at: the camera is simulated".to_owned(),
     });
     for place in places {
         let [x, y, z] = place.at_m;
@@ -145,7 +139,6 @@ fn as_json(settings: &Settings, places: &[Place], measured: &Measured, exit: Exi
     let calibration = match measured {
         Measured::Fits(error_mm) => json!({ "usable": true, "left_out_mm": error_mm }),
         Measured::Not(why) => json!({ "usable": false, "why": why }),
-        Measured::NotNeeded => Value::Null,
     };
     json!({
         "name": settings.name,

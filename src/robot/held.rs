@@ -1,7 +1,7 @@
 //! Whether a key is held on the terminal: it repeats while it is.
 //!
-//! In: bytes of the terminal, unechoed while keys are looked for. Out: whether the space bar came lately. A terminal
-//! sends no word of a key that is let go, so that this is noticed after [`HELD`] alone.
+//! In: bytes of the terminal, unechoed while keys are looked for. Out: whether the space bar came lately, and whether it
+//! did not any more. A terminal sends no word of a key that is let go, so that this is noticed after [`HELD`] alone.
 
 use std::time::{Duration, Instant};
 
@@ -17,31 +17,73 @@ pub struct Held {
     last: Option<Instant>,
 }
 
+/// What is known of the key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Key {
+    /// It is held.
+    Held,
+    /// It was held until now.
+    LetGo,
+    /// It is not held, as before.
+    Up,
+}
+
 impl Held {
     /// Takes note of what was typed up to now, and tells whether the key is held.
-    pub fn is_held(&mut self, typed: &[u8], now: Instant) -> bool {
+    pub fn look(&mut self, typed: &[u8], now: Instant) -> Key {
         if typed.contains(&KEY) {
             self.last = Some(now);
         }
-        self.last
-            .is_some_and(|last| now.saturating_duration_since(last) < HELD)
+        match self.last {
+            Some(last) if now.saturating_duration_since(last) < HELD => Key::Held,
+            Some(_) => {
+                self.last = None;
+                Key::LetGo
+            }
+            None => Key::Up,
+        }
     }
 }
 
 #[cfg(unix)]
-pub use unix::Keys;
+pub use unix::{Keys, forget_typed, has_input, restore};
 
 #[cfg(unix)]
 mod unix {
     use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
-    use nix::sys::termios::{LocalFlags, SetArg, Termios, tcgetattr, tcsetattr};
+    use nix::sys::termios::{FlushArg, LocalFlags, SetArg, Termios, tcflush, tcgetattr, tcsetattr};
     use std::io::stdin;
     use std::os::fd::AsFd;
+    use std::sync::{Mutex, PoisonError};
+
+    /// How the terminal was before keys were looked for; none while they are not.
+    static BEFORE: Mutex<Option<Termios>> = Mutex::new(None);
+
+    /// Has the terminal as it was before keys were looked for: for an end at which nothing is dropped.
+    pub fn restore() {
+        let before = BEFORE.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(before) = before {
+            // Where the terminal is gone, nothing of it is left to be as before.
+            let _ = tcsetattr(stdin(), SetArg::TCSANOW, &before);
+        }
+    }
+
+    /// Forgets what was typed up to now.
+    pub fn forget_typed() {
+        // Where stdin is no terminal, nobody typed anything.
+        let _ = tcflush(stdin(), FlushArg::TCIFLUSH);
+    }
+
+    /// Waits until there is something to read on stdin, or its end, but not for long; tells whether there is.
+    pub fn has_input(most_ms: u8) -> bool {
+        let stdin = stdin();
+        let mut polled = [PollFd::new(stdin.as_fd(), PollFlags::POLLIN)];
+        // A signal ends the waiting, and says nothing of what is there.
+        poll(&mut polled, PollTimeout::from(most_ms)).is_ok_and(|count| count > 0)
+    }
 
     /// The terminal while keys are looked for; it is as before once this is dropped.
-    pub struct Keys {
-        before: Termios,
-    }
+    pub struct Keys;
 
     impl Keys {
         /// Has keys come at once and unseen; says why not where stdin is no terminal. Ctrl-C works as ever.
@@ -52,21 +94,19 @@ mod unix {
             flags
                 .local_flags
                 .remove(LocalFlags::ICANON | LocalFlags::ECHO);
+            BEFORE
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .get_or_insert(before);
             tcsetattr(&stdin, SetArg::TCSANOW, &flags).map_err(|error| error.to_string())?;
-            Ok(Keys { before })
+            Ok(Keys)
         }
 
         /// Returns what was typed since the last call, without waiting; nothing where the terminal is gone.
         pub fn typed(&mut self) -> Vec<u8> {
-            let stdin = stdin();
-            let mut polled = [PollFd::new(stdin.as_fd(), PollFlags::POLLIN)];
-            let ready = poll(&mut polled, PollTimeout::ZERO);
-            let is_ready = polled[0]
-                .revents()
-                .is_some_and(|it| it.contains(PollFlags::POLLIN));
             let mut bytes = vec![0; 256];
-            let count = match ready.is_ok() && is_ready {
-                true => nix::unistd::read(&stdin, &mut bytes).unwrap_or(0),
+            let count = match has_input(0) {
+                true => nix::unistd::read(stdin(), &mut bytes).unwrap_or(0),
                 false => 0,
             };
             bytes.truncate(count);
@@ -76,8 +116,7 @@ mod unix {
 
     impl Drop for Keys {
         fn drop(&mut self) {
-            // Where the terminal is gone, nothing of it is left to be as before.
-            let _ = tcsetattr(stdin(), SetArg::TCSANOW, &self.before);
+            restore();
         }
     }
 }
@@ -99,6 +138,20 @@ impl Keys {
     }
 }
 
+/// Does nothing: no terminal was changed.
+#[cfg(not(unix))]
+pub fn restore() {}
+
+/// Does nothing: what was typed is not told from what will be.
+#[cfg(not(unix))]
+pub fn forget_typed() {}
+
+/// Says that there is: whoever reads waits for it.
+#[cfg(not(unix))]
+pub fn has_input(_: u8) -> bool {
+    true
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,13 +159,19 @@ mod tests {
     #[test]
     fn a_key_is_held_for_a_while_after_it_came() {
         let start = Instant::now();
-        let after = |millis| start + Duration::from_millis(millis);
         let mut held = Held::default();
-        assert!(!held.is_held(b"", start));
-        assert!(!held.is_held(b"yx\n", start));
-        assert!(held.is_held(b"  ", start));
-        assert!(held.is_held(b"", after(599)));
-        assert!(!held.is_held(b"x", after(600)));
-        assert!(held.is_held(b"a ", after(700)));
+        for (typed, after_ms, expected) in [
+            (&b""[..], 0, Key::Up),
+            (b"yx\n", 0, Key::Up),
+            (b"  ", 0, Key::Held),
+            (b"", 599, Key::Held),
+            (b"x", 600, Key::LetGo),
+            (b"x", 601, Key::Up),
+            (b"a ", 700, Key::Held),
+            (b"", 2000, Key::LetGo),
+        ] {
+            let now = start + Duration::from_millis(after_ms);
+            assert_eq!(held.look(typed, now), expected, "{typed:?} {after_ms}");
+        }
     }
 }

@@ -1,12 +1,13 @@
 //! The person beside the arm, asked on the terminal.
 //!
 //! In: what is about to move, lines and keys of stdin. Out: leave to do it, or not. Questions go to stderr, so that stdout
-//! stays data. Where stdin ends, or no answer is understood, there is no leave.
+//! stays data. Where stdin ends, no answer is understood, or the program is asked to end, there is no leave; and none by
+//! what was typed before the question.
 
-use super::held::{Held, Keys};
+use super::held::{self, Held, Key, Keys};
 use crate::cli::robot::Confirm;
 use crate::exit::Failure;
-use crate::output;
+use crate::{output, setting};
 use runtime::arm::route::{Act, Segment};
 use runtime::arm::supervisor::{Asked, Supervisor};
 use runtime::start::Start;
@@ -18,6 +19,9 @@ const TRIES: u32 = 10;
 
 /// The longest line that is read, bytes.
 const MAX_LINE: u64 = 4096;
+
+/// How long an end that is asked for may go unnoticed while an answer is waited for, milliseconds.
+const LOOK_MS: u8 = 100;
 
 /// Whether a key has to be held while the arm moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,12 +77,19 @@ impl Terminal {
     fn ask(&mut self, question: &str) -> bool {
         self.let_go();
         output::progress("");
+        held::forget_typed();
         leave(
-            &mut std::io::stdin().lock(),
+            &mut typed_line,
             &mut output::talk,
             &format!("{question} y or n:"),
         )
     }
+}
+
+/// Has typed lines shown and read as ever, and forgets what was typed before.
+pub fn be_as_before() {
+    held::restore();
+    held::forget_typed();
 }
 
 impl Supervisor for Terminal {
@@ -109,7 +120,14 @@ impl Supervisor for Terminal {
             self.keys = Keys::watch().ok();
         }
         let typed = self.keys.as_mut().map(Keys::typed).unwrap_or_default();
-        self.held.is_held(&typed, Instant::now())
+        match self.held.look(&typed, Instant::now()) {
+            Key::Held => true,
+            Key::LetGo => {
+                output::talk("paused: hold the space bar to go on");
+                false
+            }
+            Key::Up => false,
+        }
     }
 }
 
@@ -142,20 +160,37 @@ fn in_words(segment: &Segment) -> String {
     }
 }
 
+/// Waits for a line of the terminal; none at its end, and where the program is asked to end.
+fn typed_line() -> Option<String> {
+    while !held::has_input(LOOK_MS) {
+        if setting::is_interrupted() {
+            return None;
+        }
+    }
+    line_of(&mut std::io::stdin().lock())
+}
+
+/// Reads a line; none at the end.
+fn line_of(lines: &mut dyn BufRead) -> Option<String> {
+    let mut bytes = Vec::new();
+    match lines.take(MAX_LINE).read_until(b'\n', &mut bytes) {
+        Ok(1..) => Some(String::from_utf8_lossy(&bytes).into_owned()),
+        _ => None,
+    }
+}
+
 /// Puts a question until it is answered by y or n; none at the end, or after too many other answers, is no.
-fn leave(lines: &mut dyn BufRead, say: &mut dyn FnMut(&str), question: &str) -> bool {
+fn leave(
+    next: &mut dyn FnMut() -> Option<String>,
+    say: &mut dyn FnMut(&str),
+    question: &str,
+) -> bool {
     say(question);
     for _ in 0..TRIES {
-        let mut bytes = Vec::new();
-        match lines.take(MAX_LINE).read_until(b'\n', &mut bytes) {
-            Ok(1..) => {}
-            _ => return false,
-        }
-        match String::from_utf8_lossy(&bytes)
-            .trim()
-            .to_lowercase()
-            .as_str()
-        {
+        let Some(answer) = next() else {
+            return false;
+        };
+        match answer.trim().to_lowercase().as_str() {
             "y" | "yes" => return true,
             "n" | "no" => return false,
             _ => say("y or n:"),
@@ -180,11 +215,13 @@ mod tests {
         ] {
             let mut said = Vec::new();
             let mut say = |text: &str| said.push(text.to_owned());
-            let allowed = leave(&mut typed.as_bytes(), &mut say, "Move?");
+            let mut lines = typed.as_bytes();
+            let allowed = leave(&mut || line_of(&mut lines), &mut say, "Move?");
             assert_eq!(allowed, expected, "{typed:?}");
             assert_eq!(said[0], "Move?");
         }
         let many = "x\n".repeat(TRIES as usize) + "y\n";
-        assert!(!leave(&mut many.as_bytes(), &mut |_| {}, "Move?"));
+        let mut lines = many.as_bytes();
+        assert!(!leave(&mut || line_of(&mut lines), &mut |_| {}, "Move?"));
     }
 }

@@ -5,6 +5,7 @@ use compiler::program::{Goal, Metric};
 use compiler::verify::Verdict;
 use runtime::agent::{Attempt, Finding};
 use runtime::calls::Spent;
+use runtime::operator::Judgement;
 use runtime::rollout::{CoverageSource, Event, RolloutReport};
 use runtime::world::Grasp;
 
@@ -13,6 +14,9 @@ pub fn show(event: Event<'_>, earlier: u32) {
     match event {
         Event::Asked { step, .. } | Event::Stepped { step, .. } | Event::Skipped { step, .. }
             if step <= earlier => {}
+        Event::Stopped { step, horizon, why } => {
+            output::talk(&format!("step {step}/{horizon}: ended: {why}"));
+        }
         Event::Asked { step, attempt } => {
             if let Some(refusal) = refusal(attempt) {
                 output::talk(&format!(
@@ -87,6 +91,12 @@ fn refusal(attempt: &Attempt) -> Option<String> {
 /// Sums up a rollout.
 pub fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
     let mut lines = vec![format!("outcome: {}", report.outcome.name())];
+    let words = report.stopped.as_deref();
+    lines.extend(
+        words
+            .filter(|why| *why != report.outcome.name())
+            .map(|why| format!("stopped: {why}")),
+    );
     if let Some(mm) = report.mean_particle_distance_mm {
         let goal = goal
             .filter(|goal| goal.metric == Metric::ParticleDistance)
@@ -118,6 +128,7 @@ pub fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
             both(coverage, report.coverage_true)
         ));
     }
+    lines.extend(report.operator.as_ref().map(judged));
     let stand_in = if report.model_is_stand_in {
         ", a stand-in and no vision-language model"
     } else {
@@ -146,6 +157,18 @@ pub fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
         report.run_dir
     ));
     lines.join("\n")
+}
+
+/// Says what the operator says.
+fn judged(judgement: &Judgement) -> String {
+    let said = match (judgement.reached, judgement.why) {
+        (true, _) => "reached".to_owned(),
+        (false, Some(why)) => format!("not reached, for {}", why.name()),
+        (false, None) => "not reached".to_owned(),
+    };
+    let words = judgement.words.iter();
+    let words: String = words.map(|words| format!(": {words}")).collect();
+    format!("the operator says: {said}{words}")
 }
 
 /// Says what models were paid for, where calls were made.

@@ -1,27 +1,45 @@
 //! The world of `--world jaco`: an arm's settings, its calibration, its driver, and who watches it.
 
-use crate::cli::robot::ArmArguments;
+use crate::cli::robot::{ArmArguments, Confirm};
 use crate::exit::Failure;
 use crate::robot::terminal::{HoldToRun, Terminal};
 use crate::robot::watchdog::Process;
-use compiler::program::Program;
+use crate::robot::{connect, standing};
+use compiler::program::{ClothStart, Program};
+use runtime::arm::directory::Which;
+use runtime::arm::last;
 use runtime::arm::settings::{DriverKind, Settings};
 use runtime::arm::supervisor::{NoWatchdog, Supervisor, Unattended};
 use runtime::start::Start;
-use runtime::world::jaco::{self, Parts};
-use runtime::world::{ArmWorld, World, WorldError};
+use runtime::world::jaco::{self, FlatPicture, Parts, WithinReach};
+use runtime::world::{ArmWorld, PlanningWorld, World, WorldError};
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
+/// Whether an arm is to move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moving {
+    /// It carries actions out.
+    Carried,
+    /// The first action is planned, and no arm is connected.
+    Planned,
+}
+
 /// Makes sure before anything else that the settings can be used and that there is somebody to ask.
-pub fn check(arguments: &ArmArguments) -> Result<Settings, Failure> {
-    let (settings, ..) = jaco::load(&arguments.robot).map_err(Failure::environment)?;
-    supervisor(arguments, &settings)?;
-    if settings.driver != DriverKind::Simulated && !cfg!(feature = "ros") {
-        return Err(Failure::environment(format!(
-            "`{}` is of a real arm, and this fabc was built without ROS: build it with `--features ros`",
-            arguments.robot.display()
-        )));
+pub fn check(arguments: &ArmArguments, moving: Moving) -> Result<Settings, Failure> {
+    let (settings, _, calibration) = jaco::load(&arguments.robot).map_err(Failure::environment)?;
+    FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(Failure::environment)?;
+    if moving == Moving::Planned {
+        return Ok(settings);
     }
+    if settings.driver != DriverKind::Simulated {
+        if !cfg!(feature = "ros") {
+            return Err(Failure::environment(connect::without_ros(&arguments.robot)));
+        }
+        standing::claim(&arguments.robot).map_err(Failure::environment)?;
+        standing::check(&arguments.robot).map_err(Failure::environment)?;
+    }
+    supervisor(arguments, &settings)?;
     Ok(settings)
 }
 
@@ -32,7 +50,11 @@ pub fn start(program: &Program, named: Option<&String>) -> Result<Start, Failure
             "`--start {named}` is for the simulator: on a real table a person lays the cloth"
         ))),
         None => Ok(Start {
-            name: "laid by hand".to_owned(),
+            name: match program.cloth.start {
+                ClothStart::Crumpled => "crumpled by hand",
+                _ => "flat, laid by hand",
+            }
+            .to_owned(),
             ..Start::flat(&program.cloth)
         }),
     }
@@ -42,10 +64,17 @@ pub fn start(program: &Program, named: Option<&String>) -> Result<Start, Failure
 pub fn world(
     program: &Program,
     arguments: &ArmArguments,
+    moving: Moving,
     folder: Option<&PathBuf>,
 ) -> Result<Box<dyn World>, WorldError> {
     let (settings, settings_hash, calibration) = jaco::load(&arguments.robot).map_err(failed)?;
-    let supervisor = supervisor(arguments, &settings).map_err(|error| failed(error.to_string()))?;
+    let flat = FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(failed)?;
+    let supervisor = match moving {
+        Moving::Carried => {
+            supervisor(arguments, &settings).map_err(|error| failed(error.to_string()))?
+        }
+        Moving::Planned => Box::new(Unattended),
+    };
     let is_simulated = settings.driver == DriverKind::Simulated;
     let watchdog_s = settings.tolerance.watchdog_s;
     let mut parts = Parts {
@@ -58,74 +87,53 @@ pub fn world(
         watchdog: Box::new(NoWatchdog),
         folder: folder.cloned(),
     };
-    if is_simulated {
-        return Ok(Box::new(ArmWorld::simulated(parts)?));
+    match (moving, is_simulated) {
+        (Moving::Planned, true) => {
+            return Ok(Box::new(PlanningWorld::simulated(parts)?.with_flat(flat)));
+        }
+        (Moving::Carried, true) => {
+            return Ok(Box::new(ArmWorld::simulated(parts)?.with_flat(flat)));
+        }
+        (Moving::Planned, false) => {
+            let camera = connect::camera(&parts.settings, &arguments.robot, Which::Last);
+            let camera = camera.map_err(|why| WorldError::Camera { why })?;
+            return Ok(Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat)));
+        }
+        (Moving::Carried, false) => {}
     }
+    standing::check(&arguments.robot).map_err(failed)?;
     let watchdog = Process::start(&arguments.robot, watchdog_s).map_err(failed)?;
     parts.watchdog = Box::new(watchdog);
-    real(parts, arguments)
+    let world = real(parts, arguments)?.with_flat(flat);
+    if let Some(folder) = folder {
+        // Before the first motion: after a crash in it, the next run must find this one.
+        last::note(&arguments.robot, folder).map_err(|error| failed(error.to_string()))?;
+    }
+    Ok(Box::new(world))
 }
 
-/// Connects to a real arm and its camera, and starts its watchdog.
-#[cfg(feature = "ros")]
-fn real(parts: Parts, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
-    use runtime::arm::directory::DirectoryCamera;
-    use runtime::arm::driver::{Arm, PortArm};
-    use runtime::arm::kinematics::chain::Chain;
-    use runtime::arm::rgbd::RgbdSource;
-    use runtime::arm::ros::{RosCamera, connect};
-    use runtime::arm::settings::CameraSource;
-
-    let settings = parts.settings.clone();
-    let camera = &settings.camera;
-    let Some(ros) = &settings.ros else {
-        return Err(failed("the settings have no `[ros]`".to_owned()));
-    };
-    let beside = arguments
-        .robot
-        .parent()
-        .unwrap_or(std::path::Path::new("."));
-    let source: Box<dyn RgbdSource> = match (camera.source, &camera.folder) {
-        (CameraSource::Ros, _) => {
-            let subscribed = RosCamera::subscribe(ros, camera.timeout_s);
-            Box::new(subscribed.map_err(|error| failed(error.to_string()))?)
-        }
-        (CameraSource::Directory, Some(folder)) => Box::new(DirectoryCamera::of(
-            &beside.join(folder),
-            camera.intrinsics.clone(),
-        )),
-        _ => {
-            return Err(failed(
-                "a real arm needs the camera `ros`, or `directory` with a folder".to_owned(),
-            ));
-        }
-    };
-    let port = connect(ros, &settings.model, camera.timeout_s);
-    let port = port.map_err(|error| failed(error.to_string()))?;
-    let arm: Box<dyn Arm> = match settings.driver {
-        DriverKind::Trajectory => {
-            let chain =
-                Chain::of_model(&settings.model).map_err(|error| failed(error.to_string()))?;
-            let (fingers, tolerance) = (settings.fingers, settings.tolerance);
-            let arm = PortArm::by_trajectories(port, chain, fingers, tolerance);
-            Box::new(arm.with_floor(settings.table.center_m[2]))
-        }
-        _ => Box::new(PortArm::by_poses(
-            port,
-            &settings.model,
-            settings.fingers,
-            settings.tolerance,
-        )),
-    };
-    Ok(Box::new(ArmWorld::new(parts, arm, source)?))
+/// Makes a simulated world in which that alone can be done which the arm reaches: nobody is asked, and nothing moves.
+pub fn look(program: &Program, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
+    let (settings, ..) = jaco::load(&arguments.robot).map_err(failed)?;
+    let world = super::world(program)?;
+    Ok(Box::new(WithinReach::new(world, settings)?))
 }
 
-#[cfg(not(feature = "ros"))]
-fn real(_: Parts, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
-    Err(failed(format!(
-        "`{}` is of a real arm, and this fabc was built without ROS: build it with `--features ros`",
-        arguments.robot.display()
-    )))
+/// Returns whether somebody beside the arm is asked in the end, where the command line does not say so.
+pub fn has_operator(arguments: &ArmArguments, settings: &Settings) -> bool {
+    settings.driver != DriverKind::Simulated
+        && arguments.confirm != Some(Confirm::None)
+        && std::io::stdin().is_terminal()
+}
+
+/// Connects to a real arm and its camera.
+fn real(parts: Parts, arguments: &ArmArguments) -> Result<ArmWorld, WorldError> {
+    let settings = &parts.settings;
+    let timeout_s = settings.camera.timeout_s;
+    let camera = connect::camera(settings, &arguments.robot, Which::Fresh { timeout_s });
+    let camera = camera.map_err(|why| WorldError::Camera { why })?;
+    let arm = connect::arm(settings).map_err(failed)?;
+    ArmWorld::new(parts, arm, camera)
 }
 
 /// Returns who gives leave to move: for a real arm a person, unless told otherwise.
@@ -133,8 +141,6 @@ fn supervisor(
     arguments: &ArmArguments,
     settings: &Settings,
 ) -> Result<Box<dyn Supervisor>, Failure> {
-    use crate::cli::robot::Confirm;
-
     let is_simulated = settings.driver == DriverKind::Simulated;
     if is_simulated && arguments.confirm.is_none() && !arguments.hold_to_run {
         return Ok(Box::new(Unattended));

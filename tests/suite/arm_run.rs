@@ -1,6 +1,6 @@
 //! `fabc run --world jaco` with the arm that is simulated: the whole loop, without a robot.
 
-use super::support::{fabc, root};
+use super::support::{bring_robot, fabc, root};
 use runtime::arm::log::{Left, left};
 use serde_json::Value;
 
@@ -53,4 +53,66 @@ fn an_arm_without_settings_is_told_so() {
     assert_eq!(output.status.code(), Some(2));
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(said.contains("none.toml"), "{said}");
+}
+
+/// Runs the fold with the arm's settings changed, and returns the folder and what came of it.
+fn planned(edits: &[(&str, &str)]) -> (tempfile::TempDir, std::process::Output) {
+    let folder = tempfile::tempdir().unwrap();
+    bring_robot(folder.path(), edits);
+    let task = root().join("tasks/real/double_triangle.fab");
+    let output = fabc(folder.path())
+        .args(["run", task.to_str().unwrap(), "--world", "jaco"])
+        .args(["--plan-only", "--out", "run", "--json"])
+        .output()
+        .unwrap();
+    (folder, output)
+}
+
+#[test]
+fn a_plan_is_drawn_and_nothing_moves() {
+    let (folder, output) = planned(&[]);
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["outcome"], "planned", "{report}");
+    assert_eq!(report["steps"], 0, "{report}");
+    assert_eq!(output.status.code(), Some(0));
+    let run = folder.path().join("run");
+    let read = std::fs::read(run.join("plan.json")).unwrap();
+    let plan: Value = serde_json::from_slice(&read).unwrap();
+    assert_eq!(report["plan"], plan);
+    let names: Vec<&str> = plan["segments"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|segment| segment["name"].as_str().unwrap())
+        .collect();
+    assert_eq!((names[0], names[12], names.len()), ("rise", "rest", 13));
+    let drawn = image::open(run.join("plan.png")).unwrap();
+    assert_eq!((drawn.width(), drawn.height()), (900, 720 + 230));
+    // The journal of motions is not even begun.
+    assert!(!run.join("arm.jsonl").exists());
+}
+
+#[test]
+fn a_plan_that_is_not_possible_is_drawn_up_to_there() {
+    let zone = "rest_m = [0.30, -0.40, 0.25]\nkeep_out = [{ name = 'lamp', min_m = [0.40, -0.1, 0.0], max_m = [0.5, 0.1, 0.4] }]";
+    let (folder, output) = planned(&[("rest_m = [0.30, -0.40, 0.25]", zone)]);
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["outcome"], "world_failed", "{report}");
+    assert_eq!(output.status.code(), Some(2));
+    let why = report["plan"]["refused"].as_str().unwrap_or_default();
+    assert!(why.contains("`lamp`"), "{report}");
+    assert!(folder.path().join("run/plan.png").exists());
+}
+
+#[test]
+fn plans_are_for_arms_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = root().join("tasks/double_triangle.fab");
+    let output = fabc(folder.path())
+        .args(["run", task.to_str().unwrap(), "--plan-only"])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(64));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("--world jaco"), "{said}");
 }

@@ -1,9 +1,13 @@
 //! One module per subject; `support` holds what they share.
 
+mod pty;
 mod support;
 
 mod agent_loop;
+mod arm_bench;
 mod arm_faults;
+mod arm_flat;
+mod arm_laid;
 mod arm_run;
 mod asked;
 mod bad_bench_input;
@@ -57,6 +61,7 @@ mod steered;
 mod tidy;
 mod verbs;
 mod watch;
+mod watched_arm;
 mod whole_programs;
 mod why;
 mod world_conformance;

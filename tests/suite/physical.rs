@@ -24,7 +24,7 @@ use std::path::Path;
 use std::process::{Output, Stdio};
 use std::sync::Mutex;
 
-const SUITE: &str = r#"
+pub(super) const SUITE: &str = r#"
 about = "Three folds on a table."
 statistic = "mean"
 metrics = ["reached_by_operator", "normalized_improvement_source", "goal_reached"]
@@ -177,7 +177,7 @@ impl Operator for Written {
 }
 
 /// The shipped smoothing task of the real table, with a small cloth that lies flat.
-fn smoothing() -> Program {
+pub(super) fn smoothing() -> Program {
     let compiled = compiler::compile("tasks/real/smoothing.fab", &ProjectFiles).unwrap();
     let mut program = compiled.programs.into_iter().next().unwrap();
     (program.cloth.dimx, program.cloth.dimy) = (28, 28);
@@ -246,6 +246,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
             repeats: 1,
         }],
         make_world: &make_world,
+        arm: None,
         out: folder.path().to_owned(),
         threads: 2,
         cache: &Cache::none(),

@@ -1,6 +1,8 @@
 //! `fabc robot`: what a run left an arm in is said and noted, never changed unsaid; settings that cannot be used are named.
 
-use super::support::{Said, fabc, finish};
+mod standing;
+
+use super::support::{Said, fabc, finish, root};
 use serde_json::Value;
 use std::fs;
 use std::io::Write;
@@ -122,15 +124,22 @@ fn check(folder: &Path, settings: &str) -> (i32, Value) {
 #[test]
 fn an_arm_that_is_set_up_is_told_what_it_reaches() {
     let folder = tempfile::tempdir().unwrap();
-    let (code, read) = check(folder.path(), ROBOT);
+    let shipped = root().join("tasks/real");
+    for ending in ["toml", "png"] {
+        let calibration = format!("simulated.calibration.{ending}");
+        fs::copy(shipped.join(&calibration), folder.path().join(&calibration)).unwrap();
+    }
+    let settings = fs::read_to_string(shipped.join("simulated.toml")).unwrap();
+    let (code, read) = check(folder.path(), &settings);
     assert_eq!(code, 0, "{read}");
+    assert_eq!(read["calibration"]["usable"], true, "{read}");
     let reached: Vec<bool> = read["reach"]
         .as_array()
         .unwrap()
         .iter()
         .map(|place| place["why_not"].is_null())
         .collect();
-    // The far corners are 0.81 m away, and it reaches 0.70 m.
+    // The far corners are 0.92 m away, and it reaches 0.70 m.
     assert_eq!(reached, [true, true, true, true, false, false], "{read}");
     let mut command = fabc(folder.path());
     let said = finish(command.args(["robot", "check", "--robot", "robot.toml"]));
@@ -146,11 +155,7 @@ fn an_arm_that_is_set_up_is_told_what_it_reaches() {
 #[test]
 fn an_arm_that_cannot_be_used_is_named_by_what_lacks() {
     let folder = tempfile::tempdir().unwrap();
-    let camera = "source = \"directory\", folder = \"shots\",";
-    let (code, read) = check(
-        folder.path(),
-        &ROBOT.replace("source = \"simulated\",", camera),
-    );
+    let (code, read) = check(folder.path(), ROBOT);
     assert_eq!(
         (code, &read["calibration"]["usable"]),
         (2, &Value::from(false))

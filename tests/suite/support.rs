@@ -91,6 +91,21 @@ pub fn bring_library(folder: &Path) {
     }
 }
 
+/// Writes the shipped settings of the simulated arm as `robot.toml`, with edits, beside its calibration.
+pub fn bring_robot(folder: &Path, edits: &[(&str, &str)]) {
+    let shipped = root().join("tasks/real");
+    let mut settings = std::fs::read_to_string(shipped.join("simulated.toml")).unwrap();
+    for (from, to) in edits {
+        assert!(settings.contains(from), "{from}");
+        settings = settings.replace(from, to);
+    }
+    std::fs::write(folder.join("robot.toml"), settings).unwrap();
+    for ending in ["toml", "png"] {
+        let name = format!("simulated.calibration.{ending}");
+        std::fs::copy(shipped.join(&name), folder.join(&name)).unwrap();
+    }
+}
+
 /// A shipped task on a cloth so small that a rollout takes a moment; scored against nothing, and its results not
 /// looked at, since so small a pack lies differently each time.
 pub fn small_task() -> Program {

@@ -6,7 +6,7 @@ use runtime::arm::supervisor::{NoWatchdog, Unattended};
 use runtime::interrupt::Interrupt;
 use runtime::metrics::coverage;
 use runtime::start::Start;
-use runtime::world::jaco::{self, Parts};
+use runtime::world::jaco::{self, Parts, WithinReach};
 use runtime::world::{ArmWorld, Grasp, Motion, World, WorldError, WorldPoint};
 
 /// Fails with the name of the promise that a world breaks.
@@ -198,5 +198,16 @@ fn the_simulated_arm_conforms() {
             folder: Some(folder.path().to_owned()),
         };
         Box::new(ArmWorld::simulated(parts).unwrap())
+    });
+}
+
+#[test]
+fn a_world_within_an_arms_reach_conforms() {
+    let program = support::small_task();
+    let robot = support::root().join("tasks/real/simulated.toml");
+    let (settings, ..) = jaco::load(&robot).unwrap();
+    conforms(&|| {
+        let world = support::world(&program).unwrap();
+        Box::new(WithinReach::new(world, settings.clone()).unwrap())
     });
 }

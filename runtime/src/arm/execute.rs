@@ -106,7 +106,7 @@ impl Execution<'_> {
             segments,
         };
         if !self.supervisor.allows(asked) {
-            return Err(nothing_moved(ArmError::NotConfirmed));
+            return Err(nothing_moved(self.no_leave()));
         }
         let mut between = Between::Unknown;
         let mut grasped_at = points[0];
@@ -142,7 +142,7 @@ impl Execution<'_> {
     /// Carries one segment out: again from where the arm is, where a person lets the key go on its way.
     fn segment(&mut self, segment: &Segment) -> Result<SegmentDone, ArmError> {
         if !self.supervisor.allows(Asked::Segment(segment)) {
-            return Err(ArmError::NotConfirmed);
+            return Err(self.no_leave());
         }
         loop {
             while !self.supervisor.is_holding() {
@@ -167,6 +167,14 @@ impl Execution<'_> {
                     });
                 }
             }
+        }
+    }
+
+    /// Says why there is no leave to move: a question that is put when the program is asked to end has no answer.
+    fn no_leave(&self) -> ArmError {
+        match self.interrupt.is_raised() {
+            true => ArmError::Interrupted,
+            false => ArmError::NotConfirmed,
         }
     }
 

@@ -13,8 +13,10 @@ pub mod directory;
 pub mod driver;
 pub mod execute;
 pub mod kinematics;
+pub mod last;
 pub mod limits;
 pub mod log;
+pub mod plan;
 pub mod port;
 pub mod rgbd;
 #[cfg(feature = "ros")]

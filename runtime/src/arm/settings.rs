@@ -206,6 +206,9 @@ pub struct CameraSettings {
     pub window_px: [u32; 3],
     /// How the camera projects, where it does not say so itself.
     pub intrinsics: Option<Intrinsics>,
+    /// The camera's own picture of the flat cloth, whole and alone on the table, relative to this file; coverage is
+    /// measured against it.
+    pub flat: Option<PathBuf>,
     /// The longest to wait for a picture, seconds.
     #[serde(default = "defaults::picture_s")]
     pub timeout_s: f64,
@@ -217,7 +220,8 @@ pub struct CameraSettings {
 pub enum CameraSource {
     /// Topics with `sensor_msgs` messages.
     Ros,
-    /// Pictures in a folder, `NAME.png` with `NAME.depth.png`, taken in the order of their names.
+    /// Pictures that something else writes into a folder, `NAME.png` with `NAME.depth.png`: each time one that was not there
+    /// before.
     Directory,
     /// The simulator's camera; with the driver `simulated` only.
     Simulated,

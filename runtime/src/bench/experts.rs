@@ -3,7 +3,8 @@
 //! In: the suite's programs and laid starts. Out: ends in the cache before any rollout asks for them, and distances
 //! to them. The ends of folds that go a fraction of their way are those of the same sequences, each fold shortened.
 
-use super::play::{Laid, Phase, Spent, at, place, program_of};
+use super::laid::Laid;
+use super::play::{Phase, Spent, at, place, program_of};
 use super::record::Record;
 use super::{Bench, BenchError};
 use crate::expert::{self, MakeWorld};
@@ -101,7 +102,7 @@ pub(super) fn distances_m(
     record: &Record,
 ) -> Result<Vec<(f64, f64)>, WorldError> {
     let last = record.last.as_ref().unwrap_or(&job.start.positions);
-    let make_world: &MakeWorld<'_> = job.make_world;
+    let make_world: &MakeWorld<'_> = job.make_expert_world;
     let mut distances = Vec::new();
     for fraction in fractions(bench) {
         let ends = expert::ends(

@@ -1,5 +1,6 @@
 //! What a suite would ask in the first step of each of its entries, before anything is asked.
 
+use super::laid::lay_one;
 use super::play::{at, place, program_of};
 use super::{Bench, BenchError};
 use crate::rollout::{FirstQuestion, Job, first_questions};
@@ -13,9 +14,12 @@ pub fn first_questions_of(bench: &Bench<'_>) -> Result<Vec<Vec<FirstQuestion>>, 
         let place = place(bench, entry, 0);
         let program = program_of(bench, entry, 0)?;
         let task = &bench.tasks[entry.task];
-        let make_world = || (bench.make_world)(program);
-        let world = make_world().map_err(|error| at(&place, error))?;
-        let start = task.starts[0].lay(world.as_ref(), bench.cache, bench.interrupt);
+        // Nobody lays a cloth, and nothing is connected, for the sake of an estimate.
+        let make_world = || match &bench.arm {
+            Some(arm) => (arm.make_look)(program),
+            None => (bench.make_world)(program),
+        };
+        let start = lay_one(bench, task, &task.starts[0]);
         let start = start.map_err(|error| at(&place, error))?;
         let job = Job {
             program,

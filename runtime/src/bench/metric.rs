@@ -125,6 +125,11 @@ impl Metric {
         }
     }
 
+    /// Returns whether nothing can be said of it where nobody knows the cloth's particles.
+    pub fn needs_particles(self) -> bool {
+        self.source() == Some(CoverageSource::Particles) || self.fold_fraction().is_some()
+    }
+
     /// Returns whether it needs a rollout that goes on after its goal was met.
     pub fn is_without_stop(self) -> bool {
         matches!(

@@ -10,6 +10,7 @@
 //! and printing are left to the caller.
 
 pub mod metric;
+pub mod on_arm;
 pub mod play;
 pub mod record;
 pub mod rows;
@@ -20,10 +21,12 @@ pub mod table;
 
 mod experts;
 mod foresee;
+mod laid;
 
 pub use foresee::first_questions_of;
 
 use crate::agent::Models;
+use crate::arm::log::LogError;
 use crate::cache::Cache;
 use crate::calls::{Budget, LedgerError};
 use crate::examples::Examples;
@@ -36,6 +39,7 @@ use crate::subgoals::SubgoalSet;
 use crate::world::{World, WorldError};
 use compiler::program::Program;
 use metric::Metric;
+use on_arm::OnArm;
 use starts::StartPoint;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -49,11 +53,14 @@ pub struct Bench<'a> {
     pub tasks: Vec<Task>,
     /// What is done with them: a task and a method each.
     pub entries: Vec<Entry<'a>>,
-    /// Makes the world of a program; equal programs get equal worlds.
+    /// Makes the simulated world of a program; equal programs get equal worlds. It knows starts and expert ends, and
+    /// rollouts are carried out in it where there is no arm.
     pub make_world: &'a MakeWorldOf<'a>,
+    /// The arm that carries rollouts out, one at a time, where there is one.
+    pub arm: Option<OnArm<'a>>,
     /// Where run folders are made.
     pub out: PathBuf,
-    /// Rollouts side by side.
+    /// Jobs side by side; rollouts on an arm, and those that an operator judges, go one at a time.
     pub threads: usize,
     /// Where crumpled starts and expert ends are kept.
     pub cache: &'a Cache,
@@ -137,6 +144,25 @@ pub enum BenchError {
         /// The name of the fault.
         fault: &'static str,
     },
+    /// An arm was left in the middle of a motion by an earlier part of the suite.
+    #[error(
+        "the rollout in `{}` left the arm in the middle of a motion: nothing is begun before a person has looked after it; `fabc robot recover {}` says how it was left", folder.display(), folder.display()
+    )]
+    LeftUnclear {
+        /// The run folder.
+        folder: PathBuf,
+    },
+    /// The journal of an arm cannot be read.
+    #[error("how the arm was left is not known: {0}")]
+    ArmLog(#[from] LogError),
+    /// The suite measures what nobody knows of a real cloth.
+    #[error(
+        "the suite measures `{metric}`, and of a real cloth nobody knows where its particles are: run it in the simulator or on a simulated arm; `physical` is made for a real one"
+    )]
+    NoParticles {
+        /// The metric.
+        metric: &'static str,
+    },
     /// The calls of an earlier part of the suite cannot be read.
     #[error(transparent)]
     Ledger(#[from] LedgerError),
@@ -165,6 +191,16 @@ pub enum BenchError {
     /// A thread cannot be started.
     #[error(transparent)]
     Threads(#[from] std::io::Error),
+}
+
+impl Bench<'_> {
+    /// Returns how many rollouts run side by side: one person sees one at a time, and an arm does one.
+    pub fn side_by_side(&self) -> usize {
+        match (&self.arm, self.operator) {
+            (None, None) => self.threads,
+            _ => 1,
+        }
+    }
 }
 
 impl Entry<'_> {

@@ -4,6 +4,8 @@
 //! over its jobs with as many threads as asked for, and a job starts none of its own: expert ends are there
 //! before the first rollout asks for them.
 
+use super::laid::{self, Laid};
+use super::on_arm::{self, LeftArm};
 use super::record::{self, Found, Identity, Record};
 use super::{Bench, BenchError, Entry, experts};
 use crate::calls::{Fault, ledger};
@@ -12,8 +14,8 @@ use crate::model::described;
 use crate::outcome::Outcome;
 use crate::parallel::in_parallel;
 use crate::rollout::{self, Job, RunError};
-use crate::start::Start;
-use crate::world::{World, WorldError};
+use crate::world::WorldError;
+use crate::world::jaco::About;
 use compiler::program::Program;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -41,6 +43,10 @@ pub struct Results {
     pub planned: usize,
     /// How many were found finished.
     pub found: usize,
+    /// The folders of rollouts on an arm that were cut off and are not gone on with.
+    pub cut_off: Vec<PathBuf>,
+    /// The rollout that failed for the arm's sake, or did not bring it to rest with an empty hand, where one did so.
+    pub left: Option<LeftArm>,
     /// Why rollouts are missing, where some are.
     pub stopped: Option<Stop>,
     /// Name of the world.
@@ -58,6 +64,8 @@ pub enum Stop {
     Interrupted,
     /// A cap on calls or cost was reached.
     Capped,
+    /// A rollout failed for the arm's sake, or left it otherwise than at rest with an empty hand.
+    ArmLeft,
 }
 
 /// Wall times, seconds.
@@ -95,12 +103,15 @@ pub fn play(
 ) -> Result<Results, BenchError> {
     let mut results = Results::default();
     let begun = Instant::now();
-    let Some(laid) = lay(bench, progress)? else {
+    let Some(laid) = laid::lay(bench, progress)? else {
         return Ok(interrupted(results));
     };
     results.spent.starts_s = begun.elapsed().as_secs_f64();
-    refuse_examples(bench, &laid)?;
-    (results.world, results.params) = world(bench)?;
+    laid::refuse_examples(bench, &laid)?;
+    if let Some(task) = bench.tasks.first() {
+        let about = about(bench, &task.program).map_err(|error| at(&task.name, error))?;
+        (results.world, results.params) = (about.name, about.parameters);
+    }
     let begun = Instant::now();
     let is_whole = experts::simulate(bench, &laid, progress, &mut results.spent)?;
     results.spent.experts_s = begun.elapsed().as_secs_f64();
@@ -117,43 +128,46 @@ pub fn play(
             .restore(&ledger::read(&folder_of(bench, *which))?.spent);
     }
     progress(Phase::Rollouts, 0, jobs.len());
-    // One person sees one rollout at a time.
-    let side_by_side = bench.operator.map_or(bench.threads, |_| 1);
-    let done = in_parallel(
-        jobs.len(),
-        side_by_side,
-        |index| one(bench, &laid, jobs[index]),
-        |done| progress(Phase::Rollouts, done, jobs.len()),
-    )?;
-    for (played, was_found) in done.into_iter().flatten() {
+    let done = match &bench.arm {
+        Some(_) => on_arm::play(bench, &laid, &jobs, progress)?,
+        None => side_by_side(bench, &laid, &jobs, progress)?,
+    };
+    for (played, was_found) in done.played {
         results.found += usize::from(was_found);
         results.rollouts.push(played);
     }
     results.spent.rollouts_s = begun.elapsed().as_secs_f64();
-    if results.rollouts.len() < results.planned {
-        results.stopped = Some(match bench.interrupt.is_raised() {
-            true => Stop::Interrupted,
-            false => Stop::Capped,
-        });
-    }
+    let missing = jobs.len() - results.rollouts.len() - done.cut_off.len();
+    results.stopped = match (done.stop, bench.interrupt.is_raised()) {
+        (Some(stop), _) => Some(stop),
+        (None, _) if missing == 0 => None,
+        (None, true) => Some(Stop::Interrupted),
+        (None, false) => Some(Stop::Capped),
+    };
+    (results.cut_off, results.left) = (done.cut_off, done.left);
     Ok(results)
 }
 
-/// Fails where a start of the suite is one that a model is told as an example.
-fn refuse_examples(bench: &Bench<'_>, laid: &Laid) -> Result<(), BenchError> {
-    for entry in &bench.entries {
-        for start in &laid[entry.task] {
-            if let Some(demonstration) = entry.examples.demonstrates(start) {
-                return Err(BenchError::Demonstrated {
-                    task: bench.tasks[entry.task].name.clone(),
-                    method: entry.method.name.clone(),
-                    start: start.name.clone(),
-                    demonstration,
-                });
-            }
-        }
-    }
-    Ok(())
+/// Carries rollouts out in the simulator.
+fn side_by_side(
+    bench: &Bench<'_>,
+    laid: &Laid,
+    jobs: &[Which],
+    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+) -> Result<on_arm::Done, BenchError> {
+    let ended: Result<_, BenchError> = in_parallel(
+        jobs.len(),
+        bench.side_by_side(),
+        |index| match one(bench, laid, jobs[index])? {
+            Ended::Played(played, was_found) => Ok(Some((*played, was_found))),
+            Ended::CutOff | Ended::Stopped(_) => Ok(None),
+        },
+        |done| progress(Phase::Rollouts, done, jobs.len()),
+    );
+    Ok(on_arm::Done {
+        played: ended?.into_iter().flatten().collect(),
+        ..on_arm::Done::default()
+    })
 }
 
 fn interrupted(results: Results) -> Results {
@@ -163,13 +177,17 @@ fn interrupted(results: Results) -> Results {
     }
 }
 
-/// Returns the name and the parameters of the world.
-fn world(bench: &Bench<'_>) -> Result<(String, String), BenchError> {
-    let Some(task) = bench.tasks.first() else {
-        return Ok(<_>::default());
-    };
-    let world = (bench.make_world)(&task.program).map_err(|error| at(&task.name, error))?;
-    Ok((world.name().to_owned(), world.parameters()))
+/// Returns what the world of a program says of itself.
+fn about(bench: &Bench<'_>, program: &Program) -> Result<About, WorldError> {
+    if let Some(arm) = &bench.arm {
+        return Ok(arm.about.clone());
+    }
+    let world = (bench.make_world)(program)?;
+    Ok(About {
+        name: world.name().to_owned(),
+        parameters: world.parameters(),
+        code: world.code(),
+    })
 }
 
 pub(super) fn at(place: &str, error: WorldError) -> BenchError {
@@ -177,46 +195,6 @@ pub(super) fn at(place: &str, error: WorldError) -> BenchError {
         place: place.to_owned(),
         error,
     }
-}
-
-/// The starts of every task, laid.
-pub(super) type Laid = Vec<Vec<Start>>;
-
-/// Lays every start; None where the user stopped it.
-fn lay(
-    bench: &Bench<'_>,
-    progress: &(dyn Fn(Phase, usize, usize) + Sync),
-) -> Result<Option<Laid>, BenchError> {
-    let tasks = bench.tasks.iter().enumerate();
-    let jobs: Vec<(usize, usize)> = tasks
-        .flat_map(|(task, it)| (0..it.starts.len()).map(move |start| (task, start)))
-        .collect();
-    progress(Phase::Starts, 0, jobs.len());
-    let laid = in_parallel(
-        jobs.len(),
-        bench.threads,
-        |index| {
-            let (task, start) = jobs[index];
-            let task = &bench.tasks[task];
-            let point = &task.starts[start];
-            let place = format!("{}, start {}", task.name, point.number);
-            let world = (bench.make_world)(&task.program).map_err(|error| at(&place, error))?;
-            match point.lay(world.as_ref(), bench.cache, bench.interrupt) {
-                Ok(start) => Ok(Some(start)),
-                Err(WorldError::Interrupted) => Ok(None),
-                Err(error) => Err(at(&place, error)),
-            }
-        },
-        |done| progress(Phase::Starts, done, jobs.len()),
-    )?;
-    let mut starts: Laid = bench.tasks.iter().map(|_| Vec::new()).collect();
-    for ((task, _), start) in jobs.iter().zip(laid) {
-        let Some(start) = start else {
-            return Ok(None);
-        };
-        starts[*task].push(start);
-    }
-    Ok(Some(starts))
 }
 
 pub(super) fn place(bench: &Bench<'_>, entry: &Entry<'_>, start: usize) -> String {
@@ -240,7 +218,7 @@ pub(super) fn program_of<'b>(
 }
 
 /// Entry, start and repetition of a rollout.
-type Which = (usize, usize, u32);
+pub(super) type Which = (usize, usize, u32);
 
 /// Lists the rollouts in the order of tables.
 fn rollouts(bench: &Bench<'_>) -> Vec<Which> {
@@ -253,7 +231,7 @@ fn rollouts(bench: &Bench<'_>) -> Vec<Which> {
 }
 
 /// Returns the folder of a rollout, below the suite's.
-fn folder_of(bench: &Bench<'_>, (entry, start, repetition): Which) -> PathBuf {
+pub(super) fn folder_of(bench: &Bench<'_>, (entry, start, repetition): Which) -> PathBuf {
     let entry = &bench.entries[entry];
     let task = &bench.tasks[entry.task];
     let name = format!("start-{:03}-{}", task.starts[start].number, repetition + 1);
@@ -264,14 +242,28 @@ fn folder_of(bench: &Bench<'_>, (entry, start, repetition): Which) -> PathBuf {
         .join(name)
 }
 
-/// Finds or runs a rollout, and scores its last state; None where it was stopped.
-fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Option<(Played, bool)>, BenchError> {
+/// What came of one rollout.
+pub(super) enum Ended {
+    /// It has ended; was found so, or not.
+    Played(Box<Played>, bool),
+    /// It was cut off on an arm, and is not gone on with.
+    CutOff,
+    /// It was stopped, or not begun.
+    Stopped(Stop),
+}
+
+/// Finds or runs a rollout, and scores its last state.
+pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended, BenchError> {
     let (number, start, repetition) = which;
     let entry = &bench.entries[number];
     let program = program_of(bench, entry, start)?;
     let start_at = &laid[entry.task][start];
     let folder = folder_of(bench, which);
-    let make_world = || (bench.make_world)(program);
+    let make_simulated = || (bench.make_world)(program);
+    let make_world = || match &bench.arm {
+        Some(arm) => (arm.make_world)(program, &folder),
+        None => make_simulated(),
+    };
     let job = Job {
         program,
         start: start_at,
@@ -281,7 +273,7 @@ fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Option<(Played, b
         budget: bench.budget,
         recorder: bench.recorder,
         make_world: &make_world,
-        make_expert_world: &make_world,
+        make_expert_world: &make_simulated,
         cache: bench.cache,
         interrupt: bench.interrupt,
         horizon: bench.suite.horizons.last().copied(),
@@ -289,20 +281,24 @@ fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Option<(Played, b
         operator: bench.operator,
         repetition,
     };
-    let world = make_world().map_err(|error| at(&place(bench, entry, start), error))?;
-    let identity = identity(&job, world.as_ref());
+    let about = about(bench, program).map_err(|error| at(&place(bench, entry, start), error))?;
+    let identity = identity(&job, about);
+    let is_on_arm = bench.arm.is_some();
     let (record, was_found) = match record::find(&folder, &identity) {
-        // What a model could not be had for is tried again.
-        Found::Finished(record) if record.outcome != Outcome::ModelFailed => (record, true),
+        // What a model could not be had for is tried again, unless an arm has moved the cloth since.
+        Found::Finished(record) if is_on_arm || record.outcome != Outcome::ModelFailed => {
+            (record, true)
+        }
         Found::Other(why) => return Err(BenchError::Other { folder, why }),
+        Found::Unfinished if is_on_arm && on_arm::has_begun(&folder) => return Ok(Ended::CutOff),
         Found::Finished(_) | Found::Unfinished => match run(&job, &folder, &identity)? {
-            Some(record) => (record, false),
-            None => return Ok(None),
+            Ok(record) => (record, false),
+            Err(stop) => return Ok(Ended::Stopped(stop)),
         },
     };
     let distances_m = match experts::distances_m(bench, &job, &record) {
         Ok(distances_m) => distances_m,
-        Err(WorldError::Interrupted) => return Ok(None),
+        Err(WorldError::Interrupted) => return Ok(Ended::Stopped(Stop::Interrupted)),
         Err(error) => return Err(at(&place(bench, entry, start), error)),
     };
     let played = Played {
@@ -311,14 +307,14 @@ fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Option<(Played, b
         record,
         distances_m,
     };
-    Ok(Some((played, was_found)))
+    Ok(Ended::Played(Box::new(played), was_found))
 }
 
-fn identity(job: &Job<'_>, world: &dyn World) -> Identity {
+fn identity(job: &Job<'_>, about: About) -> Identity {
     Identity {
         program: job.program.hash(),
-        params: world.parameters(),
-        code: world.code(),
+        params: about.parameters,
+        code: about.code,
         start: job.start.digest(),
         models: [job.models.vision, job.models.text].map(described),
         horizon: job.horizon(),
@@ -327,10 +323,14 @@ fn identity(job: &Job<'_>, world: &dyn World) -> Identity {
     }
 }
 
-/// Runs a rollout into its folder, or goes on with one that was cut off; None where it is stopped.
-fn run(job: &Job<'_>, folder: &Path, identity: &Identity) -> Result<Option<Record>, BenchError> {
+/// Runs a rollout into its folder, or goes on with one that was cut off; says why where it is stopped.
+fn run(
+    job: &Job<'_>,
+    folder: &Path,
+    identity: &Identity,
+) -> Result<Result<Record, Stop>, BenchError> {
     if job.interrupt.is_raised() {
-        return Ok(None);
+        return Ok(Err(Stop::Interrupted));
     }
     let failed = |error: RunError| BenchError::Run {
         place: folder.display().to_string(),
@@ -342,8 +342,10 @@ fn run(job: &Job<'_>, folder: &Path, identity: &Identity) -> Result<Option<Recor
     };
     let open = open.map_err(|error| failed(error.into()))?;
     let report = rollout::run(job, open, &mut |_| {}).map_err(failed)?;
-    if let Outcome::Interrupted | Outcome::BudgetExhausted = report.outcome {
-        return Ok(None);
+    match report.outcome {
+        Outcome::Interrupted => return Ok(Err(Stop::Interrupted)),
+        Outcome::BudgetExhausted => return Ok(Err(Stop::Capped)),
+        _ => {}
     }
     let hopeless = [Fault::NotAuthorised, Fault::QuotaExhausted].map(Fault::name);
     let named = hopeless
@@ -356,11 +358,11 @@ fn run(job: &Job<'_>, folder: &Path, identity: &Identity) -> Result<Option<Recor
         });
     }
     match record::find(folder, identity) {
-        Found::Finished(record) => Ok(Some(record)),
+        Found::Finished(record) => Ok(Ok(record)),
         Found::Other(why) => Err(BenchError::Other {
             folder: folder.to_owned(),
             why,
         }),
-        Found::Unfinished => Ok(None),
+        Found::Unfinished => Ok(Err(Stop::Interrupted)),
     }
 }

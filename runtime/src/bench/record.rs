@@ -121,6 +121,27 @@ pub fn find(folder: &Path, wanted: &Identity) -> Found {
     Found::Unfinished
 }
 
+/// Returns whether a rollout took a step in a folder, or ended there.
+pub(super) fn has_steps(folder: &Path) -> bool {
+    lines_of(folder).any(|line| line["type"] != "header")
+}
+
+/// Returns why the last step of a rollout was not executed, where it was not.
+pub(super) fn last_words(folder: &Path) -> Option<String> {
+    let steps = lines_of(folder).filter(|line| line["type"] == "step");
+    steps.last()?["stopped"].as_str().map(str::to_owned)
+}
+
+fn lines_of(folder: &Path) -> impl Iterator<Item = Value> {
+    let bytes = bounded::read(&folder.join(JOURNAL_FILE), MAX_BYTES).unwrap_or_default();
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let lines: Vec<Value> = text
+        .lines()
+        .filter_map(|line| serde_json::from_str(line).ok())
+        .collect();
+    lines.into_iter()
+}
+
 fn ended(folder: &Path, end: &Value, steps: Vec<Step>) -> Found {
     let outcome = serde_json::from_value(end["report"]["outcome"].clone());
     let last = match end["final"].as_str() {

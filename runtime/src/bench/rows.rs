@@ -15,12 +15,17 @@ use compiler::program::{Goal, Program};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// The name of the world that needs no table.
-const SIMULATED: &str = "sim";
-
-/// What is said of a row whose suite is for a real table.
-const REHEARSAL: &str =
-    "a rehearsal in the simulator, which says that the protocol runs and nothing of an arm";
+/// What is said of a row whose suite is for a real table, by the world that stood in for it.
+const REHEARSALS: [(&str, &str); 2] = [
+    (
+        "sim",
+        "a rehearsal in the simulator, which says that the protocol runs and nothing of an arm",
+    ),
+    (
+        "simulated_arm",
+        "a rehearsal on a simulated arm and table, which says that the protocol runs and nothing of a real arm",
+    ),
+];
 
 /// One figure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -106,8 +111,13 @@ struct Shown<'b> {
     program: &'b Program,
     /// By start.
     rollouts: Vec<Vec<&'b Played>>,
-    /// Whether the simulator stood in for the table on which an operator lays the cloth.
-    is_rehearsal: bool,
+    /// What is said where something simulated stood in for the table on which an operator lays the cloth.
+    rehearsal: Option<&'static str>,
+}
+
+fn rehearsal(world: &str) -> Option<&'static str> {
+    let mut all = REHEARSALS.into_iter();
+    all.find(|(name, _)| *name == world).map(|(_, note)| note)
 }
 
 impl<'b> Shown<'b> {
@@ -128,11 +138,12 @@ impl<'b> Shown<'b> {
             entry,
             program: entry.programs.values().next()?,
             rollouts,
-            is_rehearsal: results.world == SIMULATED
-                && bench
-                    .suite
-                    .starts_of(&bench.tasks[entry.task].name)
-                    .is_laid_by_hand(),
+            rehearsal: bench
+                .suite
+                .starts_of(&bench.tasks[entry.task].name)
+                .is_laid_by_hand()
+                .then(|| rehearsal(&results.world))
+                .flatten(),
         })
         .filter(|_| !is_empty)
     }
@@ -302,11 +313,10 @@ impl<'b> Shown<'b> {
             .stand_in_note
             .iter()
             .filter(|_| is_stand_in);
-        let rehearsed = self.is_rehearsal.then_some(REHEARSAL);
         let notes: Vec<&str> = own
             .chain(&self.entry.method.note)
             .map(String::as_str)
-            .chain(rehearsed)
+            .chain(self.rehearsal)
             .collect();
         Row {
             task: self.bench.tasks[self.entry.task].name.clone(),

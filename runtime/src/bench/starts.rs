@@ -236,6 +236,20 @@ impl StartPoint {
         [self.cloth.dimx, self.cloth.dimy]
     }
 
+    /// Says how a person is to lay the cloth.
+    pub fn in_words(&self) -> String {
+        let of_task = |number: &u32| match self.cloth.start {
+            ClothStart::Crumpled => format!("crumpled by hand, {}", number + 1),
+            _ => format!("flat, {}", number + 1),
+        };
+        match &self.lie {
+            Lie::Turned { deg } => format!("flat, turned by {deg:.0} degrees"),
+            Lie::Crumpled { .. } => format!("crumpled by hand, {}", self.number + 1),
+            Lie::Recorded(start) => format!("as `{}` was recorded", start.name),
+            Lie::ByHand { number } => of_task(number),
+        }
+    }
+
     /// Lays the cloth; a crumpled one comes from the cache or is crumpled in `world`.
     ///
     /// One that a person lays is crumpled there too, where the world can do that; where it cannot, its positions are those of

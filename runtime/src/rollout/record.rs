@@ -31,6 +31,7 @@ pub(super) struct Keeper<'j> {
     pub(super) tally: Tally,
     steps: u32,
     last_skip: Option<Outcome>,
+    stopped: Option<String>,
     progress: Vec<Progress>,
     final_positions: Option<String>,
 }
@@ -87,6 +88,7 @@ impl<'j> Keeper<'j> {
             tally: Tally::default(),
             steps: 0,
             last_skip: None,
+            stopped: None,
             progress: Vec::new(),
             final_positions: None,
         })
@@ -161,6 +163,7 @@ impl<'j> Keeper<'j> {
             self.tally.skip(skipped);
             self.last_skip = Some(skipped);
         }
+        self.stopped.clone_from(&line.stopped);
         if let Some(planning_s) = turn.planning_s() {
             self.tally.planned(planning_s);
         }
@@ -208,6 +211,7 @@ impl<'j> Keeper<'j> {
             task: job.program.task.clone(),
             variant: job.program.variant.clone(),
             outcome,
+            stopped: self.stopped.clone(),
             goal_reached: job
                 .program
                 .goal

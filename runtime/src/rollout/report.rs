@@ -17,6 +17,8 @@ pub struct Report {
     pub variant: Option<String>,
     /// How it ended.
     pub outcome: Outcome,
+    /// Why it ended before its last step, in words: of an arm, what is verified; null where it did not.
+    pub stopped: Option<String>,
     /// Whether the declared goal was met; null without a goal, and where the world does not know what it is judged on.
     pub goal_reached: Option<bool>,
     /// What the operator says of it; null where nobody was asked, or nobody answered.

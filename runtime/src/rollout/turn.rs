@@ -255,7 +255,8 @@ impl<'j> Turn<'j> {
 
     fn stop_for(&mut self, error: &WorldError) -> Option<Outcome> {
         let outcome = match error {
-            WorldError::Interrupted => Outcome::Interrupted,
+            WorldError::PlannedOnly => Outcome::Planned,
+            WorldError::Interrupted | WorldError::Halted { .. } => Outcome::Interrupted,
             _ => Outcome::WorldFailed,
         };
         self.stop(outcome, &error.to_string())

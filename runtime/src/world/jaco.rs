@@ -5,18 +5,22 @@
 //! except that a simulated table does.
 
 mod parts;
+mod picture;
+mod planning;
 mod rehearsal;
+mod within;
 
-pub use parts::{Parts, base_from_world, load};
+pub use parts::{About, Parts, about, base_from_world, load};
+pub use picture::{FlatPicture, simulated_table};
+pub use planning::{PLAN_FILE, PLAN_PICTURE, PlanningWorld, read_plan};
 pub use rehearsal::Rehearsal;
+pub use within::WithinReach;
 
 use super::simulated::table::ClothTable;
 use super::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
-use crate::arm::calibration::{Moved, Window};
+use crate::arm::calibration::Moved;
 use crate::arm::driver::{Arm, ArmError, Between};
 use crate::arm::execute::{Broken, Execution, without_cloth};
-use crate::arm::kinematics::chain::Chain;
-use crate::arm::kinematics::reach::{Reach, Turn};
 use crate::arm::limits::{self, Limited};
 use crate::arm::log::ArmLog;
 use crate::arm::rgbd::{RgbdSource, Shot};
@@ -25,12 +29,10 @@ use crate::arm::settings::Settings;
 use crate::interrupt::Interrupt;
 use crate::observation::Observation;
 use crate::start::Start;
-use crate::vision::DepthImage;
-use image::imageops::{self, FilterType};
-use nalgebra::{Isometry3, Point3, Vector3};
-use sha2::{Digest, Sha256};
+use nalgebra::{Isometry3, Vector3};
 use std::cell::RefCell;
 use std::rc::Rc;
+use within::{ArmReach, base_point};
 
 /// How far from `rest_m` the tool may be when a picture is taken, metres.
 const AT_REST_M: f64 = 0.02;
@@ -43,10 +45,13 @@ pub struct ArmWorld {
     camera: Box<dyn RgbdSource>,
     /// The simulated table, where there is one.
     table: Option<Rc<RefCell<ClothTable>>>,
-    reach: Reach,
+    flat: Option<FlatPicture>,
+    reach: ArmReach,
     log: Option<ArmLog>,
     is_laid: bool,
     is_camera_checked: bool,
+    /// The camera's own picture that was taken last.
+    last_shot: Option<Shot>,
     n_actions: u32,
     begun_s: f64,
 }
@@ -63,8 +68,6 @@ impl ArmWorld {
             .calibration
             .check_settings(settings)
             .map_err(|why| motion(format!("the calibration does not fit the settings: {why}")))?;
-        let chain = Chain::of_model(&settings.model).map_err(|why| motion(why.to_string()))?;
-        let turn = Turn::Fixed(settings.motion.hand_turn_deg.to_radians());
         let margin_m = settings.tolerance.position_m;
         let log = parts.folder.as_deref().map(ArmLog::open).transpose();
         Ok(ArmWorld {
@@ -72,26 +75,28 @@ impl ArmWorld {
             arm: Limited::new(arm, settings.workspace.clone(), margin_m),
             camera,
             table: None,
-            reach: Reach::tool_down(&chain, turn),
+            flat: None,
+            reach: ArmReach::of(settings)?,
             log: log.map_err(|error| motion(error.to_string()))?,
             is_laid: false,
             is_camera_checked: false,
+            last_shot: None,
             n_actions: 0,
             begun_s: 0.0,
             parts,
         })
     }
 
-    /// Returns a point of the world in the base frame, not below the table.
-    fn base_point(&self, point: &WorldPoint) -> Point3<f64> {
-        let mut at = self.base_from_world * point;
-        at.z = at.z.max(self.parts.settings.table.center_m[2]);
-        at
+    /// Measures coverage against a picture of the flat cloth; it counts into the world's parameters.
+    pub fn with_flat(self, flat: Option<FlatPicture>) -> ArmWorld {
+        ArmWorld { flat, ..self }
     }
 
-    /// Checks that the camera is where it was calibrated; a simulated one cannot be moved.
+    /// Checks that the camera is where it was calibrated; of a simulated one that was calibrated without a picture, its
+    /// place is known.
     fn check_camera(&mut self, shot: &Shot) -> Result<(), WorldError> {
-        if self.is_camera_checked || self.table.is_some() {
+        let is_known = self.table.is_some() && self.parts.calibration.reference.is_none();
+        if self.is_camera_checked || is_known {
             return Ok(());
         }
         let why = match self.parts.calibration.moved(shot) {
@@ -113,69 +118,24 @@ impl ArmWorld {
         };
         Err(WorldError::Camera { why })
     }
-
-    /// Cuts the task's square picture out of the camera's own.
-    fn square(&self, shot: &Shot) -> Result<Observation, WorldError> {
-        let size_px = [shot.rgb.width(), shot.rgb.height()];
-        let window = Window::from(self.parts.settings.camera.window_px);
-        if !window.is_in(size_px) {
-            return Err(WorldError::Camera {
-                why: format!(
-                    "its picture has {} x {} px, and `window_px` goes beyond it",
-                    size_px[0], size_px[1]
-                ),
-            });
-        }
-        let (left, top, side) = (window.left_px, window.top_px, window.side_px);
-        let image_px = self.parts.image_px;
-        let rgb = imageops::crop_imm(&shot.rgb, left, top, side, side).to_image();
-        let rgb = match side == image_px {
-            true => rgb,
-            false => imageops::resize(&rgb, image_px, image_px, FilterType::Triangle),
-        };
-        // The mean of a near and a far reading is none, so that depth is taken from one pixel each.
-        let depth_m = DepthImage::from_fn(image_px, image_px, |column, row| {
-            let raw =
-                |at: u32| (2 * u64::from(at) + 1) * u64::from(side) / (2 * u64::from(image_px));
-            *shot
-                .depth_m
-                .get_pixel(left + raw(column) as u32, top + raw(row) as u32)
-        });
-        Ok(Observation {
-            rgb,
-            depth_m,
-            camera: self.parts.calibration.camera(
-                &self.base_from_world.inverse(),
-                &window,
-                image_px,
-            ),
-            time_s: self.arm.now_s() - self.begun_s,
-        })
-    }
 }
 
 impl World for ArmWorld {
     fn name(&self) -> &str {
-        match self.table {
-            Some(_) => "simulated_arm",
-            None => "jaco",
-        }
+        parts::name(self.parts.settings.driver)
     }
 
     fn parameters(&self) -> String {
-        let mut hash = Sha256::new();
-        hash.update(&self.parts.settings_hash);
-        hash.update(self.parts.calibration.to_toml());
-        let hex: Vec<String> = hash
-            .finalize()
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
-        hex.concat()[..16].to_owned()
+        let Parts {
+            settings_hash,
+            calibration,
+            ..
+        } = &self.parts;
+        parts::parameters(settings_hash, calibration, self.flat.as_ref())
     }
 
     fn code(&self) -> String {
-        env!("CARGO_PKG_VERSION").to_owned()
+        parts::code(self.parts.settings.driver)
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
@@ -226,7 +186,9 @@ impl World for ArmWorld {
             why: error.to_string(),
         })?;
         self.check_camera(&shot)?;
-        self.square(&shot)
+        let seen = picture::square(&self.parts, &shot, self.arm.now_s() - self.begun_s);
+        self.last_shot = Some(shot);
+        seen
     }
 
     fn act(
@@ -237,8 +199,8 @@ impl World for ArmWorld {
         if !self.is_laid {
             return Err(WorldError::NotReset);
         }
-        let [pick, place] =
-            [&motion_asked.pick, &motion_asked.place].map(|point| self.base_point(point));
+        let [pick, place] = [&motion_asked.pick, &motion_asked.place]
+            .map(|point| base_point(&self.parts.settings, point));
         let settings = self.parts.settings.clone();
         let from = self
             .arm
@@ -290,33 +252,17 @@ impl World for ArmWorld {
         self.table.as_ref()?.borrow().particles()
     }
 
+    fn flat_cloth(&self) -> Option<Observation> {
+        let shot = match (&self.flat, &self.table) {
+            (Some(flat), _) => flat.shot(),
+            (None, Some(table)) => table.borrow().flat_shot()?,
+            (None, None) => return None,
+        };
+        picture::square(&self.parts, &shot, 0.0).ok()
+    }
+
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
-        let settings = &self.parts.settings;
-        let at = self.base_point(point);
-        let motion = &settings.motion;
-        let top_m = route::travel_height_m(settings) - at.z;
-        let heights = [
-            motion.pre_pick_m,
-            motion.lift_m,
-            motion.retreat_m,
-            top_m.max(0.0),
-        ];
-        if let Err(why) = self.reach.check(&at, &heights) {
-            return Some(format!("it lies {why}"));
-        }
-        let pose = |above_m: f64| {
-            let over = Point3::new(at.x, at.y, at.z + above_m);
-            crate::arm::kinematics::tool_down::tool_down(&over, 0.0)
-        };
-        let (low, high) = (
-            pose(motion.grasp_m.min(motion.release_m)),
-            pose(top_m.max(0.0)),
-        );
-        let margin_m = settings.tolerance.position_m;
-        let check = |from, to| {
-            limits::check(&settings.workspace, margin_m, from, to, motion.speed_m_s).err()
-        };
-        check(&high, &low).or_else(|| check(&low, &high))
+        self.reach.out_of_reach(&self.parts.settings, point)
     }
 }
 
@@ -350,9 +296,15 @@ fn motion(why: String) -> WorldError {
 
 /// Says what is known of a motion that was not carried out to its end.
 fn told(broken: Broken) -> WorldError {
+    let told = broken.to_string();
     match (&broken.why, &broken.stopped) {
         // An arm of which the stop is not verified is told as a failure, whoever asked for the stop.
-        (ArmError::Interrupted, None | Some(Ok(()))) => WorldError::Interrupted,
-        _ => motion(broken.to_string()),
+        (ArmError::Interrupted | ArmError::NotConfirmed, None | Some(Ok(()))) => {
+            match broken.in_segment {
+                None if broken.why == ArmError::Interrupted => WorldError::Interrupted,
+                _ => WorldError::Halted { told },
+            }
+        }
+        _ => motion(told),
     }
 }

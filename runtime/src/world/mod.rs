@@ -12,7 +12,7 @@ use crate::start::Start;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
-pub use jaco::ArmWorld;
+pub use jaco::{ArmWorld, PlanningWorld};
 pub use simulated::{Look, SimulatedWorld};
 
 /// A point in the world frame: right-handed, z up, origin at the table's centre, metres.
@@ -39,8 +39,8 @@ pub trait World {
 
     /// Picks at one point, carries the cloth to another and releases it.
     ///
-    /// Returns what was really done, which may differ from what was asked. Ends early with
-    /// [`WorldError::Interrupted`] when `interrupt` is raised.
+    /// Returns what was really done, which may differ from what was asked. Ends early when `interrupt` is raised: with
+    /// [`WorldError::Interrupted`] where nothing is to be said of it, else with [`WorldError::Halted`].
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError>;
 
     /// Crumples a start by chance and returns where the cloth then lies, on the table's centre and at rest.
@@ -151,4 +151,13 @@ pub enum WorldError {
     /// Somebody asked to stop.
     #[error("interrupted")]
     Interrupted,
+    /// The motion was planned, and nothing is to move.
+    #[error("planned, and not moved")]
+    PlannedOnly,
+    /// Somebody asked to stop, or gave no leave to go on, in the middle of a motion.
+    #[error("{told}")]
+    Halted {
+        /// In which part, and what is verified.
+        told: String,
+    },
 }

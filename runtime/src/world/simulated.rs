@@ -1,5 +1,6 @@
 //! The bundled cloth simulator as a [`World`]; this module alone names the simulator's crate.
 
+mod sheets;
 pub mod table;
 
 use super::{Executed, Grasp, Motion, World, WorldError};

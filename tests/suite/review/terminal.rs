@@ -1,114 +1,15 @@
 //! `fabc review` in a pseudo-terminal, key by key.
 
+use super::super::pty::Session;
 use super::super::support::fabc;
 use super::made::{accepted, each_kind, files, left, one_edit, pending, prompt};
-use nix::pty::{Winsize, openpty};
-use nix::sys::termios::{LocalFlags, tcgetattr};
-use std::fs::File;
-use std::io::{Read, Write};
 use std::path::Path;
-use std::process::{Child, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::thread;
-use std::time::Duration;
 
-/// Long enough for a loaded machine; nothing is measured.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-/// A review that waits for keys.
-struct Session {
-    child: Child,
-    keys: File,
-    shown: Receiver<Vec<u8>>,
-    text: String,
-}
-
-impl Session {
-    fn start(folder: &Path, columns: u16, arguments: &[&str]) -> Session {
-        let size = Winsize {
-            ws_row: 40,
-            ws_col: columns,
-            ws_xpixel: 0,
-            ws_ypixel: 0,
-        };
-        let pty = openpty(&size, None).unwrap();
-        let end = || Stdio::from(pty.slave.try_clone().unwrap());
-        let child = fabc(folder)
-            .arg("review")
-            .args(arguments)
-            .env("TERM", "xterm")
-            .stdin(end())
-            .stdout(end())
-            .stderr(end())
-            .spawn()
-            .unwrap();
-        drop(pty.slave);
-        let keys = File::from(pty.master);
-        let mut screen = keys.try_clone().unwrap();
-        let (send, shown) = channel();
-        thread::spawn(move || {
-            let mut bytes = [0; 4096];
-            // The far end of a terminal that nobody holds any more fails to read.
-            while let Ok(count @ 1..) = screen.read(&mut bytes) {
-                if send.send(bytes[..count].to_vec()).is_err() {
-                    break;
-                }
-            }
-        });
-        Session {
-            child,
-            keys,
-            shown,
-            text: String::new(),
-        }
-    }
-
-    /// Waits for words, and returns all that was shown since the last call.
-    fn until(&mut self, words: &str) -> String {
-        loop {
-            if let Some(at) = self.text.find(words) {
-                let rest = self.text.split_off(at + words.len());
-                return std::mem::replace(&mut self.text, rest);
-            }
-            let bytes = self.shown.recv_timeout(PATIENCE);
-            let bytes = bytes.unwrap_or_else(|_| panic!("no `{words}` in:\n{}", self.text));
-            self.text
-                .push_str(&String::from_utf8(bytes).unwrap().replace('\r', ""));
-        }
-    }
-
-    /// Presses a key when it is waited for; before that, the terminal itself would show it, or obey Ctrl-C.
-    fn press(&mut self, key: &str) {
-        let is_raw = |keys: &File| {
-            let flags = tcgetattr(keys).unwrap().local_flags;
-            !flags.contains(LocalFlags::ICANON)
-        };
-        for _ in 0..PATIENCE.as_millis() {
-            if is_raw(&self.keys) {
-                break;
-            }
-            thread::sleep(Duration::from_millis(1));
-        }
-        self.keys.write_all(key.as_bytes()).unwrap();
-    }
-
-    /// Returns the exit code, and what was shown last.
-    fn end(mut self) -> (Option<i32>, String) {
-        loop {
-            match self.shown.recv_timeout(PATIENCE) {
-                Ok(bytes) => {
-                    let bytes = String::from_utf8(bytes).unwrap();
-                    self.text.push_str(&bytes.replace('\r', ""));
-                }
-                Err(RecvTimeoutError::Disconnected) => break,
-                Err(RecvTimeoutError::Timeout) => {
-                    self.child.kill().unwrap();
-                    panic!("it does not end after:\n{}", self.text);
-                }
-            }
-        }
-        (self.child.wait().unwrap().code(), self.text)
-    }
+/// Begins a review in a terminal of so many columns.
+fn start(folder: &Path, columns: u16, arguments: &[&str]) -> Session {
+    let mut command = fabc(folder);
+    command.arg("review").args(arguments);
+    Session::start(command, columns)
 }
 
 const PROMPT: &str = "[q]uit [?] ";
@@ -131,7 +32,7 @@ fn one_is_accepted_one_rejected_and_one_skipped() {
     let snapshots = folder.path().join("snapshots");
     three_groups(&snapshots);
     let before = files(&snapshots);
-    let mut session = Session::start(folder.path(), 100, &[]);
+    let mut session = start(folder.path(), 100, &[]);
     insta::assert_snapshot!("an_edit_below_each_other", session.until(PROMPT));
     session.press("\r");
     session.until(PROMPT);
@@ -179,7 +80,7 @@ fn one_who_stops_keeps_what_was_decided() {
         let folder = tempfile::tempdir().unwrap();
         let snapshots = folder.path().join("snapshots");
         three_groups(&snapshots);
-        let mut session = Session::start(folder.path(), 100, &["--side-by-side"]);
+        let mut session = start(folder.path(), 100, &["--side-by-side"]);
         assert!(session.until(PROMPT).contains(" │ + The blue dots"));
         session.press("r");
         session.until(PROMPT);
@@ -202,7 +103,7 @@ fn all_that_are_left_are_accepted_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let snapshots = folder.path().join("snapshots");
     each_kind(&snapshots);
-    let mut session = Session::start(folder.path(), 100, &["--out", "drawn"]);
+    let mut session = start(folder.path(), 100, &["--out", "drawn"]);
     session.until(PROMPT);
     session.press("?");
     assert!(
@@ -246,7 +147,7 @@ fn all_that_are_left_are_accepted_at_once() {
 fn a_narrow_terminal_and_a_long_list_are_enough() {
     let folder = tempfile::tempdir().unwrap();
     one_edit(&folder.path().join("snapshots"), 40);
-    let mut session = Session::start(folder.path(), 60, &[]);
+    let mut session = start(folder.path(), 60, &[]);
     let prompt = "? says what they do: ";
     let shown = session.until(prompt);
     assert!(shown.contains("one edit changes 40 snapshots"), "{shown}");
@@ -281,7 +182,7 @@ fn each_edit_is_asked_for_once_and_a_text_with_two_waits_for_both() {
         accepted(&snapshots, name, &old);
         pending(&snapshots, name, new);
     }
-    let mut session = Session::start(folder.path(), 100, &[]);
+    let mut session = start(folder.path(), 100, &[]);
     let shown = session.until(PROMPT);
     assert!(shown.contains("1 of 2"), "{shown}");
     assert!(shown.contains("one edit changes 2 snapshots"), "{shown}");
@@ -313,7 +214,7 @@ fn an_accepted_edit_of_a_text_that_waits_is_said_to_be_forgotten() {
         let new = old.replace("You fold", "You turn").replace("red", "blue");
         accepted(&snapshots, "half.describe@start", &old);
         pending(&snapshots, "half.describe@start", &new);
-        let mut session = Session::start(folder.path(), 100, &[]);
+        let mut session = start(folder.path(), 100, &[]);
         session.until(PROMPT);
         session.press("a");
         assert!(!session.until(PROMPT).contains("forgotten"));
@@ -333,7 +234,7 @@ fn a_long_name_is_broken_and_set_in() {
     let snapshots = folder.path().join("snapshots");
     let name = format!("half.{}.describe@start", "very_long_".repeat(6));
     pending(&snapshots, &name, &prompt("half", "Dots.", 700));
-    let mut session = Session::start(folder.path(), 60, &[]);
+    let mut session = start(folder.path(), 60, &[]);
     let shown = session.until("? says what they do: ");
     let (first, second) = name.split_at(58);
     let rows = format!("\n  {first}\n    {second}\n");

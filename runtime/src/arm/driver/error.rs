@@ -49,7 +49,7 @@ pub enum ArmError {
     },
     /// The arm is stopped.
     #[error(
-        "the arm is stopped and takes no motion; look why, and let it go with `fabc robot recover`"
+        "the arm is stopped and takes no motion; look why, and let it go with `fabc robot enable`"
     )]
     Stopped,
     /// The tool came to rest elsewhere.

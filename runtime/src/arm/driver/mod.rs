@@ -8,6 +8,7 @@ mod carry;
 mod error;
 mod fingers;
 mod pause;
+pub mod resting;
 mod tool;
 mod way;
 

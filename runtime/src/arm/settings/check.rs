@@ -187,6 +187,11 @@ fn camera(camera: &CameraSettings, driver: DriverKind) -> Checked {
         projects(intrinsics)?;
     }
     above_zero("camera.timeout_s", camera.timeout_s, MAX_WAIT_S)?;
+    if let Some(flat) = &camera.flat
+        && flat.as_os_str().is_empty()
+    {
+        return wrong("camera.flat", flat, "a picture's file such as `flat.png`");
+    }
     match camera.source {
         CameraSource::Directory if camera.folder.is_none() => Err(
             "`camera.source` is `directory`, which needs `camera.folder`, the folder with the pictures".to_owned(),

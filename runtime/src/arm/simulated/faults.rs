@@ -85,6 +85,11 @@ impl Faults {
         }
     }
 
+    /// Adds one that is yet to come.
+    pub(super) fn add(&mut self, fault: Fault) {
+        self.pending.push(fault);
+    }
+
     /// Takes a fault of a kind that is due and happens once; tells whether there was one.
     pub(super) fn take(&mut self, kind: FaultKind, now_s: f64) -> bool {
         let due = |fault: &Fault| fault.kind == kind && fault.from_s <= now_s;

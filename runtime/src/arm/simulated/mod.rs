@@ -129,6 +129,12 @@ impl SimulatedArm {
         self.body.tool()
     }
 
+    /// Lets something go wrong from now on.
+    pub fn fail(&mut self, kind: FaultKind) {
+        let from_s = self.clock_s;
+        self.faults.add(Fault { kind, from_s });
+    }
+
     /// Tells whether the camera gives no picture any more.
     pub fn is_blind(&mut self) -> bool {
         if self.faults.take(FaultKind::NoPicture, self.clock_s) {

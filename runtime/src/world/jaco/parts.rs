@@ -1,8 +1,10 @@
 //! What an arm's world is made of: files, and who watches.
 
+use super::FlatPicture;
 use crate::arm::calibration::Calibration;
-use crate::arm::settings::Settings;
+use crate::arm::settings::{DriverKind, Settings};
 use crate::arm::supervisor::{Supervisor, Watchdog};
+use crate::world::simulated::table::ClothTable;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -47,4 +49,60 @@ pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
     let calibration = Calibration::load(&beside.join(&settings.calibration));
     let calibration = calibration.map_err(|error| error.to_string())?;
     Ok((settings, hash.concat(), calibration))
+}
+
+/// What a world says of itself, known without an arm: by it a rollout of the same settings is told from others.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct About {
+    /// Its name in reports.
+    pub name: String,
+    /// The hash of every parameter that changes results.
+    pub parameters: String,
+    /// A digest of the code that makes the results.
+    pub code: String,
+}
+
+/// Returns what the world of a settings file will say of itself; says what is wrong with any of the files otherwise.
+pub fn about(path: &Path) -> Result<About, String> {
+    let (settings, settings_hash, calibration) = load(path)?;
+    let flat = FlatPicture::load(path, &settings, &calibration)?;
+    Ok(About {
+        name: name(settings.driver).to_owned(),
+        parameters: parameters(&settings_hash, &calibration, flat.as_ref()),
+        code: code(settings.driver),
+    })
+}
+
+pub(super) fn name(driver: DriverKind) -> &'static str {
+    match driver {
+        DriverKind::Simulated => "simulated_arm",
+        DriverKind::Kinova | DriverKind::Trajectory => "jaco",
+    }
+}
+
+pub(super) fn code(driver: DriverKind) -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    match driver {
+        DriverKind::Simulated => format!("{version} {}", ClothTable::code()),
+        DriverKind::Kinova | DriverKind::Trajectory => version.to_owned(),
+    }
+}
+
+pub(super) fn parameters(
+    settings_hash: &str,
+    calibration: &Calibration,
+    flat: Option<&FlatPicture>,
+) -> String {
+    let mut hash = Sha256::new();
+    hash.update(settings_hash);
+    hash.update(calibration.to_toml());
+    if let Some(flat) = flat {
+        hash.update(flat.bytes());
+    }
+    let hex: Vec<String> = hash
+        .finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    hex.concat()[..16].to_owned()
 }

@@ -3,7 +3,7 @@
 //! In: where the hand is, step by step, and whether it is closed. Out: a cloth that goes along, and the camera's pictures.
 //! The hand takes one particle, as the picker of the simulated world does, and touches nothing on its way.
 
-use super::{Look, stopped};
+use super::{Look, sheets, stopped};
 use crate::arm::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
 use crate::arm::settings::{Settings, SimulatedSettings};
 use crate::arm::simulated::Table;
@@ -19,6 +19,9 @@ use std::rc::Rc;
 /// How far from the fingertips, seen from above, cloth is taken hold of; and how far above or below them. Metres.
 const REACH_ASIDE_M: f64 = 0.012;
 const REACH_UP_M: f64 = 0.015;
+
+/// What is seen no higher than this over the table is the table, metres: cloth lies higher.
+const TABLE_M: f64 = 0.001;
 
 /// A cloth on a table.
 pub struct ClothTable {
@@ -89,9 +92,82 @@ impl ClothTable {
         self.cloth.as_ref().map(Simulator::positions)
     }
 
+    /// Takes a picture of the same cloth as it lies flat on the table's middle; none before a cloth is laid.
+    pub fn flat_shot(&self) -> Option<Shot> {
+        let grid = self.cloth.as_ref()?.grid();
+        Some(self.shot_of(grid, &grid.flat_positions(&self.params)))
+    }
+
+    /// Takes a picture of the table without a cloth.
+    pub fn bare_shot(&self) -> Result<Shot, WorldError> {
+        let anywhere = Grid::new(2, 2, 0.01).map_err(|error| WorldError::Camera {
+            why: error.to_string(),
+        })?;
+        // What lies so far from the table's middle is in no picture of it.
+        Ok(self.shot_of(anywhere, &[[1e4, 0.0, 0.0]; 4]))
+    }
+
+    /// Returns a digest of the code that moves the cloth.
+    pub fn code() -> &'static str {
+        sim::CODE_DIGEST
+    }
+
     fn tip(&self, tool: &Isometry3<f64>) -> [f32; 3] {
         let tip = self.world_from_base * Point3::from(tool.translation.vector);
         [tip.x as f32, tip.y as f32, tip.z as f32]
+    }
+
+    /// Returns what the camera sees of a cloth that lies so; positions in the world frame, metres.
+    fn shot_of(&self, grid: Grid, positions: &[[f32; 3]]) -> Shot {
+        let SimulatedSettings {
+            camera_offset_m: [x, y],
+            camera_turn_deg,
+            camera_height_m,
+            camera_fov_deg,
+            camera_px,
+            ..
+        } = self.camera;
+        // The renderer looks down on the origin, so that the cloth is brought to where the camera is.
+        let world_from_camera = Isometry3::from_parts(
+            Translation3::new(x, y, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera_turn_deg.to_radians()),
+        );
+        let seen: Vec<[f32; 3]> = positions
+            .iter()
+            .map(|point| {
+                let point =
+                    world_from_camera.inverse_transform_point(&Point3::from(point.map(f64::from)));
+                [point.x as f32, point.y as f32, point.z as f32]
+            })
+            .collect();
+        let frame = self.lens.render(grid, &seen, &self.look);
+        const INVARIANT: &str = "a frame holds width * height pixels";
+        let half_px = f64::from(camera_px) / 2.0;
+        let focal_px = half_px / (camera_fov_deg.to_radians() / 2.0).tan();
+        let mut rgb = RgbImage::from_raw(frame.width, frame.height, frame.rgb).expect(INVARIANT);
+        let depth_m =
+            DepthImage::from_raw(frame.width, frame.height, frame.depth_m).expect(INVARIANT);
+        for (column, row, color) in rgb.enumerate_pixels_mut() {
+            if f64::from(depth_m.get_pixel(column, row).0[0]) < camera_height_m - TABLE_M {
+                continue;
+            }
+            let [right, down] = [column, row].map(|at| f64::from(at) + 0.5 - half_px);
+            let per_px = camera_height_m / focal_px;
+            let at = world_from_camera * Point3::new(right * per_px, -down * per_px, 0.0);
+            if let Some(grey) = sheets::printed([at.x, at.y]) {
+                color.0 = [grey; 3];
+            }
+        }
+        Shot {
+            rgb,
+            depth_m,
+            intrinsics: Some(Intrinsics {
+                size_px: [camera_px; 2],
+                focal_px: [focal_px; 2],
+                middle_px: [half_px; 2],
+                distortion: Vec::new(),
+            }),
+        }
     }
 
     /// Returns the particle that the fingers would take: of those within reach the uppermost, nearest of equals.
@@ -176,40 +252,6 @@ impl RgbdSource for TableCamera {
         }
         let cloth = table.cloth.as_ref();
         let cloth = cloth.ok_or_else(|| failed("no cloth has been laid yet".to_owned()))?;
-        let SimulatedSettings {
-            camera_offset_m: [x, y],
-            camera_turn_deg,
-            camera_fov_deg,
-            camera_px,
-            ..
-        } = table.camera;
-        // The renderer looks down on the origin, so that the cloth is brought to where the camera is.
-        let world_from_camera = Isometry3::from_parts(
-            Translation3::new(x, y, 0.0),
-            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera_turn_deg.to_radians()),
-        );
-        let seen: Vec<[f32; 3]> = cloth
-            .positions()
-            .iter()
-            .map(|point| {
-                let point =
-                    world_from_camera.inverse_transform_point(&Point3::from(point.map(f64::from)));
-                [point.x as f32, point.y as f32, point.z as f32]
-            })
-            .collect();
-        let frame = table.lens.render(cloth.grid(), &seen, &table.look);
-        const INVARIANT: &str = "a frame holds width * height pixels";
-        let half_px = f64::from(camera_px) / 2.0;
-        Ok(Shot {
-            rgb: RgbImage::from_raw(frame.width, frame.height, frame.rgb).expect(INVARIANT),
-            depth_m: DepthImage::from_raw(frame.width, frame.height, frame.depth_m)
-                .expect(INVARIANT),
-            intrinsics: Some(Intrinsics {
-                size_px: [camera_px; 2],
-                focal_px: [half_px / (camera_fov_deg.to_radians() / 2.0).tan(); 2],
-                middle_px: [half_px; 2],
-                distortion: Vec::new(),
-            }),
-        })
+        Ok(table.shot_of(cloth.grid(), &cloth.positions()))
     }
 }

@@ -61,6 +61,7 @@ fn settings_that_can_be_used_are_read() {
         ("workspace.rest_m", "[0.15, -0.525, 0.5]"),
         ("workspace.keep_out", "-"),
         ("model", "'j2s6s200'"),
+        ("camera.flat", "'flat.png'"),
     ] {
         with(key, value).unwrap_or_else(|why| panic!("{key} = {value}: {why}"));
     }
@@ -105,6 +106,7 @@ fn each_number_that_cannot_be_meant_is_refused_by_its_key() {
         ("camera.window_px", "[0, 0, 0]"),
         ("camera.window_px", "[4294967295, 0, 480]"),
         ("camera.timeout_s", "inf"),
+        ("camera.flat", "''"),
         ("ros.master", "'localhost'"),
         ("ros.arm", "'j2n6s200_driver'"),
         ("simulated.camera_height_m", "0.0"),

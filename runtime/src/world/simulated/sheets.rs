@@ -1,0 +1,71 @@
+//! Printed sheets around the cloth's place on a simulated table, by which a moved camera is noticed.
+//!
+//! In: a place of the table. Out: what is printed there. They are grey, so that a mask by colour leaves them aside, and lie
+//! where a cloth in the middle of the table does not.
+
+/// Middles of the sheets, metres, world frame.
+const MIDDLES_M: [[f64; 2]; 12] = [
+    [-0.36, -0.36],
+    [-0.12, -0.37],
+    [0.12, -0.37],
+    [0.36, -0.36],
+    [-0.37, -0.12],
+    [0.37, -0.12],
+    [-0.37, 0.12],
+    [0.37, 0.12],
+    [-0.36, 0.36],
+    [-0.12, 0.37],
+    [0.12, 0.37],
+    [0.36, 0.36],
+];
+
+/// Squares along a side of a sheet, and the side of one, metres.
+const SQUARES: i64 = 4;
+const SQUARE_M: f64 = 0.012;
+
+/// Returns the grey that is printed at a place of the table; none beside the sheets.
+///
+/// - `place_m`: metres, world frame.
+pub(super) fn printed([x_m, y_m]: [f64; 2]) -> Option<u8> {
+    let half_m = SQUARES as f64 * SQUARE_M / 2.0;
+    MIDDLES_M.iter().zip(0i64..).find_map(|([mx, my], sheet)| {
+        let square = [x_m - mx, y_m - my].map(|off_m| ((off_m + half_m) / SQUARE_M).floor() as i64);
+        let is_on = square.iter().all(|it| (0..SQUARES).contains(it));
+        is_on.then(|| grey(sheet, square))
+    })
+}
+
+/// Mixes a grey out of a square's place.
+fn grey(sheet: i64, [column, row]: [i64; 2]) -> u8 {
+    let place = ((sheet * SQUARES + row) * SQUARES + column) as u64;
+    // Fibonacci hashing: the upper bits of a product with 2^64 over the golden ratio.
+    (place.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 56) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sheets_lie_around_the_cloth_and_are_no_two_alike() {
+        let half_diagonal_m = 0.306_25 / 2.0 * 2.0_f64.sqrt();
+        for step in 0..1000 {
+            let angle = f64::from(step) * 0.006_3;
+            let rim = [half_diagonal_m * angle.cos(), half_diagonal_m * angle.sin()];
+            assert_eq!(printed(rim), None);
+        }
+        let of = |[x, y]: [f64; 2]| {
+            let at = |step: i64| (step as f64 - 1.5) * SQUARE_M;
+            let squares = (0..16).map(|index| printed([x + at(index % 4), y + at(index / 4)]));
+            squares.collect::<Option<Vec<u8>>>()
+        };
+        let sheets: Vec<_> = MIDDLES_M.into_iter().map(of).collect();
+        for (index, sheet) in sheets.iter().enumerate() {
+            assert!(sheet.is_some(), "sheet {index} has a hole");
+            assert!(
+                !sheets[..index].contains(sheet),
+                "sheet {index} is there twice"
+            );
+        }
+    }
+}

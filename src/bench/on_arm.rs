@@ -1,0 +1,46 @@
+//! The arm of `fabc bench --world jaco`.
+//!
+//! In: the command line and the suite. Out: whether the suite can be carried out on that arm, and its world for each rollout.
+
+use crate::cli::bench::BenchArguments;
+use crate::exit::Failure;
+use crate::setting;
+use crate::setting::arm::Moving;
+use runtime::arm::settings::{DriverKind, Settings};
+use runtime::bench::on_arm::Cloths;
+use runtime::bench::suite::Suite;
+use runtime::world::jaco::{self, About};
+
+/// An arm that a suite can be carried out on.
+pub struct Arm {
+    /// What its world says of itself.
+    pub about: About,
+    /// How cloths come to lie on its table.
+    pub cloths: Cloths,
+    /// Its settings.
+    pub settings: Settings,
+}
+
+/// Makes sure before anything else that the suite can be carried out on the arm; none where none is asked for.
+pub fn check(arguments: &BenchArguments, suite: &Suite) -> Result<Option<Arm>, Failure> {
+    if arguments.world != "jaco" {
+        return Ok(None);
+    }
+    if let Some(jobs) = arguments.jobs.filter(|jobs| *jobs != 1) {
+        return Err(Failure::usage(format!(
+            "`--jobs {jobs}` is for the simulator: an arm carries rollouts out one at a time"
+        )));
+    }
+    let settings = Settings::load(&arguments.arm.robot).map_err(Failure::environment)?;
+    let cloths = match settings.driver {
+        DriverKind::Simulated => Cloths::Simulated,
+        DriverKind::Kinova | DriverKind::Trajectory => Cloths::ByHand,
+    };
+    cloths.check(suite).map_err(Failure::environment)?;
+    let settings = setting::arm::check(&arguments.arm, Moving::Carried)?;
+    Ok(Some(Arm {
+        about: jaco::about(&arguments.arm.robot).map_err(Failure::environment)?,
+        cloths,
+        settings,
+    }))
+}

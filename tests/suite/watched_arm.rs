@@ -1,0 +1,227 @@
+//! The person beside the arm, in a terminal and by signals: asked before motion, heard while it lasts, told what is verified.
+
+#![cfg(target_os = "linux")]
+
+use super::pty::{Mode, Session};
+use super::support::{Said, fabc, root};
+use runtime::arm::log::{ARM_FILE, Left, left};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// The mode of a terminal in which nothing waits for keys.
+const USUAL: Mode = Mode {
+    is_by_lines: true,
+    is_echoed: true,
+};
+
+/// A fold by the simulated arm, into the folder `run`.
+fn fold(folder: &Path, more: &[&str]) -> Command {
+    let project = |path: &str| root().join(path);
+    let mut command = fabc(folder);
+    command
+        .arg("run")
+        .arg(project("tasks/real/double_triangle.fab"))
+        .args(["--world", "jaco", "--robot"])
+        .arg(project("tasks/real/simulated.toml"))
+        .args(["--out", "run"])
+        .args(more);
+    command
+}
+
+fn watched(folder: &Path, more: &[&str]) -> Session {
+    Session::in_window(&fold(folder, more))
+}
+
+/// The report in the run folder, as the last line of the journal holds it.
+fn report(folder: &Path) -> Value {
+    let text = fs::read_to_string(folder.join("run/rollout.jsonl")).unwrap();
+    let end: Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
+    assert_eq!(end["type"], "end", "{end}");
+    end["report"].clone()
+}
+
+/// How many lines of a kind the arm's journal holds.
+fn n_lines(folder: &Path, kind: &str) -> usize {
+    let text = fs::read_to_string(folder.join("run").join(ARM_FILE)).unwrap_or_default();
+    text.matches(&format!("\"type\":\"{kind}\"")).count()
+}
+
+/// Waits until the arm has begun its `n`th motion.
+fn until_begun(folder: &Path, n: usize) {
+    let begun = Instant::now();
+    while n_lines(folder, "begin") < n {
+        assert!(begun.elapsed() < super::pty::PATIENCE, "nothing moves");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn each_pick_and_place_is_asked_for_and_a_no_ends_the_rollout() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut session = watched(folder.path(), &["--confirm", "each"]);
+    // Leave is given to what was asked, and not in advance.
+    session.send("y\ny\n");
+    let shown = session.until("Move? y or n:");
+    assert!(shown.contains("action 1: pick at "), "{shown}");
+    assert!(shown.contains("  grasp: fingers closed\n"), "{shown}");
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(n_lines(folder.path(), "begin"), 0);
+    session.send("y\n");
+    let shown = session.until("Move? y or n:");
+    assert!(shown.contains("step 1/2: pick "), "{shown}");
+    assert!(shown.contains("action 2: pick at "), "{shown}");
+    let moved = n_lines(folder.path(), "begin");
+    session.send("n\n");
+    let (code, shown, mode) = session.ended();
+    assert_eq!((code, mode), (Some(130), USUAL), "{shown}");
+    let words = "not confirmed; no motion of this action is verified";
+    assert!(
+        shown.contains(&format!("step 2/2: ended: {words}\n")),
+        "{shown}"
+    );
+    assert!(
+        shown.contains(&format!("outcome: interrupted\nstopped: {words}\n")),
+        "{shown}"
+    );
+    assert_eq!(n_lines(folder.path(), "begin"), moved);
+    assert_eq!(left(&folder.path().join("run")).unwrap(), Left::Clear);
+    let report = report(folder.path());
+    assert_eq!(report["outcome"], "interrupted");
+    assert_eq!(report["stopped"], words);
+    assert_eq!(report["steps"], 1);
+}
+
+#[test]
+fn each_segment_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut session = watched(folder.path(), &["--confirm", "segment"]);
+    for segment in ["rise: to ", "open: fingers open\n", "over_pick: to "] {
+        let shown = session.until("Move? y or n:");
+        assert!(shown.contains(segment), "{shown}");
+        session.send("y\n");
+    }
+    let shown = session.until("Move? y or n:");
+    assert!(shown.contains("pre_pick: to "), "{shown}");
+    session.send("n\n");
+    let (code, shown, mode) = session.ended();
+    assert_eq!((code, mode), (Some(130), USUAL), "{shown}");
+    let words = "in `pre_pick`: not confirmed; verified up to `over_pick`";
+    assert_eq!(report(folder.path())["stopped"], words);
+    assert!(shown.contains(words), "{shown}");
+    assert_eq!(n_lines(folder.path(), "begin"), 3);
+}
+
+#[test]
+fn an_end_that_is_asked_for_at_a_question_is_no_leave() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut session = watched(folder.path(), &["--confirm", "each"]);
+    session.until("Move? y or n:");
+    session.send("\u{3}");
+    let (code, shown, mode) = session.ended();
+    assert_eq!((code, mode), (Some(130), USUAL), "{shown}");
+    assert_eq!(report(folder.path())["outcome"], "interrupted");
+    assert_eq!(n_lines(folder.path(), "begin"), 0);
+}
+
+#[test]
+fn the_arm_moves_while_the_key_is_held_and_ctrl_c_ends_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut session = watched(folder.path(), &["--hold-to-run"]);
+    session.until("hold the space bar to move");
+    std::thread::sleep(Duration::from_millis(700));
+    assert_eq!(n_lines(folder.path(), "begin"), 0, "it moved by itself");
+    session.press(" ");
+    session.until("paused: hold the space bar to go on");
+    let moved = n_lines(folder.path(), "begin");
+    assert!(moved > 0);
+    std::thread::sleep(Duration::from_millis(700));
+    assert_eq!(
+        n_lines(folder.path(), "begin"),
+        moved,
+        "it went on by itself"
+    );
+    let begun = Instant::now();
+    while n_lines(folder.path(), "begin") == moved {
+        assert!(begun.elapsed() < super::pty::PATIENCE, "it does not go on");
+        session.press(" ");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    session.send("\u{3}");
+    let (code, shown, mode) = session.ended();
+    assert_eq!((code, mode), (Some(130), USUAL), "{shown}");
+    assert_eq!(report(folder.path())["outcome"], "interrupted");
+}
+
+#[test]
+fn ctrl_c_while_the_key_is_waited_for_leaves_the_terminal_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut session = watched(folder.path(), &["--hold-to-run"]);
+    session.until("hold the space bar to move");
+    session.press("\u{3}");
+    let (code, shown, mode) = session.ended();
+    assert_eq!((code, mode), (Some(130), USUAL), "{shown}");
+    assert_eq!(n_lines(folder.path(), "begin"), 0);
+}
+
+/// Sends a signal to a fold that is under way, in its `n`th motion.
+fn signalled(folder: &Path, signal: &str, n: usize) -> Said {
+    let child = fold(folder, &["--json"])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    until_begun(folder, n);
+    let pid = child.id().to_string();
+    let sent = Command::new("kill").args([signal, &pid]).status().unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    Said {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+#[test]
+fn a_signal_stops_the_arm_and_what_is_verified_is_told() {
+    for (signal, n) in [("-INT", 2), ("-TERM", 8)] {
+        let folder = tempfile::tempdir().unwrap();
+        let said = signalled(folder.path(), signal, n);
+        assert_eq!(said.code, 130, "{}", said.stderr);
+        let told: Value = serde_json::from_str(&said.stdout).unwrap();
+        assert_eq!(told["outcome"], "interrupted");
+        let words = told["stopped"].as_str().unwrap();
+        assert!(words.contains(": interrupted; verified up to `"), "{words}");
+        assert!(
+            words.ends_with("`; the arm is verified to be stopped"),
+            "{words}"
+        );
+        assert!(
+            said.stderr.contains(&format!("ended: {words}\n")),
+            "{}",
+            said.stderr
+        );
+        assert_eq!(report(folder.path())["stopped"], words);
+        // Which motion is told as the last verified one is that of the journal.
+        let done = n_lines(folder.path(), "done");
+        assert_eq!(n_lines(folder.path(), "begin"), done + 1);
+        assert_eq!(n_lines(folder.path(), "halted"), 1);
+        let Left::Unclear {
+            segment,
+            is_verified,
+            ..
+        } = left(&folder.path().join("run")).unwrap()
+        else {
+            panic!("an arm that was stopped on its way is clear");
+        };
+        assert!(!is_verified);
+        assert!(
+            words.starts_with(&format!("in `{}`: ", segment.text())),
+            "{words}"
+        );
+    }
+}
