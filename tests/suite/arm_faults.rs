@@ -32,6 +32,9 @@ use std::time::Instant;
 /// 0.92 m from the axis, a reading is up to 0.1 s old, and it is looked at every 0.05 s, with a tick to each.
 const RUNAWAY_M: f64 = 0.3 * 0.92 * (0.1 + 0.05 + 0.02);
 
+/// How much farther where a stop is lost, which is noticed after a second and sent again, metres.
+const LOST_STOP_M: f64 = 0.3 * 0.92 * 1.01;
+
 /// Side of the camera's picture, pixels: most of a rollout's time goes into pictures.
 const SIDE_PX: u32 = 360;
 
@@ -253,9 +256,13 @@ fn is_within_the_box(ended: &mut Ended, trouble: &Trouble, told: &str) {
     let settings = jaco::load(&root().join("tasks/real/simulated.toml"))
         .unwrap()
         .0;
-    let over_m = match trouble.has(FaultKind::Runaway) {
-        true => RUNAWAY_M,
-        false => 0.0,
+    let over_m = match (
+        trouble.has(FaultKind::Runaway),
+        trouble.has(FaultKind::LostStop),
+    ) {
+        (false, _) => 0.0,
+        (true, false) => RUNAWAY_M,
+        (true, true) => RUNAWAY_M + LOST_STOP_M,
     };
     let [least, most] = ended.arm.arm().extent_m();
     for axis in 0..3 {
