@@ -4,6 +4,7 @@
 //! nobody has answered.
 
 use crate::output;
+use crate::robot::terminal;
 use runtime::operator::{Cause, Judgement, Operator};
 use runtime::rollout::RolloutReport;
 use std::io::{BufRead, Read};
@@ -19,6 +20,8 @@ pub struct Terminal;
 impl Operator for Terminal {
     fn judge(&self, report: &RolloutReport) -> Option<Judgement> {
         output::progress("");
+        // Whoever held a key while the arm moved may hold it still, and answers in lines from here on.
+        terminal::be_as_before();
         output::talk(&format!(
             "{} has ended: {} after {} actions{}, in `{}`",
             report.task,

@@ -1,6 +1,6 @@
 //! `fabc calibrate`: from points that the arm touched to a file that says where the camera's pixels lie for it.
 //!
-//! In: the arm's settings, points from a file or typed, the camera's picture. Out: the calibration's file, its picture,
+//! In: the arm's settings, points from a file, typed, or touched by an arm that is guided, the camera's picture. Out: the calibration's file, its picture,
 //! a drawing of the errors, and what they come to. Nothing that was there is lost: it is kept under another name.
 
 mod kept;
@@ -10,10 +10,11 @@ mod typing;
 use crate::cli::calibrate::CalibrateArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
+use crate::robot::connect;
 use crate::setting::known;
 use image::RgbImage;
 use runtime::arm::calibration::{
-    Calibration, Method, Pair, Refusal, Terms, ToolReader, draw_errors, read_pairs,
+    Calibration, Method, Pair, Refusal, Terms, ToolReader, draw_errors, place_at_rest, read_pairs,
 };
 use runtime::arm::settings::{CameraSource, Settings};
 use runtime::world::jaco;
@@ -21,13 +22,31 @@ use runtime::{picture, store};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// Calibrates from points of a file, or typed ones.
+/// Calibrates from points of a file, typed ones, or such to which a person brings the arm.
 pub fn run(arguments: &CalibrateArguments) -> Result<Exit, Failure> {
-    run_with(arguments, None)
+    match arguments.jog {
+        true => jogged(arguments),
+        false => run_with(arguments, None),
+    }
+}
+
+/// Calibrates by an arm that a person guides, by hand or by the vendor's joystick; it is looked at and not moved.
+fn jogged(arguments: &CalibrateArguments) -> Result<Exit, Failure> {
+    if arguments.pairs.is_some() && !arguments.more {
+        return Err(Failure::usage(
+            "`--pairs` alone takes its points from the file, and `--jog` from the arm; with `--more` those of the arm follow",
+        ));
+    }
+    let nobody = "nobody can guide it to a point; type points, or give them with `--pairs`";
+    let settings = connect::settings_of_real(&arguments.robot, nobody)?;
+    let mut port = connect::port(&settings).map_err(Failure::environment)?;
+    let stale_s = settings.tolerance.stale_s;
+    let tool = move || place_at_rest(port.as_mut(), stale_s);
+    run_with(arguments, Some(Box::new(tool)))
 }
 
 /// Calibrates; with `tool`, only pixels are typed, and the tool's place is read from the arm at each.
-pub fn run_with(
+fn run_with(
     arguments: &CalibrateArguments,
     tool: Option<Box<ToolReader<'_>>>,
 ) -> Result<Exit, Failure> {
@@ -109,7 +128,8 @@ fn pairs(
         path,
         seen,
     };
-    typing::type_points(terms, given, tool, &asked)
+    let mut stdin = std::io::stdin().lock();
+    typing::type_points(terms, given, tool, &asked, &mut stdin)
 }
 
 fn read(file: &Path) -> Result<Vec<Pair>, Failure> {

@@ -1,6 +1,6 @@
 //! Points typed one a line, kept as they come.
 //!
-//! In: lines of stdin. Out: the points, and on stderr how each fits those before it. After every line the points so far
+//! In: lines, and where there is an arm, its tool's place at each. Out: the points, and on stderr how each fits those before it. After every line the points so far
 //! are in a file, so that an interrupted session loses none.
 
 use super::{kept, write};
@@ -27,12 +27,13 @@ pub struct Asked<'a> {
     pub seen: Option<&'a RgbImage>,
 }
 
-/// Asks for points after those given until there are no more.
+/// Asks for points after those given until there are no more, or the lines end.
 pub fn type_points(
     terms: &Terms,
     given: Vec<Pair>,
     tool: Option<Box<ToolReader<'_>>>,
     asked: &Asked<'_>,
+    lines: &mut dyn BufRead,
 ) -> Result<Vec<Pair>, Failure> {
     let targets = match asked.grid {
         Some([columns, rows]) => grid(&terms.window, columns, rows),
@@ -46,11 +47,10 @@ pub fn type_points(
         session.form()
     ));
     let mut is_first = true;
-    let mut stdin = std::io::stdin().lock();
     loop {
         ask(&session, &targets);
         let mut line = String::new();
-        if stdin.by_ref().take(MAX_LINE).read_line(&mut line)? == 0 {
+        if Read::take(&mut *lines, MAX_LINE).read_line(&mut line)? == 0 {
             break;
         }
         match session.line(&line) {
@@ -115,4 +115,61 @@ fn show(targets: &[[f64; 2]], asked: &Asked<'_>) -> Result<(), Failure> {
         path.display()
     ));
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use runtime::arm::calibration::Method;
+    use runtime::arm::settings::Settings;
+
+    /// What is typed of an arm that is guided, and what is made of it.
+    fn guided(typed: &str, mut places: Vec<Result<[f64; 3], String>>) -> (Vec<Pair>, usize) {
+        let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("tasks/real/simulated.toml");
+        let settings = Settings::load(&shipped).unwrap();
+        let terms = Terms::of(&settings, Method::Plane, [720, 720], 3.0);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lab.toml");
+        places.reverse();
+        let mut n_looks = 0;
+        let tool = || {
+            n_looks += 1;
+            places.pop().unwrap()
+        };
+        let asked = Asked {
+            grid: None,
+            path: &path,
+            seen: None,
+        };
+        let mut lines = typed.as_bytes();
+        let pairs = type_points(&terms, Vec::new(), Some(Box::new(tool)), &asked, &mut lines);
+        let pairs = pairs.unwrap();
+        let kept = runtime::arm::calibration::read_pairs(&path.with_extension("pairs.csv"));
+        assert_eq!(kept.unwrap_or_default(), pairs);
+        (pairs, n_looks)
+    }
+
+    #[test]
+    fn the_arm_is_looked_at_when_a_pixel_is_entered_and_at_no_other_line() {
+        let (a, b) = ([0.3, 0.1, 0.02], [0.5, -0.1, 0.021]);
+        let typed = "360,360\n\nlist\nwhat\nundo\n100 , 200\n500,200\n3,4,5,6,7\ndone\n9,9\n";
+        let (pairs, n_looks) = guided(typed, vec![Ok([0.4, 0.0, 0.02]), Ok(a), Ok(b)]);
+        let found: Vec<_> = pairs.iter().map(|pair| (pair.pixel, pair.base_m)).collect();
+        assert_eq!(found, [([100.0, 200.0], a), ([500.0, 200.0], b)]);
+        assert_eq!(n_looks, 3);
+    }
+
+    #[test]
+    fn a_place_that_the_arm_does_not_give_is_no_point() {
+        let moves = || Err("the arm still moves".to_owned());
+        let place = [0.3, 0.1, 0.02];
+        let (pairs, n_looks) = guided(
+            "100,200\n100,200\n100,200\n",
+            vec![moves(), moves(), Ok(place)],
+        );
+        assert_eq!((pairs.len(), n_looks), (1, 3));
+        assert_eq!(pairs[0].base_m, place);
+    }
 }

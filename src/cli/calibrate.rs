@@ -9,7 +9,8 @@ const POINTS: &str = "\
 Points are lines `u,v,x,y,z` or `u,v,x,y,z,depth`: a pixel of the camera's own picture, then the tool's position in \
 metres in the arm's base frame when the fingertips touch what the pixel shows. Without --pairs they are typed, one a \
 line; `undo` takes the last one back, `list` shows them, `done` or the end of input ends it. What was typed is kept beside \
-the file, as NAME.pairs.csv.
+the file, as NAME.pairs.csv. With --jog only the pixel is typed, while the fingertips are there: the tool's position is read \
+from the arm, once it is at rest with its hand straight down.
 
 Exit codes: 0 written, 2 refused or a file cannot be used, 64 wrong usage.";
 
@@ -23,6 +24,9 @@ pub struct CalibrateArguments {
     /// Points, one a line, commas between; a first line may name the columns (`x_mm` is millimetres).
     #[arg(long, value_name = "CSV", value_hint = ValueHint::FilePath)]
     pub pairs: Option<PathBuf>,
+    /// Read the tool's position from the arm, which a person guides by hand or by the vendor's joystick; fabc moves nothing.
+    #[arg(long)]
+    pub jog: bool,
     /// Type further points after those of --pairs.
     #[arg(long, requires = "pairs")]
     pub more: bool,

@@ -11,6 +11,14 @@ then say what was done, by --how or typed. Mind that `home` of the vendor's driv
 
 Exit codes: 0 clear, 2 nobody has looked after the arm, and nothing is changed.";
 
+/// What `enable` does not do.
+const LET_GO: &str = "\
+An arm that was stopped, by fabc or by anybody else, stays so until this is said; no other verb lets it go. Nothing is moved: \
+that the arm takes motion is found out by sending it to where it is. What its hand holds, and what a run left open, stays as \
+it is: see `fabc robot recover`. A simulated arm ends with its program, and is never left stopped.
+
+Exit codes: 0 let go, 2 nobody said why, or it cannot be verified, 64 wrong usage.";
+
 /// Arguments of `robot`.
 #[derive(Args)]
 pub struct RobotArguments {
@@ -27,6 +35,9 @@ pub enum RobotVerb {
     /// Says in what state a run left the arm, and notes what a person did about it.
     #[command(after_help = BY_HAND)]
     Recover(RecoverArguments),
+    /// Lets a stopped arm take motion again, after a person said why.
+    #[command(after_help = LET_GO)]
+    Enable(EnableArguments),
     /// Stops the arm when the lines on stdin cease; started by the command that moves it.
     #[command(hide = true)]
     Watchdog(WatchdogArguments),
@@ -38,6 +49,7 @@ impl RobotVerb {
         match self {
             RobotVerb::Check(arguments) => arguments.json,
             RobotVerb::Recover(arguments) => arguments.json,
+            RobotVerb::Enable(arguments) => arguments.json,
             RobotVerb::Watchdog(_) => false,
         }
     }
@@ -82,9 +94,26 @@ pub struct CheckArguments {
 #[derive(Args)]
 pub struct RecoverArguments {
     /// The run folder.
-    #[arg(value_name = "RUN", value_hint = ValueHint::DirPath)]
-    pub run: PathBuf,
+    #[arg(value_name = "RUN", value_hint = ValueHint::DirPath, required_unless_present = "robot")]
+    pub run: Option<PathBuf>,
+    /// In place of the run folder: the settings of the arm, whose last run is meant, also where its folder is gone.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "run")]
+    pub robot: Option<PathBuf>,
     /// What was done, in words; default: it is asked for.
+    #[arg(long, value_name = "WORDS")]
+    pub how: Option<String>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `robot enable`.
+#[derive(Args)]
+pub struct EnableArguments {
+    /// The arm's settings.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub robot: PathBuf,
+    /// Why it was stopped and may go, in words; default: it is asked for.
     #[arg(long, value_name = "WORDS")]
     pub how: Option<String>,
     /// Print one JSON document.

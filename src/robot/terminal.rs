@@ -86,6 +86,12 @@ impl Terminal {
     }
 }
 
+/// Has typed lines shown and read as ever, and forgets what was typed before.
+pub fn be_as_before() {
+    held::restore();
+    held::forget_typed();
+}
+
 impl Supervisor for Terminal {
     fn lays_cloth(&mut self, start: &Start) -> bool {
         match self.confirm {
@@ -122,10 +128,6 @@ impl Supervisor for Terminal {
             }
             Key::Up => false,
         }
-    }
-
-    fn at_rest(&mut self) {
-        self.let_go();
     }
 }
 

@@ -3,14 +3,15 @@
 //! In: lines `watch`, `beat` and `rest` on stdin. Out: `ready` once it could stop the arm, and a line when it had to. It is
 //! at its end when stdin is; where that comes while it watches, the arm is stopped.
 
+mod process;
+
+pub use process::Process;
+
 use crate::cli::robot::WatchdogArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
 use runtime::arm::settings::Settings;
-use runtime::arm::supervisor::Watchdog;
-use std::io::{BufRead, BufReader, Read, Write};
-use std::path::Path;
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::io::{BufRead, BufReader, Read};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -19,8 +20,6 @@ use std::time::{Duration, Instant};
 const TRIES: u32 = 5;
 /// The longest line that is read, bytes.
 const MAX_LINE: u64 = 256;
-/// The longest until the watchdog is ready: it connects to the arm's node.
-const READY: Duration = Duration::from_secs(30);
 
 /// Stops the arm, from whichever state.
 type Stop = Box<dyn FnMut() -> Result<(), String>>;
@@ -142,84 +141,12 @@ fn stopped(stop: &mut dyn FnMut() -> Result<(), String>) -> Ended {
     Ended::NotStopped(last)
 }
 
-/// A watchdog that is another process of this program.
-pub struct Process {
-    child: Child,
-    stdin: Option<ChildStdin>,
-    said: Receiver<String>,
-}
-
-impl Process {
-    /// Starts it, and waits until it could stop the arm; says why it cannot.
-    ///
-    /// - `timeout_s`: the longest without a sign of life, seconds.
-    pub fn start(robot: &Path, timeout_s: f64) -> Result<Process, String> {
-        let program = std::env::current_exe().map_err(|error| error.to_string())?;
-        let mut command = Command::new(program);
-        command
-            .args(["robot", "watchdog", "--robot"])
-            .arg(robot)
-            .args(["--timeout", &timeout_s.to_string()])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped());
-        // Ctrl-C goes to all of a group; the watchdog outlives it.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let mut child = command
-            .spawn()
-            .map_err(|error| format!("the watchdog cannot be started: {error}"))?;
-        let stdin = child.stdin.take();
-        let stdout = child.stdout.take().expect("stdout is a pipe");
-        let said = lines_of(stdout);
-        let ready = said.recv_timeout(READY);
-        let process = Process { child, stdin, said };
-        match ready.as_deref() {
-            Ok("ready") => Ok(process),
-            _ => Err("the watchdog cannot stop this arm, so that nothing is moved".to_owned()),
-        }
-    }
-
-    fn write(&mut self, line: &str) -> Result<(), String> {
-        if let Ok(said) = self.said.try_recv() {
-            return Err(format!("the watchdog says: {said}"));
-        }
-        let gone = |error: std::io::Error| format!("the watchdog is gone: {error}");
-        match &mut self.stdin {
-            Some(stdin) => writeln!(stdin, "{line}")
-                .and_then(|()| stdin.flush())
-                .map_err(gone),
-            None => Err("the watchdog is gone".to_owned()),
-        }
-    }
-}
-
-impl Watchdog for Process {
-    fn watch(&mut self) -> Result<(), String> {
-        self.write("watch")
-    }
-
-    fn beat(&mut self) -> Result<(), String> {
-        self.write("beat")
-    }
-
-    fn rest(&mut self) {
-        // One that is gone keeps no watch.
-        let _ = self.write("rest");
-    }
-}
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        // The end of its lines: it ends by itself, and stops the arm first where it still watches.
-        self.stdin = None;
-        let _ = self.child.wait();
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+
     use super::*;
-    use std::io::pipe;
+    use std::io::{Write, pipe};
 
     /// Long enough that no loaded machine takes it for silence.
     const LONG: Duration = Duration::from_secs(600);

@@ -4,16 +4,17 @@ use crate::cli::robot::{ArmArguments, Confirm};
 use crate::exit::Failure;
 use crate::robot::terminal::{HoldToRun, Terminal};
 use crate::robot::watchdog::Process;
+use crate::robot::{connect, standing};
 use compiler::program::{ClothStart, Program};
-use runtime::arm::directory::DirectoryCamera;
-use runtime::arm::rgbd::RgbdSource;
-use runtime::arm::settings::{CameraSource, DriverKind, Settings};
+use runtime::arm::directory::Which;
+use runtime::arm::last;
+use runtime::arm::settings::{DriverKind, Settings};
 use runtime::arm::supervisor::{NoWatchdog, Supervisor, Unattended};
 use runtime::start::Start;
 use runtime::world::jaco::{self, FlatPicture, Parts, WithinReach};
 use runtime::world::{ArmWorld, PlanningWorld, World, WorldError};
 use std::io::IsTerminal;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Whether an arm is to move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,11 +32,12 @@ pub fn check(arguments: &ArmArguments, moving: Moving) -> Result<Settings, Failu
     if moving == Moving::Planned {
         return Ok(settings);
     }
-    if settings.driver != DriverKind::Simulated && !cfg!(feature = "ros") {
-        return Err(Failure::environment(format!(
-            "`{}` is of a real arm, and this fabc was built without ROS: build it with `--features ros`",
-            arguments.robot.display()
-        )));
+    if settings.driver != DriverKind::Simulated {
+        if !cfg!(feature = "ros") {
+            return Err(Failure::environment(connect::without_ros(&arguments.robot)));
+        }
+        standing::claim(&arguments.robot).map_err(Failure::environment)?;
+        standing::check(&arguments.robot).map_err(Failure::environment)?;
     }
     supervisor(arguments, &settings)?;
     Ok(settings)
@@ -93,14 +95,21 @@ pub fn world(
             return Ok(Box::new(ArmWorld::simulated(parts)?.with_flat(flat)));
         }
         (Moving::Planned, false) => {
-            let camera = camera(&parts.settings, arguments)?;
+            let camera = connect::camera(&parts.settings, &arguments.robot, Which::Last);
+            let camera = camera.map_err(|why| WorldError::Camera { why })?;
             return Ok(Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat)));
         }
         (Moving::Carried, false) => {}
     }
+    standing::check(&arguments.robot).map_err(failed)?;
     let watchdog = Process::start(&arguments.robot, watchdog_s).map_err(failed)?;
     parts.watchdog = Box::new(watchdog);
-    real(parts, flat, arguments)
+    let world = real(parts, arguments)?.with_flat(flat);
+    if let Some(folder) = folder {
+        // Before the first motion: after a crash in it, the next run must find this one.
+        last::note(&arguments.robot, folder).map_err(|error| failed(error.to_string()))?;
+    }
+    Ok(Box::new(world))
 }
 
 /// Makes a simulated world in which that alone can be done which the arm reaches: nobody is asked, and nothing moves.
@@ -117,92 +126,14 @@ pub fn has_operator(arguments: &ArmArguments, settings: &Settings) -> bool {
         && std::io::stdin().is_terminal()
 }
 
-/// Connects to a real arm and its camera, and starts its watchdog.
-#[cfg(feature = "ros")]
-fn real(
-    parts: Parts,
-    flat: Option<FlatPicture>,
-    arguments: &ArmArguments,
-) -> Result<Box<dyn World>, WorldError> {
-    use runtime::arm::driver::{Arm, PortArm};
-    use runtime::arm::kinematics::chain::Chain;
-    use runtime::arm::ros::connect;
-
-    let settings = parts.settings.clone();
-    let Some(ros) = &settings.ros else {
-        return Err(failed("the settings have no `[ros]`".to_owned()));
-    };
-    let source = camera(&settings, arguments)?;
-    let port = connect(ros, &settings.model, settings.camera.timeout_s);
-    let port = port.map_err(|error| failed(error.to_string()))?;
-    let arm: Box<dyn Arm> = match settings.driver {
-        DriverKind::Trajectory => {
-            let chain =
-                Chain::of_model(&settings.model).map_err(|error| failed(error.to_string()))?;
-            Box::new(PortArm::by_trajectories(
-                port,
-                chain,
-                settings.fingers,
-                settings.tolerance,
-            ))
-        }
-        _ => Box::new(PortArm::by_poses(
-            port,
-            &settings.model,
-            settings.fingers,
-            settings.tolerance,
-        )),
-    };
-    Ok(Box::new(ArmWorld::new(parts, arm, source)?.with_flat(flat)))
-}
-
-#[cfg(not(feature = "ros"))]
-fn real(
-    _: Parts,
-    _: Option<FlatPicture>,
-    arguments: &ArmArguments,
-) -> Result<Box<dyn World>, WorldError> {
-    Err(failed(format!(
-        "`{}` is of a real arm, and this fabc was built without ROS: build it with `--features ros`",
-        arguments.robot.display()
-    )))
-}
-
-/// Opens the camera over a real table.
-fn camera(
-    settings: &Settings,
-    arguments: &ArmArguments,
-) -> Result<Box<dyn RgbdSource>, WorldError> {
-    let camera = &settings.camera;
-    let beside = arguments.robot.parent().unwrap_or(Path::new("."));
-    match (camera.source, &camera.folder) {
-        (CameraSource::Directory, Some(folder)) => Ok(Box::new(DirectoryCamera::of(
-            &beside.join(folder),
-            camera.intrinsics.clone(),
-        ))),
-        (CameraSource::Ros, _) => subscribed(settings),
-        _ => Err(no_camera(
-            "a real arm needs the camera `ros`, or `directory` with a folder".to_owned(),
-        )),
-    }
-}
-
-#[cfg(feature = "ros")]
-fn subscribed(settings: &Settings) -> Result<Box<dyn RgbdSource>, WorldError> {
-    let Some(ros) = &settings.ros else {
-        return Err(no_camera("the settings have no `[ros]`".to_owned()));
-    };
-    let camera = runtime::arm::ros::RosCamera::subscribe(ros, settings.camera.timeout_s);
-    Ok(Box::new(
-        camera.map_err(|error| no_camera(error.to_string()))?,
-    ))
-}
-
-#[cfg(not(feature = "ros"))]
-fn subscribed(_: &Settings) -> Result<Box<dyn RgbdSource>, WorldError> {
-    Err(no_camera(
-        "`source = \"ros\"` needs a fabc that was built with `--features ros`".to_owned(),
-    ))
+/// Connects to a real arm and its camera.
+fn real(parts: Parts, arguments: &ArmArguments) -> Result<ArmWorld, WorldError> {
+    let settings = &parts.settings;
+    let timeout_s = settings.camera.timeout_s;
+    let camera = connect::camera(settings, &arguments.robot, Which::Fresh { timeout_s });
+    let camera = camera.map_err(|why| WorldError::Camera { why })?;
+    let arm = connect::arm(settings).map_err(failed)?;
+    ArmWorld::new(parts, arm, camera)
 }
 
 /// Returns who gives leave to move: for a real arm a person, unless told otherwise.
@@ -227,8 +158,4 @@ fn supervisor(
 
 fn failed(why: String) -> WorldError {
     WorldError::Motion { why }
-}
-
-fn no_camera(why: String) -> WorldError {
-    WorldError::Camera { why }
 }

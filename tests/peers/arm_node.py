@@ -3,8 +3,9 @@
     arm_node.py MESSAGES MODEL TRAJECTORY ENGINE...
 
 MESSAGES holds the Python modules that ros_messages.py made, MODEL is e.g. j2n6s200, TRAJECTORY the name of a
-FollowJointTrajectory server, and ENGINE the command of runtime/examples/arm_engine. The action servers are actionlib's
-own; nothing is decided here: goals and stops go to the engine, and its readings and pictures come from it.
+FollowJointTrajectory server, and ENGINE the command of runtime/examples/arm_engine with its argument. The action servers are actionlib's
+own; nothing is decided here: goals and stops go to the engine, its readings and pictures come from it, and it says
+which messages are lost on their way.
 """
 
 import json
@@ -48,6 +49,13 @@ class Engine:
             rospy.logwarn("%s: %s", ask, answer["error"])
         return answer, blobs
 
+    def loses(self, message):
+        return self.ask("loses", message=message)[0]["loses"]
+
+    def unless_lost(self, message, pass_on):
+        """Returns what passes messages on, but for those of this kind that are lost."""
+        return lambda *what: None if self.loses(message) else pass_on(*what)
+
 
 class Server:
     """An action server whose goals the engine carries out."""
@@ -55,7 +63,12 @@ class Server:
     def __init__(self, engine, name, action, request):
         self.engine, self.request = engine, request
         self.server = actionlib.SimpleActionServer(name, action, self.execute, auto_start=False)
+        # Between the topics and actionlib: a message that is lost was never there for either.
+        wire = self.server.action_server
+        wire.internal_goal_callback = engine.unless_lost("goal", wire.internal_goal_callback)
+        wire.internal_cancel_callback = engine.unless_lost("cancel", wire.internal_cancel_callback)
         self.server.start()
+        wire.result_pub.publish = engine.unless_lost("result", wire.result_pub.publish)
 
     def execute(self, goal):
         answer, _ = self.engine.ask(**self.request(goal))
@@ -123,6 +136,8 @@ class Publisher:
 
     def say(self):
         said, _ = self.engine.ask("readings")
+        if said["loses"]:
+            return
         now = rospy.Time.now()
         pose = PoseStamped()
         pose.header.stamp, pose.header.frame_id = now, self.model + "_link_base"
@@ -161,6 +176,18 @@ class Publisher:
             self.info.publish(info)
 
 
+def answer_stop(engine):
+    def answer(_):
+        if engine.loses("stop"):
+            # Longer than anybody waits.
+            rospy.sleep(3.0)
+            return None
+        engine.ask("stop")
+        return StopResponse("Arm stopped")
+
+    return answer
+
+
 def main():
     model, trajectory_server, command = sys.argv[2], sys.argv[3], sys.argv[4:]
     rospy.init_node(model + "_driver")
@@ -170,9 +197,8 @@ def main():
     Server(engine, "~joints_action/joint_angles", ArmJointAnglesAction, joint_angles)
     Server(engine, "~fingers_action/finger_positions", SetFingersPositionAction, fingers(int(model[5])))
     Server(engine, trajectory_server, FollowJointTrajectoryAction, trajectory(joints))
-    answer_stop = lambda _: (engine.ask("stop"), StopResponse("Arm stopped"))[1]
     answer_start = lambda _: (engine.ask("start"), StartResponse("Arm started"))[1]
-    rospy.Service("~in/stop", Stop, answer_stop)
+    rospy.Service("~in/stop", Stop, answer_stop(engine))
     rospy.Service("~in/start", Start, answer_start)
     publisher = Publisher(engine, model, joints)
     rate = rospy.Rate(10)

@@ -41,12 +41,7 @@ impl Program {
     }
 
     fn end(&mut self) {
-        let group = format!("-{}", self.0.id());
-        let ended = Command::new("kill")
-            .args(["-KILL", "--", &group])
-            .stderr(Stdio::null())
-            .status();
-        assert!(ended.is_ok(), "there is no program `kill`");
+        signal("KILL", &format!("-{}", self.0.id()));
         let _ = self.0.wait();
     }
 }
@@ -60,6 +55,8 @@ impl Drop for Program {
 /// A master, and perhaps an arm's node.
 pub struct Ros {
     node: Option<Program>,
+    /// What the arm's program is started with.
+    engine_arguments: Vec<String>,
     _master: Program,
     port: u16,
     folder: TempDir,
@@ -74,6 +71,7 @@ impl Ros {
         command.args(["/usr/bin/rosmaster", "--core", "-p", &port.to_string()]);
         let ros = Ros {
             node: None,
+            engine_arguments: Vec::new(),
             _master: Program::start(surroundings(&mut command, folder.path(), port)),
             port,
             folder,
@@ -88,7 +86,13 @@ impl Ros {
 
     /// Starts a master and the arm's node, which may not be ready yet.
     pub fn with_arm() -> Ros {
+        Ros::with_arm_of(Vec::new())
+    }
+
+    /// The same with arguments for the program that plays the arm.
+    pub fn with_arm_of(engine_arguments: Vec<String>) -> Ros {
         let mut ros = Ros::master();
+        ros.engine_arguments = engine_arguments;
         generate(&ros.modules(), &[]);
         ros.start_node();
         ros
@@ -102,7 +106,8 @@ impl Ros {
         command.arg(project("tests/peers/arm_node.py"));
         command
             .arg(self.modules())
-            .args([MODEL, TRAJECTORY, &engine]);
+            .args([MODEL, TRAJECTORY, &engine])
+            .args(&self.engine_arguments);
         self.node = Some(Program::start(surroundings(
             &mut command,
             self.folder.path(),
@@ -115,10 +120,21 @@ impl Ros {
         self.node = None;
     }
 
+    /// Halts the arm's node, as a machine that hangs does; the arm itself goes on.
+    pub fn halt_node(&mut self) {
+        let node = self.node.as_ref().map(|node| node.0.id().to_string());
+        signal("STOP", &node.unwrap());
+    }
+
+    /// Returns the address of the master.
+    pub fn address(&self) -> String {
+        format!("http://127.0.0.1:{}", self.port)
+    }
+
     /// Settings that find this master, for the driver of Cartesian goals.
     pub fn settings(&self) -> RosSettings {
         RosSettings {
-            master: format!("http://127.0.0.1:{}", self.port),
+            master: self.address(),
             host: None,
             arm: format!("/{MODEL}_driver"),
             trajectory: None,
@@ -187,6 +203,15 @@ pub fn send_until_active(port: &mut RosPort, goal: &Goal) -> GoalId {
         port.wait(0.02);
     }
     id
+}
+
+/// Sends a signal to a process, or with a minus to a group of them.
+pub fn signal(name: &str, process: &str) {
+    let sent = Command::new("kill")
+        .args([&format!("-{name}"), "--", process])
+        .stderr(Stdio::null())
+        .status();
+    assert!(sent.is_ok(), "there is no program `kill`");
 }
 
 /// A port that nobody listens at.

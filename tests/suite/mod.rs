@@ -5,6 +5,7 @@ mod support;
 
 mod agent_loop;
 mod arm_bench;
+mod arm_faults;
 mod arm_flat;
 mod arm_laid;
 mod arm_run;

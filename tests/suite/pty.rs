@@ -7,7 +7,7 @@ use std::io::{Read, Write};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Long enough for a loaded machine; nothing is measured.
 pub const PATIENCE: Duration = Duration::from_secs(120);
@@ -95,23 +95,6 @@ impl Session {
             let bytes = bytes.unwrap_or_else(|_| panic!("no `{words}` in:\n{}", self.text));
             self.text.push_str(&plain(&bytes));
         }
-    }
-
-    /// Waits for words while a key repeats; says what was shown.
-    pub fn until_holding(&mut self, key: &str, words: &str) -> String {
-        let begun = Instant::now();
-        while !self.text.contains(words) {
-            assert!(
-                begun.elapsed() < PATIENCE,
-                "no `{words}` in:\n{}",
-                self.text
-            );
-            self.keys.write_all(key.as_bytes()).unwrap();
-            if let Ok(bytes) = self.shown.recv_timeout(Duration::from_millis(50)) {
-                self.text.push_str(&plain(&bytes));
-            }
-        }
-        self.until(words)
     }
 
     /// Presses a key when it is waited for; before that, the terminal itself would show it, or obey Ctrl-C.

@@ -1,93 +1,119 @@
-//! Serves an arm and a camera over standard input and output, for the ROS node of the tests (`tests/peers/arm_node.py`).
+//! Plays an arm and a camera over standard input and output, for the ROS node of the tests (`tests/peers/arm_node.py`).
 //!
-//! In: requests. Out: one answer to each, while time passes as it does outside. A frame is the length of its JSON in four
-//! bytes, the least first; the JSON; then as many bytes as its `blobs` name. Anything that is a `Port` and an `RgbdSource`
-//! can be served; here that is [`straight::Arm`], which has no kinematics and no cloth.
+//! In: requests, and as an argument perhaps a [`scene`]. Out: one answer to each, while time passes as it does outside. A
+//! frame is the length of its JSON in four bytes, the least first; the JSON; then as many bytes as its `blobs` name.
+//! Without a scene it plays [`straight::Arm`], which has no kinematics and no cloth. A test itself asks over a socket
+//! that the scene names, a line of JSON each way.
 
+mod ask;
+mod control;
+mod scene;
 mod straight;
 
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use runtime::arm::port::{Ending, Goal, GoalId, GoalState, Port, Waypoint};
+use ask::{Request, answer};
+use runtime::arm::port::Port;
 use runtime::arm::rgbd::RgbdSource;
-use serde::Deserialize;
+use runtime::arm::simulated::FaultKind;
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
 
 /// The longest request that is read.
 const MAX_BYTES: u32 = 1 << 20;
 
-/// How often time passes while nobody asks.
+/// A step of the clock.
 const STEP: Duration = Duration::from_millis(10);
 
-#[derive(Deserialize)]
-#[serde(tag = "ask", rename_all = "snake_case")]
-enum Request {
-    /// Metres, and a quaternion x, y, z, w.
-    ToolPose {
-        position: [f64; 3],
-        turn: [f64; 4],
-    },
-    JointAngles {
-        radians: Vec<f64>,
-    },
-    Fingers {
-        positions: Vec<f64>,
-    },
-    /// Each point is seconds, then radians.
-    Trajectory {
-        points: Vec<(f64, Vec<f64>)>,
-    },
-    State {
-        goal: String,
-    },
-    Cancel {
-        goal: String,
-    },
-    Stop,
-    Start,
-    Readings,
-    /// Answered with colour, 3 bytes a pixel, and depth, 2 bytes a pixel, millimetres.
-    Picture,
+/// What is played: an arm, a camera, and messages that are lost on their way.
+trait Stage: Port + RgbdSource {
+    /// Tells whether a message is lost, whose kind the node names: `goal`, `result`, `cancel`, `stop` or `reading`.
+    fn loses(&mut self, _message: &str) -> bool {
+        false
+    }
+
+    /// Lets something go wrong from now on; says why it cannot.
+    fn fail(&mut self, kind: FaultKind) -> Result<(), String> {
+        Err(format!("nothing goes wrong here, and not `{kind:?}`"))
+    }
+
+    /// Lays the scene's cloth; says why it cannot.
+    fn lay(&mut self) -> Result<(), String> {
+        Err("there is no cloth here".to_owned())
+    }
+
+    /// Returns what no node tells.
+    fn truth(&self) -> Value {
+        json!({})
+    }
+
+    /// Returns the pixel at which the camera sees a point of the base frame, metres.
+    fn pixel(&self, _point_m: [f64; 3]) -> Option<[f64; 2]> {
+        None
+    }
+}
+
+/// A request, and where its answer goes.
+enum Asked {
+    Node(io::Result<Request>),
+    Test(Request, Sender<Value>),
 }
 
 fn main() -> io::Result<()> {
-    let (mut arm, mut camera) = (straight::Arm::default(), straight::Camera);
-    serve(&mut arm, &mut camera, io::stdin(), io::stdout().lock())
-}
-
-fn serve(
-    port: &mut dyn Port,
-    camera: &mut dyn RgbdSource,
-    mut requests: impl Read + Send + 'static,
-    mut answers: impl Write,
-) -> io::Result<()> {
     let (sender, receiver) = mpsc::channel();
-    std::thread::spawn(move || while sender.send(read_request(&mut requests)).is_ok() {});
-    let mut last = Instant::now();
+    let mut stage: Box<dyn Stage> = match std::env::args().nth(1) {
+        None => Box::new(straight::Arm::default()),
+        Some(text) => {
+            let plan: scene::Plan = serde_json::from_str(&text).map_err(io::Error::other)?;
+            let scene = scene::Scene::new(&plan).map_err(io::Error::other)?;
+            control::listen(&plan.control, sender.clone())?;
+            Box::new(scene)
+        }
+    };
+    std::thread::spawn(move || {
+        let mut requests = io::stdin().lock();
+        while sender
+            .send(Asked::Node(read_request(&mut requests)))
+            .is_ok()
+        {}
+    });
+    let mut answers = io::stdout().lock();
+    let (mut last, mut owed) = (Instant::now(), Duration::ZERO);
     loop {
-        let request = match receiver.recv_timeout(STEP) {
-            Ok(Ok(request)) => Some(request),
-            // The node has closed its end.
-            Ok(Err(error)) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(()),
-            Ok(Err(error)) => return Err(error),
-            Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => return Ok(()),
-        };
+        let asked = receiver.recv_timeout(STEP);
         let passed = last.elapsed();
         last += passed;
-        port.wait(passed.as_secs_f64());
-        if let Some(request) = request {
-            let (mut answer, blobs) = answer(port, camera, request);
-            answer["blobs"] = blobs.iter().map(Vec::len).collect();
-            let text = answer.to_string();
-            answers.write_all(&(text.len() as u32).to_le_bytes())?;
-            answers.write_all(text.as_bytes())?;
-            blobs.iter().try_for_each(|blob| answers.write_all(blob))?;
-            answers.flush()?;
+        owed += passed;
+        // Whole steps alone, since a clock that makes each of many short waits a step would run ahead.
+        let n_steps = (owed.as_micros() / STEP.as_micros()) as u32;
+        if n_steps > 0 {
+            owed -= STEP * n_steps;
+            stage.wait((STEP * n_steps).as_secs_f64());
+        }
+        match asked {
+            Ok(Asked::Node(Ok(request))) => reply(&mut answers, answer(stage.as_mut(), request))?,
+            // The test may have gone meanwhile.
+            Ok(Asked::Test(request, replies)) => {
+                let _ = replies.send(answer(stage.as_mut(), request).0);
+            }
+            // The node has closed its end.
+            Ok(Asked::Node(Err(error))) if error.kind() == io::ErrorKind::UnexpectedEof => {
+                return Ok(());
+            }
+            Ok(Asked::Node(Err(error))) => return Err(error),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
         }
     }
+}
+
+fn reply(answers: &mut impl Write, (mut answer, blobs): (Value, Vec<Vec<u8>>)) -> io::Result<()> {
+    answer["blobs"] = blobs.iter().map(Vec::len).collect();
+    let text = answer.to_string();
+    answers.write_all(&(text.len() as u32).to_le_bytes())?;
+    answers.write_all(text.as_bytes())?;
+    blobs.iter().try_for_each(|blob| answers.write_all(blob))?;
+    answers.flush()
 }
 
 fn read_request(requests: &mut impl Read) -> io::Result<Request> {
@@ -102,93 +128,4 @@ fn read_request(requests: &mut impl Read) -> io::Result<Request> {
     let mut text = vec![0; length as usize];
     requests.read_exact(&mut text)?;
     serde_json::from_slice(&text).map_err(io::Error::other)
-}
-
-fn answer(
-    port: &mut dyn Port,
-    camera: &mut dyn RgbdSource,
-    request: Request,
-) -> (Value, Vec<Vec<u8>>) {
-    let goal = match request {
-        Request::State { goal } => {
-            return (
-                json!({ "state": state(&port.state(&GoalId(goal))) }),
-                vec![],
-            );
-        }
-        Request::Cancel { goal } => return (done(port.cancel(&GoalId(goal))), vec![]),
-        Request::Stop => return (done(port.stop()), vec![]),
-        Request::Start => return (done(port.start()), vec![]),
-        Request::Readings => return (readings(port), vec![]),
-        Request::Picture => return picture(camera),
-        Request::ToolPose {
-            position: [x, y, z],
-            turn: [i, j, k, w],
-        } => {
-            let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k));
-            Goal::ToolPose(Isometry3::from_parts(Translation3::new(x, y, z), turn))
-        }
-        Request::JointAngles { radians } => Goal::JointAngles(radians),
-        Request::Fingers { positions } => Goal::Fingers(positions),
-        Request::Trajectory { points } => {
-            let points = points.into_iter();
-            Goal::Trajectory(
-                points
-                    .map(|(at_s, joints_rad)| Waypoint { joints_rad, at_s })
-                    .collect(),
-            )
-        }
-    };
-    match port.send(&goal) {
-        Ok(id) => (json!({ "goal": id.0 }), vec![]),
-        Err(error) => (json!({ "error": error.to_string() }), vec![]),
-    }
-}
-
-fn done(result: Result<(), impl ToString>) -> Value {
-    match result {
-        Ok(()) => json!({}),
-        Err(error) => json!({ "error": error.to_string() }),
-    }
-}
-
-fn state(state: &GoalState) -> &'static str {
-    match state {
-        GoalState::Sent => "sent",
-        GoalState::Active => "active",
-        GoalState::Ended(Ending::Succeeded) => "succeeded",
-        GoalState::Ended(Ending::Preempted) => "preempted",
-        GoalState::Ended(Ending::Aborted) => "aborted",
-        GoalState::Ended(Ending::Rejected) => "rejected",
-    }
-}
-
-fn readings(port: &mut dyn Port) -> Value {
-    let readings = port.readings();
-    let tool = readings.tool.map(|tool| {
-        let turn = tool.value.rotation.coords;
-        json!({
-            "position": tool.value.translation.vector.as_slice(),
-            "turn": [turn.x, turn.y, turn.z, turn.w],
-        })
-    });
-    json!({
-        "tool": tool,
-        "joints": readings.joints_rad.map(|joints| joints.value),
-        "fingers": readings.fingers.map(|fingers| fingers.value),
-    })
-}
-
-fn picture(camera: &mut dyn RgbdSource) -> (Value, Vec<Vec<u8>>) {
-    let shot = match camera.shoot() {
-        Ok(shot) => shot,
-        Err(error) => return (json!({ "error": error.to_string() }), vec![]),
-    };
-    let size = [shot.rgb.width(), shot.rgb.height()];
-    let millimetres = |depth_m: &f32| ((depth_m * 1000.0).round() as u16).to_le_bytes();
-    let depth = shot.depth_m.as_raw().iter().flat_map(millimetres).collect();
-    (
-        json!({ "size": size, "intrinsics": shot.intrinsics }),
-        vec![shot.rgb.into_raw(), depth],
-    )
 }

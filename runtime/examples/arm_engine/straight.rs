@@ -1,9 +1,10 @@
 //! An arm whose tool, joints and fingers each go straight to where they are sent, and a camera that sees a pattern.
 //!
-//! In: goals, and time. Out: readings. It keeps what the node of kinova-ros does to goals: a stopped arm aborts them, a
+//! In: goals, and time. Out: readings, and pictures. It keeps what the node of kinova-ros does to goals: a stopped arm aborts them, a
 //! new one preempts the one before it. The node looks ten times a second; what it then finds cancelled it preempts by a
 //! stop and a start, which also sets an arm free that was stopped in between.
 
+use super::Stage;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use runtime::arm::port::{
     Ending, Goal, GoalId, GoalState, Heard, Port, PortError, Readings, Waypoint,
@@ -212,11 +213,8 @@ impl Port for Arm {
     }
 }
 
-/// A camera that sees a pattern: colour `[column, row, column xor row]`, depth 500 mm, a millimetre more each column, and
-/// no reading in row 0.
-pub struct Camera;
-
-impl RgbdSource for Camera {
+/// A pattern: colour `[column, row, column xor row]`, depth 500 mm, a millimetre more each column, and no reading in row 0.
+impl RgbdSource for Arm {
     fn name(&self) -> String {
         "pattern".to_owned()
     }
@@ -246,3 +244,5 @@ impl RgbdSource for Camera {
         })
     }
 }
+
+impl Stage for Arm {}

@@ -89,7 +89,8 @@ pub fn check(
     }
     let tilt_rad = (to.rotation * Vector3::z()).angle(&-Vector3::z());
     // Written so that what is no number is too much.
-    if !(tilt_rad <= MAX_TILT_RAD) || !to.rotation.coords.iter().all(|value| value.is_finite()) {
+    let is_upright = tilt_rad <= MAX_TILT_RAD;
+    if !is_upright || !to.rotation.coords.iter().all(|value| value.is_finite()) {
         return Err(format!(
             "the hand would be tilted by {:.0} degrees, and at most {:.0} are allowed",
             tilt_rad.to_degrees(),

@@ -47,6 +47,11 @@ pub enum Entry {
         /// Whether the arm was verified to be stopped; null where it was not told to stop.
         stopped: Option<bool>,
     },
+    /// A person let an arm go that was stopped; what is in its hand is as it was.
+    Enabled {
+        /// Why it may move again.
+        how: String,
+    },
     /// A person has looked after an arm that was left in the middle of a motion.
     Recovered {
         /// What was done.
@@ -233,6 +238,6 @@ fn after(left: Left, entry: Entry) -> Left {
             why: Some(why),
         },
         (_, Entry::Recovered { .. }) => Left::Clear,
-        (left, Entry::Done { .. } | Entry::Halted { .. }) => left,
+        (left, Entry::Done { .. } | Entry::Halted { .. } | Entry::Enabled { .. }) => left,
     }
 }

@@ -13,6 +13,7 @@ pub mod directory;
 pub mod driver;
 pub mod execute;
 pub mod kinematics;
+pub mod last;
 pub mod limits;
 pub mod log;
 pub mod plan;

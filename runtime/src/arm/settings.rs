@@ -220,7 +220,8 @@ pub struct CameraSettings {
 pub enum CameraSource {
     /// Topics with `sensor_msgs` messages.
     Ros,
-    /// Pictures in a folder, `NAME.png` with `NAME.depth.png`, taken in the order of their names.
+    /// Pictures that something else writes into a folder, `NAME.png` with `NAME.depth.png`: each time one that was not there
+    /// before.
     Directory,
     /// The simulator's camera; with the driver `simulated` only.
     Simulated,

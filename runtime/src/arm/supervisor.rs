@@ -35,9 +35,6 @@ pub trait Supervisor {
     fn is_holding(&mut self) -> bool {
         true
     }
-
-    /// Learns that no motion follows for now, so that no key has to be held.
-    fn at_rest(&mut self) {}
 }
 
 /// Gives leave to everything: for arms that are simulated, and for those who said `--confirm none`.

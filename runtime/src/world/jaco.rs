@@ -7,24 +7,25 @@
 mod parts;
 mod picture;
 mod planning;
+mod rehearsal;
 mod within;
 
 pub use parts::{About, Parts, about, base_from_world, load};
 pub use picture::{FlatPicture, simulated_table};
 pub use planning::{PLAN_FILE, PLAN_PICTURE, PlanningWorld, read_plan};
+pub use rehearsal::Rehearsal;
 pub use within::WithinReach;
 
-use super::simulated::table::{ClothTable, TableCamera};
+use super::simulated::table::ClothTable;
 use super::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
 use crate::arm::calibration::Moved;
-use crate::arm::driver::{Arm, ArmError, Between, PortArm};
+use crate::arm::driver::{Arm, ArmError, Between};
 use crate::arm::execute::{Broken, Execution, without_cloth};
 use crate::arm::limits::{self, Limited};
 use crate::arm::log::ArmLog;
 use crate::arm::rgbd::{RgbdSource, Shot};
 use crate::arm::route;
-use crate::arm::settings::{DriverKind, Settings};
-use crate::arm::simulated::{SimulatedArm, Simulation};
+use crate::arm::settings::Settings;
 use crate::interrupt::Interrupt;
 use crate::observation::Observation;
 use crate::start::Start;
@@ -49,30 +50,13 @@ pub struct ArmWorld {
     log: Option<ArmLog>,
     is_laid: bool,
     is_camera_checked: bool,
+    /// The camera's own picture that was taken last.
+    last_shot: Option<Shot>,
     n_actions: u32,
     begun_s: f64,
 }
 
 impl ArmWorld {
-    /// Sets up the arm and the table that this program simulates.
-    pub fn simulated(parts: Parts) -> Result<ArmWorld, WorldError> {
-        let settings = &parts.settings;
-        if settings.driver != DriverKind::Simulated {
-            return Err(motion(
-                "its settings name another driver than `simulated`".to_owned(),
-            ));
-        }
-        let base_from_world = base_from_world(settings);
-        let table = Rc::new(RefCell::new(ClothTable::new(settings, &base_from_world)?));
-        let simulation = Simulation::of(settings).map_err(motion)?;
-        let arm = SimulatedArm::new(simulation, Some(table.clone()));
-        let arm = PortArm::by_poses(arm, &settings.model, settings.fingers, settings.tolerance);
-        let camera = TableCamera(table.clone());
-        let mut world = ArmWorld::new(parts, Box::new(arm), Box::new(camera))?;
-        world.table = Some(table);
-        Ok(world)
-    }
-
     /// Puts limits around an arm, over a table that a camera sees.
     pub fn new(
         parts: Parts,
@@ -96,6 +80,7 @@ impl ArmWorld {
             log: log.map_err(|error| motion(error.to_string()))?,
             is_laid: false,
             is_camera_checked: false,
+            last_shot: None,
             n_actions: 0,
             begun_s: 0.0,
             parts,
@@ -201,7 +186,9 @@ impl World for ArmWorld {
             why: error.to_string(),
         })?;
         self.check_camera(&shot)?;
-        picture::square(&self.parts, &shot, self.arm.now_s() - self.begun_s)
+        let seen = picture::square(&self.parts, &shot, self.arm.now_s() - self.begun_s);
+        self.last_shot = Some(shot);
+        seen
     }
 
     fn act(
@@ -239,7 +226,6 @@ impl World for ArmWorld {
             number: self.n_actions,
         }
         .run([pick, place], &segments, &empty);
-        self.parts.supervisor.at_rest();
         let done = done.map_err(told)?;
         let world_from_base = self.base_from_world.inverse();
         Ok(Executed {

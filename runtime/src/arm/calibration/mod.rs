@@ -3,7 +3,8 @@
 //! In: [`Pair`]s of a pixel and a tool pose, and the [`Terms`] that they are to meet. Out: a [`Calibration`], with the
 //! error of each point and what an error of the points comes to over the table; or a [`Refusal`] that names the slip.
 //! A calibration is text with a picture beside it (`file`), notices that its camera was moved (`moved`), and gives the
-//! camera of the square picture that tasks see (`view`). Nothing here asks a person, an arm or a clock.
+//! camera of the square picture that tasks see (`view`). Nothing here asks a person or a clock, and an arm only for the place
+//! to which a person brought it (`touch`).
 
 mod accuracy;
 mod draw;
@@ -19,6 +20,7 @@ mod slips;
 mod spread;
 #[cfg(test)]
 mod tests;
+mod touch;
 mod view;
 
 pub use accuracy::Accuracy;
@@ -30,6 +32,7 @@ pub use pairs::{MAX_PAIRS, PairError, csv_line, parse_pairs, read_pairs};
 pub use refusal::{Fault, Refusal};
 pub use session::{Said, Session, ToolReader, grid};
 pub use spread::Spread;
+pub use touch::place_at_rest;
 pub use view::Window;
 
 use super::rgbd::Intrinsics;

@@ -42,14 +42,14 @@ pub enum ArmError {
         "the arm has not said for `{for_s:.1}` s where its {what}; its driver or the network may be down"
     )]
     Silent {
-        /// `tool is` or `fingers are`.
+        /// `tool is`, `joints are` or `fingers are`.
         what: &'static str,
         /// For how long, seconds.
         for_s: f64,
     },
     /// The arm is stopped.
     #[error(
-        "the arm is stopped and takes no motion; look why, and let it go with `fabc robot recover`"
+        "the arm is stopped and takes no motion; look why, and let it go with `fabc robot enable`"
     )]
     Stopped,
     /// The tool came to rest elsewhere.
@@ -100,7 +100,7 @@ pub enum ArmError {
         /// What is known.
         why: String,
     },
-    /// A motion was ended for now.
+    /// A motion was ended for now, and the arm is at rest.
     #[error("paused")]
     Paused,
     /// The person who watches said no.

@@ -30,7 +30,7 @@ pub(super) fn move_fingers<P: Port>(
         Opening::Closed => settings.closed,
     };
     let goal = Goal::Fingers(vec![wanted; settings.count]);
-    let word = carry_out(port, &goal, LIMIT_S, tolerance, watch)?;
+    let word = carry_out(port, &goal, LIMIT_S, tolerance, &mut None, watch)?;
     let found = at_rest(port, settings, tolerance)?;
     judge(settings, opening, word, &found)
 }

@@ -7,8 +7,10 @@
 mod carry;
 mod error;
 mod fingers;
+mod pause;
 pub mod resting;
 mod tool;
+mod way;
 
 pub use error::{ArmError, Off};
 pub use tool::PortArm;
@@ -52,7 +54,7 @@ pub enum Between {
 /// Why a motion is not to go on.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Halt {
-    /// It is to end for now; the arm stays enabled.
+    /// It is to end for now; the arm stays enabled. Fingers, and a tool that is almost there, go on to their end.
     Pause,
     /// It is to end, and the arm to be stopped.
     Stop(ArmError),
@@ -64,7 +66,8 @@ pub type Watch<'w> = dyn FnMut(&ArmState) -> Result<(), Halt> + 'w;
 /// An arm with a hand.
 ///
 /// Nothing that is stopped moves again before [`Arm::enable`], which nothing here calls by itself. An error of
-/// [`Arm::move_tool`] or [`Arm::move_fingers`] says nothing of whether the arm is at rest: whoever gets one stops it.
+/// [`Arm::move_tool`] or [`Arm::move_fingers`] says nothing of whether the arm is at rest, but for [`ArmError::Paused`]:
+/// whoever gets another stops it.
 pub trait Arm {
     /// Returns its name, e.g. `j2n6s200`.
     fn name(&self) -> String;

@@ -1,40 +1,30 @@
 //! Moves an arm through a port, and looks itself where the arm came to.
 //!
 //! What the arm's node calls reached may be 10 mm and 2 degrees off, a cancelled or stalled goal leaves the arm enabled,
-//! and nothing says that it is stopped but a goal that is refused. So each motion begins with a goal that is no motion
-//! (the pose in which the arm is), ends with looks at the pose, and a stop is asked for until such a goal is refused.
-//! After a stop nothing is cancelled and nothing else sent: the node takes either as a reason to enable the arm.
+//! and nothing says that it is stopped but a pose that is refused. So each motion begins with a pose that is no motion
+//! (that in which the arm is), ends with looks at the pose, and a stop is asked for until such a pose is refused.
+//! After a stop nothing is cancelled and nothing else sent: the node takes either as a reason to enable the arm. Only its
+//! controller of trajectories knows no stop and would go on where the arm is let go, so that it is emptied.
 
-use super::carry::{LOOK_S, Word, carry_out, state};
+use super::carry::{Word, carry_out, come_to_rest, is_at_rest, state, state_with_joints};
 use super::fingers::move_fingers;
-use super::{Arm, ArmError, ArmState, Between, Off, Opening, Watch};
+use super::way::{Way, hold, lasts_s};
+use super::{Arm, ArmError, ArmState, Between, Halt, Off, Opening, Watch};
 use crate::arm::kinematics::chain::Chain;
-use crate::arm::port::{Ending, Goal, Port, Waypoint};
+use crate::arm::port::{Ending, Goal, GoalId, GoalState, Port};
 use crate::arm::settings::{FingerSettings, Tolerance};
 use nalgebra::Isometry3;
 
-/// A tool that moves less than this between two looks is at rest, metres.
-const REST_M: f64 = 0.000_5;
-
-/// How far apart in time two such looks are, seconds: more than the 0.1 s between two reports of kinova-ros.
-const REST_S: f64 = 0.25;
-
-/// How long a goal that is no motion may take, seconds.
+/// How long a goal that is no motion may take, seconds, and how often it is sent where nothing is heard of its end.
 const PROBE_S: f64 = 3.0;
+const PROBES: u32 = 2;
 
 /// How often a stop is asked for until it is verified.
 const STOPS: u32 = 3;
 
-/// The longest step between two points of a trajectory, metres.
-const STEP_M: f64 = 0.01;
-
-/// How motions are said to an arm's node.
-enum Way {
-    /// As poses of the tool; the node finds the joints.
-    Poses,
-    /// As trajectories of the joints, which this crate's kinematics find.
-    Trajectories(Box<Chain>),
-}
+/// How long a trajectory may take to end once it was cancelled, seconds, and how often that is looked at.
+const CANCEL_S: f64 = 0.5;
+const CANCEL_LOOK_S: f64 = 0.02;
 
 /// An arm behind a port.
 pub struct PortArm<P: Port> {
@@ -45,10 +35,15 @@ pub struct PortArm<P: Port> {
     tolerance: Tolerance,
     /// Whether this driver stopped it, or saw that it is stopped, and nobody let it go since.
     is_stopped: bool,
+    /// The last trajectory that its controller was sent.
+    trajectory: Option<GoalId>,
 }
 
 impl<P: Port> PortArm<P> {
     /// Drives the node of kinova-ros by poses of the tool.
+    ///
+    /// The node finds the joints' way by itself and does not say which: nothing here knows whether elbow and wrist stay clear
+    /// of the table, and only a person who watches does.
     pub fn by_poses(
         port: P,
         name: &str,
@@ -62,10 +57,12 @@ impl<P: Port> PortArm<P> {
             fingers,
             tolerance,
             is_stopped: false,
+            trajectory: None,
         }
     }
 
-    /// Drives a `FollowJointTrajectory` controller by trajectories of the joints.
+    /// Drives a `FollowJointTrajectory` controller by trajectories of the joints, beside the node of kinova-ros, whose
+    /// server for poses is what tells a stopped arm: the controller takes trajectories all the same.
     pub fn by_trajectories(
         port: P,
         chain: Chain,
@@ -74,9 +71,19 @@ impl<P: Port> PortArm<P> {
     ) -> PortArm<P> {
         let name = chain.model().to_owned();
         PortArm {
-            way: Way::Trajectories(Box::new(chain)),
+            way: Way::by_trajectories(chain),
             ..PortArm::by_poses(port, &name, fingers, tolerance)
         }
+    }
+
+    /// Refuses trajectories that bring a joint below a height; by poses that cannot be known, and this does nothing.
+    ///
+    /// - `floor_m`: base frame, metres.
+    pub fn with_floor(mut self, floor_m: f64) -> PortArm<P> {
+        if let Way::Trajectories(trajectories) = &mut self.way {
+            trajectories.floor_m = floor_m;
+        }
+        self
     }
 
     /// Returns the port, e.g. to look at a simulated arm.
@@ -84,80 +91,73 @@ impl<P: Port> PortArm<P> {
         &mut self.port
     }
 
-    /// Finds out whether the arm takes motion, by a goal that is none.
+    /// Returns where the arm is, with what its way of motion needs to know.
+    fn here(&mut self) -> Result<ArmState, ArmError> {
+        match self.way {
+            Way::Poses => state(&mut self.port, &self.tolerance),
+            Way::Trajectories(_) => state_with_joints(&mut self.port, &self.tolerance),
+        }
+    }
+
+    /// Carries a goal of the tool out.
+    fn carry(
+        &mut self,
+        goal: &Goal,
+        limit_s: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<Word, ArmError> {
+        let mut sent = None;
+        let word = carry_out(
+            &mut self.port,
+            goal,
+            limit_s,
+            &self.tolerance,
+            &mut sent,
+            watch,
+        );
+        if let (Goal::Trajectory(_), Some(id)) = (goal, sent) {
+            self.trajectory = Some(id);
+        }
+        if word == Err(ArmError::Stopped) {
+            self.is_stopped = true;
+        }
+        word
+    }
+
+    /// Sends a pose that is no motion, which a stopped arm refuses.
+    fn probe(&mut self, watch: &mut Watch<'_>) -> Result<Word, ArmError> {
+        let here = state(&mut self.port, &self.tolerance)?;
+        self.carry(&Goal::ToolPose(here.tool), PROBE_S, watch)
+    }
+
+    /// Finds out whether the arm takes motion.
     fn check_enabled(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
         if self.is_stopped {
             return Err(ArmError::Stopped);
         }
-        let here = state(&mut self.port, &self.tolerance)?;
-        let goal = self.goal(&here, &here.tool, f64::INFINITY)?;
-        let word = carry_out(&mut self.port, &goal, PROBE_S, &self.tolerance, watch)?;
-        match word {
-            Word::Ended(Ending::Succeeded) => Ok(()),
-            Word::Ended(Ending::Aborted | Ending::Rejected) => {
-                self.is_stopped = true;
-                Err(ArmError::Stopped)
-            }
-            Word::Ended(Ending::Preempted) | Word::None => Err(ArmError::Late { after_s: PROBE_S }),
-        }
-    }
-
-    /// Says a motion to a pose in the words of the arm's node.
-    fn goal(&self, from: &ArmState, to: &Isometry3<f64>, speed_m_s: f64) -> Result<Goal, ArmError> {
-        let Way::Trajectories(chain) = &self.way else {
-            return Ok(Goal::ToolPose(*to));
-        };
-        let no_way = |why: String| ArmError::NoWay(why);
-        let off = Off::between(&from.tool, to);
-        if off.position_m < 1e-6 && off.angle_rad < 1e-6 {
-            return Ok(Goal::Trajectory(vec![Waypoint {
-                joints_rad: from.joints_rad.clone(),
-                at_s: LOOK_S,
-            }]));
-        }
-        let points = chain
-            .straight(&from.tool, to, &from.joints_rad, STEP_M)
-            .map_err(|why| no_way(why.to_string()))?;
-        let step_s = off.position_m / speed_m_s / (points.len().max(2) - 1) as f64;
-        let mut at_s = 0.0;
-        let mut before = from.joints_rad.clone();
-        let mut waypoints = Vec::with_capacity(points.len());
-        for joints_rad in points {
-            // No joint is faster than it can be, whatever the tool's speed.
-            let turns = joints_rad.iter().zip(&before).zip(chain.joints());
-            let slowest_s = turns
-                .map(|((a, b), joint)| (a - b).abs() / joint.max_speed_rad_s)
-                .fold(0.0, f64::max);
-            at_s += step_s.max(slowest_s).max(1e-3);
-            before = joints_rad.clone();
-            waypoints.push(Waypoint { joints_rad, at_s });
-        }
-        Ok(Goal::Trajectory(waypoints))
-    }
-
-    /// Returns the state in which the arm comes to rest; fails where it does not.
-    fn at_rest(&mut self, watch: &mut Watch<'_>) -> Result<ArmState, ArmError> {
-        let begun_s = self.port.now_s();
-        let mut before = state(&mut self.port, &self.tolerance)?;
-        while self.port.now_s() - begun_s <= self.tolerance.settle_s {
-            self.port.wait(REST_S);
-            let now = state(&mut self.port, &self.tolerance)?;
-            match watch(&now) {
-                Ok(()) => {}
-                Err(super::Halt::Pause) => return Err(ArmError::Paused),
-                Err(super::Halt::Stop(why)) => return Err(why),
-            }
-            // Only something that was said since tells of rest.
-            if now.at_s > before.at_s {
-                if Off::between(&now.tool, &before.tool).position_m < REST_M {
-                    return Ok(now);
+        for _ in 0..PROBES {
+            match self.probe(watch)? {
+                Word::Ended(Ending::Succeeded) => return Ok(()),
+                Word::Ended(Ending::Aborted | Ending::Rejected) => {
+                    self.is_stopped = true;
+                    return Err(ArmError::Stopped);
                 }
-                before = now;
+                Word::Ended(Ending::Preempted) => break,
+                // Its end may have got lost on the way.
+                Word::None => {}
             }
         }
-        Err(ArmError::Late {
-            after_s: self.port.now_s() - begun_s,
-        })
+        Err(ArmError::Late { after_s: PROBE_S })
+    }
+
+    /// Returns where the arm is, at rest and let go by whoever watches.
+    fn may_go(&mut self, watch: &mut Watch<'_>) -> Result<ArmState, ArmError> {
+        let here = self.here()?;
+        match watch(&here) {
+            Ok(()) => Ok(here),
+            Err(Halt::Pause) => Err(ArmError::Paused),
+            Err(Halt::Stop(why)) => Err(why),
+        }
     }
 
     fn is_there(&self, off: Off) -> bool {
@@ -165,37 +165,63 @@ impl<P: Port> PortArm<P> {
             && off.angle_rad <= self.tolerance.angle_deg.to_radians()
     }
 
-    /// Tells whether the arm refuses a goal that is no motion, so that it takes none.
-    fn refuses(&mut self) -> Result<bool, ArmError> {
-        let here = state(&mut self.port, &self.tolerance)?;
-        let goal = self.goal(&here, &here.tool, f64::INFINITY)?;
-        let nobody = &mut |_: &ArmState| Ok(());
-        let word = carry_out(&mut self.port, &goal, PROBE_S, &self.tolerance, nobody)?;
+    /// Verifies a stop: the arm is at rest and refuses a pose that is no motion.
+    fn is_verified(&mut self) -> Result<bool, ArmError> {
+        if !is_at_rest(&mut self.port, &self.tolerance)? {
+            return Ok(false);
+        }
+        let word = self.probe(&mut |_: &ArmState| Ok(()))?;
         Ok(matches!(
             word,
             Word::Ended(Ending::Aborted | Ending::Rejected)
         ))
     }
 
-    /// Tells whether the tool stays where it is.
-    fn is_at_rest(&mut self) -> Result<bool, ArmError> {
-        let before = state(&mut self.port, &self.tolerance)?;
-        self.port.wait(2.0 * REST_S);
-        let after = state(&mut self.port, &self.tolerance)?;
-        let moved_m = Off::between(&before.tool, &after.tool).position_m;
-        Ok(after.at_s > before.at_s && moved_m < REST_M)
+    /// Ends what the controller of trajectories was sent last, so that it does not go on once the arm is let go.
+    fn end_trajectory(&mut self) -> Result<(), ArmError> {
+        let Some(id) = self.trajectory.clone() else {
+            return Ok(());
+        };
+        match self.port.state(&id) {
+            GoalState::Ended(Ending::Succeeded | Ending::Preempted | Ending::Rejected) => {
+                self.trajectory = None;
+                return Ok(());
+            }
+            // Its server is done with it; its controller may not be, and only another trajectory takes its place.
+            GoalState::Ended(Ending::Aborted) => {
+                let joints = state_with_joints(&mut self.port, &self.tolerance)?.joints_rad;
+                self.trajectory = Some(self.port.send(&hold(&joints))?);
+            }
+            GoalState::Sent | GoalState::Active => self.port.cancel(&id)?,
+        }
+        let begun_s = self.port.now_s();
+        let mut last = GoalState::Sent;
+        while self.port.now_s() - begun_s < CANCEL_S && !matches!(last, GoalState::Ended(_)) {
+            self.port.wait(CANCEL_LOOK_S);
+            last = match &self.trajectory {
+                Some(id) => self.port.state(id),
+                None => return Ok(()),
+            };
+        }
+        match last {
+            GoalState::Ended(_) => self.trajectory = None,
+            // It never arrived.
+            GoalState::Sent => {}
+            GoalState::Active => return Err(ArmError::Late { after_s: CANCEL_S }),
+        }
+        Ok(())
     }
 
-    /// Verifies a stop: the arm is at rest and, where its node has such a state, refuses a goal.
-    fn is_verified(&mut self) -> Result<bool, ArmError> {
-        if !self.is_at_rest()? {
-            return Ok(false);
+    /// Stops the arm, and tells whether that is verified.
+    fn try_stop(&mut self) -> Result<bool, ArmError> {
+        let stopped = self.port.stop();
+        if self.trajectory.is_some() {
+            self.end_trajectory()?;
+            // Some versions of the controller take a cancellation, too, as a reason to enable the arm.
+            self.port.stop()?;
         }
-        match self.way {
-            Way::Poses => self.refuses(),
-            // A controller of trajectories knows no stopped state: what holds it is that nothing is sent any more.
-            Way::Trajectories(_) => Ok(true),
-        }
+        stopped?;
+        self.is_verified()
     }
 }
 
@@ -225,12 +251,12 @@ impl<P: Port> Arm for PortArm<P> {
         self.check_enabled(watch)?;
         let mut tries = 0;
         loop {
-            let from = self.state()?;
-            let goal = self.goal(&from, to, speed_m_s)?;
+            let from = self.may_go(watch)?;
+            let goal = self.way.goal(&from, to, speed_m_s)?;
             let way_s = Off::between(&from.tool, to).position_m / speed_m_s;
-            let limit_s = 2.0 * way_s + self.tolerance.settle_s;
-            let word = carry_out(&mut self.port, &goal, limit_s, &self.tolerance, watch)?;
-            let now = self.at_rest(watch)?;
+            let limit_s = 2.0 * lasts_s(&goal).unwrap_or(way_s) + self.tolerance.settle_s;
+            let word = self.carry(&goal, limit_s, watch)?;
+            let now = come_to_rest(&mut self.port, &self.tolerance, watch)?;
             let off = Off::between(&now.tool, to);
             if self.is_there(off) {
                 return Ok(now);
@@ -245,7 +271,13 @@ impl<P: Port> Arm for PortArm<P> {
                         off,
                     });
                 }
-                Word::None => return Err(ArmError::Late { after_s: limit_s }),
+                Word::None => {
+                    // A stop does not end a trajectory; a pose under way would give way to the question.
+                    if let Way::Trajectories(_) = self.way {
+                        self.check_enabled(watch)?;
+                    }
+                    return Err(ArmError::Late { after_s: limit_s });
+                }
                 Word::Ended(Ending::Succeeded) if tries < self.tolerance.corrections => tries += 1,
                 Word::Ended(Ending::Succeeded) => {
                     return Err(ArmError::NotThere {
@@ -277,11 +309,7 @@ impl<P: Port> Arm for PortArm<P> {
         self.is_stopped = true;
         let mut why = String::new();
         for _ in 0..STOPS {
-            if let Err(error) = self.port.stop() {
-                why = error.to_string();
-                continue;
-            }
-            match self.is_verified() {
+            match self.try_stop() {
                 Ok(true) => return Ok(()),
                 Ok(false) => why = "it still takes goals, or moves".to_owned(),
                 Err(error) => why = error.to_string(),
@@ -291,9 +319,23 @@ impl<P: Port> Arm for PortArm<P> {
     }
 
     fn enable(&mut self) -> Result<(), ArmError> {
+        let nobody = &mut |_: &ArmState| Ok(());
+        if let Way::Trajectories(_) = self.way {
+            // Whatever its controller has left to do, and whoever sent it, it is not to go on with it.
+            let joints = state_with_joints(&mut self.port, &self.tolerance)?.joints_rad;
+            let word = self.carry(&hold(&joints), PROBE_S, nobody)?;
+            if word != Word::Ended(Ending::Succeeded) {
+                return Err(ArmError::Late { after_s: PROBE_S });
+            }
+        }
         self.port.start()?;
         self.is_stopped = false;
-        let nobody = &mut |_: &ArmState| Ok(());
+        if !is_at_rest(&mut self.port, &self.tolerance)? {
+            self.stop()?;
+            return Err(ArmError::OutOfLimits(
+                "the arm moved by itself when it was let go".to_owned(),
+            ));
+        }
         self.check_enabled(nobody)
     }
 }

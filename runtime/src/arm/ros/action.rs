@@ -81,6 +81,11 @@ impl<A: Action> ActionClient<A> {
         publish(&self.goals, &message(goal_id(&id)))?;
         Ok(id)
     }
+
+    /// Asks to give every goal of the server up, whoever sent it: to actionlib that is a cancellation without a name.
+    pub(super) fn cancel_everything(&self) -> Result<(), String> {
+        publish(&self.cancels, &GoalID::default())
+    }
 }
 
 /// What all action clients have in common, whatever their messages.

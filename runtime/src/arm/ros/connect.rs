@@ -18,9 +18,9 @@ const POLL: Duration = Duration::from_millis(20);
 
 /// Connects to the node of the arm `model`, e.g. `j2n6s200`, and waits until everything that a driver needs was heard.
 ///
-/// With a `trajectory` in the settings that is its server and `out/joint_state`; else kinova-ros's three servers, its
-/// three topics and `in/stop`. Gives up after `timeout_s` seconds, or two more where services do not answer, with a message
-/// that names what is missing.
+/// That is kinova-ros's three servers, its three topics and `in/stop`; with a `trajectory` in the settings that server
+/// too, and then `in/stop` may be missing. Gives up after `timeout_s` seconds, or two more where services do not
+/// answer, with a message that names what is missing.
 pub fn connect(settings: &RosSettings, model: &str, timeout_s: f64) -> Result<RosPort, RosError> {
     let timeout = bounded_wait(timeout_s);
     let deadline = Instant::now() + timeout;
@@ -130,14 +130,10 @@ impl RosPort {
     fn wait_for_topics(&self, deadline: Instant) -> Result<(), RosError> {
         loop {
             let readings = self.topics.readings();
-            let is_kinova = self.servers.trajectory.is_none();
             let missing: Vec<&str> = [
-                ("`out/tool_pose`", is_kinova && readings.tool.is_none()),
+                ("`out/tool_pose`", readings.tool.is_none()),
                 ("`out/joint_state`", readings.joints_rad.is_none()),
-                (
-                    "`out/finger_position`",
-                    is_kinova && readings.fingers.is_none(),
-                ),
+                ("`out/finger_position`", readings.fingers.is_none()),
             ]
             .into_iter()
             .filter_map(|(topic, is_missing)| is_missing.then_some(topic))
@@ -167,7 +163,7 @@ impl RosPort {
     }
 
     fn meet_servers(&self, deadline: Instant) -> Result<(), RosError> {
-        for server in self.servers.needed() {
+        for server in self.servers.all() {
             if server.meet(deadline) {
                 continue;
             }

@@ -23,6 +23,9 @@ pub(super) const SERVICE_TIMEOUT: Duration = Duration::from_secs(1);
 /// How long goals may take to end after a stop.
 const STOP_SETTLE: Duration = Duration::from_millis(500);
 
+/// How long a cancellation is on its way, at the most.
+const CANCEL_SETTLE: Duration = Duration::from_millis(100);
+
 /// How long a stop waits before it is said again.
 const POLL: Duration = Duration::from_millis(20);
 
@@ -53,14 +56,6 @@ impl Servers {
         let mut all: Vec<&dyn Client> = vec![&self.pose, &self.joints, &self.fingers];
         all.extend(self.trajectory.iter().map(|client| client as &dyn Client));
         all
-    }
-
-    /// Returns those without which the settings' driver cannot work.
-    pub(super) fn needed(&self) -> Vec<&dyn Client> {
-        match &self.trajectory {
-            Some(trajectory) => vec![trajectory],
-            None => self.all(),
-        }
     }
 }
 
@@ -122,7 +117,15 @@ impl RosPort {
     fn cancel_all(&self) -> Result<(), String> {
         self.open_goals()
             .into_iter()
-            .try_for_each(|(server, id)| server.cancel(&id))
+            .try_for_each(|(server, id)| server.cancel(&id))?;
+        self.empty_controller()
+    }
+
+    /// Ends every trajectory, whoever sent it: `in/stop` only holds the joints, and its controller would go on where the arm
+    /// is let go. Another server would take it as a reason to let a stopped arm go.
+    fn empty_controller(&self) -> Result<(), String> {
+        let trajectory = self.servers.trajectory.as_ref();
+        trajectory.map_or(Ok(()), ActionClient::cancel_everything)
     }
 }
 
@@ -210,16 +213,22 @@ impl Port for RosPort {
         if !self.has_stop {
             return self.cancel_all().map_err(|why| failed(&self.arm, why));
         }
-        let deadline = Instant::now() + STOP_SETTLE;
+        let emptied = self.empty_controller();
+        let begun = Instant::now();
+        let settle = match self.servers.trajectory {
+            // Some versions of the controller take a cancellation, too, as a reason to let the arm go.
+            Some(_) => CANCEL_SETTLE,
+            None => Duration::ZERO,
+        };
         loop {
-            let are_over = self.open_goals().is_empty();
+            let are_over = self.open_goals().is_empty() && begun.elapsed() >= settle;
             if let Err(why) = self.call_stop() {
                 // The last that can be done without the service; the arm stays enabled, so that this is no success.
                 let _ = self.cancel_all();
                 return Err(failed(&self.arm, why));
             }
-            if are_over || Instant::now() >= deadline {
-                return Ok(());
+            if are_over || begun.elapsed() >= STOP_SETTLE {
+                return emptied.map_err(|why| failed(&self.arm, why));
             }
             std::thread::sleep(POLL);
         }

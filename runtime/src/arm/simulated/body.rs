@@ -28,12 +28,17 @@ pub trait Table {
 
     /// Tells whether cloth is between the fingers, where they are.
     fn is_between(&self, tool: &Isometry3<f64>) -> bool;
+
+    /// Is told once that the camera over it gives no picture any more.
+    fn lose_camera(&mut self) {}
 }
 
 /// A motion of the joints under way.
 struct Motion {
     points: Vec<Waypoint>,
     for_s: f64,
+    /// Whether it waits while the arm is stopped and then goes on, as what a controller of trajectories was sent.
+    outlives_stop: bool,
 }
 
 /// Joints and fingers.
@@ -45,6 +50,7 @@ pub(super) struct Body {
     finger_goal: Option<f64>,
     table: Option<Rc<RefCell<dyn Table>>>,
     chance: Chance,
+    is_held: bool,
     is_stuck: bool,
     are_fingers_stuck: bool,
 }
@@ -59,6 +65,7 @@ impl Body {
             finger_goal: None,
             table,
             chance: Chance::seeded(simulation.seed),
+            is_held: false,
             is_stuck: false,
             are_fingers_stuck: false,
             simulation,
@@ -112,6 +119,7 @@ impl Body {
         self.motion = Some(Motion {
             points: timed.collect(),
             for_s: 0.0,
+            outlives_stop: false,
         });
         Ok(())
     }
@@ -129,7 +137,25 @@ impl Body {
         self.motion = Some(Motion {
             points: points.to_vec(),
             for_s: 0.0,
+            outlives_stop: false,
         });
+        Ok(())
+    }
+
+    /// Begins a motion through points that a stop does not end; says what is wrong with them.
+    ///
+    /// - `short_share`: the share of the last step that is left out.
+    pub(super) fn stream(&mut self, points: &[Waypoint], short_share: f64) -> Result<(), String> {
+        self.follow(points)?;
+        let Some(motion) = &mut self.motion else {
+            return Ok(());
+        };
+        motion.outlives_stop = true;
+        if let [.., before, last] = motion.points.as_mut_slice() {
+            for (angle, before) in last.joints_rad.iter_mut().zip(&before.joints_rad) {
+                *angle -= short_share * (*angle - before);
+            }
+        }
         Ok(())
     }
 
@@ -144,12 +170,31 @@ impl Body {
         self.finger_goal = None;
     }
 
+    /// Takes no motion until `start`.
+    pub(super) fn stop(&mut self) {
+        self.is_held = true;
+        self.finger_goal = None;
+        self.motion = self.motion.take().filter(|motion| motion.outlives_stop);
+    }
+
+    /// Takes motion again, and goes on with what a stop does not end.
+    pub(super) fn start(&mut self) {
+        self.is_held = false;
+    }
+
     pub(super) fn stick(&mut self) {
         self.is_stuck = true;
     }
 
     pub(super) fn stick_fingers(&mut self) {
         self.are_fingers_stuck = true;
+    }
+
+    /// Loses the camera over the table.
+    pub(super) fn lose_camera(&mut self) {
+        if let Some(table) = &self.table {
+            table.borrow_mut().lose_camera();
+        }
     }
 
     /// Turns the first joint, whatever was asked for.
@@ -162,7 +207,7 @@ impl Body {
 
     /// Lets time pass.
     pub(super) fn advance(&mut self, seconds: f64) {
-        if !self.is_stuck {
+        if !self.is_stuck && !self.is_held {
             self.advance_joints(seconds);
         }
         let tool = self.tool();

@@ -73,14 +73,21 @@ impl FaultKind {
 pub(super) struct Faults {
     pending: Vec<Fault>,
     lasting: Vec<FaultKind>,
+    /// How many of the next goals do not arrive.
+    goals_to_lose: u32,
 }
 
 impl Faults {
     pub(super) fn new(faults: Vec<Fault>) -> Faults {
         Faults {
             pending: faults,
-            lasting: Vec::new(),
+            ..Faults::default()
         }
+    }
+
+    /// Adds one that is yet to come.
+    pub(super) fn add(&mut self, fault: Fault) {
+        self.pending.push(fault);
     }
 
     /// Takes a fault of a kind that is due and happens once; tells whether there was one.
@@ -91,6 +98,19 @@ impl Faults {
         };
         self.pending.remove(index);
         true
+    }
+
+    /// Tells whether a goal that is sent now is lost.
+    pub(super) fn loses_goal(&mut self, now_s: f64) -> bool {
+        if self.take(FaultKind::LostGoals, now_s) {
+            self.goals_to_lose += 3;
+        }
+        if self.take(FaultKind::LostGoal, now_s) {
+            self.goals_to_lose += 1;
+        }
+        let is_lost = self.goals_to_lose > 0;
+        self.goals_to_lose = self.goals_to_lose.saturating_sub(1);
+        is_lost
     }
 
     /// Tells whether a fault of a kind that lasts has begun.

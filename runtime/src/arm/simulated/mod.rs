@@ -3,14 +3,17 @@
 //! In: the messages of a [`Port`], on a clock that only [`Port::wait`] moves. Out: joints and fingers that move, words
 //! that arrive late or never, and cloth under the hand. Like kinova-ros: readings come ten times a second; a goal counts
 //! as reached within 10 mm and 2 degrees; a goal that is cancelled, gives way to another or stalls makes the node stop
-//! the arm and *start it again*; a stopped arm aborts every goal. No dynamics: a motion keeps its speed and ends at once.
+//! the arm and *start it again*; a stopped arm aborts every goal, but for a trajectory, which waits until the arm is let go
+//! and is given up after twice its time. No dynamics: a motion keeps its speed and ends at once.
 
 mod body;
 mod faults;
 mod node;
+mod shared;
 
 pub use body::Table;
 pub use faults::{Fault, FaultKind};
+pub use shared::SharedArm;
 
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::{Reach, Turn};
@@ -41,6 +44,7 @@ pub struct SimulatedArm {
     since_stop: Option<(Isometry3<f64>, f64)>,
     /// Every pose of the tool so far is within these, metres: least and largest.
     extent_m: [[f64; 3]; 2],
+    is_blind: bool,
 }
 
 /// How an arm is simulated.
@@ -98,6 +102,7 @@ impl SimulatedArm {
             read_s: f64::NEG_INFINITY,
             since_stop: None,
             extent_m: [at, at],
+            is_blind: false,
         };
         arm.read();
         arm
@@ -124,9 +129,19 @@ impl SimulatedArm {
         self.body.tool()
     }
 
+    /// Lets something go wrong from now on.
+    pub fn fail(&mut self, kind: FaultKind) {
+        let from_s = self.clock_s;
+        self.faults.add(Fault { kind, from_s });
+    }
+
     /// Tells whether the camera gives no picture any more.
     pub fn is_blind(&mut self) -> bool {
-        self.faults.lasts(FaultKind::NoPicture, self.clock_s)
+        if self.faults.take(FaultKind::NoPicture, self.clock_s) {
+            self.is_blind = true;
+            self.body.lose_camera();
+        }
+        self.is_blind
     }
 
     fn tick(&mut self) {
@@ -140,6 +155,7 @@ impl SimulatedArm {
         if self.faults.lasts(FaultKind::StuckFingers, self.clock_s) {
             self.body.stick_fingers();
         }
+        self.is_blind();
         let runs_away = !self.node.is_stopped()
             && self.node.is_busy()
             && self.faults.lasts(FaultKind::Runaway, self.clock_s);
@@ -193,7 +209,8 @@ impl SimulatedArm {
 
     fn be_stopped(&mut self) {
         self.node.stop(&mut self.body);
-        self.since_stop = Some((self.body.tool(), 0.0));
+        // A second stop says nothing of how far the arm went after the first.
+        self.since_stop.get_or_insert((self.body.tool(), 0.0));
     }
 }
 
@@ -237,7 +254,7 @@ impl Port for SimulatedArm {
     }
 
     fn start(&mut self) -> Result<(), PortError> {
-        self.node.start();
+        self.node.start(&mut self.body);
         self.since_stop = None;
         Ok(())
     }

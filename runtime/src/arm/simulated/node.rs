@@ -3,8 +3,9 @@
 use super::body::Body;
 use super::faults::{FaultKind, Faults};
 use crate::arm::driver::Off;
-use crate::arm::port::{Ending, Goal, GoalId, GoalState};
+use crate::arm::port::{Ending, Goal, GoalId, GoalState, Waypoint};
 use std::collections::BTreeMap;
+use std::mem::discriminant;
 
 /// How long a message is on its way, seconds.
 const LATENCY_S: f64 = 0.03;
@@ -27,6 +28,12 @@ const FINGER_STALL_S: f64 = 0.5;
 /// How much before its goal a motion ends that falls short, metres.
 const SHORT_M: f64 = 0.007;
 
+/// How much of the last step of a trajectory that is: steps are 10 mm.
+const SHORT_SHARE: f64 = 0.7;
+
+/// A trajectory that takes longer than twice its time and so much is given up, seconds.
+const TRAJECTORY_S: f64 = 3.0;
+
 /// The most goals of which the end is remembered.
 const MAX_REMEMBERED: usize = 64;
 
@@ -37,6 +44,7 @@ struct Active {
     /// What a server compares with to see whether anything still moves: position of the tool, fingers.
     last: (nalgebra::Vector3<f64>, f64),
     last_moved_s: f64,
+    begun_s: f64,
 }
 
 /// The node.
@@ -45,7 +53,8 @@ pub(super) struct Node {
     sent: u64,
     /// Goals and cancellations on their way, with the time of their arrival.
     on_their_way: Vec<(f64, Message)>,
-    active: Option<Active>,
+    /// At most one for each server.
+    active: Vec<Active>,
     /// How goals ended, and when that is heard; infinity where it never is.
     ended: BTreeMap<GoalId, (Ending, f64)>,
     is_stopped: bool,
@@ -63,22 +72,13 @@ impl Node {
     }
 
     pub(super) fn is_busy(&self) -> bool {
-        self.active.is_some()
+        !self.active.is_empty()
     }
 
     pub(super) fn send(&mut self, goal: &Goal, now_s: f64, faults: &mut Faults) -> GoalId {
         self.sent += 1;
         let id = GoalId(format!("goal-{:06}", self.sent));
-        let is_lost = faults.take(FaultKind::LostGoal, now_s)
-            || (faults.since_s(FaultKind::LostGoals)).is_some_and(|since_s| {
-                since_s <= now_s && {
-                    if now_s - since_s > 4.0 {
-                        faults.take(FaultKind::LostGoals, now_s);
-                    }
-                    true
-                }
-            });
-        if !is_lost {
+        if !faults.loses_goal(now_s) {
             let message = Message::Goal(id.clone(), goal.clone());
             self.on_their_way.push((now_s + LATENCY_S, message));
         }
@@ -95,24 +95,19 @@ impl Node {
         match self.ended.get(goal) {
             Some((ending, heard_s)) if *heard_s <= now_s => GoalState::Ended(*ending),
             Some(_) => GoalState::Active,
-            None if self
-                .active
-                .as_ref()
-                .is_some_and(|active| active.id == *goal) =>
-            {
-                GoalState::Active
-            }
+            None if self.active.iter().any(|active| active.id == *goal) => GoalState::Active,
             None => GoalState::Sent,
         }
     }
 
     pub(super) fn stop(&mut self, body: &mut Body) {
         self.is_stopped = true;
-        body.halt();
+        body.stop();
     }
 
-    pub(super) fn start(&mut self) {
+    pub(super) fn start(&mut self, body: &mut Body) {
         self.is_stopped = false;
+        body.start();
     }
 
     /// Takes messages that have arrived, and looks at the arm where it is time to.
@@ -129,9 +124,7 @@ impl Node {
             match message {
                 Message::Goal(id, goal) => self.take(id, goal, now_s, body, faults),
                 Message::Cancel(id) => {
-                    if self.active.as_ref().is_some_and(|active| active.id == id) {
-                        self.preempt(now_s, body, faults);
-                    }
+                    self.preempt(|active| active.id == id, now_s, body, faults);
                 }
             }
         }
@@ -142,10 +135,17 @@ impl Node {
     }
 
     fn take(&mut self, id: GoalId, goal: Goal, now_s: f64, body: &mut Body, faults: &mut Faults) {
-        if self.active.is_some() {
-            self.preempt(now_s, body, faults);
-        }
+        let server = discriminant(&goal);
+        let same = |active: &Active| discriminant(&active.goal) == server;
+        self.preempt(same, now_s, body, faults);
         let started = match (self.is_stopped, &goal) {
+            // Its controller takes a trajectory at any time, and a stop only holds the joints.
+            (_, Goal::Trajectory(points)) => {
+                let is_motion = !is_near(body, points);
+                let falls_short = faults.lasts(FaultKind::FallsShortAlways, now_s)
+                    || is_motion && faults.take(FaultKind::FallsShort, now_s);
+                body.stream(points, if falls_short { SHORT_SHARE } else { 0.0 })
+            }
             (true, _) => Err(String::new()),
             (false, Goal::ToolPose(pose)) => {
                 // A goal that is no motion cannot fall short, and leaves the fault to the next that is one.
@@ -154,8 +154,7 @@ impl Node {
                     || is_motion && faults.take(FaultKind::FallsShort, now_s);
                 body.go(pose, if falls_short { SHORT_M } else { 0.0 })
             }
-            (false, Goal::Trajectory(points)) => body.follow(points),
-            (false, Goal::JointAngles(joints_rad)) => body.follow(&[crate::arm::port::Waypoint {
+            (false, Goal::JointAngles(joints_rad)) => body.follow(&[Waypoint {
                 joints_rad: joints_rad.clone(),
                 at_s: 3.0,
             }]),
@@ -169,25 +168,39 @@ impl Node {
         };
         let is_aborted = started.is_err() || faults.take(FaultKind::AbortedGoal, now_s);
         if is_aborted {
-            body.halt();
+            if !self.is_stopped {
+                body.halt();
+            }
             self.end(id, Ending::Aborted, now_s, faults);
             return;
         }
-        self.active = Some(Active {
+        self.active.push(Active {
             id,
             goal,
             last: measure(body),
             last_moved_s: now_s,
+            begun_s: now_s,
         });
     }
 
-    /// Ends the goal under way as kinova-ros does: it stops the arm and starts it again.
-    fn preempt(&mut self, now_s: f64, body: &mut Body, faults: &mut Faults) {
+    /// Ends a goal under way as kinova-ros does: it stops the arm and starts it again, but for a trajectory, of which it
+    /// empties the controller.
+    fn preempt(
+        &mut self,
+        is_meant: impl Fn(&Active) -> bool,
+        now_s: f64,
+        body: &mut Body,
+        faults: &mut Faults,
+    ) {
+        let Some(index) = self.active.iter().position(is_meant) else {
+            return;
+        };
+        let active = self.active.remove(index);
         body.halt();
-        self.is_stopped = false;
-        if let Some(active) = self.active.take() {
-            self.end(active.id, Ending::Preempted, now_s, faults);
+        if !matches!(active.goal, Goal::Trajectory(_)) {
+            self.start(body);
         }
+        self.end(active.id, Ending::Preempted, now_s, faults);
     }
 
     fn end(&mut self, id: GoalId, ending: Ending, now_s: f64, faults: &mut Faults) {
@@ -202,23 +215,41 @@ impl Node {
     }
 
     fn look(&mut self, now_s: f64, body: &mut Body, faults: &mut Faults) {
-        let Some(active) = &mut self.active else {
-            return;
-        };
-        let measured = measure(body);
-        let moved = (measured.0 - active.last.0).norm() > STALL_M
-            || (measured.1 - active.last.1).abs() > 1.0;
-        if moved {
-            active.last = measured;
-            active.last_moved_s = now_s;
+        let is_stopped = self.is_stopped;
+        let mut over = Vec::new();
+        for active in &mut self.active {
+            if let Some(ending) = active.ending(is_stopped, now_s, body) {
+                over.push((active.id.clone(), ending));
+            }
         }
-        let (is_reached, stall_s) = match &active.goal {
+        for (id, ending) in over {
+            match ending {
+                Ending::Preempted => self.preempt(|active| active.id == id, now_s, body, faults),
+                // Where it is reached the arm goes on to the goal by itself: only the server is done with it.
+                _ => {
+                    self.active.retain(|active| active.id != id);
+                    self.end(id, ending, now_s, faults);
+                }
+            }
+        }
+    }
+}
+
+impl Active {
+    /// Returns how a look of the server ends the goal, where it does.
+    fn ending(&mut self, is_stopped: bool, now_s: f64, body: &Body) -> Option<Ending> {
+        let measured = measure(body);
+        let moved =
+            (measured.0 - self.last.0).norm() > STALL_M || (measured.1 - self.last.1).abs() > 1.0;
+        if moved {
+            self.last = measured;
+            self.last_moved_s = now_s;
+        }
+        let (is_reached, stall_s) = match &self.goal {
             Goal::ToolPose(pose) => {
                 let off = Off::between(&body.tool(), pose);
-                (
-                    off.position_m < REACHED_M && off.angle_rad < REACHED_RAD,
-                    STALL_S,
-                )
+                let is_reached = off.position_m < REACHED_M && off.angle_rad < REACHED_RAD;
+                (is_reached, STALL_S)
             }
             Goal::Fingers(positions) => {
                 let off = |(a, b): (&f64, &f64)| (a - b).abs();
@@ -226,26 +257,29 @@ impl Node {
                 (fingers.fold(0.0, f64::max) < FINGER_REACHED, FINGER_STALL_S)
             }
             Goal::JointAngles(joints_rad) => (near(body, joints_rad), STALL_S),
-            Goal::Trajectory(points) => (
-                points
-                    .last()
-                    .is_some_and(|last| near(body, &last.joints_rad)),
-                STALL_S,
-            ),
+            Goal::Trajectory(points) => {
+                // What its controller was sent goes on when it is given up, or waits for the arm to be let go.
+                let lasts_s = points.last().map_or(0.0, |last| last.at_s);
+                return match is_near(body, points) {
+                    true => Some(Ending::Succeeded),
+                    false => (now_s - self.begun_s > 2.0 * lasts_s + TRAJECTORY_S)
+                        .then_some(Ending::Aborted),
+                };
+            }
         };
-        if self.is_stopped {
-            let id = active.id.clone();
-            self.active = None;
-            self.end(id, Ending::Aborted, now_s, faults);
-        } else if is_reached {
-            // The arm goes on to the goal by itself: only the server is done with it.
-            let id = active.id.clone();
-            self.active = None;
-            self.end(id, Ending::Succeeded, now_s, faults);
-        } else if now_s - active.last_moved_s > stall_s {
-            self.preempt(now_s, body, faults);
+        match (is_stopped, is_reached) {
+            (true, _) => Some(Ending::Aborted),
+            (false, true) => Some(Ending::Succeeded),
+            (false, false) => (now_s - self.last_moved_s > stall_s).then_some(Ending::Preempted),
         }
     }
+}
+
+/// Tells whether the joints are near the end of a trajectory.
+fn is_near(body: &Body, points: &[Waypoint]) -> bool {
+    points
+        .last()
+        .is_some_and(|last| near(body, &last.joints_rad))
 }
 
 /// Tells whether the joints are within a degree of some angles.

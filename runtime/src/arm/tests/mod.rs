@@ -6,11 +6,16 @@ mod executions;
 mod faults;
 mod journals;
 mod limited;
+mod pauses;
+mod simulations;
+mod trajectories;
 
 use super::driver::{Arm, ArmState, Halt, PortArm};
 use super::execute::{Broken, Done, Execution, without_cloth};
+use super::kinematics::chain::Chain;
 use super::limits::Limited;
 use super::log::ArmLog;
+use super::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
 use super::route::{Segment, segments};
 use super::settings::Settings;
 use super::simulated::{Fault, FaultKind, SimulatedArm, Simulation, Table};
@@ -63,6 +68,40 @@ impl Table for Patch {
 
 type Driven = PortArm<SimulatedArm>;
 
+/// How a driver says motions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum By {
+    Poses,
+    Trajectories,
+}
+
+impl By {
+    const BOTH: [By; 2] = [By::Poses, By::Trajectories];
+
+    fn drive<P: Port>(self, port: P, settings: &Settings) -> PortArm<P> {
+        let (fingers, tolerance) = (settings.fingers, settings.tolerance);
+        match self {
+            By::Poses => PortArm::by_poses(port, &settings.model, fingers, tolerance),
+            By::Trajectories => {
+                let chain = Chain::of_model(&settings.model).unwrap();
+                PortArm::by_trajectories(port, chain, fingers, tolerance)
+                    .with_floor(settings.table.center_m[2])
+            }
+        }
+    }
+}
+
+fn simulation(settings: &Settings, seed: u64, faults: &[(FaultKind, f64)]) -> Simulation {
+    let faults = faults.iter();
+    Simulation {
+        seed,
+        faults: faults
+            .map(|&(kind, from_s)| Fault { kind, from_s })
+            .collect(),
+        ..Simulation::of(settings).unwrap()
+    }
+}
+
 /// An arm over a patch of cloth, at rest, with everything around it.
 struct Bench {
     settings: Settings,
@@ -74,20 +113,17 @@ struct Bench {
 
 impl Bench {
     /// - `seed`: draws where within its repeatability the arm comes to rest.
-    fn of(seed: u64, faults: &[(FaultKind, f64)]) -> Bench {
+    fn of(by: By, seed: u64, faults: &[(FaultKind, f64)]) -> Bench {
         let settings = settings();
         let cloth = Rc::new(RefCell::new(Patch {
             at: Point3::from(PICK_M),
             is_held: false,
         }));
-        let mut simulation = Simulation::of(&settings).unwrap();
-        simulation.seed = seed;
-        simulation.faults = faults
-            .iter()
-            .map(|&(kind, from_s)| Fault { kind, from_s })
-            .collect();
-        let port = SimulatedArm::new(simulation, Some(cloth.clone()));
-        let arm = PortArm::by_poses(port, &settings.model, settings.fingers, settings.tolerance);
+        let simulation = simulation(&settings, seed, faults);
+        let arm = by.drive(
+            SimulatedArm::new(simulation, Some(cloth.clone())),
+            &settings,
+        );
         let margin_m = settings.tolerance.position_m;
         Bench {
             arm: Limited::new(arm, settings.workspace.clone(), margin_m),
@@ -99,7 +135,11 @@ impl Bench {
     }
 
     fn with(faults: &[(FaultKind, f64)]) -> Bench {
-        Bench::of(0, faults)
+        Bench::driven(By::Poses, faults)
+    }
+
+    fn driven(by: By, faults: &[(FaultKind, f64)]) -> Bench {
+        Bench::of(by, 0, faults)
     }
 
     fn take_cloth_away(&self) {
@@ -149,7 +189,7 @@ impl Bench {
     fn stays_stopped(&mut self) {
         let port = self.port();
         assert!(port.is_stopped(), "the arm is not stopped");
-        super::port::Port::wait(port, 5.0);
+        port.wait(5.0);
         assert!(port.is_stopped(), "the arm was let go");
         assert!(port.moved_after_stop_m().unwrap() < 1e-9);
     }
@@ -158,6 +198,54 @@ impl Bench {
     fn off_m(&mut self, place_m: [f64; 3]) -> f64 {
         let at = self.port().tool().translation.vector;
         (at - Point3::from(place_m).coords).norm()
+    }
+}
+
+/// An arm of which the joints are not heard from a time on, and that notes when a goal was cancelled.
+struct Tapped {
+    arm: SimulatedArm,
+    deaf_s: f64,
+    cancelled_s: Option<f64>,
+}
+
+impl Tapped {
+    fn deaf(arm: SimulatedArm, deaf_s: f64) -> Tapped {
+        Tapped {
+            arm,
+            deaf_s,
+            cancelled_s: None,
+        }
+    }
+}
+
+impl Port for Tapped {
+    fn now_s(&self) -> f64 {
+        self.arm.now_s()
+    }
+    fn wait(&mut self, seconds: f64) {
+        self.arm.wait(seconds);
+    }
+    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
+        self.arm.send(goal)
+    }
+    fn state(&mut self, goal: &GoalId) -> GoalState {
+        self.arm.state(goal)
+    }
+    fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
+        self.cancelled_s.get_or_insert(self.arm.now_s());
+        self.arm.cancel(goal)
+    }
+    fn stop(&mut self) -> Result<(), PortError> {
+        self.arm.stop()
+    }
+    fn start(&mut self) -> Result<(), PortError> {
+        self.arm.start()
+    }
+    fn readings(&mut self) -> Readings {
+        let mut readings = self.arm.readings();
+        let deaf_s = self.deaf_s;
+        readings.joints_rad = readings.joints_rad.filter(|heard| heard.at_s <= deaf_s);
+        readings
     }
 }
 

@@ -82,14 +82,13 @@ impl PlanningWorld {
     }
 
     /// Writes a plan and its drawing into the run folder.
-    fn keep(&mut self, plan: &Plan) -> Result<(), WorldError> {
+    fn keep(&self, plan: &Plan) -> Result<(), WorldError> {
         let Some(folder) = &self.folder else {
             return Err(motion("there is no run folder for the plan".to_owned()));
         };
-        let shot = self.world.camera.shoot();
-        let shot = shot.map_err(|error| WorldError::Camera {
-            why: error.to_string(),
-        })?;
+        let Some(shot) = &self.world.last_shot else {
+            return Err(motion("there is no picture to draw the plan on".to_owned()));
+        };
         let Parts {
             settings,
             calibration,

@@ -34,6 +34,7 @@ pub struct ClothTable {
     /// Where the hand was in the last step, world frame, while it holds cloth.
     holds_at: Option<[f32; 3]>,
     broken: Option<String>,
+    is_unseen: bool,
 }
 
 impl ClothTable {
@@ -60,6 +61,7 @@ impl ClothTable {
             world_from_base: base_from_world.inverse(),
             holds_at: None,
             broken: None,
+            is_unseen: false,
         })
     }
 
@@ -222,6 +224,10 @@ impl Table for ClothTable {
     fn is_between(&self, tool: &Isometry3<f64>) -> bool {
         self.holds_at.is_some() || self.between(self.tip(tool)).is_some()
     }
+
+    fn lose_camera(&mut self) {
+        self.is_unseen = true;
+    }
 }
 
 /// The camera over a simulated table.
@@ -240,6 +246,9 @@ impl RgbdSource for TableCamera {
         };
         if let Some(why) = &table.broken {
             return Err(failed(why.clone()));
+        }
+        if table.is_unseen {
+            return Err(failed("nothing comes from it any more".to_owned()));
         }
         let cloth = table.cloth.as_ref();
         let cloth = cloth.ok_or_else(|| failed("no cloth has been laid yet".to_owned()))?;

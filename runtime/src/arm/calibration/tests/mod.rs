@@ -6,6 +6,7 @@ mod files;
 mod lines;
 mod moved;
 mod slips;
+mod touches;
 mod views;
 
 use super::*;

@@ -1,0 +1,287 @@
+//! A simulated arm over a simulated cloth, as an arm's settings say, with what goes wrong.
+//!
+//! In: a [`Plan`]. Out: a stage. Faults of messages are kept here, since messages are lost between the node and its
+//! client; the others are the simulated arm's. Before the cloth is laid, and around it, the camera sees a table with
+//! printed papers on it, by which a moved camera would be noticed.
+
+use super::Stage;
+use compiler::program::{Cloth, ClothStart};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use runtime::arm::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
+use runtime::arm::rgbd::{RgbdError, RgbdSource, Shot};
+use runtime::arm::settings::{Settings, SimulatedSettings};
+use runtime::arm::simulated::{Fault, FaultKind, SimulatedArm, Simulation};
+use runtime::start::Start;
+use runtime::world::jaco::base_from_world;
+use runtime::world::simulated::table::{ClothTable, TableCamera};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+/// How long a short silence lasts, seconds.
+const SHORT_SILENCE_S: f64 = 0.6;
+
+/// How far beside its place a cloth is that nobody sees, metres.
+const OUT_OF_VIEW_M: f32 = 1.5;
+
+/// Where the papers are, as shares of half the picture's side from its middle; and their own side.
+const PAPERS: std::ops::Range<f64> = 0.70..0.94;
+const PAPER: f64 = 0.04;
+
+/// What is played.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// The settings, of which the arm, its table and the part `simulated` count.
+    robot: PathBuf,
+    /// Draws all chance of the arm, in place of the settings' seed.
+    seed: u64,
+    /// Particles along the sides of the cloth, and how far apart they are, metres.
+    cloth: (u32, u32, f64),
+    /// What goes wrong, and when.
+    #[serde(default)]
+    faults: Vec<Fault>,
+    /// The socket for tests.
+    pub control: PathBuf,
+}
+
+/// An arm over a table.
+pub struct Scene {
+    arm: SimulatedArm,
+    camera: TableCamera,
+    table: Rc<RefCell<ClothTable>>,
+    settings: Settings,
+    start: Start,
+    /// What becomes of messages, and from when on.
+    messages: Vec<Fault>,
+    /// How many goals are yet to be lost.
+    goals_to_lose: u32,
+}
+
+impl Scene {
+    /// Sets the scene, with an empty table; says why it cannot.
+    pub fn new(plan: &Plan) -> Result<Scene, String> {
+        let settings = Settings::load(&plan.robot).map_err(|error| error.to_string())?;
+        let table = ClothTable::new(&settings, &base_from_world(&settings));
+        let table = Rc::new(RefCell::new(table.map_err(|error| error.to_string())?));
+        let (messages, faults) = plan
+            .faults
+            .iter()
+            .partition(|fault| is_of_messages(fault.kind));
+        let simulation = Simulation {
+            seed: plan.seed,
+            faults,
+            ..Simulation::of(&settings)?
+        };
+        let (dimx, dimy, spacing_m) = plan.cloth;
+        let scene = Scene {
+            arm: SimulatedArm::new(simulation, Some(table.clone())),
+            camera: TableCamera(table.clone()),
+            table,
+            settings,
+            start: flat([dimx, dimy], spacing_m, 0.0),
+            messages,
+            goals_to_lose: 0,
+        };
+        let unseen = flat([3; 2], spacing_m, OUT_OF_VIEW_M);
+        let laid = scene.table.borrow_mut().lay(&unseen);
+        laid.map_err(|error| error.to_string())?;
+        Ok(scene)
+    }
+
+    /// Tells since when a fault of messages has been due.
+    fn due(&self, kind: FaultKind) -> Option<f64> {
+        let now_s = self.arm.now_s();
+        let mut due = self.messages.iter();
+        let fault = due.find(|fault| fault.kind == kind && fault.from_s <= now_s);
+        fault.map(|fault| fault.from_s)
+    }
+
+    fn take(&mut self, kind: FaultKind) -> bool {
+        let is_due = self.due(kind).is_some();
+        if is_due {
+            self.messages.retain(|fault| fault.kind != kind);
+        }
+        is_due
+    }
+
+    fn world_from_camera(&self) -> Isometry3<f64> {
+        let SimulatedSettings {
+            camera_offset_m: [x, y],
+            camera_turn_deg,
+            ..
+        } = self.settings.simulated;
+        Isometry3::from_parts(
+            Translation3::new(x, y, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera_turn_deg.to_radians()),
+        )
+    }
+}
+
+fn is_of_messages(kind: FaultKind) -> bool {
+    use FaultKind::{LostCancel, LostGoal, LostGoals, LostResult, LostStop, ShortSilence, Silence};
+    let of_messages = [
+        LostGoal,
+        LostGoals,
+        LostResult,
+        LostCancel,
+        LostStop,
+        Silence,
+        ShortSilence,
+    ];
+    of_messages.contains(&kind)
+}
+
+/// A cloth that lies flat, its middle at a place on the world's x axis.
+fn flat([dimx, dimy]: [u32; 2], spacing_m: f64, at_x_m: f32) -> Start {
+    let mut start = Start::flat(&Cloth {
+        dimx,
+        dimy,
+        spacing_m,
+        start: ClothStart::Flat,
+    });
+    for position in &mut start.positions {
+        position[0] += at_x_m;
+    }
+    start
+}
+
+impl Stage for Scene {
+    fn loses(&mut self, message: &str) -> bool {
+        match message {
+            "goal" => {
+                if self.take(FaultKind::LostGoals) {
+                    self.goals_to_lose = 3;
+                }
+                let is_one_of_many = self.goals_to_lose > 0;
+                self.goals_to_lose = self.goals_to_lose.saturating_sub(1);
+                is_one_of_many || self.take(FaultKind::LostGoal)
+            }
+            "result" => self.take(FaultKind::LostResult),
+            "cancel" => self.take(FaultKind::LostCancel),
+            "stop" => self.take(FaultKind::LostStop),
+            "reading" => {
+                let now_s = self.arm.now_s();
+                let is_short = |since_s: f64| now_s < since_s + SHORT_SILENCE_S;
+                self.due(FaultKind::Silence).is_some()
+                    || self.due(FaultKind::ShortSilence).is_some_and(is_short)
+            }
+            _ => false,
+        }
+    }
+
+    fn fail(&mut self, kind: FaultKind) -> Result<(), String> {
+        match is_of_messages(kind) {
+            true => self.messages.push(Fault {
+                kind,
+                from_s: self.arm.now_s(),
+            }),
+            false => self.arm.fail(kind),
+        }
+        Ok(())
+    }
+
+    fn lay(&mut self) -> Result<(), String> {
+        let laid = self.table.borrow_mut().lay(&self.start);
+        laid.map_err(|error| error.to_string())
+    }
+
+    fn truth(&self) -> Value {
+        json!({
+            "clock_s": self.arm.now_s(),
+            "tool_m": self.arm.tool().translation.vector.as_slice(),
+            "extent_m": self.arm.extent_m(),
+            "is_stopped": self.arm.is_stopped(),
+            "moved_after_stop_m": self.arm.moved_after_stop_m(),
+            "particles_m": self.table.borrow().particles(),
+        })
+    }
+
+    fn pixel(&self, point_m: [f64; 3]) -> Option<[f64; 2]> {
+        let world_from_base = base_from_world(&self.settings).inverse();
+        let at = self.world_from_camera().inverse() * world_from_base * Point3::from(point_m);
+        let simulated = &self.settings.simulated;
+        let half_px = f64::from(simulated.camera_px) / 2.0;
+        let focal_px = half_px / (simulated.camera_fov_deg.to_radians() / 2.0).tan();
+        let scale = focal_px / (simulated.camera_height_m - at.z);
+        Some([half_px + scale * at.x, half_px - scale * at.y])
+    }
+}
+
+impl RgbdSource for Scene {
+    fn name(&self) -> String {
+        self.camera.name()
+    }
+
+    fn shoot(&mut self) -> Result<Shot, RgbdError> {
+        if self.arm.is_blind() {
+            return Err(RgbdError {
+                camera: self.name(),
+                why: "it is lost".to_owned(),
+            });
+        }
+        let mut shot = self.camera.shoot()?;
+        let table_m = self.settings.simulated.camera_height_m as f32 - 0.001;
+        let half_px = f64::from(shot.rgb.width()) / 2.0;
+        for (column, row, pixel) in shot.rgb.enumerate_pixels_mut() {
+            let share = [column, row].map(|at| (f64::from(at) + 0.5) / half_px - 1.0);
+            if shot.depth_m.get_pixel(column, row).0[0] > table_m
+                && let Some(grey) = printed(share)
+            {
+                pixel.0 = [grey; 3];
+            }
+        }
+        Ok(shot)
+    }
+}
+
+/// Returns what is printed at a place of the table, from 0 to 255; none where there is no paper.
+///
+/// - `share`: from the picture's middle, along columns and rows, as shares of half its side.
+fn printed(share: [f64; 2]) -> Option<u8> {
+    let out = share[0].abs().max(share[1].abs());
+    let cell = share.map(|at| (at / PAPER).floor() as i64);
+    // Every other paper is left out, and each has four squares of a grey of their own.
+    if !PAPERS.contains(&out) || (cell[0] + cell[1]) % 2 != 0 {
+        return None;
+    }
+    let square = share.map(|at| (at / PAPER * 2.0).floor() as i64);
+    let mixed = (square[0].wrapping_mul(73_856_093) ^ square[1].wrapping_mul(19_349_663)) as u64;
+    Some((mixed.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 56) as u8)
+}
+
+impl Port for Scene {
+    fn now_s(&self) -> f64 {
+        self.arm.now_s()
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        self.arm.wait(seconds);
+    }
+
+    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
+        self.arm.send(goal)
+    }
+
+    fn state(&mut self, goal: &GoalId) -> GoalState {
+        self.arm.state(goal)
+    }
+
+    fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
+        self.arm.cancel(goal)
+    }
+
+    fn stop(&mut self) -> Result<(), PortError> {
+        self.arm.stop()
+    }
+
+    fn start(&mut self) -> Result<(), PortError> {
+        self.arm.start()
+    }
+
+    fn readings(&mut self) -> Readings {
+        self.arm.readings()
+    }
+}

@@ -1,0 +1,123 @@
+//! Connects to a real arm and its camera, as its settings say.
+//!
+//! In: settings with `[ros]`. Out: its port, its driver, its camera; else why there is none. Nothing is moved by connecting. A build
+//! without the feature `ros` connects to none.
+
+use crate::exit::Failure;
+use runtime::arm::directory::{DirectoryCamera, Which};
+use runtime::arm::driver::Arm;
+use runtime::arm::port::Port;
+use runtime::arm::rgbd::RgbdSource;
+use runtime::arm::settings::{CameraSource, DriverKind, Settings};
+use std::path::Path;
+
+/// Loads the settings of a real arm; fails for one that this program simulates, and where this build has no ROS.
+///
+/// - `why_real`: what cannot be done with a simulated arm, for the message.
+pub fn settings_of_real(robot: &Path, why_real: &str) -> Result<Settings, Failure> {
+    let settings = Settings::load(robot).map_err(Failure::environment)?;
+    if settings.driver == DriverKind::Simulated {
+        return Err(Failure::environment(format!(
+            "the arm of `{}` is simulated: {why_real}",
+            robot.display()
+        )));
+    }
+    match cfg!(feature = "ros") {
+        true => Ok(settings),
+        false => Err(Failure::environment(without_ros(robot))),
+    }
+}
+
+/// Says that this build reaches no real arm.
+pub fn without_ros(robot: &Path) -> String {
+    format!(
+        "`{}` is of a real arm, and this fabc was built without ROS: build it with `--features ros`",
+        robot.display()
+    )
+}
+
+/// Opens the camera over a real table.
+///
+/// - `robot`: the settings' file, beside which a folder of pictures lies.
+/// - `which`: the picture of that folder.
+pub fn camera(
+    settings: &Settings,
+    robot: &Path,
+    which: Which,
+) -> Result<Box<dyn RgbdSource>, String> {
+    let camera = &settings.camera;
+    let beside = robot.parent().unwrap_or(Path::new("."));
+    match (camera.source, &camera.folder) {
+        (CameraSource::Directory, Some(folder)) => Ok(Box::new(DirectoryCamera::of(
+            &beside.join(folder),
+            camera.intrinsics.clone(),
+            which,
+        ))),
+        (CameraSource::Ros, _) => subscribed(settings),
+        _ => Err("a real arm needs the camera `ros`, or `directory` with a folder".to_owned()),
+    }
+}
+
+#[cfg(feature = "ros")]
+fn subscribed(settings: &Settings) -> Result<Box<dyn RgbdSource>, String> {
+    let ros = settings
+        .ros
+        .as_ref()
+        .ok_or("the settings have no `[ros]`")?;
+    let camera = runtime::arm::ros::RosCamera::subscribe(ros, settings.camera.timeout_s);
+    Ok(Box::new(camera.map_err(|error| error.to_string())?))
+}
+
+#[cfg(not(feature = "ros"))]
+fn subscribed(_: &Settings) -> Result<Box<dyn RgbdSource>, String> {
+    Err("`source = \"ros\"` needs a fabc that was built with `--features ros`".to_owned())
+}
+
+/// Connects to the node of an arm.
+#[cfg(feature = "ros")]
+pub fn port(settings: &Settings) -> Result<Box<dyn Port>, String> {
+    Ok(Box::new(ros(settings)?))
+}
+
+#[cfg(feature = "ros")]
+fn ros(settings: &Settings) -> Result<runtime::arm::ros::RosPort, String> {
+    let ros = settings
+        .ros
+        .as_ref()
+        .ok_or("the settings have no `[ros]`")?;
+    let connected = runtime::arm::ros::connect(ros, &settings.model, settings.camera.timeout_s);
+    connected.map_err(|error| error.to_string())
+}
+
+/// Connects to the node of an arm, and drives it as its settings say.
+#[cfg(feature = "ros")]
+pub fn arm(settings: &Settings) -> Result<Box<dyn Arm>, String> {
+    use runtime::arm::driver::PortArm;
+    use runtime::arm::kinematics::chain::Chain;
+
+    let port = ros(settings)?;
+    let (fingers, tolerance) = (settings.fingers, settings.tolerance);
+    Ok(match settings.driver {
+        DriverKind::Trajectory => {
+            let chain = Chain::of_model(&settings.model).map_err(|error| error.to_string())?;
+            let arm = PortArm::by_trajectories(port, chain, fingers, tolerance);
+            Box::new(arm.with_floor(settings.table.center_m[2]))
+        }
+        _ => Box::new(PortArm::by_poses(port, &settings.model, fingers, tolerance)),
+    })
+}
+
+/// Connects to nothing.
+#[cfg(not(feature = "ros"))]
+pub fn port(_: &Settings) -> Result<Box<dyn Port>, String> {
+    Err(NONE.to_owned())
+}
+
+/// Drives nothing.
+#[cfg(not(feature = "ros"))]
+pub fn arm(_: &Settings) -> Result<Box<dyn Arm>, String> {
+    Err(NONE.to_owned())
+}
+
+#[cfg(not(feature = "ros"))]
+const NONE: &str = "this fabc was built without ROS: build it with `--features ros`";

@@ -1,0 +1,283 @@
+//! Rollouts over ROS in which something goes wrong: each ends with a word for it, the arm stays in its box, and one that
+//! was stopped moves no more.
+//!
+//! What goes wrong begins with a segment of the first pick and place, which the arm's journal tells.
+
+use super::key::Key;
+use super::lab::{BOX_M, Driver, Ended, Lab, Truth};
+use super::touching::{Touching, calibrate};
+use runtime::arm::port::Port;
+use runtime::arm::simulated::FaultKind::{self, *};
+use serde_json::Value;
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// What goes wrong.
+#[derive(Clone, Copy, Debug)]
+enum What {
+    Fails(FaultKind),
+    /// `fabc` gets a signal.
+    Signal(&'static str),
+    /// The same, and the first word to stop the arm is lost.
+    SignalAndLostStop(&'static str),
+    /// The machine of the arm's node hangs.
+    NodeHangs,
+    /// The key that has to be held is let go for a while, and the first word to end the motion is lost.
+    LetsGoAndLostCancel,
+}
+
+/// How a rollout ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum End {
+    /// Both folds are made.
+    Made,
+    /// Exit code 2, `world_failed`, and the arm verifiedly stopped; its journal says these words.
+    Stopped(&'static str),
+    /// The same, with a stop that could not be verified.
+    Unverified(&'static str),
+    /// Exit code 2 with nothing in the hand and nothing to stop; these words are told.
+    Failed(&'static str),
+    /// Exit code 130, and the arm verifiedly stopped.
+    Interrupted,
+    /// Killed, and the arm stopped from outside; whether the hand may hold cloth.
+    Killed { may_hold: bool },
+}
+
+use End::*;
+use What::*;
+
+const CASES: [(What, &str, End); 23] = [
+    (Fails(LostGoal), "over_pick", Made),
+    (Fails(LostResult), "over", Made),
+    (Fails(ShortSilence), "down", Made),
+    (Fails(LostGoals), "pre_pick", Made),
+    (LetsGoAndLostCancel, "over", Made),
+    (Fails(StuckJoint), "over_pick", Stopped("stalled")),
+    (Fails(StuckJoint), "over", Stopped("stalled")),
+    (Fails(StuckFingers), "grasp", Stopped("the fingers are at")),
+    (Fails(AbortedGoal), "pre_pick", Stopped("takes no motion")),
+    (Fails(FallsShortAlways), "lift", Stopped("says `reached`")),
+    (Fails(Runaway), "over_pick", Stopped("workspace")),
+    (Fails(PressedStop), "over", Stopped("takes no motion")),
+    (Fails(PressedStop), "grasp", Stopped("takes no motion")),
+    (Fails(Silence), "over", Unverified("has not said for")),
+    (NodeHangs, "lift", Unverified("silent for")),
+    (Fails(NoPicture), "away", Failed("gave no picture")),
+    (Signal("INT"), "down_to_place", Interrupted),
+    (SignalAndLostStop("TERM"), "over", Interrupted),
+    (Signal("KILL"), "over_pick", Killed { may_hold: false }),
+    (Signal("KILL"), "grasp", Killed { may_hold: true }),
+    (Signal("KILL"), "over", Killed { may_hold: true }),
+    (Signal("KILL"), "release", Killed { may_hold: true }),
+    (Signal("STOP"), "over", Killed { may_hold: true }),
+];
+
+/// From the beginning of a segment until its motion is surely under way.
+const UNDER_WAY: Duration = Duration::from_millis(500);
+
+/// How long the key is let go: it counts as held for 0.6 s.
+const LET_GO: Duration = Duration::from_millis(2500);
+
+/// The longest until the watchdog has stopped the arm: 1.5 s without a sign of life, and time on a busy machine.
+const STOPPED_WITHIN: Duration = Duration::from_secs(8);
+
+/// How far outside of its box an arm that runs away may get, metres: it turns at 0.3 rad/s, the farthest corner is 0.92 m
+/// from the axis, a reading is up to 0.1 s old, it is looked at every 0.05 s, and a stop is on its way for 0.15 s.
+const RUNAWAY_M: f64 = 0.3 * 0.92 * (0.1 + 0.05 + 0.15);
+
+/// Rounding, metres.
+const STILL_M: f64 = 1e-6;
+
+#[test]
+#[ignore = "needs ROS: make test-peers"]
+fn peer_ros_whatever_goes_wrong_a_rollout_ends_with_a_word_for_it() {
+    let cases = Mutex::new(VecDeque::from(CASES));
+    let wrong = Mutex::new(Vec::new());
+    // Each has a master, a node and an arm of its own, and a machine with two cores is to keep up.
+    std::thread::scope(|scope| {
+        for lane in 0..2 {
+            let (cases, wrong) = (&cases, &wrong);
+            scope.spawn(move || {
+                let next = || cases.lock().unwrap().pop_front();
+                let mut seed = 100 * lane;
+                while let Some((what, when, end)) = next() {
+                    seed += 1;
+                    let begun = Instant::now();
+                    let held = catch_unwind(AssertUnwindSafe(|| rollout(seed, what, when, end)));
+                    let took_s = begun.elapsed().as_secs_f64();
+                    println!(
+                        "{what:?} in `{when}`: {end:?} {} ({took_s:.0} s)",
+                        if held.is_ok() { "held" } else { "WRONG" }
+                    );
+                    if held.is_err() {
+                        wrong
+                            .lock()
+                            .unwrap()
+                            .push(format!("{what:?} in `{when}`: {end:?}"));
+                    }
+                }
+            });
+        }
+    });
+    let wrong = wrong.into_inner().unwrap();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+fn rollout(seed: u64, what: What, when: &str, end: End) {
+    let mut lab = Lab::new(Driver::Kinova, seed);
+    calibrate(&mut lab, Touching::Reckoned);
+    lab.lay();
+    let (mut run, key) = match what {
+        LetsGoAndLostCancel => {
+            let (terminal, key) = Key::held();
+            (lab.run_from(terminal, &["--hold-to-run"]), Some(key))
+        }
+        _ => (lab.run(), None),
+    };
+    run.until(when);
+    match what {
+        Fails(kind) => lab.fail(kind),
+        NodeHangs => lab.ros.halt_node(),
+        LetsGoAndLostCancel => {
+            lab.fail(LostCancel);
+            std::thread::sleep(UNDER_WAY);
+            key.as_ref().unwrap().let_go_for(LET_GO);
+        }
+        Signal(name) => {
+            std::thread::sleep(UNDER_WAY);
+            run.signal(name);
+        }
+        SignalAndLostStop(name) => {
+            lab.fail(LostStop);
+            std::thread::sleep(UNDER_WAY);
+            run.signal(name);
+        }
+    }
+    if let Killed { .. } = end {
+        wait_until_stopped(&mut lab);
+    }
+    if let Signal("STOP") = what {
+        run.signal("KILL");
+    }
+    let ended = run.end();
+    let truth = lab.truth();
+    std::thread::sleep(Duration::from_secs(1));
+    let later = lab.truth();
+    stays_in_box(
+        &later,
+        if let Fails(Runaway) = what {
+            RUNAWAY_M
+        } else {
+            0.0
+        },
+    );
+    let moved = (0..3).map(|axis| (later.tool_m[axis] - truth.tool_m[axis]).abs());
+    assert!(moved.fold(0.0, f64::max) < STILL_M, "{truth:?} {later:?}");
+    if later.is_stopped {
+        let moved_m = later.moved_after_stop_m.unwrap();
+        assert!(moved_m < STILL_M, "{moved_m} m after a stop");
+    }
+    let halted = || -> Value {
+        let last = ended.journal.lines().last().unwrap();
+        let entry: Value = serde_json::from_str(last).unwrap();
+        assert_eq!(entry["type"], "halted", "{ended:#?}");
+        entry
+    };
+    match end {
+        Made => {
+            ends(&ended, 0, "horizon_reached");
+            assert!(!later.is_stopped);
+            let begun = ended
+                .journal
+                .matches(&format!("\"segment\":\"{when}\""))
+                .count();
+            // A motion that was ended for a while is begun again.
+            let paused = usize::from(key.is_some());
+            assert_eq!(begun, 2 + paused, "{}", ended.journal);
+        }
+        Stopped(words) | Unverified(words) => {
+            ends(&ended, 2, "world_failed");
+            assert_eq!(halted()["stopped"], matches!(end, Stopped(_)));
+            assert!(ended.why.contains(words), "{ended:#?}");
+            assert!(later.is_stopped || matches!(what, NodeHangs));
+        }
+        Failed(words) => {
+            ends(&ended, 2, "world_failed");
+            assert!(ended.why.contains(words), "{ended:#?}");
+        }
+        Interrupted => {
+            ends(&ended, 130, "interrupted");
+            assert_eq!(halted()["stopped"], true);
+            assert!(later.is_stopped);
+        }
+        Killed { may_hold } => {
+            assert_eq!(ended.code, None, "{ended:#?}");
+            assert!(later.is_stopped);
+            recovers(&lab, when, may_hold);
+        }
+    }
+}
+
+fn ends(ended: &Ended, code: i32, outcome: &str) {
+    assert_eq!(ended.code, Some(code), "{ended:#?}");
+    assert_eq!(ended.report["outcome"], outcome, "{ended:#?}");
+}
+
+fn stays_in_box(truth: &Truth, over_m: f64) {
+    for axis in 0..3 {
+        let is_within = truth.extent_m[0][axis] >= BOX_M[0][axis] - over_m
+            && truth.extent_m[1][axis] <= BOX_M[1][axis] + over_m;
+        assert!(is_within, "{:?}", truth.extent_m);
+    }
+}
+
+fn wait_until_stopped(lab: &mut Lab) {
+    let deadline = Instant::now() + STOPPED_WITHIN;
+    while !lab.truth().is_stopped {
+        assert!(Instant::now() < deadline, "nobody stops the arm");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// After a kill, `fabc robot recover` says what is left, and takes nobody's silence for an answer.
+fn recovers(lab: &Lab, segment: &str, may_hold: bool) {
+    let recover = |more: &[&str]| {
+        let output = lab
+            .fabc()
+            .args(["robot", "recover", "run", "--json"])
+            .args(more)
+            .output()
+            .unwrap();
+        let told: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
+        (output.status.code(), told)
+    };
+    assert_eq!(recover(&[]).0, Some(2));
+    let (code, told) = recover(&["--how", "the cloth was taken out of the fingers"]);
+    assert_eq!(code, Some(0), "{told}");
+    assert_eq!(told["left"], "unclear", "{told}");
+    assert_eq!(told["segment"], segment, "{told}");
+    assert_eq!(told["may_hold"], may_hold, "{told}");
+    let (code, told) = recover(&[]);
+    assert_eq!((code, told["left"].as_str()), (Some(0), Some("clear")));
+}
+
+#[test]
+#[ignore = "needs ROS: make test-peers"]
+fn peer_ros_a_trajectory_of_a_killed_run_does_not_go_on() {
+    let mut lab = Lab::new(Driver::Trajectory, 200);
+    calibrate(&mut lab, Touching::Reckoned);
+    lab.lay();
+    let mut run = lab.run();
+    run.until("over");
+    std::thread::sleep(UNDER_WAY);
+    run.signal("KILL");
+    wait_until_stopped(&mut lab);
+    run.end();
+    // A controller that kept its trajectory would go on with it now.
+    lab.ros.connect().start().unwrap();
+    let before = lab.truth().tool_m;
+    std::thread::sleep(Duration::from_secs(2));
+    assert_eq!(lab.truth().tool_m, before);
+}

@@ -1,0 +1,103 @@
+//! Pairs of a pixel and a place, as a person measures them with an arm, and `fabc calibrate`.
+//!
+//! In: a lab. Out: a calibration that is as wrong as a careful one: pixels are read to half a pixel, the tool's place to
+//! a millimetre, and the fingertips are not quite where the arm takes them to be. None of it is told to `fabc`.
+
+use super::lab::Lab;
+use super::nodes::PATIENCE_S;
+use nalgebra::Point3;
+use runtime::arm::driver::{Arm, PortArm};
+use runtime::arm::kinematics::tool_down::tool_down;
+use runtime::arm::rgbd::RgbdSource;
+use runtime::arm::ros::RosCamera;
+use runtime::chance::Chance;
+use serde_json::json;
+
+/// How far a pixel is read wrong, at the most.
+const PIXEL: f64 = 0.5;
+
+/// How far a place is, metres.
+const PLACE_M: f64 = 0.001;
+
+/// How far from where the arm takes it to be the point is that touches, metres.
+const TIP_M: [f64; 3] = [0.0010, -0.0008, 0.0003];
+
+/// How points come to be touched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Touching {
+    /// The arm goes to each, over ROS.
+    Driven,
+    /// Where it would come to is reckoned, which takes no time.
+    Reckoned,
+}
+
+/// Measures 16 points, and calibrates by them.
+pub fn calibrate(lab: &mut Lab, touching: Touching) {
+    let mut lines = "u,v,x,y,z\n".to_owned();
+    let places = places();
+    let reached = match touching {
+        Touching::Reckoned => places,
+        Touching::Driven => drive(lab, &places),
+    };
+    for at_m in reached {
+        let told = lab.ask(&json!({ "ask": "pixel", "position": at_m }));
+        let [u, v]: [f64; 2] = serde_json::from_value(told["pixel"].clone()).unwrap();
+        let chance = &mut lab.chance;
+        let (u, v) = (u + within(chance, PIXEL), v + within(chance, PIXEL));
+        let [x, y, z] = [0, 1, 2].map(|axis| at_m[axis] + TIP_M[axis] + within(chance, PLACE_M));
+        lines += &format!("{u:.1},{v:.1},{x:.4},{y:.4},{z:.4}\n");
+    }
+    std::fs::write(lab.folder().join("pairs.csv"), lines).unwrap();
+    let ros = lab.settings().ros.unwrap();
+    let mut camera = RosCamera::subscribe(&ros, PATIENCE_S).unwrap();
+    let shot = camera.shoot().unwrap();
+    shot.rgb.save(lab.folder().join("table.png")).unwrap();
+    let output = lab
+        .fabc()
+        .args(["calibrate", "--robot", "robot.toml"])
+        .args(["--pairs", "pairs.csv", "--image", "table.png"])
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+/// Brings the tool to each place and says where it came to; then back to where it rests.
+fn drive(lab: &mut Lab, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let settings = lab.settings();
+    let port = lab.ros.connect();
+    let mut arm = PortArm::by_poses(port, &settings.model, settings.fingers, settings.tolerance);
+    let mut go = |[x, y, z]: [f64; 3]| {
+        let to = tool_down(&Point3::new(x, y, z), 0.0);
+        let speed_m_s = settings.motion.speed_m_s;
+        let state = arm
+            .move_tool(&to, speed_m_s, &mut |_| Ok(()))
+            .unwrap_or_else(|error| panic!("({x:.3}, {y:.3}, {z:.3}): {error}"));
+        state.tool.translation.vector.into()
+    };
+    let reached = places.iter().map(|place| go(*place)).collect();
+    go(settings.workspace.rest_m);
+    reached
+}
+
+/// A grid of 4 x 4 over the table, drawn in to where the arm reaches.
+fn places() -> Vec<[f64; 3]> {
+    let shares = [-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0];
+    let at = |row: usize, column: usize| {
+        // There and back again, so that no way is long.
+        let column = if row % 2 == 0 { column } else { 3 - column };
+        let (x, y) = (0.45 + 0.22 * shares[row], 0.27 * shares[column]);
+        let drawn_in = (0.67 / f64::hypot(x, y)).min(1.0);
+        [x * drawn_in, y * drawn_in, 0.02]
+    };
+    let all = (0..16).map(|index| at(index / 4, index % 4));
+    all.collect()
+}
+
+fn within(chance: &mut Chance, most: f64) -> f64 {
+    (2.0 * chance.fraction() - 1.0) * most
+}

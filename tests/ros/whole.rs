@@ -1,0 +1,84 @@
+//! The whole loop over ROS: pictures from topics, a calibration with an error that nobody told, goals to actionlib's
+//! servers, and a cloth that ends folded.
+
+use super::lab::{Driver, Lab, cache_folder, project};
+use super::touching::{Touching, calibrate};
+use compiler::program::Program;
+use compiler::{LoadError, Loader};
+use runtime::arm::log::{Left, left};
+use runtime::cache::Cache;
+use runtime::interrupt::Interrupt;
+use runtime::start::Start;
+use runtime::world::{SimulatedWorld, World, WorldError};
+use runtime::{expert, metrics};
+
+/// How far the cloth may be from the nearest expert's, metres: twice what was found over five cameras.
+const DISTANCE_M: f64 = 0.030;
+
+struct Files;
+
+impl Loader for Files {
+    fn load(&self, name: &str) -> Result<String, LoadError> {
+        std::fs::read_to_string(project(name)).map_err(|error| LoadError {
+            message: error.to_string(),
+        })
+    }
+}
+
+/// Returns how far a cloth is from the nearest expert's, metres, as the report of a simulated run says it.
+fn distance_m(program: &Program, particles: &[[f32; 3]]) -> f64 {
+    let make_world = || -> Result<Box<dyn World>, WorldError> {
+        let world = SimulatedWorld::new(&program.camera, program.picker)?;
+        Ok(Box::new(world))
+    };
+    let ends = expert::ends(
+        &program.experts,
+        &Start::flat(&program.cloth),
+        &make_world,
+        &Cache::at(cache_folder().join("experts")),
+        &Interrupt::default(),
+        &mut |_| {},
+    );
+    let ends = ends.unwrap().ends.into_iter();
+    let distances =
+        ends.map(|end| metrics::mean_particle_distance_m(particles, &end.positions).unwrap());
+    distances.fold(f64::INFINITY, f64::min)
+}
+
+fn folds_a_double_triangle(driver: Driver, seed: u64) {
+    let mut lab = Lab::new(driver, seed);
+    calibrate(&mut lab, Touching::Driven);
+    lab.lay();
+    let run = lab.run();
+    let folder = run.folder.clone();
+    let ended = run.end();
+    assert_eq!(ended.code, Some(0), "{ended:#?}");
+    // A real arm knows no particles, so that the goal is not judged.
+    assert_eq!(ended.report["outcome"], "horizon_reached");
+    assert!(ended.report["goal_reached"].is_null());
+    assert_eq!(ended.report["steps"], 2);
+    assert_eq!(left(&folder).unwrap(), Left::Clear);
+
+    let compiled = compiler::compile("tasks/real/double_triangle.fab", &Files).unwrap();
+    let truth = lab.truth();
+    let distance_m = distance_m(&compiled.programs[0], &truth.particles_m);
+    println!(
+        "{driver:?}, seed {seed}: mean particle distance {:.1} mm; wall {:.1} s",
+        distance_m * 1000.0,
+        ended.report["wall_s"].as_f64().unwrap()
+    );
+    assert!(distance_m < DISTANCE_M, "{distance_m}");
+    assert!(!truth.is_stopped);
+}
+
+#[test]
+#[ignore = "needs ROS: make test-peers"]
+fn peer_ros_an_arm_with_a_calibrated_camera_folds_a_double_triangle() {
+    folds_a_double_triangle(Driver::Kinova, 1);
+}
+
+#[test]
+#[ignore = "needs ROS: make test-peers"]
+fn peer_ros_an_arm_moved_by_trajectories_folds_a_double_triangle() {
+    folds_a_double_triangle(Driver::Trajectory, 2);
+}

@@ -1,0 +1,317 @@
+//! Whole rollouts with the simulated arm while something goes wrong, on its own clock: each ends in a named outcome, within
+//! its box, at rest once it is stopped, and with journals that say how it was left.
+
+use super::support::{self, Trial, root, task};
+use compiler::program::Program;
+use runtime::agent::Models;
+use runtime::arm::log::{ARM_FILE, Entry, Left, left};
+use runtime::arm::port::Port;
+use runtime::arm::route::Name;
+use runtime::arm::simulated::{Fault, FaultKind, SharedArm};
+use runtime::arm::supervisor::{Asked, NoWatchdog, Supervisor};
+use runtime::calls::Budget;
+use runtime::chance::Chance;
+use runtime::interrupt::Interrupt;
+use runtime::journal::{JOURNAL_FILE, RunFolder};
+use runtime::model::Geometric;
+use runtime::outcome::Outcome;
+use runtime::rollout::{self, Job, RolloutReport};
+use runtime::start::Start;
+use runtime::world::jaco::{self, Parts};
+use runtime::world::{ArmWorld, Look, World, WorldError};
+use serde_json::Value;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::time::Instant;
+
+/// How far outside of its box an arm that runs away may get, metres: it turns at 0.3 rad/s, the farthest corner of the box is
+/// 0.92 m from the axis, a reading is up to 0.1 s old, and it is looked at every 0.05 s, with a tick to each.
+const RUNAWAY_M: f64 = 0.3 * 0.92 * (0.1 + 0.05 + 0.02);
+
+/// How much longer than without a fault a rollout may take, seconds of the arm's clock.
+const LATER_S: f64 = 120.0;
+
+thread_local! {
+    /// The arm of the rollout under way, since a world is made where it cannot be handed out.
+    static ARM: RefCell<Option<SharedArm>> = const { RefCell::new(None) };
+}
+
+/// What a person does who watches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Person {
+    /// Nothing.
+    LooksOn,
+    /// Asks the program to end when the arm is looked at for the so manieth time.
+    Interrupts(u32),
+    /// Lets the key go at that time, for ten looks.
+    LetsGo(u32),
+    /// Says no to the so manieth question.
+    SaysNo(u32),
+}
+
+struct Watching {
+    person: Person,
+    interrupt: Interrupt,
+    looks: u32,
+    questions: u32,
+}
+
+impl Supervisor for Watching {
+    fn lays_cloth(&mut self, _: &Start) -> bool {
+        true
+    }
+
+    fn allows(&mut self, _: Asked<'_>) -> bool {
+        self.questions += 1;
+        self.person != Person::SaysNo(self.questions)
+    }
+
+    fn is_holding(&mut self) -> bool {
+        self.looks += 1;
+        match self.person {
+            Person::Interrupts(look) if self.looks == look => {
+                self.interrupt.raise();
+                true
+            }
+            Person::LetsGo(look) => !(look..look + 10).contains(&self.looks),
+            _ => true,
+        }
+    }
+}
+
+/// What goes wrong in a rollout.
+#[derive(Clone, Debug)]
+struct Trouble {
+    faults: Vec<Fault>,
+    person: Person,
+}
+
+impl Trouble {
+    fn none() -> Trouble {
+        Trouble {
+            faults: Vec::new(),
+            person: Person::LooksOn,
+        }
+    }
+
+    /// Draws one or two faults, and what a person does, over the time that a rollout usually takes.
+    fn seeded(seed: u64, usual: &Ended) -> Trouble {
+        let mut chance = Chance::seeded(seed);
+        let kinds = FaultKind::ALL;
+        let faults = (0..1 + chance.below(2)).map(|_| Fault {
+            kind: kinds[chance.below(kinds.len())],
+            from_s: chance.fraction() * usual.took_s,
+        });
+        let faults = faults.collect();
+        // Four looks at the arm in a second at the least, about as many questions as segments.
+        let look = 1 + chance.below((usual.took_s * 10.0) as usize) as u32;
+        let person = match chance.below(8) {
+            0 => Person::Interrupts(look),
+            1 => Person::LetsGo(look),
+            2 => Person::SaysNo(1 + chance.below(30) as u32),
+            _ => Person::LooksOn,
+        };
+        Trouble { faults, person }
+    }
+
+    fn has(&self, kind: FaultKind) -> bool {
+        self.faults.iter().any(|fault| fault.kind == kind)
+    }
+}
+
+/// How a rollout ended.
+struct Ended {
+    report: RolloutReport,
+    arm: SharedArm,
+    took_s: f64,
+}
+
+/// The task on a cloth of few particles, which only has to be seen and carried.
+fn program() -> Program {
+    let mut program = task("real/double_triangle");
+    program.verify.result = None;
+    (program.cloth.dimx, program.cloth.dimy) = (13, 13);
+    program.cloth.spacing_m = 0.025;
+    program.experts.clear();
+    program.goal = None;
+    program
+}
+
+fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
+    let interrupt = Interrupt::default();
+    let make_world = || -> Result<Box<dyn World>, WorldError> {
+        let robot = root().join("tasks/real/simulated.toml");
+        let (settings, settings_hash, calibration) = jaco::load(&robot).unwrap();
+        let parts = Parts {
+            settings,
+            settings_hash,
+            calibration,
+            image_px: trial.program.camera.image_px,
+            supervisor: Box::new(Watching {
+                person: trouble.person,
+                interrupt: interrupt.clone(),
+                looks: 0,
+                questions: 0,
+            }),
+            watchdog: Box::new(NoWatchdog),
+            folder: Some(folder.to_owned()),
+        };
+        let rehearsal = ArmWorld::rehearsed(parts, trouble.faults.clone())?;
+        ARM.set(Some(rehearsal.arm));
+        Ok(Box::new(rehearsal.world))
+    };
+    let models = Models {
+        vision: &Geometric,
+        text: &Geometric,
+    };
+    let job = Job {
+        program: trial.program,
+        start: &trial.start,
+        subgoals: &trial.subgoals,
+        examples: &trial.examples,
+        models,
+        budget: &Budget::default(),
+        recorder: None,
+        make_world: &make_world,
+        make_expert_world: &|| support::world(trial.program),
+        cache: &trial.cache,
+        interrupt: &interrupt,
+        horizon: None,
+        early_stop: false,
+        operator: None,
+        repetition: 0,
+    };
+    let run_folder = RunFolder::create(folder).unwrap();
+    let report = rollout::run(&job, run_folder, &mut |_| {}).unwrap();
+    let arm = ARM.take().unwrap();
+    let took_s = arm.now_s();
+    Ended {
+        report,
+        arm,
+        took_s,
+    }
+}
+
+/// Checks all that is promised of a rollout in which something went wrong; returns its outcome.
+fn survives(trial: &Trial<'_>, seed: u64, usual: &Ended) -> Outcome {
+    let trouble = Trouble::seeded(seed, usual);
+    let told = format!("seed {seed}: {trouble:?}");
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path().join("run");
+    let mut ended = run(trial, &trouble, &folder);
+    assert!(ended.took_s < usual.took_s + LATER_S, "{told}");
+    ended.arm.wait(5.0);
+
+    let outcome = ended.report.outcome;
+    let journal = fs::read_to_string(folder.join(JOURNAL_FILE)).unwrap();
+    let lines: Vec<Value> = journal
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    let end = lines.last().unwrap();
+    assert_eq!(end["report"]["outcome"], outcome.name(), "{told}: {end}");
+    assert!(!journal.contains("a mistake in it"), "{told}: {journal}");
+    is_within_the_box(&mut ended, &trouble, &told);
+    is_left_as_it_says(&folder, outcome, &journal, &told);
+    let arm = ended.arm.arm();
+    if journal.contains("verified to be stopped") {
+        assert!(arm.is_stopped(), "{told}: {journal}");
+    }
+    if let Some(moved_m) = arm.moved_after_stop_m() {
+        let may_be_lifted = matches!(trouble.person, Person::LetsGo(_));
+        assert!(moved_m < 1e-9 || may_be_lifted, "{told}: {moved_m} m");
+        assert!(arm.is_stopped() || may_be_lifted, "{told}: it was let go");
+    }
+    outcome
+}
+
+fn is_within_the_box(ended: &mut Ended, trouble: &Trouble, told: &str) {
+    let settings = jaco::load(&root().join("tasks/real/simulated.toml"))
+        .unwrap()
+        .0;
+    let over_m = match trouble.has(FaultKind::Runaway) {
+        true => RUNAWAY_M,
+        false => 0.0,
+    };
+    let [least, most] = ended.arm.arm().extent_m();
+    for axis in 0..3 {
+        let is_within = least[axis] >= settings.workspace.min_m[axis] - over_m
+            && most[axis] <= settings.workspace.max_m[axis] + over_m;
+        assert!(is_within, "{told}: {least:?} to {most:?}");
+    }
+}
+
+/// Checks that the arm's journal says what its lines add up to, and that this fits the outcome.
+fn is_left_as_it_says(folder: &Path, outcome: Outcome, journal: &str, told: &str) {
+    let text = fs::read_to_string(folder.join(ARM_FILE)).unwrap_or_default();
+    let entries: Vec<Entry> = text
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    let (mut may_hold, mut is_verified, mut begun) = (false, true, None);
+    for entry in &entries {
+        match entry {
+            Entry::Begin { segment, .. } => {
+                // A motion that was paused is begun again; no other before the one before it is verified.
+                assert!(is_verified || begun == Some(*segment), "{told}: {text}");
+                (begun, is_verified) = (Some(*segment), false);
+                may_hold |= segment.may_hold();
+            }
+            Entry::Done { .. } => {
+                is_verified = true;
+                may_hold &= begun != Some(Name::Release);
+            }
+            Entry::Halted { .. } | Entry::Enabled { .. } | Entry::Recovered { .. } => {}
+        }
+    }
+    let expected_clear = is_verified && !may_hold;
+    match left(folder).unwrap() {
+        Left::Clear => assert!(expected_clear, "{told}: {text}"),
+        Left::Unclear { may_hold: said, .. } => {
+            assert!(!expected_clear, "{told}: {text}");
+            assert_eq!(said, may_hold, "{told}: {text}");
+        }
+    }
+    let was_halted = entries
+        .iter()
+        .any(|entry| matches!(entry, Entry::Halted { .. }));
+    match outcome {
+        Outcome::WorldFailed | Outcome::Interrupted => {}
+        _ => assert!(!was_halted && expected_clear, "{told}: {journal}"),
+    }
+}
+
+fn survive(seeds: std::ops::Range<u64>) -> BTreeMap<&'static str, u32> {
+    let program = program();
+    let folder = tempfile::tempdir().unwrap();
+    let trial = Trial::new(&program, folder.path(), Look::default());
+    let usual = run(&trial, &Trouble::none(), &folder.path().join("run"));
+    assert_eq!(usual.report.outcome, Outcome::HorizonReached);
+    let begun = Instant::now();
+    let mut outcomes = BTreeMap::new();
+    for seed in seeds.clone() {
+        let outcome = survives(&trial, seed, &usual);
+        *outcomes.entry(outcome.name()).or_default() += 1;
+    }
+    println!(
+        "{} rollouts with faults in {:.1?}: {outcomes:?}",
+        seeds.end - seeds.start,
+        begun.elapsed()
+    );
+    outcomes
+}
+
+#[test]
+fn a_rollout_in_which_anything_goes_wrong_ends_in_a_named_outcome() {
+    let outcomes = survive(0..30);
+    // Neither does every fault end a rollout, nor none.
+    assert!(outcomes.len() >= 2, "{outcomes:?}");
+}
+
+#[test]
+#[ignore = "a thousand rollouts: `make test-peers`"]
+fn long_a_thousand_rollouts_in_which_anything_goes_wrong_end_in_named_outcomes() {
+    survive(1000..2000);
+}

@@ -1,0 +1,201 @@
+//! An arm that may not be moved: left in the middle by its last run, used by another program, or none that there is.
+
+use super::super::support::{fabc, finish, project, root};
+use super::{GRASP, ROBOT, journal, left, robot};
+use runtime::arm::last;
+use serde_json::Value;
+use std::fs;
+
+/// Settings of a real arm, which this build may be unable to reach.
+fn real() -> String {
+    let ros = "[ros]\nmaster = \"http://localhost:1\"\narm = \"/j2n6s200_driver\"\n";
+    ROBOT
+        .replace("driver = \"simulated\"", "driver = \"kinova\"")
+        .replace(
+            "source = \"simulated\",",
+            "source = \"directory\", folder = \"shots\",",
+        )
+        + ros
+}
+
+#[test]
+fn an_arm_that_a_run_left_in_the_middle_is_not_moved_again_before_a_person_has_looked() {
+    let folder = left();
+    fs::write(folder.path().join("robot.toml"), real()).unwrap();
+    let run = fs::canonicalize(folder.path().join("run")).unwrap();
+    let calibration = root().join("tasks/real/simulated.calibration.toml");
+    fs::copy(calibration, folder.path().join("lab.toml")).unwrap();
+    last::note(&folder.path().join("robot.toml"), &run).unwrap();
+    let again = || {
+        let mut command = fabc(folder.path());
+        command.args([
+            "run",
+            &project("tasks/real/double_triangle.fab"),
+            "--world",
+            "jaco",
+        ]);
+        finish(command.args([
+            "--robot",
+            "robot.toml",
+            "--confirm",
+            "none",
+            "--out",
+            "next",
+        ]))
+    };
+    let said = again();
+    assert_eq!(said.code, 2);
+    for words in [
+        "nothing is moved: the last run with the arm of `robot.toml` left it in the middle: `grasp` of action 2 was begun",
+        &format!("`fabc robot recover {}`", run.display()),
+    ] {
+        assert!(said.stderr.contains(words), "{words}: {}", said.stderr);
+    }
+    let said = robot(
+        folder.path(),
+        &["recover", "--robot", "robot.toml"],
+        "taken out\n",
+    );
+    assert_eq!((said.code, said.stdout.as_str()), (0, "noted: taken out\n"));
+    assert!(journal(&folder).ends_with("\"how\":\"taken out\"}\n"));
+    let said = again();
+    assert!(!said.stderr.contains("the last run"), "{}", said.stderr);
+
+    // The next run was cut off, and its folder is gone.
+    fs::write(run.join("arm.jsonl"), GRASP).unwrap();
+    fs::rename(&run, folder.path().join("elsewhere")).unwrap();
+    let said = again();
+    assert_eq!(said.code, 2);
+    for words in [
+        "arm.jsonl` is gone",
+        "`fabc robot recover --robot robot.toml`",
+    ] {
+        assert!(said.stderr.contains(words), "{words}: {}", said.stderr);
+    }
+    let said = robot(folder.path(), &["recover", "--robot", "robot.toml"], "\n");
+    assert_eq!(said.code, 2, "{}", said.stderr);
+    let arguments = [
+        "recover",
+        "--robot",
+        "robot.toml",
+        "--how",
+        "by hand",
+        "--json",
+    ];
+    let said = robot(folder.path(), &arguments, "");
+    let read: Value = serde_json::from_str(&said.stdout).unwrap();
+    assert_eq!((said.code, &read["left"]), (0, &Value::from("unknown")));
+    assert_eq!(
+        robot(folder.path(), &["recover", "--robot", "robot.toml"], "").code,
+        0
+    );
+    let said = again();
+    assert!(!said.stderr.contains("the last run"), "{}", said.stderr);
+}
+
+#[test]
+fn an_arm_that_another_program_uses_is_left_to_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = folder.path().join("robot.toml");
+    fs::write(&settings, real()).unwrap();
+    let calibration = root().join("tasks/real/simulated.calibration.toml");
+    fs::copy(calibration, folder.path().join("lab.toml")).unwrap();
+    let held = fs::File::open(&settings).unwrap();
+    held.try_lock().unwrap();
+    let run = || {
+        let mut command = fabc(folder.path());
+        command.args([
+            "run",
+            &project("tasks/real/double_triangle.fab"),
+            "--world",
+            "jaco",
+        ]);
+        finish(command.args([
+            "--robot",
+            "robot.toml",
+            "--confirm",
+            "none",
+            "--out",
+            "next",
+        ]))
+    };
+    let words = "another fabc uses the arm of `robot.toml`: wait until it has ended";
+    let said = run();
+    assert_eq!(said.code, 2);
+    assert!(said.stderr.contains(words), "{}", said.stderr);
+    drop(held);
+    assert!(!run().stderr.contains(words));
+}
+
+#[test]
+fn a_wrong_name_is_not_clear() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = robot(folder.path(), &["recover", "--robot", "robto.toml"], "x\n");
+    assert_eq!(said.code, 2);
+    assert!(
+        said.stderr.contains("there are no settings `robto.toml`"),
+        "{}",
+        said.stderr
+    );
+    assert_eq!(robot(folder.path(), &["recover"], "").code, 64);
+}
+
+#[test]
+fn a_simulated_arm_is_neither_let_go_nor_guided() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("robot.toml"), ROBOT).unwrap();
+    let said = robot(
+        folder.path(),
+        &["enable", "--robot", "robot.toml", "--how", "x"],
+        "",
+    );
+    assert_eq!((said.code, said.stdout.as_str()), (2, ""));
+    let words = "the arm of `robot.toml` is simulated: it ends with the program that moves it, and is never left stopped";
+    assert!(said.stderr.contains(words), "{}", said.stderr);
+    let mut command = fabc(folder.path());
+    let said = finish(command.args(["calibrate", "--robot", "robot.toml", "--jog"]));
+    assert_eq!(said.code, 2);
+    let words =
+        "is simulated: nobody can guide it to a point; type points, or give them with `--pairs`";
+    assert!(said.stderr.contains(words), "{}", said.stderr);
+    let mut command = fabc(folder.path());
+    let said = finish(command.args([
+        "calibrate",
+        "--robot",
+        "robot.toml",
+        "--jog",
+        "--pairs",
+        "x.csv",
+    ]));
+    assert_eq!(said.code, 64, "{}", said.stderr);
+}
+
+/// Without ROS, a real arm cannot be reached; it is said what would be right.
+#[cfg(not(feature = "ros"))]
+#[test]
+fn a_build_without_ros_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("robot.toml"), real()).unwrap();
+    for arguments in [
+        &["robot", "enable", "--robot", "robot.toml", "--how", "x"][..],
+        &["calibrate", "--robot", "robot.toml", "--jog"],
+        &[
+            "robot",
+            "watchdog",
+            "--robot",
+            "robot.toml",
+            "--timeout",
+            "1",
+        ],
+    ] {
+        let mut command = fabc(folder.path());
+        let said = finish(command.args(arguments));
+        assert_eq!((said.code, said.stdout.as_str()), (2, ""), "{arguments:?}");
+        assert!(said.stderr.contains("without"), "{}", said.stderr);
+        assert!(
+            said.stderr.contains("`ros`") || said.stderr.contains("`--features ros`"),
+            "{}",
+            said.stderr
+        );
+    }
+}
