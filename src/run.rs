@@ -7,6 +7,7 @@ use crate::cli::RunArguments;
 use crate::estimate::{self, Asking};
 use crate::exit::{Exit, Failure};
 use crate::operator::Terminal;
+use crate::robot::standing;
 use crate::setting::arm::Moving;
 use crate::setting::models;
 use crate::{output, setting, sources};
@@ -19,7 +20,7 @@ use runtime::interrupt::Interrupt;
 use runtime::journal::RunFolder;
 use runtime::model::Nature;
 use runtime::outcome::Outcome;
-use runtime::rollout::{self, Job};
+use runtime::rollout::{self, Job, RunError};
 use runtime::start::Start;
 use runtime::subgoals::{Origin, SubgoalError, SubgoalSet};
 use runtime::world::WorldError;
@@ -186,8 +187,17 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     if let Into::Again(_) = into {
         output::talk(&again(earlier, &spent));
     }
-    let report = rollout::run(&job, folder, &mut |event| told::show(event, earlier))
-        .map_err(Failure::environment)?;
+    let done = rollout::run(&job, folder, &mut |event| told::show(event, earlier));
+    if let (Some(_), Some(run)) = (&arm, journal.get()) {
+        standing::say_left(run);
+    }
+    let report = done.map_err(|error| match error {
+        // Nobody lays a cloth for a program that is asked to end.
+        RunError::World(WorldError::Start { .. }) if interrupt.is_raised() => {
+            Failure::interrupted()
+        }
+        error => Failure::environment(error),
+    })?;
     if let (Some(settings), true) = (&arm, arguments.plan_only) {
         planned::say(&report, settings, arguments.json)?;
     } else if arguments.json {

@@ -16,6 +16,8 @@ use image::RgbImage;
 use runtime::arm::calibration::{
     Calibration, Method, Pair, Refusal, Terms, ToolReader, draw_errors, place_at_rest, read_pairs,
 };
+use runtime::arm::directory::Which;
+use runtime::arm::rgbd::Intrinsics;
 use runtime::arm::settings::{CameraSource, Settings};
 use runtime::world::jaco;
 use runtime::{picture, store};
@@ -51,11 +53,16 @@ fn run_with(
     tool: Option<Box<ToolReader<'_>>>,
 ) -> Result<Exit, Failure> {
     let settings = Settings::load(&arguments.robot).map_err(Failure::environment)?;
-    let seen = seen(arguments, &settings)?;
+    let (seen, told) = match seen(arguments, &settings)? {
+        Some(seen) => (Some(seen.rgb), seen.intrinsics),
+        None => (None, None),
+    };
     let size_px = size_px(&settings, seen.as_ref())?;
     let method = Method::from(arguments.method);
     let limit_mm = arguments.limit.unwrap_or_else(|| method.limit_mm());
-    let terms = Terms::of(&settings, method, size_px, limit_mm);
+    let mut terms = Terms::of(&settings, method, size_px, limit_mm);
+    // What the settings state was chosen by somebody; else the camera knows itself best.
+    terms.intrinsics = terms.intrinsics.or(told);
     let path = match &arguments.out {
         Some(path) => path.clone(),
         None => beside(&arguments.robot, &settings.calibration),
@@ -139,11 +146,32 @@ fn read(file: &Path) -> Result<Vec<Pair>, Failure> {
     })
 }
 
-/// Returns the camera's own picture: the one that is given, the newest of the camera's folder, or that of a simulated table.
-fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<RgbImage>, Failure> {
+/// A picture of the table, and how its camera projects where it says so itself.
+struct Seen {
+    rgb: RgbImage,
+    intrinsics: Option<Intrinsics>,
+}
+
+/// Returns the camera's own picture: the one that is given or taken now, the newest of the camera's folder, or that of a
+/// simulated table.
+fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<Seen>, Failure> {
+    let plain = |rgb| Seen {
+        rgb,
+        intrinsics: None,
+    };
     if arguments.image.is_none() && settings.camera.source == CameraSource::Simulated {
         let table = jaco::simulated_table(settings).map_err(Failure::environment)?;
-        return Ok(Some(table));
+        return Ok(Some(plain(table)));
+    }
+    if arguments.shoot {
+        let timeout_s = settings.camera.timeout_s;
+        let camera = connect::camera(settings, &arguments.robot, Which::Fresh { timeout_s });
+        let shot = camera.map_err(Failure::environment)?.shoot();
+        let shot = shot.map_err(Failure::environment)?;
+        return Ok(Some(Seen {
+            rgb: shot.rgb,
+            intrinsics: shot.intrinsics,
+        }));
     }
     let path = match (
         &arguments.image,
@@ -154,7 +182,7 @@ fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<Rg
         (None, CameraSource::Directory, Some(folder)) => newest(&beside(&arguments.robot, folder))?,
         _ => None,
     };
-    let seen = path.map(|path| picture::load(&path)).transpose();
+    let seen = path.map(|path| picture::load(&path).map(plain)).transpose();
     seen.map_err(Failure::environment)
 }
 

@@ -43,6 +43,10 @@ pub struct CalibrateArguments {
     /// where the settings name one.
     #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
     pub image: Option<PathBuf>,
+    /// Take that picture from the camera itself now, of topics or of its folder, and its intrinsics where the settings state
+    /// none.
+    #[arg(long, conflicts_with = "image")]
+    pub shoot: bool,
     /// The file; default: the one that the settings name. One that is there is kept as FILE.before-N.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,

@@ -4,7 +4,9 @@
 //! this program simulates ends with it, so that nothing is asked of one.
 
 use super::recover::in_words;
+use crate::output;
 use runtime::arm::last::{self, Standing};
+use runtime::arm::log::{Left, left};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -31,6 +33,21 @@ pub fn claim(robot: &Path) -> Result<(), String> {
             claimed.push((path, file));
             Ok(())
         }
+    }
+}
+
+/// Says how a run left the arm, where it is in the middle of a motion or its hand may hold something.
+pub fn say_left(run: &Path) {
+    match left(run) {
+        Ok(Left::Clear) => {}
+        Ok(left) => output::talk(&format!(
+            "note: this is how the arm was left: {}; see to it, and say so with `fabc robot recover {}`",
+            in_words(&left),
+            run.display()
+        )),
+        Err(error) => output::talk(&format!(
+            "note: in what state the arm was left is not known: {error}"
+        )),
     }
 }
 

@@ -33,11 +33,12 @@ pub fn check(arguments: &ArmArguments, moving: Moving) -> Result<Settings, Failu
         return Ok(settings);
     }
     if settings.driver != DriverKind::Simulated {
+        // First what was left: it is so whatever this build can reach.
+        standing::claim(&arguments.robot).map_err(Failure::environment)?;
+        standing::check(&arguments.robot).map_err(Failure::environment)?;
         if !cfg!(feature = "ros") {
             return Err(Failure::environment(connect::without_ros(&arguments.robot)));
         }
-        standing::claim(&arguments.robot).map_err(Failure::environment)?;
-        standing::check(&arguments.robot).map_err(Failure::environment)?;
     }
     supervisor(arguments, &settings)?;
     Ok(settings)

@@ -63,7 +63,7 @@ const CASES: [(What, &str, End); 23] = [
     (Fails(PressedStop), "over", Stopped("takes no motion")),
     (Fails(PressedStop), "grasp", Stopped("takes no motion")),
     (Fails(Silence), "over", Unverified("has not said for")),
-    (NodeHangs, "lift", Unverified("silent for")),
+    (NodeHangs, "lift", Unverified("use the physical stop")),
     (Fails(NoPicture), "away", Failed("gave no picture")),
     (Signal("INT"), "down_to_place", Interrupted),
     (SignalAndLostStop("TERM"), "over", Interrupted),
@@ -162,6 +162,7 @@ fn rollout(seed: u64, what: What, when: &str, end: End) {
         run.signal("KILL");
     }
     let ended = run.end();
+    assert!(!ended.stderr.contains("panicked"), "{ended:#?}");
     let truth = lab.truth();
     std::thread::sleep(Duration::from_secs(1));
     let later = lab.truth();

@@ -1,10 +1,25 @@
 //! The person beside the arm, in a terminal and by signals: asked before motion, heard while it lasts, told what is verified.
+//! Likewise where the program itself breaks.
 
 #![cfg(target_os = "linux")]
 
 use super::pty::{Mode, Session};
-use super::support::{Said, fabc, root};
+use super::support::{Said, fabc, root, task, world};
+use runtime::agent::Models;
 use runtime::arm::log::{ARM_FILE, Left, left};
+use runtime::arm::supervisor::{Asked, NoWatchdog, Supervisor};
+use runtime::cache::Cache;
+use runtime::calls::Budget;
+use runtime::examples::Examples;
+use runtime::interrupt::Interrupt;
+use runtime::journal::RunFolder;
+use runtime::model::Geometric;
+use runtime::outcome::Outcome;
+use runtime::rollout::{self, Job};
+use runtime::start::Start;
+use runtime::subgoals::SubgoalSet;
+use runtime::world::jaco::{self, Parts};
+use runtime::world::{ArmWorld, World, WorldError};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -205,6 +220,8 @@ fn a_signal_stops_the_arm_and_what_is_verified_is_told() {
             "{}",
             said.stderr
         );
+        let note = "see to it, and say so with `fabc robot recover run`\n";
+        assert!(said.stderr.contains(note), "{}", said.stderr);
         assert_eq!(report(folder.path())["stopped"], words);
         // Which motion is told as the last verified one is that of the journal.
         let done = n_lines(folder.path(), "done");
@@ -224,4 +241,81 @@ fn a_signal_stops_the_arm_and_what_is_verified_is_told() {
             "{words}"
         );
     }
+}
+
+/// A program with a mistake in it, which shows when the arm was looked at so often.
+struct Mistaken(u32);
+
+impl Supervisor for Mistaken {
+    fn lays_cloth(&mut self, _: &Start) -> bool {
+        true
+    }
+
+    fn allows(&mut self, _: Asked<'_>) -> bool {
+        true
+    }
+
+    fn is_holding(&mut self) -> bool {
+        self.0 = self.0.checked_sub(1).expect("a mistake of the test's");
+        true
+    }
+}
+
+#[test]
+fn a_panic_while_the_arm_moves_is_told_with_what_is_verified() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = RunFolder::create(&folder.path().join("run")).unwrap();
+    let program = task("real/double_triangle");
+    let make_world = || -> Result<Box<dyn World>, WorldError> {
+        let (settings, settings_hash, calibration) =
+            jaco::load(&root().join("tasks/real/simulated.toml")).unwrap();
+        Ok(Box::new(ArmWorld::simulated(Parts {
+            settings,
+            settings_hash,
+            calibration,
+            image_px: program.camera.image_px,
+            supervisor: Box::new(Mistaken(200)),
+            watchdog: Box::new(NoWatchdog),
+            folder: Some(folder.path().join("run")),
+        })?))
+    };
+    let interrupt = Interrupt::default();
+    let mut drawn = world(&program).unwrap();
+    let beside = root().join("tasks/real");
+    let report = rollout::run(
+        &Job {
+            program: &program,
+            start: &Start::flat(&program.cloth),
+            subgoals: &SubgoalSet::obtain(&program, &beside, drawn.as_mut(), &interrupt).unwrap(),
+            examples: &Examples::load(&program, &beside).unwrap(),
+            models: Models {
+                vision: &Geometric,
+                text: &Geometric,
+            },
+            budget: &Budget::default(),
+            recorder: None,
+            make_world: &make_world,
+            make_expert_world: &|| world(&program),
+            cache: &Cache::none(),
+            interrupt: &interrupt,
+            horizon: None,
+            early_stop: true,
+            operator: None,
+            repetition: 0,
+        },
+        run,
+        &mut |_| {},
+    );
+    let report = report.unwrap();
+    assert_eq!(report.outcome, Outcome::WorldFailed);
+    let told = report.stopped.unwrap();
+    for words in [
+        "this program broke while the arm moved, which is a mistake in it: a mistake of the test's",
+        "; verified up to `",
+        "; the arm is verified to be stopped",
+    ] {
+        assert!(told.contains(words), "{words}: {told}");
+    }
+    assert_eq!(self::report(folder.path())["stopped"], told.as_str());
+    assert_eq!(n_lines(folder.path(), "halted"), 1);
 }

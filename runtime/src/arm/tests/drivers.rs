@@ -3,6 +3,7 @@
 use super::*;
 use crate::arm::driver::{ArmError, Between, Opening};
 use crate::arm::kinematics::tool_down::tool_down;
+use crate::arm::settings::FingerSettings;
 
 /// A place 13 cm from the rest, reached after 1.3 s and a little.
 const THERE_M: [f64; 3] = [0.40, -0.25, 0.20];
@@ -92,6 +93,37 @@ fn cloth_between_the_fingers_is_told_by_their_place() {
         bench.take_cloth_away();
         let between = bench.driver().move_fingers(Opening::Closed, &mut nobody);
         assert_eq!(between, Ok(Between::Nothing));
+    }
+}
+
+/// Documents of the vendor give degrees, turns, or shares of a turn, and either end as zero.
+#[test]
+fn fingers_are_told_by_their_place_in_whichever_units() {
+    let turns = [[0.0, 6400.0], [0.0, 6800.0], [60.0, 0.0], [-1.0, 51.0]];
+    for (by, [open, closed]) in By::BOTH.into_iter().flat_map(|by| turns.map(|it| (by, it))) {
+        let mut settings = settings();
+        let way: f64 = closed - open;
+        settings.fingers = FingerSettings {
+            open,
+            closed,
+            cloth: Some(0.03 * way.abs()),
+            tolerance: 0.015 * way.abs(),
+            ..settings.fingers
+        };
+        let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+        let mut arm = by.drive(port, &settings);
+        let close = |arm: &mut Driven| arm.move_fingers(Opening::Closed, &mut nobody);
+        assert_eq!(close(&mut arm), Ok(Between::Nothing), "{open} to {closed}");
+        let opened = arm.move_fingers(Opening::Open, &mut nobody);
+        assert_eq!(opened, Ok(Between::Unknown), "{open} to {closed}");
+        let cloth = Patch {
+            at: Point3::from(arm.port().tool().translation.vector),
+            is_held: false,
+        };
+        let table = Rc::new(RefCell::new(cloth));
+        let port = SimulatedArm::new(simulation(&settings, 0, &[]), Some(table));
+        let between = close(&mut by.drive(port, &settings));
+        assert_eq!(between, Ok(Between::Something), "{open} to {closed}");
     }
 }
 

@@ -1,6 +1,8 @@
 //! Tests of the arm's core over a simulated arm: what its driver believes, what its limits let pass, and where a pick and
 //! place ends when something goes wrong.
 
+#![allow(clippy::unwrap_used)]
+
 mod drivers;
 mod executions;
 mod faults;

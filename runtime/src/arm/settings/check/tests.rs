@@ -1,5 +1,7 @@
 //! Each number that cannot be meant is refused, by its key; what is not said stands as it does by default.
 
+#![allow(clippy::unwrap_used)]
+
 use crate::arm::settings::Settings;
 use toml::{Table, Value};
 
