@@ -97,7 +97,7 @@ impl Supervisor for Terminal {
         match self.confirm {
             Confirm::None => true,
             Confirm::Each | Confirm::Segment => {
-                self.ask(&format!("Does the cloth lie as at `{}`?", start.name))
+                self.ask(&format!("Lay the cloth: {}. Does it lie so?", start.name))
             }
         }
     }
