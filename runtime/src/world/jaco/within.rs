@@ -13,7 +13,7 @@ use crate::interrupt::Interrupt;
 use crate::observation::Observation;
 use crate::start::Start;
 use crate::world::{Executed, Motion, World, WorldError, WorldPoint};
-use nalgebra::Point3;
+use nalgebra::{Isometry3, Point3};
 
 /// What an arm reaches with its hand pointing down.
 pub(super) struct ArmReach(Reach);
@@ -62,7 +62,17 @@ impl ArmReach {
         let check = |from, to| {
             limits::check(&settings.workspace, margin_m, from, to, motion.speed_m_s).err()
         };
-        check(&high, &low).or_else(|| check(&low, &high))
+        let goal = |pose: &Isometry3<f64>| {
+            let at = Point3::from(pose.translation.vector);
+            limits::check_goal(&settings.workspace, margin_m, &at).err()
+        };
+        goal(&low)
+            .or_else(|| {
+                let why = goal(&high)?;
+                Some(format!("at the height of travel (`motion.travel_m`) {why}"))
+            })
+            .or_else(|| check(&high, &low))
+            .or_else(|| check(&low, &high))
     }
 }
 
