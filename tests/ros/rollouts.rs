@@ -83,6 +83,10 @@ const LET_GO: Duration = Duration::from_millis(2500);
 /// The longest until the watchdog has stopped the arm: 1.5 s without a sign of life, and time on a busy machine.
 const STOPPED_WITHIN: Duration = Duration::from_secs(8);
 
+/// The longest until a rollout has ended after something went wrong: a stop is asked for three times, and the motion that
+/// is under way is let end where nothing is heard.
+const TOLD_WITHIN: Duration = Duration::from_secs(40);
+
 /// How far outside of its box an arm that runs away may get, metres: it turns at 0.3 rad/s, the farthest corner is 0.92 m
 /// from the axis, a reading is up to 0.1 s old, it is looked at every 0.05 s, and a stop is on its way for 0.15 s.
 const RUNAWAY_M: f64 = 0.3 * 0.92 * (0.1 + 0.05 + 0.15);
@@ -155,6 +159,7 @@ fn rollout(seed: u64, what: What, when: &str, end: End) {
             run.signal(name);
         }
     }
+    let failed = Instant::now();
     if let Killed { .. } = end {
         wait_until_stopped(&mut lab);
     }
@@ -163,6 +168,10 @@ fn rollout(seed: u64, what: What, when: &str, end: End) {
     }
     let ended = run.end();
     assert!(!ended.stderr.contains("panicked"), "{ended:#?}");
+    if end != Made {
+        let took = failed.elapsed();
+        assert!(took < TOLD_WITHIN, "{took:?}: {ended:#?}");
+    }
     let truth = lab.truth();
     std::thread::sleep(Duration::from_secs(1));
     let later = lab.truth();

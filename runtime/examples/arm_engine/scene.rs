@@ -1,8 +1,7 @@
 //! A simulated arm over a simulated cloth, as an arm's settings say, with what goes wrong.
 //!
 //! In: a [`Plan`]. Out: a stage. Faults of messages are kept here, since messages are lost between the node and its
-//! client; the others are the simulated arm's. Before the cloth is laid, and around it, the camera sees a table with
-//! printed papers on it, by which a moved camera would be noticed.
+//! client; the others are the simulated arm's. Before the cloth is laid, the camera sees the bare table.
 
 use super::Stage;
 use compiler::program::{Cloth, ClothStart};
@@ -22,13 +21,6 @@ use std::rc::Rc;
 
 /// How long a short silence lasts, seconds.
 const SHORT_SILENCE_S: f64 = 0.6;
-
-/// How far beside its place a cloth is that nobody sees, metres.
-const OUT_OF_VIEW_M: f32 = 1.5;
-
-/// Where the papers are, as shares of half the picture's side from its middle; and their own side.
-const PAPERS: std::ops::Range<f64> = 0.70..0.94;
-const PAPER: f64 = 0.04;
 
 /// What is played.
 #[derive(Deserialize)]
@@ -58,6 +50,7 @@ pub struct Scene {
     messages: Vec<Fault>,
     /// How many goals are yet to be lost.
     goals_to_lose: u32,
+    is_laid: bool,
 }
 
 impl Scene {
@@ -76,19 +69,21 @@ impl Scene {
             ..Simulation::of(&settings)?
         };
         let (dimx, dimy, spacing_m) = plan.cloth;
-        let scene = Scene {
+        Ok(Scene {
             arm: SimulatedArm::new(simulation, Some(table.clone())),
             camera: TableCamera(table.clone()),
             table,
             settings,
-            start: flat([dimx, dimy], spacing_m, 0.0),
+            start: Start::flat(&Cloth {
+                dimx,
+                dimy,
+                spacing_m,
+                start: ClothStart::Flat,
+            }),
             messages,
             goals_to_lose: 0,
-        };
-        let unseen = flat([3; 2], spacing_m, OUT_OF_VIEW_M);
-        let laid = scene.table.borrow_mut().lay(&unseen);
-        laid.map_err(|error| error.to_string())?;
-        Ok(scene)
+            is_laid: false,
+        })
     }
 
     /// Tells since when a fault of messages has been due.
@@ -134,20 +129,6 @@ fn is_of_messages(kind: FaultKind) -> bool {
     of_messages.contains(&kind)
 }
 
-/// A cloth that lies flat, its middle at a place on the world's x axis.
-fn flat([dimx, dimy]: [u32; 2], spacing_m: f64, at_x_m: f32) -> Start {
-    let mut start = Start::flat(&Cloth {
-        dimx,
-        dimy,
-        spacing_m,
-        start: ClothStart::Flat,
-    });
-    for position in &mut start.positions {
-        position[0] += at_x_m;
-    }
-    start
-}
-
 impl Stage for Scene {
     fn loses(&mut self, message: &str) -> bool {
         match message {
@@ -185,7 +166,9 @@ impl Stage for Scene {
 
     fn lay(&mut self) -> Result<(), String> {
         let laid = self.table.borrow_mut().lay(&self.start);
-        laid.map_err(|error| error.to_string())
+        laid.map_err(|error| error.to_string())?;
+        self.is_laid = true;
+        Ok(())
     }
 
     fn truth(&self) -> Value {
@@ -216,40 +199,15 @@ impl RgbdSource for Scene {
     }
 
     fn shoot(&mut self) -> Result<Shot, RgbdError> {
-        if self.arm.is_blind() {
-            return Err(RgbdError {
-                camera: self.name(),
-                why: "it is lost".to_owned(),
-            });
+        if self.is_laid {
+            return self.camera.shoot();
         }
-        let mut shot = self.camera.shoot()?;
-        let table_m = self.settings.simulated.camera_height_m as f32 - 0.001;
-        let half_px = f64::from(shot.rgb.width()) / 2.0;
-        for (column, row, pixel) in shot.rgb.enumerate_pixels_mut() {
-            let share = [column, row].map(|at| (f64::from(at) + 0.5) / half_px - 1.0);
-            if shot.depth_m.get_pixel(column, row).0[0] > table_m
-                && let Some(grey) = printed(share)
-            {
-                pixel.0 = [grey; 3];
-            }
-        }
-        Ok(shot)
+        let bare = self.table.borrow().bare_shot();
+        bare.map_err(|error| RgbdError {
+            camera: self.name(),
+            why: error.to_string(),
+        })
     }
-}
-
-/// Returns what is printed at a place of the table, from 0 to 255; none where there is no paper.
-///
-/// - `share`: from the picture's middle, along columns and rows, as shares of half its side.
-fn printed(share: [f64; 2]) -> Option<u8> {
-    let out = share[0].abs().max(share[1].abs());
-    let cell = share.map(|at| (at / PAPER).floor() as i64);
-    // Every other paper is left out, and each has four squares of a grey of their own.
-    if !PAPERS.contains(&out) || (cell[0] + cell[1]) % 2 != 0 {
-        return None;
-    }
-    let square = share.map(|at| (at / PAPER * 2.0).floor() as i64);
-    let mixed = (square[0].wrapping_mul(73_856_093) ^ square[1].wrapping_mul(19_349_663)) as u64;
-    Some((mixed.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 56) as u8)
 }
 
 impl Port for Scene {

@@ -8,10 +8,15 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// The longest until the watchdog is ready: it connects to the arm's node.
 const READY: Duration = Duration::from_secs(30);
+/// The longest to wait for its end. Longer it takes only to reach a node that does not answer: it goes on with that, and
+/// whoever waits for this program is to hear at once that the arm may move.
+const ENDED: Duration = Duration::from_secs(5);
+/// How often that is looked at.
+const LOOK: Duration = Duration::from_millis(20);
 
 /// A watchdog that is another process of this program.
 pub struct Process {
@@ -96,7 +101,10 @@ impl Drop for Process {
     fn drop(&mut self) {
         // The end of its lines: it ends by itself, and stops the arm first where it still watches.
         self.stdin = None;
-        let _ = self.child.wait();
+        let begun = Instant::now();
+        while matches!(self.child.try_wait(), Ok(None)) && begun.elapsed() < ENDED {
+            std::thread::sleep(LOOK);
+        }
     }
 }
 
@@ -106,7 +114,6 @@ mod tests {
 
     use super::*;
     use std::thread;
-    use std::time::Instant;
 
     /// Another program in the watchdog's place.
     fn played(script: &str) -> Result<Process, String> {
@@ -148,6 +155,14 @@ mod tests {
         // It is waited for until its own end, which is after its lines'.
         let heard = std::fs::read_to_string(heard).unwrap();
         assert_eq!(heard, "watch\nbeat\nrest\nend\n");
+    }
+
+    #[test]
+    fn one_that_goes_on_with_stopping_the_arm_is_left_to_it() {
+        let process = played("echo ready; exec sleep 60").unwrap();
+        let begun = Instant::now();
+        drop(process);
+        assert!(begun.elapsed() < Duration::from_secs(50));
     }
 
     #[test]

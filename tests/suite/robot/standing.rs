@@ -19,7 +19,7 @@ fn real() -> String {
         + ros
 }
 
-/// Copies the simulated camera's calibration to where the settings expect one.
+/// Puts a calibration beside the settings.
 fn bring_calibration(folder: &Path) {
     for ending in ["toml", "png"] {
         let shipped = root().join(format!("tasks/real/simulated.calibration.{ending}"));
