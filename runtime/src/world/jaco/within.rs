@@ -172,10 +172,10 @@ mod tests {
         assert_eq!(at(0.70), None);
         let why = at(0.7072).unwrap();
         assert!(why.contains("it lies 0.71 m from the arm's base"), "{why}");
-        assert!(at(0.1835).is_some(), "the same holds near the base");
+        assert!(at(0.187).is_some(), "the same holds near the base");
         assert_eq!(at(0.19), None);
         // The arm itself would call both reached.
-        for radius_m in [0.7072, 0.1835] {
+        for radius_m in [0.7072, 0.187] {
             let base = Point3::new(radius_m * angle_rad.cos(), radius_m * angle_rad.sin(), 0.02);
             assert!(reach.0.check(&base, &[0.05, 0.10]).is_ok(), "{radius_m}");
         }
