@@ -125,11 +125,11 @@ impl Supervisor for Terminal {
         let looked = self.looked.replace(now);
         let is_new = self.keys.is_none();
         if is_new {
-            output::talk("hold the space bar to move");
             self.keys = Keys::watch().ok();
         }
         // What was typed while nobody looked says nothing of a key that is held now: one that is comes again at once.
         if is_new || looked.is_none_or(|at| now.duration_since(at) > UNSEEN) {
+            output::talk("hold the space bar to move");
             held::forget_typed();
             self.held = Held::default();
         }
