@@ -1,18 +1,15 @@
 //! Asks the person beside the arm, on the terminal, what came of a rollout.
 //!
-//! In: a report, and lines of stdin. Out: a [`Judgement`]. Questions go to stderr, so that stdout stays data; where stdin ends,
+//! In: a report, and lines of stdin; a request to end is none. Out: a [`Judgement`]. Questions go to stderr, so that stdout stays data; where stdin ends,
 //! nobody has answered.
 
 use crate::output;
 use crate::robot::terminal;
 use runtime::operator::{Cause, Judgement, Operator};
 use runtime::rollout::RolloutReport;
-use std::io::{BufRead, Read};
 
 /// How often a question is put again where the answer is none of the offered ones.
 const TRIES: u32 = 10;
-/// The longest line that is read, bytes.
-const MAX_LINE: u64 = 4096;
 
 /// Asks on the terminal.
 pub struct Terminal;
@@ -33,7 +30,7 @@ impl Operator for Terminal {
                 .map_or(String::new(), |why| format!(" ({why})")),
             report.run_dir
         ));
-        let judgement = asked(&mut std::io::stdin().lock(), &mut output::talk);
+        let judgement = asked(&mut terminal::typed_line, &mut output::talk);
         if judgement.is_none() {
             output::talk("note: nobody answered; the rollout is kept without a judgement");
         }
@@ -42,7 +39,10 @@ impl Operator for Terminal {
 }
 
 /// Puts the questions; none where the lines end, or none of many answers is an offered one.
-fn asked(lines: &mut dyn BufRead, say: &mut dyn FnMut(&str)) -> Option<Judgement> {
+fn asked(
+    lines: &mut dyn FnMut() -> Option<String>,
+    say: &mut dyn FnMut(&str),
+) -> Option<Judgement> {
     let reached = choice(
         lines,
         say,
@@ -74,7 +74,7 @@ fn asked(lines: &mut dyn BufRead, say: &mut dyn FnMut(&str)) -> Option<Judgement
 }
 
 fn choice<T>(
-    lines: &mut dyn BufRead,
+    lines: &mut dyn FnMut() -> Option<String>,
     say: &mut dyn FnMut(&str),
     question: &str,
     meant: impl Fn(&str) -> Option<T>,
@@ -88,14 +88,9 @@ fn choice<T>(
     None
 }
 
-/// Reads a line; none at the end.
-fn line(lines: &mut dyn BufRead) -> Option<String> {
-    let mut bytes = Vec::new();
-    let read = lines.take(MAX_LINE).read_until(b'\n', &mut bytes);
-    match read {
-        Ok(n_bytes) if n_bytes > 0 => Some(String::from_utf8_lossy(&bytes).trim().to_owned()),
-        _ => None,
-    }
+/// Returns what was typed, without what surrounds it; none at the end.
+fn line(lines: &mut dyn FnMut() -> Option<String>) -> Option<String> {
+    lines().map(|line| line.trim().to_owned())
 }
 
 #[cfg(test)]
@@ -104,7 +99,10 @@ mod tests {
 
     fn answered(typed: &str) -> (Option<Judgement>, usize) {
         let mut questions = 0;
-        let judgement = asked(&mut typed.as_bytes(), &mut |_| questions += 1);
+        let mut lines = typed.as_bytes();
+        let judgement = asked(&mut || terminal::line_of(&mut lines), &mut |_| {
+            questions += 1
+        });
         (judgement, questions)
     }
 
@@ -150,6 +148,6 @@ mod tests {
         let long = format!("y\n{}", "a".repeat(1 << 20));
         let (judgement, _) = answered(&long);
         let words = judgement.and_then(|it| it.words).expect("there are words");
-        assert_eq!(words.len(), MAX_LINE as usize);
+        assert_eq!(words.len(), terminal::MAX_LINE as usize);
     }
 }

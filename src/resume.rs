@@ -90,7 +90,10 @@ fn said(report: &Value, arguments: &ResumeArguments) -> Exit {
         output::json(report);
     }
     match outcome(report) {
-        Some(outcome) => run::exit_of(outcome, report["goal_reached"].as_bool()),
+        Some(outcome) => {
+            let judged = report["operator"]["reached"].as_bool();
+            run::exit_of(outcome, report["goal_reached"].as_bool(), judged)
+        }
         None => Exit::Environment,
     }
 }

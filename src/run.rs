@@ -207,7 +207,8 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     } else {
         output::data(&told::summary(&report, program.goal.as_ref()));
     }
-    Ok(exit_of(report.outcome, report.goal_reached))
+    let judged = report.operator.as_ref().map(|judgement| judgement.reached);
+    Ok(exit_of(report.outcome, report.goal_reached, judged))
 }
 
 /// Writes down how the run was begun.
@@ -273,9 +274,12 @@ pub fn say_origin(origin: Origin, file: &str) {
     }
 }
 
-/// Returns the exit code of a rollout that ended so; `goal_reached` is null without a goal.
-pub fn exit_of(outcome: Outcome, goal_reached: Option<bool>) -> Exit {
+/// Returns the exit code of a rollout that ended so; `goal_reached` is null without a goal, `judged` without an operator's
+/// word.
+pub fn exit_of(outcome: Outcome, goal_reached: Option<bool>, judged: Option<bool>) -> Exit {
     match outcome {
+        // Whoever saw the cloth knows better than a measure does.
+        Outcome::GoalReached | Outcome::HorizonReached if judged == Some(false) => Exit::Unreached,
         Outcome::GoalReached | Outcome::Planned => Exit::Done,
         Outcome::HorizonReached if goal_reached.is_none() => Exit::Done,
         Outcome::ModelFailed | Outcome::WorldFailed => Exit::Environment,

@@ -245,7 +245,8 @@ pub fn run(
         }
         keeper.folder.append(&Line::Step(&turn.line))?;
         keeper.count(&turn)?;
-        if let Some(why) = &turn.line.stopped {
+        // A plan that was asked for is no rollout that ends early.
+        if let (Some(why), true) = (&turn.line.stopped, stopped != Some(Outcome::Planned)) {
             progress(Event::Stopped {
                 step: tries.number,
                 horizon: job.horizon(),

@@ -48,7 +48,7 @@ pub fn say_doubts(calibration: &Calibration, settings: &Settings) {
     let [n_marks, needed] = calibration.marks();
     if calibration.reference.is_none() {
         note(
-            "without a picture, a moved camera will not be noticed; give one with `--image PNG`, or take one with `--shoot`"
+            "without a picture, a moved camera could not be noticed, so that no run begins; give one with `--image PNG`, or take one with `--shoot`"
                 .to_owned(),
         );
     } else if n_marks < needed {

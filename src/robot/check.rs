@@ -10,6 +10,7 @@ use nalgebra::Point3;
 use runtime::arm::calibration::Calibration;
 use runtime::arm::kinematics::chain::Chain;
 use runtime::arm::kinematics::reach::{Reach, Turn};
+use runtime::arm::limits;
 use runtime::arm::settings::Settings;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -76,9 +77,23 @@ fn places(settings: &Settings, chain: &Chain) -> Vec<Place> {
             .err()
             .map(|why| why.to_string()),
     };
+    let top_m = over_table.into_iter().fold(0.0, f64::max);
+    // Corners are the box's own, so that this is asked of the other places alone.
+    let in_box = |place: Place, above_m: f64| {
+        let [x, y, z] = place.at_m;
+        let ends = [z, z + above_m].map(|z| Point3::new(x, y, z));
+        let margin_m = settings.tolerance.position_m;
+        let mut why = ends
+            .iter()
+            .filter_map(|end| limits::check_goal(&settings.workspace, margin_m, end).err());
+        Place {
+            why_not: place.why_not.clone().or_else(|| why.next()),
+            ..place
+        }
+    };
     vec![
-        place("middle of the table", [x, y, z], &over_table),
-        place("rest", settings.workspace.rest_m, &[]),
+        in_box(place("middle of the table", [x, y, z], &over_table), top_m),
+        in_box(place("rest", settings.workspace.rest_m, &[]), 0.0),
         place("corner, least x, least y", [left, low, z], &over_table),
         place("corner, least x, most y", [left, high, z], &over_table),
         place("corner, most x, least y", [right, low, z], &over_table),
@@ -101,6 +116,10 @@ fn measured(robot: &Path, settings: &Settings) -> Measured {
         }
     };
     match calibration.check_settings(settings) {
+        Ok(()) if calibration.reference.is_none() => Measured::Not(format!(
+            "it has no picture, so that a moved camera could not be noticed and no run begins; calibrate with `--image PNG` or `--shoot`, and keep `{}` beside it",
+            Calibration::picture_beside(&path).display()
+        )),
         Ok(()) => Measured::Fits(calibration.accuracy.left_out_rms_mm),
         Err(refusal) => Measured::Not(format!("it does not fit these settings: {refusal}")),
     }

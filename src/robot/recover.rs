@@ -7,7 +7,7 @@ use crate::cli::robot::RecoverArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
 use runtime::arm::last::{self, Standing};
-use runtime::arm::log::{ArmLog, Entry, Left, left};
+use runtime::arm::log::{ARM_FILE, ArmLog, Entry, Left, left};
 use serde_json::{Value, json};
 use std::io::{BufRead, Read};
 use std::path::Path;
@@ -36,6 +36,12 @@ fn of_run(folder: &Path, arguments: &RecoverArguments) -> Result<Exit, Failure> 
     if !folder.is_dir() {
         return Err(Failure::environment(format!(
             "there is no run folder `{}`",
+            folder.display()
+        )));
+    }
+    if !folder.join(ARM_FILE).is_file() {
+        return Err(Failure::environment(format!(
+            "in `{}` is no journal of an arm (`{ARM_FILE}`), so that nothing is known of what it left: name the folder of a run with `--world jaco`, or the arm's settings with `--robot FILE`",
             folder.display()
         )));
     }

@@ -12,16 +12,19 @@ use runtime::arm::route::{Act, Segment};
 use runtime::arm::supervisor::{Asked, Supervisor};
 use runtime::start::Start;
 use std::io::{BufRead, IsTerminal, Read};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// How often a question is put again where the answer is none of the offered ones.
 const TRIES: u32 = 10;
 
 /// The longest line that is read, bytes.
-const MAX_LINE: u64 = 4096;
+pub const MAX_LINE: u64 = 4096;
 
 /// How long an end that is asked for may go unnoticed while an answer is waited for, milliseconds.
 const LOOK_MS: u8 = 100;
+
+/// How long keys may have gone unseen for those that lie there to count as typed now.
+const UNSEEN: Duration = Duration::from_millis(300);
 
 /// Whether a key has to be held while the arm moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +41,8 @@ pub struct Terminal {
     hold: HoldToRun,
     keys: Option<Keys>,
     held: Held,
+    /// When keys were looked for last.
+    looked: Option<Instant>,
 }
 
 impl Terminal {
@@ -65,6 +70,7 @@ impl Terminal {
             hold,
             keys: None,
             held: Held::default(),
+            looked: None,
         })
     }
 
@@ -97,7 +103,7 @@ impl Supervisor for Terminal {
         match self.confirm {
             Confirm::None => true,
             Confirm::Each | Confirm::Segment => {
-                self.ask(&format!("Does the cloth lie as at `{}`?", start.name))
+                self.ask(&format!("Lay the cloth: {}. Does it lie so?", start.name))
             }
         }
     }
@@ -115,12 +121,20 @@ impl Supervisor for Terminal {
         if self.hold == HoldToRun::Off {
             return true;
         }
-        if self.keys.is_none() {
+        let now = Instant::now();
+        let looked = self.looked.replace(now);
+        let is_new = self.keys.is_none();
+        if is_new {
             output::talk("hold the space bar to move");
             self.keys = Keys::watch().ok();
         }
+        // What was typed while nobody looked says nothing of a key that is held now: one that is comes again at once.
+        if is_new || looked.is_none_or(|at| now.duration_since(at) > UNSEEN) {
+            held::forget_typed();
+            self.held = Held::default();
+        }
         let typed = self.keys.as_mut().map(Keys::typed).unwrap_or_default();
-        match self.held.look(&typed, Instant::now()) {
+        match self.held.look(&typed, now) {
             Key::Held => true,
             Key::LetGo => {
                 output::talk("paused: hold the space bar to go on");
@@ -165,7 +179,7 @@ fn in_words(segment: &Segment) -> String {
 }
 
 /// Waits for a line of the terminal; none at its end, and where the program is asked to end.
-fn typed_line() -> Option<String> {
+pub fn typed_line() -> Option<String> {
     while !held::has_input(LOOK_MS) {
         if setting::is_interrupted() {
             return None;
@@ -175,7 +189,7 @@ fn typed_line() -> Option<String> {
 }
 
 /// Reads a line; none at the end.
-fn line_of(lines: &mut dyn BufRead) -> Option<String> {
+pub fn line_of(lines: &mut dyn BufRead) -> Option<String> {
     let mut bytes = Vec::new();
     match lines.take(MAX_LINE).read_until(b'\n', &mut bytes) {
         Ok(1..) => Some(String::from_utf8_lossy(&bytes).into_owned()),

@@ -78,7 +78,7 @@ fn table(plan: &Plan, settings: &Settings) -> String {
         settings.motion.speed_m_s
     ));
     if settings.driver == DriverKind::Kinova {
-        lines.push("the node of this arm finds joint angles of its own".to_owned());
+        lines.push("the node of this arm finds joint angles and a speed of its own".to_owned());
     }
     lines.extend(plan.refusal());
     lines.join("\n")

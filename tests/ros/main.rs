@@ -9,6 +9,7 @@ mod faults;
 mod key;
 mod lab;
 mod nodes;
+mod person;
 mod rollouts;
 mod stopping;
 mod touching;

@@ -116,3 +116,33 @@ fn plans_are_for_arms_alone() {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(said.contains("--world jaco"), "{said}");
 }
+
+#[test]
+fn a_camera_that_was_moved_since_its_calibration_is_noticed_before_anything_moves() {
+    for (from, to) in [
+        (
+            "camera_offset_m = [0.012, -0.008]",
+            "camera_offset_m = [0.020, -0.008]",
+        ),
+        ("camera_turn_deg = 1.5", "camera_turn_deg = 2.0"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        bring_robot(folder.path(), &[(from, to)]);
+        let task = root().join("tasks/real/double_triangle.fab");
+        let output = fabc(folder.path())
+            .args(["run", task.to_str().unwrap(), "--world", "jaco"])
+            .args(["--out", "run", "--json"])
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{to}");
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(report["outcome"], "world_failed", "{report}");
+        let why = report["stopped"].as_str().unwrap();
+        assert!(
+            why.contains("it was moved since it was calibrated, by"),
+            "{why}"
+        );
+        let journal = std::fs::read(folder.path().join("run/arm.jsonl")).unwrap();
+        assert!(journal.is_empty(), "it moved");
+    }
+}

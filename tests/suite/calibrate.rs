@@ -286,7 +286,7 @@ fn doubts_are_said() {
     let said = calibrate(folder.path(), &["--pairs", "pairs.csv"]);
     assert!(
         said.stderr
-            .contains("without a picture, a moved camera will not be noticed"),
+            .contains("without a picture, a moved camera could not be noticed"),
         "{}",
         said.stderr
     );

@@ -171,6 +171,19 @@ fn the_arm_moves_while_the_key_is_held_and_ctrl_c_ends_it() {
 }
 
 #[test]
+fn a_key_that_was_typed_before_it_was_asked_for_moves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut session = watched(folder.path(), &["--hold-to-run"]);
+    session.send(&" ".repeat(40));
+    session.until("hold the space bar to move");
+    std::thread::sleep(Duration::from_millis(700));
+    assert_eq!(n_lines(folder.path(), "begin"), 0, "it moved");
+    session.press("\u{3}");
+    let (code, shown, mode) = session.ended();
+    assert_eq!((code, mode), (Some(130), USUAL), "{shown}");
+}
+
+#[test]
 fn ctrl_c_while_the_key_is_waited_for_leaves_the_terminal_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let mut session = watched(folder.path(), &["--hold-to-run"]);

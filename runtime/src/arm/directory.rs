@@ -79,7 +79,7 @@ impl DirectoryCamera {
             std::thread::sleep(LOOK);
             let now = self.listed()?;
             let is_new = |(path, about): &(&PathBuf, &_)| before.get(*path) != Some(*about);
-            let Some((path, _)) = now.iter().filter(is_new).next_back() else {
+            let Some((path, _)) = now.iter().rfind(is_new) else {
                 continue;
             };
             // One that is still being written can be read in a while.

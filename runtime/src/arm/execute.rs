@@ -5,7 +5,7 @@
 //! Whatever goes wrong, and be it a panic, the arm is told to stop before anything else happens.
 
 use super::driver::{Arm, ArmError, ArmState, Between, Halt, Opening};
-use super::log::{ArmLog, Entry};
+use super::log::{ArmLog, Entry, LogError};
 use super::route::{Act, Name, Segment};
 use super::supervisor::{Asked, Supervisor, Watchdog};
 use crate::interrupt::Interrupt;
@@ -116,7 +116,12 @@ impl Execution<'_> {
         while let Some(segment) = rest.pop() {
             let done = match self.segment(&segment) {
                 Ok(done) => done,
-                Err(why) => return Err(self.broken(why, segment.name, verified)),
+                Err(why) => {
+                    if let ArmError::Unwritten(_) = why {
+                        verified = Some(segment.name);
+                    }
+                    return Err(self.broken(why, segment.name, verified));
+                }
             };
             verified = Some(segment.name);
             match segment.name {
@@ -152,7 +157,7 @@ impl Execution<'_> {
                 self.arm.wait(HOLD_S);
             }
             let from = self.arm.state()?;
-            let journal = |error: super::log::LogError| ArmError::Journal(error.to_string());
+            let journal = |error: LogError| ArmError::Journal(error.to_string());
             let begun = self.log.begin(self.number, segment, &from.tool);
             begun.map_err(journal)?;
             match self.motion(segment) {
@@ -160,7 +165,8 @@ impl Execution<'_> {
                 Err(why) => return Err(why),
                 Ok((tool, between)) => {
                     let at_m: [f64; 3] = tool.translation.vector.into();
-                    self.log.write(&Entry::Done { at_m }).map_err(journal)?;
+                    let unwritten = |error: LogError| ArmError::Unwritten(error.to_string());
+                    self.log.write(&Entry::Done { at_m }).map_err(unwritten)?;
                     return Ok(SegmentDone {
                         at: Point3::from(at_m),
                         between,

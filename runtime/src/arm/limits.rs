@@ -17,7 +17,7 @@ const FINGERS_STAY_M: f64 = 0.010;
 /// Over how long speed is measured, seconds.
 const SPEED_OVER_S: f64 = 0.4;
 
-/// The most that a hand may be tilted from straight down, radians: it is sent straight down alone.
+/// The most that a hand may be tilted from straight down, and turned in one motion, radians: it is sent straight down alone.
 const MAX_TILT_RAD: f64 = 0.2;
 
 /// An arm that stays within limits.
@@ -87,6 +87,15 @@ pub fn check(
             workspace.max_step_m
         ));
     }
+    // Nothing says how fast a hand turns, and every motion here keeps it as it is.
+    let turn_rad = from.rotation.angle_to(&to.rotation);
+    if !(turn_rad <= MAX_TILT_RAD) {
+        return Err(format!(
+            "the hand would be turned by {:.0} degrees, and at most {:.0} are allowed; bring it by hand to where it points straight down, turned as `motion.hand_turn_deg` says",
+            turn_rad.to_degrees(),
+            MAX_TILT_RAD.to_degrees()
+        ));
+    }
     let tilt_rad = (to.rotation * Vector3::z()).angle(&-Vector3::z());
     // Written so that what is no number is too much.
     let is_upright = tilt_rad <= MAX_TILT_RAD;
@@ -99,7 +108,7 @@ pub fn check(
     }
     inside(workspace, &ends[0], 0.0)
         .map_err(|why| format!("the tool is {why}; bring it back by hand"))?;
-    inside(workspace, &ends[1], margin_m).map_err(|why| format!("the tool would be {why}"))?;
+    check_goal(workspace, margin_m, &ends[1])?;
     for zone in &workspace.keep_out {
         if crosses(zone, margin_m, &ends[0], &ends[1]) && !leaves(zone, margin_m, &ends) {
             return Err(format!(
@@ -111,6 +120,11 @@ pub fn check(
         }
     }
     Ok(())
+}
+
+/// Says why the tool must not be sent to a point, wherever it is now, or that it may.
+pub fn check_goal(workspace: &Workspace, margin_m: f64, point: &Point3<f64>) -> Result<(), String> {
+    inside(workspace, point, margin_m).map_err(|why| format!("the tool would be {why}"))
 }
 
 /// Says on which side a point is outside of the box, drawn in by a margin.

@@ -148,6 +148,8 @@ impl Plan {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+
     use super::*;
     use crate::arm::kinematics::tool_down::tool_down;
 

@@ -119,7 +119,8 @@ pub struct MotionSettings {
     pub retreat_m: f64,
     /// Height over the table at which the hand travels with nothing in it, metres.
     pub travel_m: f64,
-    /// Speed of the tool, m/s.
+    /// Speed of the tool, m/s. The node behind the driver `kinova` takes none and goes at its own: there it only says how long
+    /// a motion may take.
     pub speed_m_s: f64,
     /// How the hand is turned about the vertical, degrees in the base frame.
     pub hand_turn_deg: f64,

@@ -341,7 +341,13 @@ fn run(
         false => RunFolder::create(folder),
     };
     let open = open.map_err(|error| failed(error.into()))?;
-    let report = rollout::run(job, open, &mut |_| {}).map_err(failed)?;
+    let report = match rollout::run(job, open, &mut |_| {}) {
+        // Nobody lays a cloth for a program that is asked to end.
+        Err(RunError::World(WorldError::Start { .. })) if job.interrupt.is_raised() => {
+            return Ok(Err(Stop::Interrupted));
+        }
+        done => done.map_err(failed)?,
+    };
     match report.outcome {
         Outcome::Interrupted => return Ok(Err(Stop::Interrupted)),
         Outcome::BudgetExhausted => return Ok(Err(Stop::Capped)),

@@ -21,6 +21,7 @@ use super::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
 use crate::arm::calibration::Moved;
 use crate::arm::driver::{Arm, ArmError, Between};
 use crate::arm::execute::{Broken, Execution, without_cloth};
+use crate::arm::kinematics::tool_down::tool_down;
 use crate::arm::limits::{self, Limited};
 use crate::arm::log::ArmLog;
 use crate::arm::rgbd::{RgbdSource, Shot};
@@ -29,13 +30,16 @@ use crate::arm::settings::Settings;
 use crate::interrupt::Interrupt;
 use crate::observation::Observation;
 use crate::start::Start;
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use std::cell::RefCell;
 use std::rc::Rc;
 use within::{ArmReach, base_point};
 
 /// How far from `rest_m` the tool may be when a picture is taken, metres.
 const AT_REST_M: f64 = 0.02;
+
+/// How far the hand may be turned then, radians: 10 degrees.
+const TURNED_AT_REST_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 
 /// An arm over a table.
 pub struct ArmWorld {
@@ -163,6 +167,17 @@ impl World for ArmWorld {
             return Err(motion(format!(
                 "the tool is at ({:.3}, {:.3}, {:.3}) and not at `rest_m`, so that the arm may hide the cloth; bring it there by hand",
                 tool.translation.x, tool.translation.y, tool.translation.z
+            )));
+        }
+        let hand_turn_rad = self.parts.settings.motion.hand_turn_deg.to_radians();
+        let down = tool_down(&Point3::origin(), hand_turn_rad);
+        let turned_rad = tool.rotation.angle_to(&down.rotation);
+        // Written so that what is no number is turned.
+        if !(turned_rad <= TURNED_AT_REST_RAD) {
+            return Err(motion(format!(
+                "the hand is turned by {:.0} degrees against straight down at `motion.hand_turn_deg`, and at most {:.0} are allowed; turn it there by hand",
+                turned_rad.to_degrees(),
+                TURNED_AT_REST_RAD.to_degrees()
             )));
         }
         match &self.table {

@@ -5,6 +5,7 @@ use super::{GRASP, ROBOT, journal, left, robot};
 use runtime::arm::last;
 use serde_json::Value;
 use std::fs;
+use std::path::Path;
 
 /// Settings of a real arm, which this build may be unable to reach.
 fn real() -> String {
@@ -18,13 +19,20 @@ fn real() -> String {
         + ros
 }
 
+/// Puts a calibration beside the settings.
+fn bring_calibration(folder: &Path) {
+    for ending in ["toml", "png"] {
+        let shipped = root().join(format!("tasks/real/simulated.calibration.{ending}"));
+        fs::copy(shipped, folder.join(format!("lab.{ending}"))).unwrap();
+    }
+}
+
 #[test]
 fn an_arm_that_a_run_left_in_the_middle_is_not_moved_again_before_a_person_has_looked() {
     let folder = left();
     fs::write(folder.path().join("robot.toml"), real()).unwrap();
     let run = fs::canonicalize(folder.path().join("run")).unwrap();
-    let calibration = root().join("tasks/real/simulated.calibration.toml");
-    fs::copy(calibration, folder.path().join("lab.toml")).unwrap();
+    bring_calibration(folder.path());
     last::note(&folder.path().join("robot.toml"), &run).unwrap();
     let again = || {
         let mut command = fabc(folder.path());
@@ -98,8 +106,7 @@ fn an_arm_that_another_program_uses_is_left_to_it() {
     let folder = tempfile::tempdir().unwrap();
     let settings = folder.path().join("robot.toml");
     fs::write(&settings, real()).unwrap();
-    let calibration = root().join("tasks/real/simulated.calibration.toml");
-    fs::copy(calibration, folder.path().join("lab.toml")).unwrap();
+    bring_calibration(folder.path());
     let held = fs::File::open(&settings).unwrap();
     held.try_lock().unwrap();
     let run = || {

@@ -109,6 +109,9 @@ pub enum ArmError {
     /// The program was asked to end.
     #[error("interrupted")]
     Interrupted,
+    /// A motion was carried out and verified, and that cannot be written.
+    #[error("moved and verified, but the journal of the arm cannot be written any more: {0}")]
+    Unwritten(String),
     /// The journal of the motion cannot be written, so that nothing may move.
     #[error("not moved, since the journal of the arm cannot be written: {0}")]
     Journal(String),

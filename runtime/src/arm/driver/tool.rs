@@ -296,13 +296,17 @@ impl<P: Port> Arm for PortArm<P> {
     ) -> Result<Between, ArmError> {
         self.check_enabled(watch)?;
         let (fingers, tolerance) = (self.fingers, self.tolerance);
-        let between = move_fingers(&mut self.port, &fingers, &tolerance, opening, watch);
+        let closed = move_fingers(&mut self.port, &fingers, &tolerance, opening, watch);
         // Only once no goal is under way: one that is would give way, and the node then lets a stopped arm go.
-        if let Err(ArmError::Fingers { .. }) = between {
+        let may_be_stopped = match &closed {
+            Ok(closed) => closed.was_given_up,
+            Err(error) => matches!(error, ArmError::Fingers { .. }),
+        };
+        if may_be_stopped {
             // An arm that was stopped meanwhile leaves its fingers anywhere: that is the reason to tell.
             self.check_enabled(watch)?;
         }
-        between
+        closed.map(|closed| closed.between)
     }
 
     fn stop(&mut self) -> Result<(), ArmError> {

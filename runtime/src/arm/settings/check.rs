@@ -173,8 +173,8 @@ fn tolerance(tolerance: &Tolerance) -> Checked {
     }
     above_zero("tolerance.settle_s", tolerance.settle_s, MAX_WAIT_S)?;
     above_zero("tolerance.stale_s", tolerance.stale_s, MAX_WAIT_S)?;
-    // Signs of life come several times a second at the most.
-    within("tolerance.watchdog_s", tolerance.watchdog_s, 0.2..=60.0)
+    // A sign of life comes each quarter of a second at the latest.
+    within("tolerance.watchdog_s", tolerance.watchdog_s, 0.5..=60.0)
 }
 
 fn camera(camera: &CameraSettings, driver: DriverKind) -> Checked {

@@ -51,12 +51,12 @@ fn a_paused_arm_is_at_rest_and_goes_on_afterwards() {
 fn a_stop_that_is_pressed_before_a_pause_is_not_lifted_unnoticed() {
     let settings = settings();
     let mut lifted = 0;
-    for (by, let_go_at_look) in By::BOTH
-        .into_iter()
-        .flat_map(|by| (8..28).map(move |n| (by, n)))
-    {
-        for hundredth in 0..140 {
-            let pressed_s = f64::from(hundredth) * 0.01;
+    let looks = (8..28).step_by(5);
+    let both = |look: u32| By::BOTH.map(|by| (by, look));
+    for (by, let_go_at_look) in looks.flat_map(both) {
+        // Around the look at which the key is let go: the driver looks every 0.05 s.
+        for hundredth in 0..70 {
+            let pressed_s = f64::from(let_go_at_look) * 0.05 - 0.4 + f64::from(hundredth) * 0.01;
             let pressed = [(FaultKind::PressedStop, pressed_s)];
             let port = SimulatedArm::new(simulation(&settings, 0, &pressed), None);
             let mut arm = by.drive(Tapped::deaf(port, f64::INFINITY), &settings);
