@@ -296,8 +296,8 @@ impl Run {
         let lines = steps
             .lines()
             .filter_map(|line| serde_json::from_str(line).ok());
-        let whys = lines.filter_map(|line: Value| Some(line["stopped"].as_str()?.to_owned()));
-        whys.last().unwrap_or_default()
+        let mut whys = lines.filter_map(|line: Value| Some(line["stopped"].as_str()?.to_owned()));
+        whys.next_back().unwrap_or_default()
     }
 
     fn said(&self, name: &str) -> String {

@@ -236,10 +236,11 @@ fn ends(ended: &Ended, code: i32, outcome: &str) {
 }
 
 fn stays_in_box(truth: &Truth, over_m: f64) {
-    for axis in 0..3 {
-        let is_within = truth.extent_m[0][axis] >= BOX_M[0][axis] - over_m
-            && truth.extent_m[1][axis] <= BOX_M[1][axis] + over_m;
-        assert!(is_within, "{:?}", truth.extent_m);
+    let [least, most] = truth.extent_m;
+    let reaches = least.iter().zip(&most).zip(BOX_M[0].iter().zip(&BOX_M[1]));
+    for ((from, to), (low, high)) in reaches {
+        let is_within = *from >= low - over_m && *to <= high + over_m;
+        assert!(is_within, "{least:?} to {most:?}");
     }
 }
 

@@ -89,7 +89,11 @@ fn places() -> Vec<[f64; 3]> {
     let shares = [-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0];
     let at = |row: usize, column: usize| {
         // There and back again, so that no way is long.
-        let column = if row % 2 == 0 { column } else { 3 - column };
+        let column = if row.is_multiple_of(2) {
+            column
+        } else {
+            3 - column
+        };
         let (x, y) = (0.45 + 0.22 * shares[row], 0.27 * shares[column]);
         let drawn_in = (0.67 / f64::hypot(x, y)).min(1.0);
         [x * drawn_in, y * drawn_in, 0.02]

@@ -89,7 +89,8 @@ pub fn check(
     }
     // Nothing says how fast a hand turns, and every motion here keeps it as it is.
     let turn_rad = from.rotation.angle_to(&to.rotation);
-    if !(turn_rad <= MAX_TILT_RAD) {
+    let keeps = turn_rad <= MAX_TILT_RAD;
+    if !keeps {
         return Err(format!(
             "the hand would be turned by {:.0} degrees, and at most {:.0} are allowed; bring it by hand to where it points straight down, turned as `motion.hand_turn_deg` says",
             turn_rad.to_degrees(),

@@ -173,7 +173,8 @@ impl World for ArmWorld {
         let down = tool_down(&Point3::origin(), hand_turn_rad);
         let turned_rad = tool.rotation.angle_to(&down.rotation);
         // Written so that what is no number is turned.
-        if !(turned_rad <= TURNED_AT_REST_RAD) {
+        let is_straight = turned_rad <= TURNED_AT_REST_RAD;
+        if !is_straight {
             return Err(motion(format!(
                 "the hand is turned by {:.0} degrees against straight down at `motion.hand_turn_deg`, and at most {:.0} are allowed; turn it there by hand",
                 turned_rad.to_degrees(),
