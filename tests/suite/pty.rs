@@ -141,10 +141,19 @@ impl Session {
             }
         }
         let mode = self.mode();
-        (self.child.wait().unwrap().code(), self.text, mode)
+        let text = std::mem::take(&mut self.text);
+        (self.child.wait().unwrap().code(), text, mode)
     }
 }
 
 fn plain(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap().replace('\r', "")
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        // A test that failed leaves nobody behind who waits for a key; one that went well has waited for the end already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
 }

@@ -55,9 +55,15 @@ pub fn connect(settings: &RosSettings, model: &str, timeout_s: f64) -> Result<Ro
     port.wait_for_topics(deadline)?;
     port.meet_servers(deadline)?;
     // A driver has advertised it by the time that it publishes.
-    port.has_stop = port
-        .link
-        .offers(&format!("{}/in/stop", port.arm), SERVICE_TIMEOUT);
+    let stop = format!("{}/in/stop", port.arm);
+    let offered = port.link.offers(&stop, SERVICE_TIMEOUT);
+    // An arm whose stop is not found for want of an answer must not be taken for one that has none.
+    let offered = offered.ok_or_else(|| {
+        RosError::Missing(format!(
+            "the master does not say whether there is a service `{stop}`"
+        ))
+    });
+    port.has_stop = offered?;
     if port.has_stop {
         port.stop = port.service("in/stop").ok();
     } else if port.servers.trajectory.is_none() {

@@ -5,7 +5,7 @@
 
 use super::RosError;
 use crate::arm::settings::RosSettings;
-use roslibrust::ros1::{MasterClient, NodeHandle};
+use roslibrust::ros1::{MasterClient, NodeHandle, RosMasterError};
 use std::future::Future;
 use std::pin::pin;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -99,15 +99,20 @@ impl Link {
         receiver.recv_timeout(timeout).ok()
     }
 
-    /// Asks the master whether somebody offers a service.
-    pub(super) fn offers(&self, service: &str, timeout: Duration) -> bool {
+    /// Asks the master whether somebody offers a service; none where it gives no answer.
+    pub(super) fn offers(&self, service: &str, timeout: Duration) -> Option<bool> {
         let (address, name) = (self.settings.master.clone(), self.name.clone());
         let service = service.to_owned();
-        self.run(timeout, async move {
+        let found = self.run(timeout, async move {
             let master = MasterClient::new(address, "http://localhost:1", name).await?;
             master.lookup_service(service).await
-        })
-        .is_some_and(|found| found.is_ok())
+        });
+        match found? {
+            Ok(_) => Some(true),
+            Err(RosMasterError::ServerCommunicationFailure(_)) => None,
+            // The master's own word that nobody does.
+            Err(_) => Some(false),
+        }
     }
 
     /// Returns the host at which other nodes look for this one.
