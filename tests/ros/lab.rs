@@ -333,7 +333,11 @@ fn connected(control: &Path) -> UnixStream {
     let deadline = Instant::now() + Duration::from_secs_f64(PATIENCE_S);
     loop {
         match UnixStream::connect(control) {
-            Ok(stream) => return stream,
+            Ok(stream) => {
+                let patience = Duration::from_secs_f64(PATIENCE_S);
+                stream.set_read_timeout(Some(patience)).unwrap();
+                return stream;
+            }
             Err(error) => assert!(Instant::now() < deadline, "no arm is played: {error}"),
         }
         std::thread::sleep(Duration::from_millis(50));
