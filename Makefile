@@ -36,8 +36,8 @@ lint: deps
 	@$(WITH_ENV) sh scripts/lint.sh
 
 bench: deps
-	$(WITH_ENV) cargo bench --locked -p compiler --bench compile
-	$(WITH_ENV) cargo bench --locked -p sim --bench cloth
+	$(WITH_ENV) cargo bench --locked -p fab-compiler --bench compile
+	$(WITH_ENV) cargo bench --locked -p fab-sim --bench cloth
 	$(WITH_ENV) sh scripts/count-instructions.sh
 	$(WITH_ENV) cargo build --release --locked
 	$(WITH_ENV) sh scripts/bench-snapshots.sh "$${CARGO_TARGET_DIR:-target}/release/fabc"

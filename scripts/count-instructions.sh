@@ -77,7 +77,7 @@ for build in $builds; do
     features=
     [ "$build" = wide ] || features='--features narrow'
     # shellcheck disable=SC2086  # none or two words
-    cargo build --release --locked --quiet -p sim --example fold $features
+    cargo build --release --locked --quiet -p fab-sim --example fold $features
     cp "$target/release/examples/fold" "$work/fold"
     measure "$build"
 done

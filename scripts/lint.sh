@@ -11,7 +11,7 @@ step() {
 step cargo fmt --all --check
 step cargo clippy --workspace --all-targets --locked -- -D warnings
 if pkg-config --exists openssl 2>/dev/null; then
-    step cargo clippy --package fabc --package runtime --features ros --all-targets --locked -- -D warnings
+    step cargo clippy --package fabc --package fab-runtime --features ros --all-targets --locked -- -D warnings
 else
     echo "left out: the feature ros, which needs OpenSSL's development files"
 fi
@@ -23,7 +23,7 @@ fi
 # may too: they declare calls of the kernel, and link nothing.
 no_system_library() {
     tree=$(cargo tree --edges normal,build --prefix none --locked --package "$@")
-    if printf '%s\n' "$tree" | grep -v -E '^(inotify|linux-raw)-sys v' | grep -E '^(runtime|opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
+    if printf '%s\n' "$tree" | grep -v -E '^(inotify|linux-raw)-sys v' | grep -E '^(fab-runtime|opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
         echo "$1 depends on the crates named above, which need a system library" >&2
         exit 1
     fi
@@ -32,8 +32,8 @@ no_system_library() {
 # The compiler and the authoring tool have to build alone.
 step cargo clippy --package fabc --no-default-features --locked -- -D warnings
 step no_system_library fabc --no-default-features
-step no_system_library compiler
-step no_system_library compiler --target wasm32-unknown-unknown
+step no_system_library fab-compiler
+step no_system_library fab-compiler --target wasm32-unknown-unknown
 
 RUSTDOCFLAGS="-D warnings"
 export RUSTDOCFLAGS

@@ -3,7 +3,7 @@
 use crate::cli::{BuildArguments, EmitArgument};
 use crate::exit::{Exit, Failure};
 use crate::{output, sources, store};
-use compiler::emit::{self, Artifact, Target};
+use fab_emit::{self, Artifact, Target};
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub fn run(arguments: &BuildArguments) -> Result<Exit, Failure> {
     let programs = sources::compile_tasks(&arguments.file, arguments.task.as_deref())?;
     let targets: Vec<Target> = arguments.emit.iter().map(|it| target(*it)).collect();
-    let artifacts = emit::emit(&programs, &targets)
+    let artifacts = fab_emit::emit(&programs, &targets)
         .map_err(|error| Failure::author(error.to_string(), json!([])))?;
     let mut files = Vec::with_capacity(artifacts.len());
     for artifact in &artifacts {

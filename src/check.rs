@@ -3,8 +3,8 @@
 use crate::cli::CheckArguments;
 use crate::exit::{Exit, Failure};
 use crate::{fix, output, sources};
-use compiler::diag;
-use compiler::program::Program;
+use fab_compiler::diag;
+use fab_program::Program;
 use serde_json::{Value, json};
 
 /// Checks every file, whatever the others hold.

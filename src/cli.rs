@@ -24,9 +24,9 @@ pub mod snap;
 use asked::{ModelArguments, SpendArguments, dollars};
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 #[cfg(feature = "runtime")]
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 #[cfg(feature = "runtime")]
-use runtime::calls::Usd;
+use fab_runtime::calls::Usd;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

@@ -3,9 +3,9 @@
 use crate::cli::DemosArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, setting, sources};
-use runtime::demos::{self, Demo, Header, MakeError, Making};
-use runtime::store;
-use runtime::world::WorldError;
+use fab_runtime::demos::{self, Demo, Header, MakeError, Making};
+use fab_runtime::store;
+use fab_runtime::world::WorldError;
 use serde::Serialize;
 use serde_json::json;
 use std::fs;

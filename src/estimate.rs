@@ -3,9 +3,9 @@
 use crate::output;
 use crate::setting::known;
 use crate::setting::models::Answering;
-use compiler::program::Program;
-use runtime::calls::estimate::{Correction, Estimate, Plan, Question};
-use runtime::rollout::FirstQuestion;
+use fab_program::Program;
+use fab_runtime::calls::estimate::{Correction, Estimate, Plan, Question};
+use fab_runtime::rollout::FirstQuestion;
 
 /// Rollouts that ask alike.
 pub struct Asking<'a> {

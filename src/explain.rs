@@ -3,8 +3,8 @@
 use crate::cli::ExplainArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, store};
-use compiler::diag::Code;
-use compiler::explain;
+use fab_compiler::diag::Code;
+use fab_compiler::explain;
 use std::path::Path;
 
 /// Prints the explanation of one code or the list of all, or writes the pages of all.

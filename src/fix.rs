@@ -2,8 +2,8 @@
 
 use crate::exit::Failure;
 use crate::{output, sources, store};
-use compiler::diag::{Certainty, Diagnostic, Edit};
-use compiler::{Compiled, Span};
+use fab_compiler::diag::{Certainty, Diagnostic, Edit};
+use fab_compiler::{Compiled, Span};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

@@ -5,22 +5,22 @@
 
 use crate::exit::Failure;
 use crate::output;
-use compiler::facts::Done;
-use compiler::program::{Fold, PixelPoint, Program, Subgoals, Value};
-use compiler::reply::Proposal;
-use runtime::action::Action;
-use runtime::agent::{self, Asking, Decision, Models, Situation};
-use runtime::camera::Camera;
-use runtime::examples::Examples;
-use runtime::expert;
-use runtime::interrupt::Interrupt;
-use runtime::model::Geometric;
-use runtime::observation::Observation;
-use runtime::pictures::Pictures;
-use runtime::scene::Scene;
-use runtime::start::Start;
-use runtime::subgoals::SubgoalSet;
-use runtime::world::{Motion, World, everywhere};
+use fab_program::Proposal;
+use fab_program::facts::Done;
+use fab_program::{Fold, PixelPoint, Program, Subgoals, Value};
+use fab_runtime::action::Action;
+use fab_runtime::agent::{self, Asking, Decision, Models, Situation};
+use fab_runtime::camera::Camera;
+use fab_runtime::examples::Examples;
+use fab_runtime::expert;
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::model::Geometric;
+use fab_runtime::observation::Observation;
+use fab_runtime::pictures::Pictures;
+use fab_runtime::scene::Scene;
+use fab_runtime::start::Start;
+use fab_runtime::subgoals::SubgoalSet;
+use fab_runtime::world::{Motion, World, everywhere};
 use std::convert::Infallible;
 
 /// What the camera sees at a step, and the action before it.

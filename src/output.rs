@@ -45,20 +45,20 @@ pub fn json(value: &serde_json::Value) {
 }
 
 /// Returns whether talk may be coloured.
-pub fn talk_color() -> compiler::diag::Color {
+pub fn talk_color() -> fab_compiler::diag::Color {
     color(std::io::stderr().is_terminal())
 }
 
 /// Returns whether data may be coloured.
-pub fn data_color() -> compiler::diag::Color {
+pub fn data_color() -> fab_compiler::diag::Color {
     color(std::io::stdout().is_terminal())
 }
 
-fn color(terminal: bool) -> compiler::diag::Color {
+fn color(terminal: bool) -> fab_compiler::diag::Color {
     let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     if terminal && !refused {
-        compiler::diag::Color::Ansi
+        fab_compiler::diag::Color::Ansi
     } else {
-        compiler::diag::Color::Plain
+        fab_compiler::diag::Color::Plain
     }
 }

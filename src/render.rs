@@ -18,8 +18,8 @@ pub use camera::shown_without_pictures;
 use crate::cli::render::RenderArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, sources};
-use compiler::program::{Arrow, Layers, Picture, Program, Read, Stage, Which};
-use compiler::render::{PromptPicture, Said};
+use fab_program::render::{PromptPicture, Said};
+use fab_program::{Arrow, Layers, Picture, Program, Read, Stage, Which};
 use listed::Listed;
 use page::{Shown, ShownPart, ShownStage};
 use serde_json::{Value, json};
@@ -144,10 +144,10 @@ pub fn title(picture: &PromptPicture, step: u32) -> String {
 pub fn corrections_of(
     program: &Program,
     stage: &Stage,
-    values: compiler::render::Values<'_>,
-) -> Result<Vec<(String, Said)>, compiler::render::RenderError> {
+    values: fab_program::render::Values<'_>,
+) -> Result<Vec<(String, Said)>, fab_program::render::RenderError> {
     match stage.read {
-        Read::Action => compiler::render::corrections(program, values),
+        Read::Action => fab_program::render::corrections(program, values),
         Read::Text { .. } => Ok(Vec::new()),
     }
 }

@@ -3,10 +3,10 @@
 use crate::cli::SeeArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, sources};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
+use fab_runtime::see::{Brought, LastAction, SeeError, Seen, see};
+use fab_runtime::{picture, store};
 use image::RgbImage;
-use runtime::see::{Brought, LastAction, SeeError, Seen, see};
-use runtime::{picture, store};
 use serde_json::{Map, Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};

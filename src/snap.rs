@@ -16,7 +16,7 @@ mod wanted;
 use crate::cli::snap::SnapArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, sources};
-use compiler::program::Program;
+use fab_program::Program;
 use plan::{Found, Plan, State};
 pub use scene::{Moment, USUAL};
 use serde_json::{Value, json};

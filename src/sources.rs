@@ -3,8 +3,8 @@
 use crate::cli::TaskArguments;
 use crate::exit::Failure;
 use crate::output;
-use compiler::program::Program;
-use compiler::{Compiled, LoadError, Loader, diag};
+use fab_compiler::{Compiled, LoadError, Loader, diag};
+use fab_program::Program;
 use serde_json::json;
 use std::fs::{self, File};
 use std::io::Read;
@@ -114,7 +114,7 @@ pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
 
 /// Compiles a file.
 pub fn compile(file: &str) -> Result<Compiled, Failure> {
-    compiler::compile(file, &Disk::beside(file))
+    fab_compiler::compile(file, &Disk::beside(file))
         .map_err(|error| Failure::environment(error.message))
 }
 
@@ -191,7 +191,7 @@ pub fn compile_tasks_for(
     wanted: Option<&str>,
     grid: [u32; 2],
 ) -> Result<Vec<Program>, Failure> {
-    let compiled = compiler::compile_for(file, &Disk::beside(file), Some(grid))
+    let compiled = fab_compiler::compile_for(file, &Disk::beside(file), Some(grid))
         .map_err(|error| Failure::environment(error.message))?;
     if compiled.has_errors() {
         output::talk(&findings(&compiled, output::talk_color()));

@@ -5,13 +5,13 @@ mod offered;
 use crate::cli::SubgoalsArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, setting, sources};
-use compiler::program::{Arrow, Which};
+use fab_program::{Arrow, Which};
+use fab_runtime::store;
+use fab_runtime::subgoals::{Demonstrated, Origin, SubgoalError, SubgoalSet};
+use fab_runtime::vision::VisionError;
+use fab_runtime::{picture, world::WorldError};
 use image::{RgbImage, imageops};
 use offered::Offered;
-use runtime::store;
-use runtime::subgoals::{Demonstrated, Origin, SubgoalError, SubgoalSet};
-use runtime::vision::VisionError;
-use runtime::{picture, world::WorldError};
 use serde_json::json;
 use std::path::PathBuf;
 

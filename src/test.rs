@@ -3,9 +3,9 @@
 use crate::cli::TestArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, sources};
-use compiler::program::{Expect, Program, Test};
-use compiler::trial::{self, Finding, Trial};
-use compiler::{Compiled, diag};
+use fab_compiler::{Compiled, diag};
+use fab_program::test::{Finding, Trial};
+use fab_program::{Expect, Program, Test};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -45,7 +45,7 @@ pub fn run(arguments: &TestArguments) -> Result<Exit, Failure> {
             continue;
         }
         for (test, program) in chosen(&compiled, arguments.only.as_deref()) {
-            let trial = trial::run(program, test);
+            let trial = fab_program::test::run(program, test);
             if trial.is_expected {
                 n_passed += 1;
             } else {

@@ -12,9 +12,9 @@ mod inputs;
 /// A small task with everything that one needs.
 const TASK: &str = include_str!("../tests/common/task.fab");
 
-use compiler::emit::Target;
-use compiler::{Compiled, LoadError, Loader, diag};
 use divan::{Bencher, black_box};
+use fab_compiler::{Compiled, LoadError, Loader, diag};
+use fab_emit::Target;
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -61,7 +61,7 @@ impl Loader for Memory {
 
 /// Compiles a file and writes its diagnostics in both forms, or its programs.
 fn compile(name: &str, files: &Memory) -> Compiled {
-    let compiled = compiler::compile(name, files).expect("the entry is in memory");
+    let compiled = fab_compiler::compile(name, files).expect("the entry is in memory");
     black_box(diag::to_text(
         &compiled.diagnostics,
         &compiled.sources,
@@ -74,7 +74,7 @@ fn compile(name: &str, files: &Memory) -> Compiled {
 /// Compiles a file and writes what `fabc build` does: prompts, schema and program; returns the bytes.
 fn emit(name: &str, files: &Memory) -> usize {
     let compiled = compile(name, files);
-    let artifacts = compiler::emit::emit(&compiled.programs, &[Target::Program]);
+    let artifacts = fab_emit::emit(&compiled.programs, &[Target::Program]);
     let artifacts = artifacts.expect("the tasks have names of their own");
     black_box(&artifacts);
     artifacts.iter().map(|artifact| artifact.text.len()).sum()

@@ -14,7 +14,7 @@
 //! A task can be compiled from memory, in any program:
 //!
 //! ```
-//! use compiler::{LoadError, Loader, diag};
+//! use fab_compiler::{LoadError, Loader, diag};
 //!
 //! /// One text, whatever is asked for.
 //! struct Memory(&'static str);
@@ -26,7 +26,7 @@
 //! }
 //!
 //! let text = "task tried {\n    goal particle_distance < 40deg\n}\n";
-//! let compiled = compiler::compile("fold.fab", &Memory(text))?;
+//! let compiled = fab_compiler::compile("fold.fab", &Memory(text))?;
 //! assert!(compiled.has_errors() && compiled.programs.is_empty());
 //!
 //! let shown = diag::to_text(&compiled.diagnostics, &compiled.sources, diag::Color::Plain);
@@ -39,34 +39,22 @@
 mod ast;
 mod check;
 pub mod diag;
-pub mod emit;
-mod eval;
-mod exact;
 pub mod explain;
-pub mod facts;
 mod form;
 mod load;
 mod merge;
 mod path;
-pub mod pointing;
-pub mod program;
 pub mod proof;
-pub mod render;
-pub mod reply;
 mod source;
-pub mod space;
-pub mod tokens;
-pub mod trial;
-pub mod verify;
 
 pub use check::MAX_INHERITED_BYTES;
-pub use grammar::is_keyword;
+pub use fab_grammar::is_keyword;
 pub use load::{MAX_FILES, MAX_TOTAL_BYTES, MAX_USE_DEPTH};
 pub use merge::MAX_EXTENDS_DEPTH;
 pub use source::{FileId, Source, Sources, Span, line_and_column};
 
 use diag::{Diagnostic, Report, Severity};
-use program::{Program, Test};
+use fab_program::{Program, Test};
 
 /// Gives the compiler texts; all its access to the outside.
 pub trait Loader {

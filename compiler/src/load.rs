@@ -152,7 +152,7 @@ struct Reading<'a> {
 
 impl Reading<'_> {
     fn add(&mut self, name: String, portable_name: String, text: String) -> FileId {
-        let parsed = grammar::parse(&text);
+        let parsed = fab_grammar::parse(&text);
         self.total_bytes += text.len();
         self.keys.push(path::beside("", &name));
         let file = self.loaded.sources.add(name, text);

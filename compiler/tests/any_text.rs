@@ -5,7 +5,7 @@
 mod common;
 
 use common::{TASK, compile};
-use compiler::diag::{self, Code, Color};
+use fab_compiler::diag::{self, Code, Color};
 use proptest::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -18,10 +18,10 @@ fn survive(text: &str) {
     let json = diag::to_json(&compiled.diagnostics, &compiled.sources);
     assert_eq!(json.as_array().unwrap().len(), compiled.diagnostics.len());
     // A task without an error is a program, or is said to be a base.
-    let has_task = grammar::parse(text)
+    let has_task = fab_grammar::parse(text)
         .tree
         .nodes()
-        .any(|node| node.kind() == grammar::Kind::Task);
+        .any(|node| node.kind() == fab_grammar::Kind::Task);
     let is_base = compiled
         .diagnostics
         .iter()
@@ -89,7 +89,7 @@ fn a_file_full_of_open_brackets_is_one_error() {
             "task t { verify { check a { ",
             "experts e { ",
         ] {
-            let most = (grammar::MAX_BYTES - prefix.len()) / bracket.len();
+            let most = (fab_grammar::MAX_BYTES - prefix.len()) / bracket.len();
             let text = format!("{prefix}{}", bracket.repeat(most));
             let compiled = compile("task.fab", &text);
             assert_eq!(compiled.diagnostics.len(), 1, "{prefix}{bracket}");
@@ -101,7 +101,7 @@ fn a_file_full_of_open_brackets_is_one_error() {
 #[test]
 fn as_many_brackets_as_are_allowed_fit_the_stack() {
     // The task, the section, the check and `distance(` are open too.
-    let deepest = grammar::MAX_NESTING - 4;
+    let deepest = fab_grammar::MAX_NESTING - 4;
     let text = TASK.replace(
         "distance(pick, place) > 10px",
         &format!(

@@ -5,8 +5,8 @@
 mod common;
 
 use common::{Memory, workspace};
-use compiler::diag::{CODES, Code, GROUPS};
-use compiler::explain::{self, HALF};
+use fab_compiler::diag::{CODES, Code, GROUPS};
+use fab_compiler::explain::{self, HALF};
 use std::fs;
 
 /// Codes whose examples would be too large to be shown.
@@ -14,7 +14,7 @@ const WITHOUT_EXAMPLE: [&str; 4] = ["F0001", "F0004", "F0409", "F0605"];
 
 fn codes_of(text: &str) -> Vec<Code> {
     let files = Memory::of([("example.fab", text), ("half.fab", HALF)]);
-    let compiled = compiler::compile("example.fab", &files).unwrap();
+    let compiled = fab_compiler::compile("example.fab", &files).unwrap();
     compiled.diagnostics.into_iter().map(|it| it.code).collect()
 }
 

@@ -14,8 +14,8 @@
 
 mod common;
 
-use compiler::diag::{self, CODES, Color, Diagnostic};
-use compiler::{Compiled, LoadError, Loader, line_and_column};
+use fab_compiler::diag::{self, CODES, Color, Diagnostic};
+use fab_compiler::{Compiled, LoadError, Loader, line_and_column};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
@@ -28,7 +28,8 @@ fn every_fault_is_reported_as_its_fixture_says() {
     let mut wrong = Vec::new();
     for name in fixtures() {
         let text = Fixtures.load(&name).expect("a listed fixture can be read");
-        let compiled = compiler::compile(&name, &Fixtures).expect("a listed fixture can be read");
+        let compiled =
+            fab_compiler::compile(&name, &Fixtures).expect("a listed fixture can be read");
         let expected = expectations(&name, &text);
         let found: BTreeSet<Finding> = compiled
             .diagnostics
@@ -77,7 +78,8 @@ fn every_code_has_a_fixture() {
 #[test]
 fn an_edit_repairs_what_it_is_offered_for() {
     for name in fixtures() {
-        let compiled = compiler::compile(&name, &Fixtures).expect("a listed fixture can be read");
+        let compiled =
+            fab_compiler::compile(&name, &Fixtures).expect("a listed fixture can be read");
         for (number, diagnostic) in compiled
             .diagnostics
             .iter()
@@ -93,7 +95,8 @@ fn an_edit_repairs_what_it_is_offered_for() {
                 name: edited_name,
                 text,
             };
-            let again = compiler::compile(&name, &edited).expect("a listed fixture can be read");
+            let again =
+                fab_compiler::compile(&name, &edited).expect("a listed fixture can be read");
             let is_there = again.diagnostics.iter().any(|it| {
                 (it.code, it.span.start, &it.message)
                     == (diagnostic.code, diagnostic.span.start, &diagnostic.message)

@@ -5,9 +5,9 @@
 mod common;
 
 use common::Memory;
-use compiler::diag::Severity;
-use compiler::program::Program;
-use compiler::{Compiled, compile_for};
+use fab_compiler::diag::Severity;
+use fab_compiler::{Compiled, compile_for};
+use fab_program::Program;
 use proptest::prelude::*;
 
 /// A task whose every section depends on the cloth.

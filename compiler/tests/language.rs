@@ -4,7 +4,7 @@
 
 mod common;
 
-use compiler::diag::CODES;
+use fab_compiler::diag::CODES;
 use std::fs;
 
 fn reference() -> String {
@@ -43,7 +43,11 @@ fn the_list_of_words_that_name_nothing_is_complete() {
         .split(|character: char| !character.is_ascii_alphanumeric() && character != '_')
         .filter(|word| !word.is_empty());
     for word in words.filter(|word| word.starts_with(|first: char| first.is_ascii_alphabetic())) {
-        assert_eq!(grammar::is_keyword(word), listed.contains(&word), "{word}");
+        assert_eq!(
+            fab_grammar::is_keyword(word),
+            listed.contains(&word),
+            "{word}"
+        );
     }
 }
 
@@ -51,22 +55,28 @@ fn the_list_of_words_that_name_nothing_is_complete() {
 fn limits_are_as_stated() {
     let text = reference();
     for row in [
-        format!("| a file | {} KiB |", grammar::MAX_BYTES >> 10),
+        format!("| a file | {} KiB |", fab_grammar::MAX_BYTES >> 10),
         format!(
             "| files in one compilation | {}, each {} `use`s deep |",
-            compiler::MAX_FILES,
-            compiler::MAX_USE_DEPTH
+            fab_compiler::MAX_FILES,
+            fab_compiler::MAX_USE_DEPTH
         ),
         format!(
             "| text in one compilation | {} KiB |",
-            compiler::MAX_TOTAL_BYTES >> 10
+            fab_compiler::MAX_TOTAL_BYTES >> 10
         ),
         format!(
             "| letters of a word outside of texts | {} |",
-            grammar::MAX_WORD_BYTES
+            fab_grammar::MAX_WORD_BYTES
         ),
-        format!("| tasks below a task | {} |", compiler::MAX_EXTENDS_DEPTH),
-        format!("| open brackets and braces | {} |", grammar::MAX_NESTING),
+        format!(
+            "| tasks below a task | {} |",
+            fab_compiler::MAX_EXTENDS_DEPTH
+        ),
+        format!(
+            "| open brackets and braces | {} |",
+            fab_grammar::MAX_NESTING
+        ),
     ] {
         assert!(text.contains(&row), "{row}");
     }

@@ -8,7 +8,7 @@
 #[path = "common/inputs.rs"]
 mod inputs;
 
-use grammar::Problem;
+use fab_grammar::Problem;
 use std::num::NonZeroUsize;
 
 const SMALL_BYTES: usize = 1_500;
@@ -19,9 +19,9 @@ const SLACK: f64 = 1.15;
 
 /// Returns whether a text is parsed within so many calls.
 fn is_parsed_within(text: &str, calls: usize) -> bool {
-    grammar::limit_calls(NonZeroUsize::new(calls));
-    let parsed = grammar::parse(text);
-    grammar::limit_calls(None);
+    fab_grammar::limit_calls(NonZeroUsize::new(calls));
+    let parsed = fab_grammar::parse(text);
+    fab_grammar::limit_calls(None);
     let gave_up = matches!(
         parsed.faults.as_slice(),
         [fault] if fault.span == (0..text.len()) && matches!(fault.problem, Problem::TooDeep { .. })

@@ -5,11 +5,11 @@
 mod common;
 
 use common::{Memory, TASK};
-use compiler::diag::{self, Color};
+use fab_compiler::diag::{self, Color};
 
 fn shown(child: &str) -> String {
     let files = Memory::of([("child.fab", child), ("lib/base.fab", TASK)]);
-    let compiled = compiler::compile("child.fab", &files).unwrap();
+    let compiled = fab_compiler::compile("child.fab", &files).unwrap();
     diag::to_text(&compiled.diagnostics, &compiled.sources, Color::Plain)
 }
 
@@ -47,7 +47,7 @@ fn tools_get_places_and_edits() {
         "child.fab",
         "task tried {\r\n    horizon 2.5\r\n    camera top_down(hieght: 1m)\r\n}\r\n",
     )]);
-    let compiled = compiler::compile("child.fab", &files).unwrap();
+    let compiled = fab_compiler::compile("child.fab", &files).unwrap();
     insta::assert_snapshot!(
         serde_json::to_string_pretty(&diag::to_json(&compiled.diagnostics, &compiled.sources))
             .unwrap()

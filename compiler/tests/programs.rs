@@ -5,9 +5,7 @@
 mod common;
 
 use common::{Memory, TASK, messages, program, programs};
-use compiler::program::{
-    ClothPoint, Exhausted, Fold, KeypointShape, PROGRAM_FORMAT, Program, Subgoals,
-};
+use fab_program::{ClothPoint, Exhausted, Fold, KeypointShape, PROGRAM_FORMAT, Program, Subgoals};
 
 #[test]
 fn the_same_text_gives_the_same_bytes_wherever_it_lies() {
@@ -17,7 +15,7 @@ fn the_same_text_gives_the_same_bytes_wherever_it_lies() {
             (&format!("{root}tasks/child.fab"), child),
             (&format!("{root}tasks/lib/base.fab"), TASK),
         ]);
-        let compiled = compiler::compile(&format!("{root}tasks/child.fab"), &files).unwrap();
+        let compiled = fab_compiler::compile(&format!("{root}tasks/child.fab"), &files).unwrap();
         serde_json::to_string(&compiled.programs[0]).unwrap()
     };
     assert_eq!(bytes(""), bytes(""));
@@ -233,7 +231,7 @@ fn an_error_in_a_base_keeps_its_children_back() {
         ),
         ("b.fab", &base),
     ]);
-    let compiled = compiler::compile("a.fab", &files).unwrap();
+    let compiled = fab_compiler::compile("a.fab", &files).unwrap();
     assert!(compiled.programs.is_empty());
     assert_eq!(
         compiled.diagnostics.len(),
@@ -245,7 +243,7 @@ fn an_error_in_a_base_keeps_its_children_back() {
 
 #[test]
 fn an_entry_that_cannot_be_read_is_the_callers_error() {
-    let error = compiler::compile("nowhere.fab", &Memory::default()).unwrap_err();
+    let error = fab_compiler::compile("nowhere.fab", &Memory::default()).unwrap_err();
     assert_eq!(error.to_string(), "there is no file `nowhere.fab`");
 }
 
@@ -279,14 +277,17 @@ fn files_beyond_the_limits_are_refused() {
             format!("use \"{}.fab\"\n", number + 1),
         );
     }
-    let compiled = compiler::compile("0.fab", &files).unwrap();
+    let compiled = fab_compiler::compile("0.fab", &files).unwrap();
     let codes: Vec<&str> = compiled
         .diagnostics
         .iter()
         .map(|it| it.code.as_str())
         .collect();
     assert_eq!(codes, ["F0004"]);
-    assert_eq!(compiled.sources.iter().count(), compiler::MAX_USE_DEPTH + 1);
+    assert_eq!(
+        compiled.sources.iter().count(),
+        fab_compiler::MAX_USE_DEPTH + 1
+    );
     let many: String = (0..100)
         .map(|number| format!("use \"f{number}.fab\"\n"))
         .collect();
@@ -294,8 +295,8 @@ fn files_beyond_the_limits_are_refused() {
     files
         .0
         .extend((0..100).map(|number| (format!("f{number}.fab"), String::new())));
-    let compiled = compiler::compile("many.fab", &files).unwrap();
-    assert_eq!(compiled.sources.iter().count(), compiler::MAX_FILES);
+    let compiled = fab_compiler::compile("many.fab", &files).unwrap();
+    assert_eq!(compiled.sources.iter().count(), fab_compiler::MAX_FILES);
 }
 
 #[test]

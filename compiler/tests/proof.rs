@@ -6,12 +6,12 @@ mod common;
 #[path = "common/spaces.rs"]
 mod spaces;
 
-use compiler::facts::SceneView;
-use compiler::program::{
+use fab_compiler::proof::{self, Flaw};
+use fab_program::scene::SceneView;
+use fab_program::space;
+use fab_program::{
     ActionField, Choices, Extractor, Keypoint, LengthUnit, Moment, PixelPoint, Program, Value,
 };
-use compiler::proof::{self, Flaw};
-use compiler::space;
 use proptest::prelude::*;
 
 /// Returns the program of these fields and `pick`.

@@ -5,8 +5,8 @@
 mod common;
 
 use common::{Known, TASK, pixels, program};
-use compiler::program::Program;
-use compiler::render::{self, PromptMessage, PromptSpeaker, RenderError, Values};
+use fab_program::Program;
+use fab_program::render::{self, PromptMessage, PromptSpeaker, RenderError, Values};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;

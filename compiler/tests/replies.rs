@@ -9,9 +9,10 @@ mod common;
 #[path = "common/spaces.rs"]
 mod spaces;
 
-use compiler::program::{PixelPoint, Program, Value};
-use compiler::reply::{self, MAX_REPLY_BYTES, MAX_TEXT_CHARS, Malformed, Proposal};
-use compiler::space;
+use fab_program::Proposal;
+use fab_program::reply::{self, MAX_REPLY_BYTES, MAX_TEXT_CHARS, Malformed};
+use fab_program::space;
+use fab_program::{PixelPoint, Program, Value};
 use proptest::prelude::*;
 use std::fs;
 use std::time::{Duration, Instant};

@@ -6,9 +6,9 @@ mod common;
 #[path = "common/spaces.rs"]
 mod spaces;
 
-use compiler::program::{PixelPoint, Program, Value};
-use compiler::reply;
-use compiler::space;
+use fab_program::reply;
+use fab_program::space;
+use fab_program::{PixelPoint, Program, Value};
 use serde_json::{Map, Value as Json, json};
 
 /// Returns whether an answer fits a schema; panics on a keyword that it does not know.
@@ -170,7 +170,7 @@ fn offered(program: &Program, points: &[(i32, i32)]) -> Vec<(String, Vec<Value>)
             .map(|(u, v)| Value::Point(PixelPoint::new(*u, *v)))
             .collect()
     };
-    let of = |field: &compiler::program::ActionField| match space::declared(field) {
+    let of = |field: &fab_program::ActionField| match space::declared(field) {
         values if values.is_empty() => points(),
         values => values,
     };

@@ -5,8 +5,8 @@
 mod common;
 
 use common::{Known, TASK, pick_and_place, pixels, program};
-use compiler::program::Program;
-use compiler::verify::{self, Strictness, Verdict};
+use fab_program::Program;
+use fab_program::verify::{self, Strictness, Verdict};
 
 /// A scene whose cloth is everything with a column below 100.
 fn table() -> Known {

@@ -8,7 +8,7 @@
 mod common;
 
 use common::{Memory, workspace};
-use compiler::diag;
+use fab_compiler::diag;
 use serde_json::{Value, json};
 use std::fs;
 use std::io::Write;
@@ -57,7 +57,7 @@ fn in_node(module: &Path, entry: &str, files: &Memory) -> Value {
 }
 
 fn here(entry: &str, files: &Memory) -> Value {
-    let compiled = compiler::compile(entry, files).unwrap();
+    let compiled = fab_compiler::compile(entry, files).unwrap();
     json!({
         "programs": compiled.programs,
         "diagnostics": diag::to_json(&compiled.diagnostics, &compiled.sources),
@@ -77,7 +77,7 @@ fn peer_node_compiles_in_webassembly_what_is_compiled_here() {
     assert!(compiled["programs"].as_array().unwrap().len() > 1);
     assert_eq!(in_node(&module, names[0], &shipped), compiled);
     // The deepest nesting fits its stack too, which no guard of pest's watches there.
-    let open = grammar::MAX_NESTING - 3;
+    let open = fab_grammar::MAX_NESTING - 3;
     let deep = format!(
         "task t {{ verify {{ check c {{ {}a{} }} else \"x\" }} }}\n",
         "(".repeat(open),

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use grammar::{Kind, Problem, parse};
+use fab_grammar::{Kind, Problem, parse};
 use std::fs;
 use std::path::Path;
 
@@ -161,14 +161,14 @@ fn one_slip_is_one_fault() {
 
 #[test]
 fn limits_are_faults() {
-    let deep = "(".repeat(grammar::MAX_NESTING + 1);
+    let deep = "(".repeat(fab_grammar::MAX_NESTING + 1);
     assert_eq!(
         parse(&deep).faults[0].problem,
         Problem::TooDeep {
-            limit: grammar::MAX_NESTING
+            limit: fab_grammar::MAX_NESTING
         }
     );
-    let long = "x".repeat(grammar::MAX_BYTES + 1);
+    let long = "x".repeat(fab_grammar::MAX_BYTES + 1);
     assert!(matches!(
         parse(&long).faults[0].problem,
         Problem::TooLong { .. }

@@ -1,32 +1,32 @@
 //! Collects what pulls gain in the simulator, so that the stand-in's estimate can be fitted anew.
 //!
-//! `cargo run --release -p runtime --example collect_pulls -- FIRST_SEED COUNT ACTIONS > pulls.csv`
+//! `cargo run --release -p fab-runtime --example collect_pulls -- FIRST_SEED COUNT ACTIONS > pulls.csv`
 //!
 //! In: seeds of crumpled starts. Out: a line per pull: its start, step, true coverage before and gain, and the features of
 //! [`FEATURES`]. Each start is smoothed by the stand-in. Before each action its own pull, the next five by its
 //! estimate and two by chance are tried from the same state; three times of ten the best of them is carried out instead
 //! of its own, so that states come up that it would not reach by itself. `scripts/fit-pulls.py` fits the estimate.
 
-use compiler::facts::Done;
-use compiler::program::{Program, Value};
-use compiler::reply::Proposal;
-use compiler::{LoadError, Loader};
-use runtime::action::Action;
-use runtime::agent::{self, Asking, Decision, Models, Situation};
-use runtime::cache::Cache;
-use runtime::calls::Calls;
-use runtime::chance::Chance;
-use runtime::crumple;
-use runtime::examples::Examples;
-use runtime::interrupt::Interrupt;
-use runtime::metrics;
-use runtime::model::geometric::{FEATURES, Geometric, Offer, offers};
-use runtime::model::{Message, Model, ModelError, Nature, Reply, Request};
-use runtime::parallel::in_parallel;
-use runtime::pictures::Pictures;
-use runtime::scene::Scene;
-use runtime::start::Start;
-use runtime::world::{SimulatedWorld, World, everywhere};
+use fab_compiler::{LoadError, Loader};
+use fab_program::Proposal;
+use fab_program::facts::Done;
+use fab_program::{Program, Value};
+use fab_runtime::action::Action;
+use fab_runtime::agent::{self, Asking, Decision, Models, Situation};
+use fab_runtime::cache::Cache;
+use fab_runtime::calls::Calls;
+use fab_runtime::chance::Chance;
+use fab_runtime::crumple;
+use fab_runtime::examples::Examples;
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::metrics;
+use fab_runtime::model::geometric::{FEATURES, Geometric, Offer, offers};
+use fab_runtime::model::{Message, Model, ModelError, Nature, Reply, Request};
+use fab_runtime::parallel::in_parallel;
+use fab_runtime::pictures::Pictures;
+use fab_runtime::scene::Scene;
+use fab_runtime::start::Start;
+use fab_runtime::world::{SimulatedWorld, World, everywhere};
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -110,7 +110,7 @@ struct Tried {
 /// Smooths one start and returns a line for each pull tried.
 fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
     let side = SIDES[(seed % SIDES.len() as u64) as usize];
-    let compiled = compiler::compile_for(TASK, &Here, Some([side, side]))?;
+    let compiled = fab_compiler::compile_for(TASK, &Here, Some([side, side]))?;
     let programs = compiled.programs.into_iter();
     let mut plain = programs.filter(|program| program.variant.is_none());
     let program = plain.next().ok_or("the task does not compile")?;

@@ -7,8 +7,8 @@ use crate::camera::center_of;
 use crate::observation::Observation;
 use crate::scene::Scene;
 use crate::world::{Motion, WorldPoint};
-use compiler::program::{Choices, PixelPoint, Program, Value};
-use compiler::reply::Proposal;
+use fab_program::Proposal;
+use fab_program::{Choices, PixelPoint, Program, Value};
 use serde::{Deserialize, Serialize};
 
 /// How far a keypoint may lie from the nearest cloth pixel and still be picked where it was located, pixels: as far

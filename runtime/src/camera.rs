@@ -14,7 +14,7 @@ pub use lens::Lens;
 pub use plane::Plane;
 pub(crate) use plane::through;
 
-use compiler::program::{ImageUp, PixelPoint};
+use fab_program::{ImageUp, PixelPoint};
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
 /// A camera that looks at the table.

@@ -86,7 +86,7 @@ mod tests {
     use super::*;
     use crate::start::Outline;
     use crate::world::SimulatedWorld;
-    use compiler::program::{Camera, Cloth, ClothStart, ImageUp};
+    use fab_program::{Camera, Cloth, ClothStart, ImageUp};
 
     const CLOTH: Cloth = Cloth {
         dimx: 12,
@@ -102,7 +102,7 @@ mod tests {
             image_px: 64,
             up: ImageUp::Y,
         };
-        SimulatedWorld::new(&camera, compiler::program::Picker::default()).unwrap()
+        SimulatedWorld::new(&camera, fab_program::Picker::default()).unwrap()
     }
 
     /// Returns the start, and whether it had to be crumpled.

@@ -9,9 +9,9 @@ use crate::files::{self, FileError};
 use crate::model::Png;
 use crate::picture;
 use crate::start::Start;
-use compiler::pointing::Pointing;
-use compiler::program::{FileRef, Program};
-use compiler::render::Said;
+use fab_program::pointing::Pointing;
+use fab_program::render::Said;
+use fab_program::{FileRef, Program};
 use std::collections::BTreeMap;
 use std::path::Path;
 

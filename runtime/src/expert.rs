@@ -7,7 +7,7 @@ use crate::cache::Cache;
 use crate::interrupt::Interrupt;
 use crate::start::{Grid, RESTING_HEIGHT_M, Start};
 use crate::world::{Motion, World, WorldError, WorldPoint};
-use compiler::program::{ClothPoint, Fold, Sequence};
+use fab_program::{ClothPoint, Fold, Sequence};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;

@@ -4,7 +4,7 @@
 //! of the folder are refused: a task from somebody else must not show a model what lies elsewhere.
 
 use crate::picture::PictureError;
-use compiler::program::FileRef;
+use fab_program::FileRef;
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Executes a compiled [`Program`](compiler::program::Program).
+//! Executes a compiled [`Program`](fab_program::Program).
 //!
 //! ```text
 //! World.observe → Observation → Scene → Request → Reply → Proposal → Verdict     per attempt

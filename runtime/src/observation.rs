@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::vision::DepthImage;
-use compiler::program;
+use fab_program as program;
 use image::RgbImage;
 
 /// One RGB-D picture and the camera that took it.

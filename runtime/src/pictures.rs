@@ -9,10 +9,10 @@ use crate::observation::Observation;
 use crate::scene::{Scene, SceneError};
 use crate::subgoals::StepPictures;
 use crate::{picture, vision};
-use compiler::facts::Done;
-use compiler::pointing::Notation;
-use compiler::program::{Layers, Picture, Program};
-use compiler::render::PromptPicture;
+use fab_program::facts::Done;
+use fab_program::pointing::Notation;
+use fab_program::render::PromptPicture;
+use fab_program::{Layers, Picture, Program};
 use image::{ImageFormat, RgbImage};
 
 /// The pictures of one step.

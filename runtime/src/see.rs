@@ -6,9 +6,9 @@
 use crate::observation::{Observation, WrongSize};
 use crate::scene::{Scene, SceneError, StagePicture};
 use crate::vision::DepthImage;
-use compiler::facts::Done;
-use compiler::program::{End, Extractor, PixelPoint, Program, Sight};
-use compiler::reply::Proposal;
+use fab_program::Proposal;
+use fab_program::facts::Done;
+use fab_program::{End, Extractor, PixelPoint, Program, Sight};
 use image::RgbImage;
 
 /// What a user brings.
@@ -94,7 +94,7 @@ pub fn see(program: &Program, brought: Brought) -> Result<Seen, SeeError> {
 }
 
 fn check_depth(program: &Program) -> Result<(), SeeError> {
-    let by_depth = |keypoint: &&compiler::program::Keypoint| keypoint.extractor.needs_depth();
+    let by_depth = |keypoint: &&fab_program::Keypoint| keypoint.extractor.needs_depth();
     let Some(keypoint) = program.keypoints.iter().find(by_depth) else {
         return Ok(());
     };

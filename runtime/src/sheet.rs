@@ -5,7 +5,7 @@
 
 use crate::rollout::RolloutReport;
 use crate::vision::{self, VisionError};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use image::{Rgb, RgbImage, imageops};
 
 const MARGIN_PX: u32 = 12;

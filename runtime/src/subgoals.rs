@@ -13,7 +13,7 @@ use crate::picture::{self, PictureError};
 use crate::start::Start;
 use crate::vision::{self, VisionError};
 use crate::world::{World, WorldError};
-use compiler::program::{Arrow, Fold, Program, SubgoalImage, Subgoals, Which};
+use fab_program::{Arrow, Fold, Program, SubgoalImage, Subgoals, Which};
 use image::RgbImage;
 use pins::Pinned;
 use serde::{Deserialize, Serialize};
@@ -249,7 +249,7 @@ fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, Sub
     for image in images {
         let path = files::resolve(folder, &image.file)?;
         set.pictures.push(picture::load(&path)?);
-        let pixel = |point: compiler::program::PixelPoint| [f64::from(point.u), f64::from(point.v)];
+        let pixel = |point: fab_program::PixelPoint| [f64::from(point.u), f64::from(point.v)];
         set.arrows
             .push(image.arrow.map(|[tail, tip]| [pixel(tail), pixel(tip)]));
     }

@@ -7,12 +7,12 @@
 #[path = "../../tests/recorded_data.rs"]
 mod recorded;
 
-use compiler::program::{PixelPoint, Response};
+use fab_program::{PixelPoint, Response};
+use fab_runtime::calls::Unkept;
+use fab_runtime::model::{Geometric, Message, Model, ModelRole, Part, Png, Request, Speaker};
+use fab_runtime::vision::{CornerSearch, DepthImage, centroid, corners, depth_mask};
 use image::{GrayImage, Luma};
 use recorded::recorded_data;
-use runtime::calls::Unkept;
-use runtime::model::{Geometric, Message, Model, ModelRole, Part, Png, Request, Speaker};
-use runtime::vision::{CornerSearch, DepthImage, centroid, corners, depth_mask};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -85,7 +85,7 @@ fn corners_in(levels: &GrayImage) -> Vec<PixelPoint> {
     let depth = depth(levels);
     let mask = depth_mask(&depth, 0.646);
     let search = CornerSearch {
-        of: compiler::program::Sight::Depth,
+        of: fab_program::Sight::Depth,
         block_px: 3,
         image_px: 128,
         max: 27,

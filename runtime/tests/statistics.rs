@@ -1,8 +1,8 @@
 //! The statistics of tables, against numbers that numpy and scipy gave, and by their laws.
 #![allow(clippy::unwrap_used)]
 
+use fab_runtime::bench::statistics::{self, Statistic, Summary};
 use proptest::prelude::*;
-use runtime::bench::statistics::{self, Statistic, Summary};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

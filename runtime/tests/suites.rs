@@ -1,13 +1,13 @@
 //! Suites as data: what is refused, and where generated and recorded starts lie.
 #![allow(clippy::unwrap_used)]
 
-use compiler::program::{Camera, Cloth, ClothStart, ImageUp, Picker};
-use runtime::bench::starts::{self, StartPoint};
-use runtime::bench::suite::{Starts, Suite, SuiteError};
-use runtime::cache::Cache;
-use runtime::interrupt::Interrupt;
-use runtime::start::Start;
-use runtime::world::SimulatedWorld;
+use fab_program::{Camera, Cloth, ClothStart, ImageUp, Picker};
+use fab_runtime::bench::starts::{self, StartPoint};
+use fab_runtime::bench::suite::{Starts, Suite, SuiteError};
+use fab_runtime::cache::Cache;
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::start::Start;
+use fab_runtime::world::SimulatedWorld;
 use std::path::Path;
 
 #[path = "../../tests/recorded_data.rs"]

@@ -4,12 +4,12 @@
 #[path = "../../tests/recorded_data.rs"]
 mod recorded;
 
-use proptest::prelude::*;
-use runtime::metrics::{
+use fab_runtime::metrics::{
     coverage, true_coverage, true_covered_area_m2, whole_area_m2, whole_triangles,
 };
-use runtime::start::{Grid as StartGrid, Start, StartFrame, Up};
-use sim::{Grid, Mask, Params, mesh};
+use fab_runtime::start::{Grid as StartGrid, Start, StartFrame, Up};
+use fab_sim::{Grid, Mask, Params, mesh};
+use proptest::prelude::*;
 
 const SPACING_M: f32 = 0.00625;
 const T_SHIRT: &str = include_str!("../../sim/outlines/t_shirt.txt");
@@ -188,7 +188,7 @@ fn sampled_area(points: &[[f32; 3]], triangles: &[[usize; 3]]) -> f64 {
     covered.iter().filter(|covered| **covered).count() as f64 / (SIDE * SIDE) as f64
 }
 
-/// What [`recorded_heaps_cover_what_was_recorded`](runtime::metrics) holds to the recorded numbers is here set
+/// What [`recorded_heaps_cover_what_was_recorded`](fab_runtime::metrics) holds to the recorded numbers is here set
 /// beside the true measure, which sees less: SoftGym's particles are wider than the cloth that they stand for.
 #[test]
 fn recorded_heaps_cover_a_little_less_in_truth_than_as_measured_by_softgym() {

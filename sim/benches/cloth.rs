@@ -7,7 +7,7 @@
 //! second of two threads over those of one is what a second rollout at the same time is worth.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
-use sim::{Grid, Look, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold};
+use fab_sim::{Grid, Look, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold};
 
 fn main() {
     divan::main();

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --example fold -- SIZE [STEPS]` prints the steps that were computed; default: the whole fold.
 
-use sim::{Grid, Params, SimError, diagonal_fold};
+use fab_sim::{Grid, Params, SimError, diagonal_fold};
 use std::cell::Cell;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,7 +1,7 @@
 //! The camera: geometry, sides, and what is left out.
 #![allow(clippy::unwrap_used)]
 
-use sim::{CameraError, Frame, Grid, ImageUp, Look, Mask, Params, Simulator, TopDownCamera};
+use fab_sim::{CameraError, Frame, Grid, ImageUp, Look, Mask, Params, Simulator, TopDownCamera};
 
 fn folding_camera(size_px: u32) -> TopDownCamera {
     TopDownCamera::new(0.65, 45f32.to_radians(), size_px).unwrap()

@@ -3,8 +3,8 @@
 
 mod recorded;
 
+use fab_sim::{ImageUp, Look, TopDownCamera};
 use recorded::Demonstration;
-use sim::{ImageUp, Look, TopDownCamera};
 
 const SIDE: usize = 224;
 const TASKS: [&str; 3] = ["AllCornersInward", "CornersEdgesInward", "DoubleStraight"];

@@ -1,7 +1,7 @@
 //! Crumpled cloths: equal seeds, what a heap must be, interruption.
 #![allow(clippy::unwrap_used)]
 
-use sim::{Grid, Look, Mask, Params, SimError, Simulator, TopDownCamera};
+use fab_sim::{Grid, Look, Mask, Params, SimError, Simulator, TopDownCamera};
 use std::cell::Cell;
 
 fn flat(dim: usize) -> Simulator {

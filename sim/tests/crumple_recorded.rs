@@ -3,8 +3,8 @@
 
 mod recorded;
 
+use fab_sim::{Grid, Params, RestShortcut, Simulator};
 use recorded::{data::recorded_data, mean_distance_mm, read_points};
-use sim::{Grid, Params, RestShortcut, Simulator};
 
 /// Steps that a recorded heap gets to come to rest; after half as many, high heaps still sink by up to 5 mm in a second.
 const SETTLING_STEPS: u32 = 600;

@@ -1,10 +1,10 @@
 //! Equal bits: pinned digests of a few runs, on every thread, build and instruction set.
 //!
 //! `digests.json` holds the digests. After a change of results raise `ALGORITHM_VERSION` and write them anew:
-//! `FABC_WRITE_DIGESTS=1 cargo test -p sim --test digests pinned`.
+//! `FABC_WRITE_DIGESTS=1 cargo test -p fab-sim --test digests pinned`.
 #![allow(clippy::unwrap_used)]
 
-use sim::{Grid, Mask, Params, RestShortcut, Simulator, Snapshot, diagonal_fold};
+use fab_sim::{Grid, Mask, Params, RestShortcut, Simulator, Snapshot, diagonal_fold};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;

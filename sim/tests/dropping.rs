@@ -1,7 +1,7 @@
 //! The picker that drops: the route of SoftGym's smoothing environment.
 #![allow(clippy::unwrap_used)]
 
-use sim::{Aim, DROP_LEG_STEPS, Grid, Params, Route, Simulator};
+use fab_sim::{Aim, DROP_LEG_STEPS, Grid, Params, Route, Simulator};
 
 fn cloth(dimx: usize, dimy: usize) -> Simulator {
     let grid = Grid::new(dimx, dimy, 0.00625).unwrap();

@@ -1,8 +1,8 @@
 //! Outlines of cloths: what is read, what is refused and how, and the shipped outlines.
 #![allow(clippy::unwrap_used)]
 
+use fab_sim::{Grid, GridError, Mask, MaskError};
 use proptest::prelude::*;
-use sim::{Grid, GridError, Mask, MaskError};
 
 const SPACING_M: f32 = 0.00625;
 

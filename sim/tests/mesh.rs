@@ -1,9 +1,9 @@
 //! The cloth's triangles and its `.obj` text.
 #![allow(clippy::unwrap_used)]
 
+use fab_sim::mesh::{self, MeshError};
+use fab_sim::{Grid, Mask, Params};
 use proptest::prelude::*;
-use sim::mesh::{self, MeshError};
-use sim::{Grid, Mask, Params};
 use std::io::Write;
 use std::process::{Command, Stdio};
 

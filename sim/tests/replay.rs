@@ -3,8 +3,8 @@
 
 mod recorded;
 
+use fab_sim::{Params, RestShortcut};
 use recorded::{mean_distance_mm, replay};
-use sim::{Params, RestShortcut};
 
 /// Replays the demonstrations of a task with the given ids (all if empty); returns the errors, millimetres.
 fn errors_mm(test: &str, task: &str, ids: &[u64]) -> Option<Vec<f64>> {

@@ -1,7 +1,7 @@
 //! What callers of the simulator rely on: grasps, errors, interruption, copies.
 #![allow(clippy::unwrap_used)]
 
-use sim::{Grid, Params, SimError, Simulator, StartError};
+use fab_sim::{Grid, Params, SimError, Simulator, StartError};
 
 fn grid(dimx: usize, dimy: usize) -> Grid {
     Grid::new(dimx, dimy, 0.00625).unwrap()

@@ -1,6 +1,6 @@
 //! `fabc bench`: a suite of many rollouts, and its table.
 //!
-//! What a suite is, how it is carried out and what is said of it is `runtime::bench`; here files are found, tasks
+//! What a suite is, how it is carried out and what is said of it is `fab_runtime::bench`; here files are found, tasks
 //! compiled, and tables printed and written.
 
 mod on_arm;
@@ -15,16 +15,16 @@ use crate::operator::Terminal;
 use crate::setting::arm::Moving;
 use crate::setting::models::{self, Answering};
 use crate::{output, setting};
-use compiler::program::Program;
+use fab_program::Program;
+use fab_runtime::bench::on_arm::OnArm;
+use fab_runtime::bench::play::{self, Phase, Results, Stop};
+use fab_runtime::bench::{Bench, BenchError, first_questions_of, rows};
+use fab_runtime::cache::Cache;
+use fab_runtime::calls::Budget;
+use fab_runtime::calls::estimate::Estimate;
+use fab_runtime::outcome::Outcome;
+use fab_runtime::rollout::FirstQuestion;
 use prepare::AnsweringBy;
-use runtime::bench::on_arm::OnArm;
-use runtime::bench::play::{self, Phase, Results, Stop};
-use runtime::bench::{Bench, BenchError, first_questions_of, rows};
-use runtime::cache::Cache;
-use runtime::calls::Budget;
-use runtime::calls::estimate::Estimate;
-use runtime::outcome::Outcome;
-use runtime::rollout::FirstQuestion;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::thread;

@@ -6,10 +6,10 @@ use crate::cli::bench::BenchArguments;
 use crate::exit::Failure;
 use crate::setting;
 use crate::setting::arm::Moving;
-use runtime::arm::settings::{DriverKind, Settings};
-use runtime::bench::on_arm::Cloths;
-use runtime::bench::suite::Suite;
-use runtime::world::jaco::{self, About};
+use fab_runtime::arm::settings::{DriverKind, Settings};
+use fab_runtime::bench::on_arm::Cloths;
+use fab_runtime::bench::suite::Suite;
+use fab_runtime::world::jaco::{self, About};
 
 /// An arm that a suite can be carried out on.
 pub struct Arm {

@@ -3,11 +3,11 @@
 use crate::cli::bench::Shard;
 use crate::exit::Failure;
 use crate::store;
-use runtime::bench::Bench;
-use runtime::bench::play::{Results, Stop};
-use runtime::bench::rows::Row;
-use runtime::bench::{statistics, table};
-use runtime::model::Nature;
+use fab_runtime::bench::Bench;
+use fab_runtime::bench::play::{Results, Stop};
+use fab_runtime::bench::rows::Row;
+use fab_runtime::bench::{statistics, table};
+use fab_runtime::model::Nature;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;

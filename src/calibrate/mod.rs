@@ -12,15 +12,15 @@ use crate::exit::{Exit, Failure};
 use crate::output;
 use crate::robot::connect;
 use crate::setting::known;
-use image::RgbImage;
-use runtime::arm::calibration::{
+use fab_runtime::arm::calibration::{
     Calibration, Method, Pair, Refusal, Terms, ToolReader, draw_errors, place_at_rest, read_pairs,
 };
-use runtime::arm::directory::Which;
-use runtime::arm::rgbd::Intrinsics;
-use runtime::arm::settings::{CameraSource, Settings};
-use runtime::world::jaco;
-use runtime::{picture, store};
+use fab_runtime::arm::directory::Which;
+use fab_runtime::arm::rgbd::Intrinsics;
+use fab_runtime::arm::settings::{CameraSource, Settings};
+use fab_runtime::world::jaco;
+use fab_runtime::{picture, store};
+use image::RgbImage;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,8 @@
 //! What is said of a calibration: as text, as JSON, and what is doubtful about it.
 
 use crate::output;
-use runtime::arm::calibration::{Calibration, Fit};
-use runtime::arm::settings::Settings;
+use fab_runtime::arm::calibration::{Calibration, Fit};
+use fab_runtime::arm::settings::Settings;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

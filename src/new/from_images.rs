@@ -1,16 +1,16 @@
 //! A fold that is drafted from the user's pictures, as a task's text.
 //!
-//! In: files, and what `runtime::draft` finds in them. Out: a [`Draft`]; its text and its guesses are written by `page`.
+//! In: files, and what `fab_runtime::draft` finds in them. Out: a [`Draft`]; its text and its guesses are written by `page`.
 
 use super::page::Page;
 use super::{Draft, FOLDING, file_of, folder_of, pictures, shown};
 use crate::cli::new::NewFoldArguments;
 use crate::exit::Failure;
 use crate::{output, setting, sources};
-use compiler::program::{Camera, Picker};
-use runtime::draft::{self, DraftError, Named, Stated};
-use runtime::picture;
-use runtime::world::{SimulatedWorld, World, WorldError};
+use fab_program::{Camera, Picker};
+use fab_runtime::draft::{self, DraftError, Named, Stated};
+use fab_runtime::picture;
+use fab_runtime::world::{SimulatedWorld, World, WorldError};
 use std::path::{Path, PathBuf};
 
 /// Looks at the pictures and writes the task.

@@ -1,7 +1,7 @@
 //! `fabc new`: a commented task that runs at once, with the libraries that it uses.
 //!
 //! In: a name, and pictures where a fold is drafted from them. Out: files, which were compiled before any of them
-//! was written; what to do next. What pictures show is found by `runtime::draft`.
+//! was written; what to do next. What pictures show is found by `fab_runtime::draft`.
 
 mod names;
 mod staging;
@@ -23,8 +23,8 @@ pub use points::point_text;
 use crate::cli::new::{NewArguments, NewFoldArguments, NewTaskArguments, NewVerb};
 use crate::exit::{Exit, Failure};
 use crate::{output, sources};
-use compiler::program::Program;
-use compiler::{LoadError, Loader};
+use fab_compiler::{LoadError, Loader};
+use fab_program::Program;
 use serde_json::json;
 use staging::Staging;
 use std::collections::BTreeMap;
@@ -111,7 +111,7 @@ fn begin(arguments: &NewTaskArguments, draft: Draft) -> Result<Exit, Failure> {
     #[cfg(not(feature = "runtime"))]
     if matches!(
         program.subgoals,
-        Some(compiler::program::Subgoals::Demonstrate { .. })
+        Some(fab_program::Subgoals::Demonstrate { .. })
     ) {
         output::talk(
             "note: no subgoal pictures are drawn, since this build of fabc has no simulator",
@@ -220,7 +220,7 @@ fn compile(arguments: &NewTaskArguments, draft: &Draft, library: &str) -> Result
         (entry.as_str(), draft.text.as_str()),
         (draft.library.0, library),
     ]));
-    let mut compiled = compiler::compile(&entry, &files).map_err(Failure::environment)?;
+    let mut compiled = fab_compiler::compile(&entry, &files).map_err(Failure::environment)?;
     if compiled.has_errors() || compiled.programs.is_empty() {
         let path = draft.library.0;
         // Every name that the language allows compiles, but those that the library gives to its own tasks.

@@ -13,7 +13,7 @@ pub fn check(name: &str) -> Result<(), Failure> {
             name.chars().count()
         )));
     }
-    let why = if compiler::is_keyword(name) {
+    let why = if fab_compiler::is_keyword(name) {
         "the language uses this word itself"
     } else if is_name(name) {
         return Ok(());
@@ -44,7 +44,7 @@ fn repaired(name: &str) -> String {
         .filter(|part| !part.is_empty())
         .collect();
     let joined = parts.join("_");
-    match is_name(&joined) && !compiler::is_keyword(&joined) {
+    match is_name(&joined) && !fab_compiler::is_keyword(&joined) {
         true => joined,
         false => format!("my_{joined}").trim_end_matches('_').to_owned(),
     }

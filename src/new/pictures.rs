@@ -2,9 +2,9 @@
 
 use super::shown;
 use crate::exit::Failure;
+use fab_runtime::draft::Named;
+use fab_runtime::picture::{self, PictureError};
 use image::ImageFormat;
-use runtime::draft::Named;
-use runtime::picture::{self, PictureError};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! Folds and points of the cloth, written as the language does.
 
-use compiler::program::{ClothPoint, Fold};
+use fab_program::{ClothPoint, Fold};
 
 /// Writes a whole fold, whatever its fraction.
 pub fn fold_text(fold: &Fold) -> String {

@@ -2,8 +2,8 @@
 
 use crate::exit::Failure;
 use crate::sources;
-use compiler::facts::SceneView;
-use compiler::program::{KeypointShape, PixelPoint, Program};
+use fab_program::scene::SceneView;
+use fab_program::{KeypointShape, PixelPoint, Program};
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 //! In: a stage's messages, whose texts know their stretches. Out: the lines that `fabc render` prints and `fabc snap`
 //! pins, the same for both.
 
-use compiler::render::{Origin, Said};
+use fab_program::render::{Origin, Said};
 
 /// One message as it is shown.
 pub struct Shown {
@@ -142,7 +142,7 @@ fn of_text(said: &Said) -> Vec<Line> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use compiler::render::{Place, Stretch};
+    use fab_program::render::{Place, Stretch};
 
     fn origin(line: u32, value: Option<&str>) -> Origin {
         Origin {

@@ -4,8 +4,8 @@
 //! as JSON. What pictures weigh and what tokens cost is known for a named model alone.
 
 use super::page::{Line, ShownPart, ShownStage};
-use compiler::render::Origin;
-use compiler::tokens;
+use fab_program::render::Origin;
+use fab_program::tokens;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -7,10 +7,10 @@ use super::why::Rates;
 use crate::cli::render::RenderArguments;
 use crate::exit::Failure;
 use crate::output;
-use compiler::facts::Facts;
-use compiler::pointing::Pointing;
-use compiler::program::{Program, Stage};
-use compiler::render::{self, PromptMessage, PromptSpeaker, RenderError, Values};
+use fab_program::facts::Facts;
+use fab_program::pointing::Pointing;
+use fab_program::render::{self, PromptMessage, PromptSpeaker, RenderError, Values};
+use fab_program::{Program, Stage};
 use std::collections::BTreeMap;
 
 /// Returns the task as it is: no start is laid.

@@ -7,7 +7,7 @@ use super::edits::{self, Cause, Edit};
 use super::find::Pending;
 use super::words;
 use crate::snapshots::Contents;
-use compiler::tokens;
+use fab_program::tokens;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};

@@ -4,8 +4,8 @@
 //! pale grey copy of the picture after; pictures of two sizes are laid at the top left of the larger one. In place of
 //! a file that is no picture there is an empty panel.
 
+use fab_runtime::picture;
 use image::{Rgb, RgbImage, imageops};
-use runtime::picture;
 use std::path::Path;
 
 /// Between panels, pixels.

@@ -7,7 +7,7 @@ use crate::exit::Failure;
 #[cfg(feature = "runtime")]
 use crate::store;
 #[cfg(feature = "runtime")]
-use runtime::picture;
+use fab_runtime::picture;
 use std::path::PathBuf;
 
 /// Where such files go.

@@ -8,7 +8,7 @@ use super::find::Pending;
 use super::groups::{Group, Kind};
 use super::styled::{Line, Style};
 use crate::snapshots::Contents;
-use compiler::diag::Color;
+use fab_compiler::diag::Color;
 use similar::{ChangeTag, TextDiff};
 use std::path::PathBuf;
 

@@ -88,12 +88,12 @@ impl Line {
     }
 
     /// Returns it as a terminal shows it, without the blanks at its end.
-    pub fn painted(&self, color: compiler::diag::Color) -> String {
+    pub fn painted(&self, color: fab_compiler::diag::Color) -> String {
         let mut text = String::new();
         let mut now = Style::Plain;
         let last = self.0.iter().rposition(|cell| cell.0 != ' ');
         for (letter, style) in &self.0[..last.map_or(0, |last| last + 1)] {
-            if color == compiler::diag::Color::Ansi && *style != now {
+            if color == fab_compiler::diag::Color::Ansi && *style != now {
                 text.push_str("\x1b[0m");
                 text.push_str(code(*style));
                 now = *style;

@@ -8,7 +8,7 @@ use super::groups::{self, Group, Kind, Tokens};
 use super::show::{self, Extent, Layout, View};
 use super::styled::{Line, Style};
 use crate::snapshots::{Contents, Info, Metadata, Name, Origin, Snapshot};
-use compiler::diag::Color;
+use fab_compiler::diag::Color;
 use std::path::PathBuf;
 
 fn snapshot(text: &str) -> Snapshot {

@@ -6,12 +6,12 @@
 use crate::cli::robot::CheckArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
+use fab_runtime::arm::calibration::Calibration;
+use fab_runtime::arm::kinematics::chain::Chain;
+use fab_runtime::arm::kinematics::reach::{Reach, Turn};
+use fab_runtime::arm::limits;
+use fab_runtime::arm::settings::Settings;
 use nalgebra::Point3;
-use runtime::arm::calibration::Calibration;
-use runtime::arm::kinematics::chain::Chain;
-use runtime::arm::kinematics::reach::{Reach, Turn};
-use runtime::arm::limits;
-use runtime::arm::settings::Settings;
 use serde_json::{Value, json};
 use std::path::Path;
 

@@ -6,8 +6,8 @@
 use crate::cli::robot::RecoverArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
-use runtime::arm::last::{self, Standing};
-use runtime::arm::log::{ARM_FILE, ArmLog, Entry, Left, left};
+use fab_runtime::arm::last::{self, Standing};
+use fab_runtime::arm::log::{ARM_FILE, ArmLog, Entry, Left, left};
 use serde_json::{Value, json};
 use std::io::{BufRead, Read};
 use std::path::Path;

@@ -5,8 +5,8 @@
 
 use super::recover::in_words;
 use crate::output;
-use runtime::arm::last::{self, Standing};
-use runtime::arm::log::{Left, left};
+use fab_runtime::arm::last::{self, Standing};
+use fab_runtime::arm::log::{Left, left};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};

@@ -1,13 +1,13 @@
 //! What `fabc run` says: a line per step while it runs, and a summary.
 
 use crate::output;
-use compiler::program::{Goal, Metric};
-use compiler::verify::Verdict;
-use runtime::agent::{Attempt, Finding};
-use runtime::calls::Spent;
-use runtime::operator::Judgement;
-use runtime::rollout::{CoverageSource, Event, RolloutReport};
-use runtime::world::Grasp;
+use fab_program::verify::Verdict;
+use fab_program::{Goal, Metric};
+use fab_runtime::agent::{Attempt, Finding};
+use fab_runtime::calls::Spent;
+use fab_runtime::operator::Judgement;
+use fab_runtime::rollout::{CoverageSource, Event, RolloutReport};
+use fab_runtime::world::Grasp;
 
 /// Shows one event on stderr, unless it is of one of the `earlier` steps, which were shown when they were new.
 pub fn show(event: Event<'_>, earlier: u32) {

@@ -9,14 +9,14 @@ use super::parallel::{in_parallel, threads};
 use crate::cli::sim::CrumpleArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, setting};
-use compiler::program::{self, Camera, ClothStart, ImageUp, Picker};
-use runtime::interrupt::Interrupt;
-use runtime::start::Start;
-use runtime::world::{SimulatedWorld, WorldError};
-use runtime::{crumple, metrics, npy};
+use fab_program::{self as program, Camera, ClothStart, ImageUp, Picker};
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::start::Start;
+use fab_runtime::world::{SimulatedWorld, WorldError};
+use fab_runtime::{crumple, metrics, npy};
+use fab_sim::{Mask, mesh};
 use serde::Serialize;
 use serde_json::{Value, json};
-use sim::{Mask, mesh};
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -80,7 +80,7 @@ pub fn run(arguments: &CrumpleArguments) -> Result<Exit, Failure> {
     let starts: Vec<Crumpled> = results?.into_iter().flatten().collect();
     if arguments.json {
         output::json(&json!({
-            "params": sim::Params::default().hash(),
+            "params": fab_sim::Params::default().hash(),
             "dimx": cloth.flat.grid.dimx,
             "dimy": cloth.flat.grid.dimy,
             "spacing_m": cloth.flat.grid.spacing_m,
@@ -121,7 +121,7 @@ fn cloth(arguments: &CrumpleArguments) -> Result<Cloth, Failure> {
             None => grid_of([DEFAULT_SIZE; 2], &format!("--size {DEFAULT_SIZE}"))?,
         }),
     };
-    let sim::Grid { dimx, dimy, .. } = mask.grid();
+    let fab_sim::Grid { dimx, dimy, .. } = mask.grid();
     name.push(format!("{dimx}x{dimy}"));
     let declared = program::Cloth {
         dimx: dimx as u32,
@@ -137,7 +137,7 @@ fn cloth(arguments: &CrumpleArguments) -> Result<Cloth, Failure> {
 }
 
 /// Returns the grid that the command line states, and the words that state it.
-fn stated_grid(arguments: &CrumpleArguments) -> Result<Option<(sim::Grid, String)>, Failure> {
+fn stated_grid(arguments: &CrumpleArguments) -> Result<Option<(fab_sim::Grid, String)>, Failure> {
     let ([dimx, dimy], shown) = match (&arguments.dims, arguments.size) {
         (Some(text), _) => (setting::dims_of(text)?, format!("--dims {text}")),
         (None, Some(size)) => ([size; 2], format!("--size {size}")),
@@ -147,16 +147,16 @@ fn stated_grid(arguments: &CrumpleArguments) -> Result<Option<(sim::Grid, String
     Ok(Some((grid, shown)))
 }
 
-fn grid_of([dimx, dimy]: [u32; 2], shown: &str) -> Result<sim::Grid, Failure> {
-    sim::Grid::new(dimx as usize, dimy as usize, SPACING_M as f32)
+fn grid_of([dimx, dimy]: [u32; 2], shown: &str) -> Result<fab_sim::Grid, Failure> {
+    fab_sim::Grid::new(dimx as usize, dimy as usize, SPACING_M as f32)
         .map_err(|error| Failure::usage(format!("`{shown}`: {error}")))
 }
 
 /// Refuses a stated grid that is not that of the outline.
 fn not_against(
-    stated: &Option<(sim::Grid, String)>,
+    stated: &Option<(fab_sim::Grid, String)>,
     outline: &Path,
-    found: sim::Grid,
+    found: fab_sim::Grid,
 ) -> Result<(), Failure> {
     match stated {
         Some((grid, shown)) if *grid != found => Err(Failure::usage(format!(
@@ -242,7 +242,7 @@ fn write(
 ) -> Result<String, Failure> {
     let [positions, beside] = paths(folder, cloth, crumpled.seed);
     let mut description = files::description(&start.grid, &cloth.mask, MADE_BY);
-    description["params"] = json!(sim::Params::default().hash());
+    description["params"] = json!(fab_sim::Params::default().hash());
     description["seed"] = json!(crumpled.seed);
     description["coverage"] = json!(crumpled.coverage);
     description["true_coverage"] = json!(crumpled.true_coverage);

@@ -6,7 +6,7 @@
 
 use crate::exit::Failure;
 use crate::sources;
-use runtime::start::{Grid, Start, StartFrame, Up};
+use fab_runtime::start::{Grid, Start, StartFrame, Up};
 use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ pub struct Demonstration {
     /// Its number among those of the task.
     pub id: u64,
     /// The cloth.
-    pub grid: sim::Grid,
+    pub grid: fab_sim::Grid,
     /// What was done, in order.
     pub picks: Vec<Pick>,
     frame: StartFrame,
@@ -102,7 +102,7 @@ pub fn read(folder: &Path) -> Result<Vec<Demonstration>, Failure> {
 }
 
 fn demonstration(entry: Entry, folder: &Path) -> Result<Demonstration, String> {
-    let grid = sim::Grid::new(
+    let grid = fab_sim::Grid::new(
         entry.dimx as usize,
         entry.dimy as usize,
         entry.spacing_m as f32,

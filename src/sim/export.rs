@@ -4,9 +4,9 @@ use super::files::{self, State};
 use crate::cli::sim::ExportArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
-use runtime::npy;
+use fab_runtime::npy;
+use fab_sim::Params;
 use serde_json::json;
-use sim::Params;
 use std::path::{Path, PathBuf};
 
 /// Says in a description who wrote it, so that a later call knows what it may replace.
@@ -66,7 +66,7 @@ fn positions(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
 
 /// Writes the cloth's triangles as a Wavefront file.
 fn mesh(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let text = sim::mesh::obj(&state.mask, &state.positions).map_err(Failure::environment)?;
+    let text = fab_sim::mesh::obj(&state.mask, &state.positions).map_err(Failure::environment)?;
     files::write(path, text.as_bytes())?;
     Ok(vec![path.to_owned()])
 }

@@ -4,10 +4,10 @@ use super::SPACING_M;
 use crate::cli::sim::StateArguments;
 use crate::exit::Failure;
 use crate::{setting, sources};
-use runtime::start::{Grid, Outline, Start, StartFrame, Up};
-use runtime::store;
+use fab_runtime::start::{Grid, Outline, Start, StartFrame, Up};
+use fab_runtime::store;
+use fab_sim::Mask;
 use serde_json::{Value, json};
-use sim::Mask;
 use std::path::Path;
 
 /// Particle positions in the world frame, and their cloth.
@@ -30,7 +30,7 @@ pub fn read_state(arguments: &StateArguments) -> Result<State, Failure> {
         dimy,
         spacing_m,
     } = start.grid;
-    let grid = sim::Grid::new(dimx as usize, dimy as usize, spacing_m as f32)
+    let grid = fab_sim::Grid::new(dimx as usize, dimy as usize, spacing_m as f32)
         .map_err(|error| Failure::environment(format!("`{}`: {error}", path.display())))?;
     let described = match &start.outline {
         Some(outline) => Some(described_outline(outline, grid, path)?),
@@ -61,7 +61,11 @@ fn wrong_outline(path: &Path, why: &str) -> Failure {
 }
 
 /// Returns the outline that a state's description holds.
-fn described_outline(outline: &Outline, grid: sim::Grid, state: &Path) -> Result<Mask, Failure> {
+fn described_outline(
+    outline: &Outline,
+    grid: fab_sim::Grid,
+    state: &Path,
+) -> Result<Mask, Failure> {
     Mask::parse(&outline.text(), grid.spacing_m)
         .map_err(|error| error.to_string())
         .and_then(|mask| fits(mask, grid, state))
@@ -74,7 +78,7 @@ fn described_outline(outline: &Outline, grid: sim::Grid, state: &Path) -> Result
 /// Reads the outline that the command line names for a state; it may not say otherwise than the description.
 fn stated_outline(
     path: &Path,
-    grid: sim::Grid,
+    grid: fab_sim::Grid,
     state: &Path,
     described: Option<Mask>,
 ) -> Result<Mask, Failure> {
@@ -94,7 +98,7 @@ fn stated_outline(
 }
 
 /// Checks that an outline is of a state's grid.
-fn fits(mask: Mask, grid: sim::Grid, state: &Path) -> Result<Mask, String> {
+fn fits(mask: Mask, grid: fab_sim::Grid, state: &Path) -> Result<Mask, String> {
     if mask.grid() == grid {
         return Ok(mask);
     }
@@ -106,7 +110,7 @@ fn fits(mask: Mask, grid: sim::Grid, state: &Path) -> Result<Mask, String> {
 }
 
 /// Says how large a grid is, in words.
-pub fn size(grid: sim::Grid) -> String {
+pub fn size(grid: fab_sim::Grid) -> String {
     format!("{} columns and {} rows", grid.dimx, grid.dimy)
 }
 

@@ -4,9 +4,9 @@ use super::files;
 use crate::cli::sim::{CameraArgument, DrawArguments};
 use crate::exit::{Exit, Failure};
 use crate::output;
+use fab_sim::{Frame, ImageUp, Look, Params, TopDownCamera};
 use image::{DynamicImage, GrayImage, ImageFormat, RgbImage};
 use serde_json::json;
-use sim::{Frame, ImageUp, Look, Params, TopDownCamera};
 use std::io::Cursor;
 use std::path::PathBuf;
 

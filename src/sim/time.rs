@@ -5,8 +5,8 @@ use crate::exit::{Exit, Failure};
 use crate::sim::SPACING_M;
 use crate::sim::parallel::in_parallel;
 use crate::{output, setting};
+use fab_sim::{Grid, Params, SimError, diagonal_fold};
 use serde_json::json;
-use sim::{Grid, Params, SimError, diagonal_fold};
 use std::time::Instant;
 
 /// How often the fold is timed; the median is reported.

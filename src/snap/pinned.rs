@@ -5,7 +5,7 @@ use super::scene::{Moment, PinnedScene};
 use super::wanted::name;
 use crate::exit::Failure;
 use crate::snapshots::{Contents, Name};
-use compiler::program::Program;
+use fab_program::Program;
 use std::collections::BTreeSet;
 
 pub fn scene_name(program: &Program, scene: &str) -> Result<Name, Failure> {

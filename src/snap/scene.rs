@@ -5,9 +5,10 @@
 
 use crate::exit::Failure;
 use crate::sources;
-use compiler::facts::{Done, SceneView};
-use compiler::program::{PixelPoint, Program, Subgoals, Value};
-use compiler::reply::Proposal;
+use fab_program::Proposal;
+use fab_program::facts::Done;
+use fab_program::scene::SceneView;
+use fab_program::{PixelPoint, Program, Subgoals, Value};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use sha2::{Digest, Sha256};

@@ -11,11 +11,11 @@ use crate::render::page::ShownStage;
 use crate::render::title;
 use crate::snapshots::{Contents, Info, Metadata, Name, Snapshot};
 use crate::sources;
-use compiler::facts::Facts;
-use compiler::pointing::Pointing;
-use compiler::program::{Picture, Program, Stage};
-use compiler::render::{PromptPicture, Values};
-use compiler::tokens;
+use fab_program::facts::Facts;
+use fab_program::pointing::Pointing;
+use fab_program::render::{PromptPicture, Values};
+use fab_program::tokens;
+use fab_program::{Picture, Program, Stage};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 

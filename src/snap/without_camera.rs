@@ -5,8 +5,8 @@ use crate::exit::Failure;
 use crate::output;
 use crate::render::page::Shown;
 use crate::render::shown_without_pictures;
-use compiler::program::{Picture, Program, Stage};
-use compiler::render::{self, Values};
+use fab_program::render::{self, Values};
+use fab_program::{Picture, Program, Stage};
 use std::path::Path;
 
 /// Returns the programs as they are: this build lays no cloth.

@@ -2,8 +2,8 @@
 
 use crate::cli::render::RenderArguments;
 use crate::sources::{self, Disk};
-use compiler::program::{ClothStart, FileRef, Program, Subgoals};
-use compiler::{LoadError, Loader};
+use fab_compiler::{LoadError, Loader};
+use fab_program::{ClothStart, FileRef, Program, Subgoals};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub fn files(entries: &[String], others: &[PathBuf]) -> BTreeSet<PathBuf> {
             disk: Disk::beside(entry),
             asked: RefCell::default(),
         };
-        let compiled = compiler::compile(entry, &loader);
+        let compiled = fab_compiler::compile(entry, &loader);
         files.extend(loader.asked.into_inner());
         let folder = sources::folder_of(entry);
         for program in compiled.iter().flat_map(|compiled| &compiled.programs) {

@@ -1,10 +1,10 @@
 //! An arm over ROS: where it says it is, and goals that it reaches or gives up.
 
 use super::nodes::{Ros, TRAJECTORY, outcome, send_until_active};
+use fab_runtime::arm::port::{Ending, Goal, GoalId, GoalState, Port, Waypoint};
+use fab_runtime::arm::ros::{self, RosPort};
+use fab_runtime::arm::settings::RosSettings;
 use nalgebra::{Isometry3, Translation3};
-use runtime::arm::port::{Ending, Goal, GoalId, GoalState, Port, Waypoint};
-use runtime::arm::ros::{self, RosPort};
-use runtime::arm::settings::RosSettings;
 
 /// Where the tool is to go: up by some metres from where it is.
 fn above(port: &mut RosPort, by_m: f64) -> Goal {

@@ -1,9 +1,9 @@
 //! A camera over ROS: pictures as they were taken, since they were asked for.
 
 use super::nodes::{PATIENCE_S, Ros};
-use runtime::arm::rgbd::{Intrinsics, RgbdSource};
-use runtime::arm::ros::RosCamera;
-use runtime::arm::settings::RosSettings;
+use fab_runtime::arm::rgbd::{Intrinsics, RgbdSource};
+use fab_runtime::arm::ros::RosCamera;
+use fab_runtime::arm::settings::RosSettings;
 
 #[test]
 #[ignore = "needs ROS: make test-peers"]

@@ -1,7 +1,7 @@
 //! Whether ROS computes the same sums from the definitions of messages as the generator of Rust types.
 
 use super::nodes;
-use runtime::arm::ros;
+use fab_runtime::arm::ros;
 
 #[test]
 #[ignore = "needs ROS: make test-peers"]

@@ -1,9 +1,9 @@
 //! What is not there, and what breaks off: told in words, in time, and never waited for.
 
 use super::nodes::{MODEL, Ros, TRAJECTORY, free_port, outcome, send_until_active};
-use runtime::arm::port::{Ending, Goal, GoalState, Port};
-use runtime::arm::ros::{self, RosError};
-use runtime::arm::settings::RosSettings;
+use fab_runtime::arm::port::{Ending, Goal, GoalState, Port};
+use fab_runtime::arm::ros::{self, RosError};
+use fab_runtime::arm::settings::RosSettings;
 use std::time::{Duration, Instant};
 
 /// Connects in vain, in time; returns what it says.

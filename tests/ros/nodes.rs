@@ -1,8 +1,8 @@
 //! A master and an arm's node of their own for each test, both ended with it.
 
-use runtime::arm::port::{Goal, GoalId, GoalState, Port};
-use runtime::arm::ros::{self, RosPort};
-use runtime::arm::settings::RosSettings;
+use fab_runtime::arm::port::{Goal, GoalId, GoalState, Port};
+use fab_runtime::arm::ros::{self, RosPort};
+use fab_runtime::arm::settings::RosSettings;
 use std::fs::OpenOptions;
 use std::net::{TcpListener, TcpStream};
 use std::os::unix::process::CommandExt;
@@ -183,7 +183,7 @@ pub fn generate(modules: &Path, types: &[&str]) -> String {
 }
 
 /// Lets time pass until the goal ends; `None` if it does not within some seconds.
-pub fn outcome(port: &mut RosPort, goal: &GoalId) -> Option<runtime::arm::port::Ending> {
+pub fn outcome(port: &mut RosPort, goal: &GoalId) -> Option<fab_runtime::arm::port::Ending> {
     let deadline_s = port.now_s() + 20.0;
     while port.now_s() < deadline_s {
         if let GoalState::Ended(ending) = port.state(goal) {

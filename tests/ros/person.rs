@@ -1,13 +1,13 @@
 //! A person beside the arm: sees to one that a killed program left, lets it go, and guides it from point to point.
 
 use super::lab::{Driver, Lab, Run};
+use fab_runtime::arm::calibration::read_pairs;
+use fab_runtime::arm::driver::{Arm, PortArm};
+use fab_runtime::arm::kinematics::tool_down::tool_down;
+use fab_runtime::arm::port::Port;
+use fab_runtime::arm::rgbd::RgbdSource;
+use fab_runtime::arm::ros::RosCamera;
 use nalgebra::{Point3, Vector3};
-use runtime::arm::calibration::read_pairs;
-use runtime::arm::driver::{Arm, PortArm};
-use runtime::arm::kinematics::tool_down::tool_down;
-use runtime::arm::port::Port;
-use runtime::arm::rgbd::RgbdSource;
-use runtime::arm::ros::RosCamera;
 use std::io::{BufRead, BufReader, Lines, Write};
 use std::process::{ChildStderr, Stdio};
 use std::time::{Duration, Instant};

@@ -5,12 +5,12 @@
 
 use super::lab::Lab;
 use super::nodes::PATIENCE_S;
+use fab_runtime::arm::driver::{Arm, PortArm};
+use fab_runtime::arm::kinematics::tool_down::tool_down;
+use fab_runtime::arm::rgbd::RgbdSource;
+use fab_runtime::arm::ros::RosCamera;
+use fab_runtime::chance::Chance;
 use nalgebra::Point3;
-use runtime::arm::driver::{Arm, PortArm};
-use runtime::arm::kinematics::tool_down::tool_down;
-use runtime::arm::rgbd::RgbdSource;
-use runtime::arm::ros::RosCamera;
-use runtime::chance::Chance;
 use serde_json::json;
 
 /// How far a pixel is read wrong, at the most.

@@ -3,14 +3,14 @@
 
 use super::lab::{Driver, Lab, cache_folder, project};
 use super::touching::{Touching, calibrate};
-use compiler::program::Program;
-use compiler::{LoadError, Loader};
-use runtime::arm::log::{Left, left};
-use runtime::cache::Cache;
-use runtime::interrupt::Interrupt;
-use runtime::start::Start;
-use runtime::world::{SimulatedWorld, World, WorldError};
-use runtime::{expert, metrics};
+use fab_compiler::{LoadError, Loader};
+use fab_program::Program;
+use fab_runtime::arm::log::{Left, left};
+use fab_runtime::cache::Cache;
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::start::Start;
+use fab_runtime::world::{SimulatedWorld, World, WorldError};
+use fab_runtime::{expert, metrics};
 
 /// How far the cloth may be from the nearest expert's, metres: twice what was found over eight cameras, 6 to 12 mm;
 /// it differs from run to run by some, as messages come when they come.
@@ -60,7 +60,7 @@ fn folds_a_double_triangle(driver: Driver, seed: u64) {
     assert_eq!(ended.report["steps"], 2);
     assert_eq!(left(&folder).unwrap(), Left::Clear);
 
-    let compiled = compiler::compile("tasks/real/double_triangle.fab", &Files).unwrap();
+    let compiled = fab_compiler::compile("tasks/real/double_triangle.fab", &Files).unwrap();
     let truth = lab.truth();
     let distance_m = distance_m(&compiled.programs[0], &truth.particles_m);
     println!(

@@ -1,18 +1,18 @@
 //! The agent loop under scripted models: what ends it, what it asks again, what it never does.
 
 use super::support::{self, Scripted, Trial};
-use compiler::program::{Extractor, Program, Response};
-use compiler::verify::Verdict;
-use runtime::agent::{Finding, Models};
-use runtime::cache::Cache;
-use runtime::calls::Budget;
-use runtime::interrupt::Interrupt;
-use runtime::model::{Part, Request, Speaker};
-use runtime::outcome::Outcome;
-use runtime::rollout::{Event, RolloutReport};
-use runtime::start::Start;
-use runtime::subgoals::{Origin, SubgoalSet};
-use runtime::world::Look;
+use fab_program::verify::Verdict;
+use fab_program::{Extractor, Program, Response};
+use fab_runtime::agent::{Finding, Models};
+use fab_runtime::cache::Cache;
+use fab_runtime::calls::Budget;
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::model::{Part, Request, Speaker};
+use fab_runtime::outcome::Outcome;
+use fab_runtime::rollout::{Event, RolloutReport};
+use fab_runtime::start::Start;
+use fab_runtime::subgoals::{Origin, SubgoalSet};
+use fab_runtime::world::Look;
 
 const WORDS: &str = "Instructions: fold the back left corner onto the front left corner.\nExplanation: the arrow says so.";
 
@@ -51,7 +51,7 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
         origin: Origin::Author,
     };
     let trial = Trial {
-        examples: runtime::examples::Examples::default(),
+        examples: fab_runtime::examples::Examples::default(),
         program,
         start: Start::flat(&program.cloth),
         subgoals,

@@ -1,11 +1,11 @@
 //! The picture of the flat cloth on an arm's table: taken from the settings, or of the table that is simulated.
 
 use super::support::{self, bring_robot, fabc, finish};
+use fab_runtime::arm::supervisor::{NoWatchdog, Unattended};
+use fab_runtime::start::Start;
+use fab_runtime::world::jaco::{self, FlatPicture, Parts, about};
+use fab_runtime::world::{ArmWorld, World};
 use image::RgbImage;
-use runtime::arm::supervisor::{NoWatchdog, Unattended};
-use runtime::start::Start;
-use runtime::world::jaco::{self, FlatPicture, Parts, about};
-use runtime::world::{ArmWorld, World};
 use std::path::Path;
 
 const WINDOW: &str = "window_px = [0, 0, 720]";

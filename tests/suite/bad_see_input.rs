@@ -3,8 +3,8 @@
 use super::bad_input::refused;
 use super::see::{FOLDING, SIDE_PX, write_depth};
 use super::support::{fabc, finish, project};
+use fab_runtime::picture;
 use image::{Rgb, RgbImage};
-use runtime::picture;
 use serde_json::Value;
 use std::fs;
 

@@ -3,8 +3,8 @@
 mod typed;
 
 use super::support::{Said, fabc, finish};
+use fab_runtime::arm::calibration::{Calibration, Pair, csv_line};
 use image::{Luma, Rgb, RgbImage};
-use runtime::arm::calibration::{Calibration, Pair, csv_line};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

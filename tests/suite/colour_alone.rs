@@ -1,11 +1,11 @@
 //! Keypoints from colour alone, as on the paper's real table: no depth, no number that depends on the lamp.
 
 use super::support::{self, ProjectFiles, Trial};
-use compiler::program::{PixelPoint, Program};
-use compiler::{LoadError, Loader};
+use fab_compiler::{LoadError, Loader};
+use fab_program::{PixelPoint, Program};
+use fab_runtime::see::{Brought, SeeError, Seen, see};
+use fab_runtime::world::Look;
 use image::{Rgb, RgbImage};
-use runtime::see::{Brought, SeeError, Seen, see};
-use runtime::world::Look;
 
 /// A table in one grey with a square of a colour from 146 to 333 on both axes, and a speck of that colour far from it.
 fn table(grey: u8, cloth: [u8; 3]) -> RgbImage {
@@ -26,7 +26,7 @@ fn look(program: &Program, rgb: RgbImage) -> Result<Seen, SeeError> {
 
 fn real(task: &str) -> Program {
     let file = format!("tasks/real/{task}.fab");
-    let compiled = compiler::compile(&file, &ProjectFiles).unwrap();
+    let compiled = fab_compiler::compile(&file, &ProjectFiles).unwrap();
     assert!(
         compiled.diagnostics.is_empty(),
         "{:?}",
@@ -117,7 +117,7 @@ fn own(keypoints: &str) -> Program {
          stage describe {{ model vision show scene say \"?\" read instruction from \"I: {{instruction}}\" }}\n\
          verify {{ attempts 1 }}\nkeypoints {{ {keypoints} }} }}"
     );
-    let compiled = compiler::compile("tasks/real/own.fab", &Own(text)).unwrap();
+    let compiled = fab_compiler::compile("tasks/real/own.fab", &Own(text)).unwrap();
     assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
     compiled.programs.into_iter().next().unwrap()
 }

@@ -20,7 +20,7 @@ fn a_code_is_explained_by_an_example_with_its_real_message() {
         "{}",
         said.stdout
     );
-    fs::write(folder.path().join("half.fab"), compiler::explain::HALF).unwrap();
+    fs::write(folder.path().join("half.fab"), fab_compiler::explain::HALF).unwrap();
     let (_, example) = said.stdout.split_once("For example:\n\n").unwrap();
     let (example, _) = example.split_once("\nerror").unwrap();
     let example: String = example
@@ -42,7 +42,7 @@ fn without_a_code_all_are_listed() {
     let folder = tempfile::tempdir().unwrap();
     let said = finish(fabc(folder.path()).arg("explain"));
     assert_eq!(said.code, 0);
-    assert_eq!(said.stdout, compiler::explain::list());
+    assert_eq!(said.stdout, fab_compiler::explain::list());
 }
 
 #[test]

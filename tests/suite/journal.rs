@@ -1,15 +1,15 @@
 //! The run folder: whole lines, nothing overwritten, and enough to recompute the result.
 
 use super::support::{self, Scripted, Trial};
-use runtime::agent::Models;
-use runtime::cache::Cache;
-use runtime::journal::{JournalError, RunFolder};
-use runtime::model::Geometric;
-use runtime::rollout::RolloutReport;
-use runtime::start::{Start, StartFrame};
-use runtime::world::Look;
+use fab_runtime::agent::Models;
+use fab_runtime::cache::Cache;
+use fab_runtime::journal::{JournalError, RunFolder};
+use fab_runtime::model::Geometric;
+use fab_runtime::rollout::RolloutReport;
+use fab_runtime::start::{Start, StartFrame};
+use fab_runtime::world::Look;
+use fab_sim::{Params, Simulator};
 use serde_json::{Value, json};
-use sim::{Params, Simulator};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -156,7 +156,7 @@ fn every_step_has_the_digest_of_the_positions_that_it_keeps() {
         "up": "z",
     }))
     .unwrap();
-    let grid = sim::Grid::new(28, 28, 0.00625).unwrap();
+    let grid = fab_sim::Grid::new(28, 28, 0.00625).unwrap();
     let mut digests = BTreeSet::new();
     for line in lines.iter().filter(|line| line["type"] == "step") {
         let file = run.join(line["files"]["positions"].as_str().unwrap());

@@ -1,11 +1,11 @@
 //! What every [`Model`] must do; a new model adds one line at the end.
 
 use super::support::{self, Scripted};
-use compiler::program::ModelRole;
-use runtime::calls::Unkept;
-use runtime::interrupt::Interrupt;
-use runtime::model::remote::{Answers, BaseUrl, Gate, Settings, Shared, Tell, Wire};
-use runtime::model::{
+use fab_program::ModelRole;
+use fab_runtime::calls::Unkept;
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::model::remote::{Answers, BaseUrl, Gate, Settings, Shared, Tell, Wire};
+use fab_runtime::model::{
     Geometric, Imperfect, Message, Model, Part, Png, Random, Remote, Request, Speaker,
 };
 use std::io::{BufRead, BufReader, Read, Write};
@@ -40,9 +40,9 @@ fn requests() -> Vec<Request> {
         }]
     };
     let noise = Part::Image(Png::new(vec![7; 300]));
-    let blank = Part::Image(Png::new(runtime::picture::encode(&image::RgbImage::new(
-        32, 32,
-    ))));
+    let blank = Part::Image(Png::new(fab_runtime::picture::encode(
+        &image::RgbImage::new(32, 32),
+    )));
     let conversations = vec![
         Vec::new(),
         user(Vec::new()),
@@ -166,7 +166,7 @@ fn answer(mut stream: TcpStream) {
 
 #[test]
 fn the_stand_in_is_called_one() {
-    assert_eq!(Geometric.nature(), runtime::model::Nature::StandIn);
+    assert_eq!(Geometric.nature(), fab_runtime::model::Nature::StandIn);
     assert_eq!(support::task("double_straight").stages.len(), 2);
 }
 

@@ -1,11 +1,11 @@
 //! Input that no rollout can use: each kind ends in its own outcome, kept in the run folder and in the report.
 
 use super::support::{self, Scripted, Trial};
-use compiler::program::{Extractor, Program, Sight};
-use runtime::agent::Models;
-use runtime::model::{Geometric, Model};
-use runtime::outcome::Outcome;
-use runtime::world::Look;
+use fab_program::{Extractor, Program, Sight};
+use fab_runtime::agent::Models;
+use fab_runtime::model::{Geometric, Model};
+use fab_runtime::outcome::Outcome;
+use fab_runtime::world::Look;
 use serde_json::Value;
 
 /// Runs the small task after a change and asserts how it ends, in the report and on disk.

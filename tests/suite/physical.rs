@@ -3,19 +3,19 @@
 use super::bench::project;
 use super::seen_coverage::{Blind, flat};
 use super::support::{self, ProjectFiles, fabc};
-use compiler::program::{ClothStart, Program};
-use runtime::agent::Models;
-use runtime::bench::suite::Suite;
-use runtime::bench::{Bench, Entry, Task, play, rows, starts, table};
-use runtime::cache::Cache;
-use runtime::calls::Budget;
-use runtime::examples::Examples;
-use runtime::interrupt::Interrupt;
-use runtime::model::Random;
-use runtime::operator::{Cause, Judgement, Operator};
-use runtime::rollout::RolloutReport;
-use runtime::subgoals::{Origin, SubgoalSet};
-use runtime::world::{SimulatedWorld, World, WorldError};
+use fab_program::{ClothStart, Program};
+use fab_runtime::agent::Models;
+use fab_runtime::bench::suite::Suite;
+use fab_runtime::bench::{Bench, Entry, Task, play, rows, starts, table};
+use fab_runtime::cache::Cache;
+use fab_runtime::calls::Budget;
+use fab_runtime::examples::Examples;
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::model::Random;
+use fab_runtime::operator::{Cause, Judgement, Operator};
+use fab_runtime::rollout::RolloutReport;
+use fab_runtime::subgoals::{Origin, SubgoalSet};
+use fab_runtime::world::{SimulatedWorld, World, WorldError};
 use serde_json::Value;
 use std::collections::{BTreeMap, VecDeque};
 use std::fs;
@@ -178,7 +178,7 @@ impl Operator for Written {
 
 /// The shipped smoothing task of the real table, with a small cloth that lies flat.
 pub(super) fn smoothing() -> Program {
-    let compiled = compiler::compile("tasks/real/smoothing.fab", &ProjectFiles).unwrap();
+    let compiled = fab_compiler::compile("tasks/real/smoothing.fab", &ProjectFiles).unwrap();
     let mut program = compiled.programs.into_iter().next().unwrap();
     (program.cloth.dimx, program.cloth.dimy) = (28, 28);
     program.cloth.start = ClothStart::Flat;

@@ -1,15 +1,17 @@
 //! A model that answers in another frame is asked in it, and does what one does that answers in pixels.
 
 use super::support::{self, Scripted, Trial, words_of};
-use compiler::pointing::{Order, Unit};
-use runtime::action::Action;
-use runtime::agent::Models;
-use runtime::calls::Calls;
-use runtime::model::lowering::{Points, Resize};
-use runtime::model::{Geometric, Lowering, Model, ModelError, Nature, Part, Png, Reply, Request};
-use runtime::outcome::Outcome;
-use runtime::rollout::Event;
-use runtime::world::Look;
+use fab_program::pointing::{Order, Unit};
+use fab_runtime::action::Action;
+use fab_runtime::agent::Models;
+use fab_runtime::calls::Calls;
+use fab_runtime::model::lowering::{Points, Resize};
+use fab_runtime::model::{
+    Geometric, Lowering, Model, ModelError, Nature, Part, Png, Reply, Request,
+};
+use fab_runtime::outcome::Outcome;
+use fab_runtime::rollout::Event;
+use fab_runtime::world::Look;
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
 use std::sync::Mutex;

@@ -2,21 +2,21 @@
 //! there all the same.
 
 use super::support::{self, ProjectFiles, words_of};
-use compiler::program::Program;
-use compiler::{LoadError, Loader};
-use runtime::agent::Models;
-use runtime::cache::Cache;
-use runtime::calls::{Budget, Calls};
-use runtime::examples::Examples;
-use runtime::interrupt::Interrupt;
-use runtime::journal::{JOURNAL_FILE, RunFolder};
-use runtime::model::{Model, ModelError, Nature, Reply, Request};
-use runtime::observation::Observation;
-use runtime::outcome::Outcome;
-use runtime::rollout::{self, Job, RolloutReport, first_questions};
-use runtime::start::Start;
-use runtime::subgoals::{Origin, SubgoalSet};
-use runtime::world::{Executed, Motion, SimulatedWorld, World, WorldError, WorldPoint};
+use fab_compiler::{LoadError, Loader};
+use fab_program::Program;
+use fab_runtime::agent::Models;
+use fab_runtime::cache::Cache;
+use fab_runtime::calls::{Budget, Calls};
+use fab_runtime::examples::Examples;
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::journal::{JOURNAL_FILE, RunFolder};
+use fab_runtime::model::{Model, ModelError, Nature, Reply, Request};
+use fab_runtime::observation::Observation;
+use fab_runtime::outcome::Outcome;
+use fab_runtime::rollout::{self, Job, RolloutReport, first_questions};
+use fab_runtime::start::Start;
+use fab_runtime::subgoals::{Origin, SubgoalSet};
+use fab_runtime::world::{Executed, Motion, SimulatedWorld, World, WorldError, WorldPoint};
 use serde_json::Value;
 use std::sync::Mutex;
 
@@ -306,7 +306,7 @@ task own extends folding {
     verify { attempts 1 }
 }
 "#;
-    let compiled = compiler::compile("tasks/own.fab", &Beside(OWN)).unwrap();
+    let compiled = fab_compiler::compile("tasks/own.fab", &Beside(OWN)).unwrap();
     assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
     let program = compiled.programs.into_iter().next().unwrap();
     let played = play(&program, 0.05, &folds);
@@ -321,7 +321,7 @@ task own extends folding {
 }
 
 fn smoothing(variant: Option<&str>) -> Program {
-    let compiled = compiler::compile("tasks/smoothing.fab", &ProjectFiles).unwrap();
+    let compiled = fab_compiler::compile("tasks/smoothing.fab", &ProjectFiles).unwrap();
     let mut programs = compiled.programs.into_iter();
     let mut program = programs
         .find(|program| program.variant.as_deref() == variant)

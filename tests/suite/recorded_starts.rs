@@ -2,10 +2,10 @@
 
 use super::support::{self, Trial};
 use crate::recorded_data::recorded_data;
-use runtime::metrics::mean_particle_distance_m;
-use runtime::outcome::Outcome;
-use runtime::start::Start;
-use runtime::world::Look;
+use fab_runtime::metrics::mean_particle_distance_m;
+use fab_runtime::outcome::Outcome;
+use fab_runtime::start::Start;
+use fab_runtime::world::Look;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -35,9 +35,9 @@ fn fold(entry: &Path) -> f64 {
     );
     let end = Start::load(
         &folder.path().join("run/step_3/positions.npy"),
-        Some(runtime::start::StartFrame {
+        Some(fab_runtime::start::StartFrame {
             grid: trial.start.grid,
-            up: runtime::start::Up::Z,
+            up: fab_runtime::start::Up::Z,
         }),
     );
     mean_particle_distance_m(&end.unwrap().positions, &recorded.positions).unwrap() * 1000.0

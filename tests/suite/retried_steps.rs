@@ -1,14 +1,14 @@
 //! A step whose result is not like the next subgoal is asked again, a bounded number of times.
 
 use super::support::{self, Trial};
-use compiler::program::Program;
-use runtime::agent::Models;
-use runtime::calls::Calls;
-use runtime::model::{
+use fab_program::Program;
+use fab_runtime::agent::Models;
+use fab_runtime::calls::Calls;
+use fab_runtime::model::{
     Geometric, Message, Model, ModelError, Nature, Part, Reply, Request, Speaker,
 };
-use runtime::rollout::RolloutReport;
-use runtime::world::Look;
+use fab_runtime::rollout::RolloutReport;
+use fab_runtime::world::Look;
 use serde_json::Value;
 use std::sync::Mutex;
 

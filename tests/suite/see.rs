@@ -5,14 +5,14 @@
 use super::steered::steered_but;
 use super::support::{ProjectFiles, fabc, finish, project, world};
 use crate::recorded_data::recorded_data;
-use compiler::facts::SceneView;
-use compiler::program::{PixelPoint, Program};
+use fab_program::scene::SceneView;
+use fab_program::{PixelPoint, Program};
+use fab_runtime::picture;
+use fab_runtime::scene::Scene;
+use fab_runtime::see::{Brought, LastAction, see};
+use fab_runtime::start::Start;
+use fab_runtime::vision::{Mask, bounding_box, box_center};
 use image::{ImageBuffer, Luma, Rgb, RgbImage};
-use runtime::picture;
-use runtime::scene::Scene;
-use runtime::see::{Brought, LastAction, see};
-use runtime::start::Start;
-use runtime::vision::{Mask, bounding_box, box_center};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -21,7 +21,7 @@ const SMOOTHING: &str = "tests/fixtures/tasks/recorded_smoothing.fab";
 pub(super) const FOLDING: &str = "tests/fixtures/tasks/recorded_folding.fab";
 
 fn program(file: &str, variant: Option<&str>) -> Program {
-    let compiled = compiler::compile(file, &ProjectFiles).unwrap();
+    let compiled = fab_compiler::compile(file, &ProjectFiles).unwrap();
     assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
     let mut programs = compiled.programs.into_iter();
     programs

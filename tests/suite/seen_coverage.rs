@@ -1,20 +1,20 @@
 //! Coverage of a cloth whose particles nobody knows: by pictures, against one of the flat cloth.
 
 use super::support;
-use compiler::program::{Comparison, Goal, Metric, Program};
-use runtime::agent::Models;
-use runtime::cache::Cache;
-use runtime::calls::Budget;
-use runtime::examples::Examples;
-use runtime::interrupt::Interrupt;
-use runtime::journal::{JOURNAL_FILE, RunFolder};
-use runtime::model::Geometric;
-use runtime::observation::Observation;
-use runtime::outcome::Outcome;
-use runtime::rollout::{self, CoverageSource, Job, RolloutReport, RunError};
-use runtime::start::Start;
-use runtime::subgoals::{Origin, SubgoalSet};
-use runtime::world::{Executed, Motion, SimulatedWorld, World, WorldError};
+use fab_program::{Comparison, Goal, Metric, Program};
+use fab_runtime::agent::Models;
+use fab_runtime::cache::Cache;
+use fab_runtime::calls::Budget;
+use fab_runtime::examples::Examples;
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::journal::{JOURNAL_FILE, RunFolder};
+use fab_runtime::model::Geometric;
+use fab_runtime::observation::Observation;
+use fab_runtime::outcome::Outcome;
+use fab_runtime::rollout::{self, CoverageSource, Job, RolloutReport, RunError};
+use fab_runtime::start::Start;
+use fab_runtime::subgoals::{Origin, SubgoalSet};
+use fab_runtime::world::{Executed, Motion, SimulatedWorld, World, WorldError};
 
 /// The simulator's world as one with a camera alone: it does not tell where particles are.
 pub(super) struct Blind {

@@ -7,9 +7,9 @@ mod whole;
 use super::support::Scripted;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use compiler::program::ModelRole;
-use runtime::calls::Calls;
-use runtime::model::{
+use fab_program::ModelRole;
+use fab_runtime::calls::Calls;
+use fab_runtime::model::{
     Geometric, Message, Model, ModelError, Nature, Part, Png, Reply, Request, Speaker,
 };
 use serde_json::{Value, json};
@@ -20,7 +20,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 fn blank(side: u32) -> Png {
-    Png::new(runtime::picture::encode(&image::RgbImage::new(side, side)))
+    Png::new(fab_runtime::picture::encode(&image::RgbImage::new(
+        side, side,
+    )))
 }
 
 fn data_url(png: &Png) -> String {

@@ -3,10 +3,10 @@
 use super::bad_starts::write_npy;
 use super::sim_verbs::told;
 use super::support::project;
-use runtime::metrics;
-use runtime::start::{Outline, Start};
+use fab_runtime::metrics;
+use fab_runtime::start::{Outline, Start};
+use fab_sim::{Grid, Mask, mesh};
 use serde_json::{Value, json};
-use sim::{Grid, Mask, mesh};
 use std::fs;
 use std::path::Path;
 

@@ -60,7 +60,7 @@ fn a_replay_measures_how_far_the_cloth_ends_from_the_recorded_end() {
     assert_eq!(value["rows"], json!([row]));
 
     // What was simulated, recorded as the end, leaves no error.
-    let grid = sim::Grid::new(10, 8, 0.00625).unwrap();
+    let grid = fab_sim::Grid::new(10, 8, 0.00625).unwrap();
     let start: Vec<[f32; 3]> = (0..80)
         .map(|index| {
             [
@@ -70,7 +70,8 @@ fn a_replay_measures_how_far_the_cloth_ends_from_the_recorded_end() {
             ]
         })
         .collect();
-    let mut cloth = sim::Simulator::from_positions(grid, &start, &sim::Params::default()).unwrap();
+    let mut cloth =
+        fab_sim::Simulator::from_positions(grid, &start, &fab_sim::Params::default()).unwrap();
     cloth
         .pick_and_place([0.0, 0.0], [0.02, -0.02], &|| false)
         .unwrap();

@@ -3,8 +3,8 @@
 use super::bad_starts::write_npy;
 use super::sim_replay::flat;
 use super::support::{Said, fabc, finish, project};
-use runtime::metrics;
-use runtime::start::Start;
+use fab_runtime::metrics;
+use fab_runtime::start::Start;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -19,7 +19,11 @@ pub(super) fn told(folder: &Path, arguments: &[&str]) -> Value {
     let said = said(folder, &[arguments, &["--json"]].concat());
     assert_eq!(said.code, 0, "{arguments:?}\n{}", said.stderr);
     let value: Value = serde_json::from_str(&said.stdout).unwrap();
-    assert_eq!(value["params"], sim::Params::default().hash(), "{value}");
+    assert_eq!(
+        value["params"],
+        fab_sim::Params::default().hash(),
+        "{value}"
+    );
     value
 }
 
@@ -31,7 +35,7 @@ fn time_counts_steps_springs_and_memory_and_gives_equal_bits() {
     for (field, expected) in [
         ("particles", json!(625)),
         ("steps", json!(113)),
-        ("substeps", json!(sim::Params::default().substeps)),
+        ("substeps", json!(fab_sim::Params::default().substeps)),
         ("constraints", json!(3502)),
         ("self_contact", json!(true)),
     ] {
@@ -79,8 +83,8 @@ fn crumpled_cloths_are_starts_and_the_same_again() {
         let read = Start::load(&here.join(start["file"].as_str().unwrap()), None).unwrap();
         assert_eq!((read.grid.dimx, read.grid.dimy), (12, 10));
         assert_eq!(start["digest"], read.digest());
-        let mask = sim::Mask::full(sim::Grid::new(12, 10, 0.00625).unwrap());
-        let triangles = sim::mesh::triangles(&mask);
+        let mask = fab_sim::Mask::full(fab_sim::Grid::new(12, 10, 0.00625).unwrap());
+        let triangles = fab_sim::mesh::triangles(&mask);
         let under_m2 = metrics::true_covered_area_m2(&read.positions, &triangles).unwrap();
         let flat_m2 = 11.0 * 9.0 * 0.00625 * 0.00625;
         assert!((truly(start) - under_m2 / flat_m2).abs() < 1e-6, "{start}");
@@ -144,8 +148,8 @@ fn the_cameras_draw_colour_and_depth() {
         (&value["file"], &value["size_px"]),
         (&json!("state.png"), &json!(224))
     );
-    let picture = runtime::picture::load(&here.join("state.png")).unwrap();
-    let top = sim::Look::default().top;
+    let picture = fab_runtime::picture::load(&here.join("state.png")).unwrap();
+    let top = fab_sim::Look::default().top;
     // 39 by 29 spacings, 6.25 mm each, seen from 0.645 m: 102.2 by 76.0 pixels.
     let orange = |picture: &image::RgbImage, at: [u32; 2]| picture.get_pixel(at[0], at[1]).0 == top;
     assert!(
@@ -168,7 +172,7 @@ fn the_cameras_draw_colour_and_depth() {
         ],
     );
     assert_eq!(value["size_px"], 720);
-    let picture = runtime::picture::load(&here.join("s.png")).unwrap();
+    let picture = fab_runtime::picture::load(&here.join("s.png")).unwrap();
     assert!(orange(&picture, [360, 270]) && !orange(&picture, [270, 360]));
 
     told(
@@ -183,7 +187,7 @@ fn the_cameras_draw_colour_and_depth() {
             "d.png",
         ],
     );
-    let picture = runtime::picture::load(&here.join("d.png")).unwrap();
+    let picture = fab_runtime::picture::load(&here.join("d.png")).unwrap();
     assert_eq!(picture.dimensions(), (64, 64));
     // The whole part of 255 times 0.65 m, and times 0.645 m.
     assert_eq!(
@@ -237,8 +241,8 @@ fn an_outline_cuts_the_cloth_in_pictures_and_meshes() {
     let outline = ["--outline", "left.txt"];
     let call = ["render", "state.npy", "-o", "left.png"];
     told(here, &[&call[..], &outline].concat());
-    let picture = runtime::picture::load(&here.join("left.png")).unwrap();
-    let top = sim::Look::default().top;
+    let picture = fab_runtime::picture::load(&here.join("left.png")).unwrap();
+    let top = fab_sim::Look::default().top;
     assert_eq!(picture.get_pixel(100, 112).0, top);
     assert_ne!(picture.get_pixel(124, 112).0, top);
 

@@ -1,15 +1,15 @@
 //! The stand-in in whole rollouts: what it may not depend on, and what stops it.
 
 use super::support::{self, Trial, task};
-use compiler::program::{ActionField, Choices, Program};
-use compiler::space;
-use runtime::agent::Models;
-use runtime::calls::Unkept;
-use runtime::model::{Geometric, Message, Model, ModelError, ModelRole, Request, Speaker};
-use runtime::outcome::Outcome;
-use runtime::rollout::Event;
-use runtime::subgoals::SubgoalSet;
-use runtime::world::Look;
+use fab_program::space;
+use fab_program::{ActionField, Choices, Program};
+use fab_runtime::agent::Models;
+use fab_runtime::calls::Unkept;
+use fab_runtime::model::{Geometric, Message, Model, ModelError, ModelRole, Request, Speaker};
+use fab_runtime::outcome::Outcome;
+use fab_runtime::rollout::Event;
+use fab_runtime::subgoals::SubgoalSet;
+use fab_runtime::world::Look;
 
 /// What a rollout of the small task came to: its outcome, and where each pick and place was, metres.
 type Played = (Outcome, Vec<[f64; 4]>);
@@ -75,7 +75,7 @@ fn another_camera_height_leads_to_the_same_points_on_the_table() {
     let mut higher = program;
     higher.camera.height_m = 0.75;
     for keypoint in &mut higher.keypoints {
-        if let compiler::program::Extractor::DepthMask { below_m } = &mut keypoint.extractor {
+        if let fab_program::Extractor::DepthMask { below_m } = &mut keypoint.extractor {
             *below_m = 0.746;
         }
     }

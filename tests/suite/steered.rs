@@ -3,21 +3,21 @@
 //! In: `tests/fixtures/tasks/steered.fab`. What the shipped folds do not use is used there.
 
 use super::support::{self, ProjectFiles, Scripted, Trial, words_of};
-use compiler::program::Program;
-use compiler::{LoadError, Loader};
-use runtime::agent::Models;
-use runtime::cache::Cache;
-use runtime::model::{Part, Request, Speaker};
-use runtime::outcome::Outcome;
-use runtime::rollout::{Event, RolloutReport};
-use runtime::world::{Look, Motion};
+use fab_compiler::{LoadError, Loader};
+use fab_program::Program;
+use fab_runtime::agent::Models;
+use fab_runtime::cache::Cache;
+use fab_runtime::model::{Part, Request, Speaker};
+use fab_runtime::outcome::Outcome;
+use fab_runtime::rollout::{Event, RolloutReport};
+use fab_runtime::world::{Look, Motion};
 use serde_json::Value;
 
 const FILE: &str = "tests/fixtures/tasks/steered.fab";
 
 /// Returns the task, or a variant of it.
 pub(super) fn steered(variant: Option<&str>) -> Program {
-    let compiled = compiler::compile(FILE, &ProjectFiles).unwrap();
+    let compiled = fab_compiler::compile(FILE, &ProjectFiles).unwrap();
     assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
     let mut programs = compiled.programs.into_iter();
     programs
@@ -45,7 +45,7 @@ pub(super) fn steered_but(changes: &[(&str, &str)]) -> Program {
         assert!(text.contains(part), "{part}");
         text = text.replace(part, other);
     }
-    let compiled = compiler::compile("steered.fab", &Changed(text)).unwrap();
+    let compiled = fab_compiler::compile("steered.fab", &Changed(text)).unwrap();
     assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
     compiled.programs.into_iter().next().unwrap()
 }

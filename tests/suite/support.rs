@@ -1,19 +1,19 @@
 //! What the tests share: the command, recorded data, small tasks, scripted models.
 
-use compiler::program::Program;
-use compiler::{LoadError, Loader};
-use runtime::agent::Models;
-use runtime::cache::Cache;
-use runtime::calls::{Budget, Calls};
-use runtime::examples::Examples;
-use runtime::interrupt::Interrupt;
-use runtime::journal::{JOURNAL_FILE, RunFolder};
-use runtime::model::recording::Recorder;
-use runtime::model::{Geometric, Model, ModelError, Nature, Part, Reply, Request};
-use runtime::rollout::{self, Event, Job, RolloutReport, RunError};
-use runtime::start::Start;
-use runtime::subgoals::SubgoalSet;
-use runtime::world::{Look, SimulatedWorld, World, WorldError};
+use fab_compiler::{LoadError, Loader};
+use fab_program::Program;
+use fab_runtime::agent::Models;
+use fab_runtime::cache::Cache;
+use fab_runtime::calls::{Budget, Calls};
+use fab_runtime::examples::Examples;
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::journal::{JOURNAL_FILE, RunFolder};
+use fab_runtime::model::recording::Recorder;
+use fab_runtime::model::{Geometric, Model, ModelError, Nature, Part, Reply, Request};
+use fab_runtime::rollout::{self, Event, Job, RolloutReport, RunError};
+use fab_runtime::start::Start;
+use fab_runtime::subgoals::SubgoalSet;
+use fab_runtime::world::{Look, SimulatedWorld, World, WorldError};
 use std::collections::VecDeque;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -73,7 +73,7 @@ impl Loader for ProjectFiles {
 
 /// Compiles a shipped task.
 pub fn task(name: &str) -> Program {
-    let compiled = compiler::compile(&format!("tasks/{name}.fab"), &ProjectFiles).unwrap();
+    let compiled = fab_compiler::compile(&format!("tasks/{name}.fab"), &ProjectFiles).unwrap();
     assert!(
         compiled.diagnostics.is_empty(),
         "{:?}",

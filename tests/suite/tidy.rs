@@ -162,7 +162,7 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
         ),
         (
             "runtime/src/world/simulated.rs",
-            "//! A.\nuse sim::Cloth;\n",
+            "//! A.\nuse fab_sim::Cloth;\n",
             None,
         ),
         (

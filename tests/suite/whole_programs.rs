@@ -3,23 +3,23 @@
 //! Each test changes one thing of a small shipped task and plays it with scripted models.
 
 use super::support::{self, Scripted, Trial};
-use compiler::facts::SceneView;
-use compiler::program::{
+use fab_program::scene::SceneView;
+use fab_program::space;
+use fab_program::{
     ActionField, Choices, Comparison, Direction, End, Example, Extractor, FileRef, Goal, ImageUp,
     Keypoint, Layer, Layers, LengthChoice, LengthUnit, Mark, Metric, Moment, Picture, PixelPoint,
     Point, Program, Spot, Words,
 };
-use compiler::space;
-use runtime::agent::Models;
-use runtime::examples::Examples;
-use runtime::interrupt::Interrupt;
-use runtime::model::{Part, Request, Speaker};
-use runtime::outcome::Outcome;
-use runtime::rollout::{Event, RolloutReport};
-use runtime::scene::{Scene, SceneError};
-use runtime::start::Start;
-use runtime::subgoals::{Origin, SubgoalSet};
-use runtime::world::{Look, Motion};
+use fab_runtime::agent::Models;
+use fab_runtime::examples::Examples;
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::model::{Part, Request, Speaker};
+use fab_runtime::outcome::Outcome;
+use fab_runtime::rollout::{Event, RolloutReport};
+use fab_runtime::scene::{Scene, SceneError};
+use fab_runtime::start::Start;
+use fab_runtime::subgoals::{Origin, SubgoalSet};
+use fab_runtime::world::{Look, Motion};
 use serde_json::{Value, json};
 use std::path::Path;
 

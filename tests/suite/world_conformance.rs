@@ -1,13 +1,13 @@
 //! What every [`World`] must do; a new world adds one line at the end.
 
 use super::support;
-use compiler::program::Cloth;
-use runtime::arm::supervisor::{NoWatchdog, Unattended};
-use runtime::interrupt::Interrupt;
-use runtime::metrics::coverage;
-use runtime::start::Start;
-use runtime::world::jaco::{self, Parts, WithinReach};
-use runtime::world::{ArmWorld, Grasp, Motion, World, WorldError, WorldPoint};
+use fab_program::Cloth;
+use fab_runtime::arm::supervisor::{NoWatchdog, Unattended};
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::metrics::coverage;
+use fab_runtime::start::Start;
+use fab_runtime::world::jaco::{self, Parts, WithinReach};
+use fab_runtime::world::{ArmWorld, Grasp, Motion, World, WorldError, WorldPoint};
 
 /// Fails with the name of the promise that a world breaks.
 fn conforms(make: &dyn Fn() -> Box<dyn World>) {
@@ -31,7 +31,7 @@ fn start() -> Start {
         dimx: 24,
         dimy: 20,
         spacing_m: 0.00625,
-        start: compiler::program::ClothStart::Flat,
+        start: fab_program::ClothStart::Flat,
     })
 }
 

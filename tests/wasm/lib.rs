@@ -3,7 +3,7 @@
 //! The host puts the bytes of a JSON object `{"entry": NAME, "files": {NAME: TEXT}}`, calls [`compile`], which
 //! returns a length, and gets as many bytes of a JSON object `{"programs": […], "diagnostics": […]}`.
 
-use compiler::{LoadError, Loader, diag};
+use fab_compiler::{LoadError, Loader, diag};
 use serde_json::{Value, json};
 use std::sync::Mutex;
 
@@ -56,7 +56,7 @@ fn answer(input: &[u8]) -> Value {
         Err(error) => return json!({ "error": error.to_string() }),
     };
     let entry = input["entry"].as_str().unwrap_or_default();
-    match compiler::compile(entry, &Files(&input["files"])) {
+    match fab_compiler::compile(entry, &Files(&input["files"])) {
         Ok(compiled) => json!({
             "programs": compiled.programs,
             "diagnostics": diag::to_json(&compiled.diagnostics, &compiled.sources),

@@ -2,7 +2,7 @@
 
 use super::{Ident, Text, text};
 use crate::source::{FileId, Span};
-use grammar::{Kind, Node};
+use fab_grammar::{Kind, Node};
 
 /// A value or a condition, as written.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use super::{
     Keypoints, Move, Reference, Statement, Subgoals, Task, Variant, text,
 };
 use crate::source::{FileId, Span};
-use grammar::{Kind, Node, Tree};
+use fab_grammar::{Kind, Node, Tree};
 
 /// Reads a tree; what does not fit is left out.
 pub(crate) fn lower(file: FileId, tree: &Tree) -> File {

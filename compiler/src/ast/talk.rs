@@ -6,7 +6,7 @@ use super::{
     Attempts, Check, Example, Expect, Given, Pictures, Read, Reply, ResultCheck, Saying, Sayings,
     Settings, Stage, Test, Verify, text,
 };
-use grammar::{Kind, Node};
+use fab_grammar::{Kind, Node};
 
 impl Reader {
     pub(super) fn stage(&self, node: Node<'_>) -> Option<Stage> {

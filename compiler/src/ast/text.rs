@@ -5,7 +5,7 @@
 
 use super::expr::{self, Expr};
 use crate::source::{FileId, Span};
-use grammar::{Kind, Node};
+use fab_grammar::{Kind, Node};
 use std::ops::Range;
 
 /// A text as a sequence of literal pieces and placeholders.

@@ -8,9 +8,9 @@ use super::quantity::{Measure, Quantity, quantity};
 use super::values::{fixed_deg, length_unit};
 use crate::ast::{self, Expr, ExprKind, Field, Ident};
 use crate::diag::{Code, Diagnostic, nearest};
-use crate::exact::vector_of;
 use crate::merge::unique;
-use crate::program::{ActionField, Choices, Direction, KeypointShape, LengthChoice};
+use fab_program::exact::vector_of;
+use fab_program::{ActionField, Choices, Direction, KeypointShape, LengthChoice};
 use std::collections::BTreeMap;
 
 /// The fields that move the cloth.

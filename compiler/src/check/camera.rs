@@ -5,7 +5,7 @@ use super::arguments::{bind, named, optional};
 use super::quantity::{Measure, Wanted, read, read_whole};
 use crate::ast::{Expr, ExprKind, Statement};
 use crate::diag::{Code, Diagnostic};
-use crate::program::{Camera, ImageUp};
+use fab_program::{Camera, ImageUp};
 use std::f64::consts::PI;
 
 const HEIGHT: Wanted = Wanted {

@@ -5,7 +5,7 @@ use super::arguments::{Bound, bare, bind, optional};
 use super::quantity::{Measure, Wanted, quantity, read, read_whole};
 use crate::ast::{Expr, ExprKind, Ident, Statement};
 use crate::diag::{Code, Diagnostic};
-use crate::program::{Cloth, ClothStart};
+use fab_program::{Cloth, ClothStart};
 
 /// Distance between particles, metres: the grid that the paper's cloths have (protocol, section 1).
 const SPACING_M: f64 = 0.00625;

@@ -7,8 +7,8 @@ use super::quantity::{Measure, Wanted, read};
 use super::values::{Frame, FramedLength, Operand, common_frame, kind_of, lowered, operand};
 use crate::ast::{Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic, among, nearest};
-use crate::exact::cos_deg;
-use crate::program::{Choices, Comparison, Condition, KeypointShape, Length, Number};
+use fab_program::exact::cos_deg;
+use fab_program::{Choices, Comparison, Condition, KeypointShape, Length, Number};
 
 const PIXELS: Wanted = Wanted {
     measure: Measure::Pixels,

@@ -4,7 +4,7 @@ use super::{Context, files};
 use crate::ast;
 use crate::diag::{Code, Diagnostic};
 use crate::merge::Merged;
-use crate::program::{Demos, Read, Stage};
+use fab_program::{Demos, Read, Stage};
 
 /// Reads which stage is told which demonstrations; `stages` are the task's, checked.
 pub(crate) fn check(

@@ -5,10 +5,10 @@ use super::files;
 use crate::ast::{self, Reply, Saying, Sayings, Stage, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::once;
-use crate::pointing::Notation;
-use crate::program::{ActionField, Example, ModelRole, Read, Value, Words};
-use crate::reply;
-use crate::space;
+use fab_program::pointing::Notation;
+use fab_program::reply;
+use fab_program::space;
+use fab_program::{ActionField, Example, ModelRole, Read, Value, Words};
 
 /// The most examples of a stage, and pictures of an example.
 const MAX_EXAMPLES: usize = 32;

@@ -8,7 +8,7 @@ use super::quantity::{Measure, Wanted, read, read_whole};
 use super::subgoals::pixel;
 use crate::ast::{Argument, Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic, among};
-use crate::program::{Extractor, Inside, KeypointShape, Moment, Response, Sight};
+use fab_program::{Extractor, Inside, KeypointShape, Moment, Response, Sight};
 
 /// Harris' free parameter where none is stated: the detector's usual one (protocol, section 6).
 const DEFAULT_HARRIS_K: f64 = 0.04;

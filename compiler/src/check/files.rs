@@ -4,7 +4,7 @@ use super::Context;
 use crate::ast::Text;
 use crate::diag::{Code, Diagnostic};
 use crate::path;
-use crate::program::FileRef;
+use fab_program::FileRef;
 
 /// Returns the file that a text names; None, with a report, where it names none below the entry's folder.
 pub(crate) fn named(text: &Text, what: &str, context: &mut Context<'_>) -> Option<FileRef> {

@@ -6,7 +6,7 @@ use super::quantity::{Measure, Wanted, read};
 use crate::ast::{Experts, Expr, ExprKind, Folds, Ident, Move};
 use crate::diag::{Code, Diagnostic, among, nearest};
 use crate::merge::Merged;
-use crate::program::{ClothPoint, Fold, Sequence, Subgoals};
+use fab_program::{ClothPoint, Fold, Sequence, Subgoals};
 
 /// The corners: name, fraction from the left, fraction from the back.
 const CORNERS: &[(&str, f64, f64)] = &[

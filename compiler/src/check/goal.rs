@@ -5,9 +5,9 @@ use super::quantity::{Measure, Wanted, read, read_whole};
 use super::untouched;
 use crate::ast::{Expr, ExprKind, Ident, Statement};
 use crate::diag::{Code, Diagnostic};
-use crate::exact;
 use crate::merge::Merged;
-use crate::program::{Comparison, Goal, Metric, Sequence, Subgoals};
+use fab_program::exact;
+use fab_program::{Comparison, Goal, Metric, Sequence, Subgoals};
 
 const LIMIT: Wanted = Wanted {
     measure: Measure::Length,

@@ -7,7 +7,7 @@ use super::names::Meaning;
 use crate::ast::{Argument, Expr, ExprKind, Ident, Keypoint};
 use crate::diag::{Code, Diagnostic, among};
 use crate::merge::Merged;
-use crate::program::{self, Extractor, KeypointShape, Moment};
+use fab_program::{self as program, Extractor, KeypointShape, Moment};
 
 /// The most keypoints of a task.
 const MAX_KEYPOINTS: usize = 256;

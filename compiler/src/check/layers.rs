@@ -10,7 +10,7 @@ use super::uses::Uses;
 use crate::ast::{Argument, Expr, ExprKind, Ident, Keypoint};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::{Merged, unique};
-use crate::program::{KeypointShape, Layer, Mark, Point, Spot};
+use fab_program::{KeypointShape, Layer, Mark, Point, Spot};
 
 /// The most layers.
 const MAX_LAYERS: usize = 32;

@@ -7,7 +7,7 @@ use super::keypoints::Earlier;
 use super::quantity::{Measure, Wanted, read, read_whole};
 use crate::ast::{Argument, Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic, among};
-use crate::program::{Channel, Extractor, KeypointShape, Moment, Side};
+use fab_program::{Channel, Extractor, KeypointShape, Moment, Side};
 
 /// How far the two sides of a split lie apart where it is not stated. A cloth and a table that look alike to a person lie
 /// nearer; the simulator's two kinds of tiles are 0.12 apart, and are no cloth.
@@ -115,7 +115,7 @@ fn depth_limit(expr: &Expr, context: &mut Context<'_>) -> Option<f64> {
     if let Some(height_m) = height_m.filter(|height_m| below_m >= *height_m) {
         let message = format!(
             "the mask reaches the table, which is {}mm from the camera",
-            crate::exact::written(height_m * 1000.0, 3)
+            fab_program::exact::written(height_m * 1000.0, 3)
         );
         context.push(
             Diagnostic::new(Code::MaskSeesTable, limit.span, message)

@@ -7,7 +7,7 @@ use super::points::{direction_field, heading, point};
 use super::values::{AsPercent, Frame, FramedLength, NativeLength, Operand};
 use crate::ast::{Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic};
-use crate::program::{Camera, Cloth, KeypointShape, Number};
+use fab_program::{Camera, Cloth, KeypointShape, Number};
 
 /// Builds a call; None, with a report unless it is made elsewhere, where there is none such.
 pub(super) fn call(name: &Ident, expr: &Expr, context: &mut Context<'_>) -> Option<Operand> {

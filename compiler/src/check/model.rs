@@ -5,7 +5,7 @@ use super::quantity::{Measure, Wanted, read, read_whole};
 use crate::ast::{Expr, Ident, Settings};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::unique;
-use crate::program::ModelRole;
+use fab_program::ModelRole;
 
 const TEMPERATURE: Wanted = Wanted {
     measure: Measure::Number,

@@ -5,8 +5,8 @@
 use crate::ast::{ExprKind, Ident};
 use crate::load::Loaded;
 use crate::merge::Merged;
-use crate::program::KeypointShape;
 use crate::source::FileId;
+use fab_program::KeypointShape;
 use std::collections::BTreeMap;
 
 /// What a name stands for.

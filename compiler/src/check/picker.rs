@@ -3,7 +3,7 @@
 use super::Context;
 use crate::ast::{ExprKind, Ident, Statement};
 use crate::diag::{Code, Diagnostic};
-use crate::program::Picker;
+use fab_program::Picker;
 
 /// Reads how the cloth is carried and let go.
 pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<Picker> {

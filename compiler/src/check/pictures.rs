@@ -3,7 +3,7 @@
 use super::Context;
 use crate::ast::{Expr, ExprKind, Ident, Pictures};
 use crate::diag::{Code, Diagnostic};
-use crate::program::{Arrow, Layers, Picture, Which};
+use fab_program::{Arrow, Layers, Picture, Which};
 
 /// The most pictures in one question.
 const MAX_PICTURES: usize = 16;

@@ -7,8 +7,8 @@ use super::names::Meaning;
 use super::values::fixed_deg;
 use crate::ast::{Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic};
-use crate::exact::vector_of;
-use crate::program::{Camera, Choices, End, Heading, KeypointShape, Point};
+use fab_program::exact::vector_of;
+use fab_program::{Camera, Choices, End, Heading, KeypointShape, Point};
 
 /// Builds a point; None, with a report, where it is wrong.
 pub(crate) fn point(expr: &Expr, context: &mut Context<'_>) -> Option<Point> {

@@ -4,7 +4,7 @@ use super::Context;
 use super::constants::{is_broken, resolved};
 use crate::ast::{Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic, nearest};
-use crate::program::{Camera, Cloth};
+use fab_program::{Camera, Cloth};
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 

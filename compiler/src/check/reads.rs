@@ -3,7 +3,7 @@
 use super::Context;
 use crate::ast;
 use crate::diag::{Code, Diagnostic};
-use crate::program::Read;
+use fab_program::Read;
 
 /// Builds what is read; None, with a report, where the pattern does not say what.
 pub(crate) fn check(read: &ast::Read, context: &mut Context<'_>) -> Option<Read> {

@@ -6,7 +6,7 @@ use super::templates::{self, Place, Scope};
 use super::{conditions, uses};
 use crate::ast::{Component, Expr};
 use crate::diag::{Code, Diagnostic};
-use crate::program::Condition;
+use fab_program::Condition;
 use std::collections::BTreeSet;
 
 impl Builder<'_, '_> {

@@ -11,11 +11,9 @@ use super::uses::{Uses, needs_action, needs_last};
 use super::values::{AsPercent, Frame, FramedLength, NativeLength, Operand, lowered, operand};
 use crate::ast::{Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic};
-use crate::exact;
-use crate::program::{
-    Camera, Choices, Cloth, KeypointShape, Length, OVERLAP, Point, Shown, Written,
-};
-use crate::space;
+use fab_program::exact;
+use fab_program::space;
+use fab_program::{Camera, Choices, Cloth, KeypointShape, Length, OVERLAP, Point, Shown, Written};
 
 /// The placeholder that spells the answer's format.
 pub(super) const FORMAT: &str = "actions.format";

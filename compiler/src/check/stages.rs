@@ -7,8 +7,8 @@ use super::{examples, pictures, reads, said, uses};
 use crate::ast::{Expr, Ident, Saying, Sayings, Stage, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::{Merged, once};
-use crate::program::{self, Condition, Layers, ModelRole, Picture, Template};
 use crate::source::Span;
+use fab_program::{self as program, Condition, Layers, ModelRole, Picture, Template};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most bytes that all texts of one stage may have.

@@ -6,7 +6,7 @@ use super::{files, folds};
 use crate::ast::{self, Image};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::once;
-use crate::program::{PixelPoint, SubgoalImage, Subgoals};
+use fab_program::{PixelPoint, SubgoalImage, Subgoals};
 
 /// The most pictures an author brings.
 const MAX_IMAGES: usize = 101;

@@ -8,8 +8,8 @@ use super::{
 use crate::diag::{Code, Diagnostic, Report, among};
 use crate::load::Loaded;
 use crate::merge::Merged;
-use crate::program::{PROGRAM_FORMAT, Picker, Program, SourceStamp, Test, hex};
 use crate::proof;
+use fab_program::{PROGRAM_FORMAT, Picker, Program, SourceStamp, Test, hex};
 use sha2::{Digest, Sha256};
 
 /// Checks one task or variant; what is returned counts only where nothing was reported.

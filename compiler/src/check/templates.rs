@@ -7,9 +7,9 @@ use super::Context;
 use super::shown::{self, Placed};
 use crate::ast::{Piece, Text};
 use crate::diag::{Code, Diagnostic};
-use crate::program::{Condition, Shown, Template, Variable};
-use crate::render::Jinja;
 use crate::source::Span;
+use fab_program::render::Jinja;
+use fab_program::{Condition, Shown, Template, Variable};
 use std::collections::BTreeMap;
 
 /// The most bytes of one text.

@@ -8,8 +8,8 @@ use super::subgoals::pixel;
 use crate::ast::{self, Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic, among, nearest};
 use crate::merge::{Merged, once};
-use crate::program::{Expect, Given, KeypointShape, PixelPoint, Read, Stage, Test};
-use crate::verify::OFFERED;
+use fab_program::verify::OFFERED;
+use fab_program::{Expect, Given, KeypointShape, PixelPoint, Read, Stage, Test};
 
 /// The most tests of a task, and points that one gives.
 const MAX_TESTS: usize = 1000;

@@ -3,7 +3,7 @@
 //! A fold is taken as one of ideal paper: what lies on the picked side of the line midway between pick and
 //! place is mirrored there. Real cloth drags and overshoots, so the score is an estimate.
 
-use crate::program::{Cloth, ClothPoint, ClothStart, Fold, Goal, Metric, Sequence};
+use fab_program::{Cloth, ClothPoint, ClothStart, Fold, Goal, Metric, Sequence};
 
 /// Points on each side of the sheet that stands for the cloth.
 const SIDE: usize = 15;

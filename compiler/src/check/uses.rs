@@ -2,8 +2,8 @@
 
 use super::Context;
 use crate::diag::{Code, Diagnostic};
-use crate::program::{Condition, Heading, Length, Number, Point, Shown};
 use crate::source::Span;
+use fab_program::{Condition, Heading, Length, Number, Point, Shown};
 
 /// What something depends on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

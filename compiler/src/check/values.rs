@@ -9,8 +9,8 @@ use super::quantity::{Measure, measure_of, no_conversion, quantity};
 use super::{Context, measures};
 use crate::ast::{Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic};
-use crate::exact::normalised_deg;
-use crate::program::{Camera, Choices, Heading, KeypointShape, Length, LengthUnit, Number, Point};
+use fab_program::exact::normalised_deg;
+use fab_program::{Camera, Choices, Heading, KeypointShape, Length, LengthUnit, Number, Point};
 
 /// Where a length is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

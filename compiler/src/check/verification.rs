@@ -9,11 +9,11 @@ use crate::ast;
 use crate::diag::{Code, Diagnostic};
 use crate::diag::{among, nearest};
 use crate::merge::{Merged, once, unique};
-use crate::program::{
+use crate::source::Span;
+use fab_program::verify::{OFFERED, REACHABLE};
+use fab_program::{
     Check, Condition, Exhausted, ModelRole, Read, ResultCheck, Stage, Template, Verify,
 };
-use crate::source::Span;
-use crate::verify::{OFFERED, REACHABLE};
 
 /// Questions per stage and step where none are stated: the paper's.
 const DEFAULT_ATTEMPTS: u32 = 3;

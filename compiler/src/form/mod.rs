@@ -6,7 +6,7 @@ mod slips;
 
 use crate::diag::{Code, Diagnostic, among, nearest};
 use crate::source::{FileId, Span};
-use grammar::{Fault, Problem};
+use fab_grammar::{Fault, Problem};
 
 /// Words a fault of `text`, the whole text of `file`.
 pub(crate) fn diagnose(fault: &Fault, file: FileId, text: &str) -> Diagnostic {

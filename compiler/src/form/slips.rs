@@ -103,7 +103,7 @@ pub(super) fn recognise(
         "[" | "]" => {
             usual().help("lists have no brackets; write the parts with commas between them")
         }
-        _ if grammar::is_keyword(found) && expects("a name") => usual().help(format!(
+        _ if fab_grammar::is_keyword(found) && expects("a name") => usual().help(format!(
             "`{found}` is a word of the language; choose another name, or remove a comma before it"
         )),
         _ => return None,

@@ -1,9 +1,9 @@
 //! What is wrong with a declared action space before any answer is tried.
 
 use super::{Flaws, MAX_CHOICES, MAX_FIELDS};
-use crate::exact::{vector_of, written};
-use crate::program::{ActionField, Choices, Program};
-use crate::space::{self, DECIMALS};
+use fab_program::exact::{vector_of, written};
+use fab_program::space::{self, DECIMALS};
+use fab_program::{ActionField, Choices, Program};
 
 /// The longest word, bytes.
 const MAX_WORD_BYTES: usize = 100;

@@ -9,11 +9,12 @@ mod memory;
 mod others;
 mod scene;
 
-use crate::pointing::Notation;
-use crate::program::{ActionField, Choices, Program, Value};
-use crate::reply::{self, Proposal};
-use crate::space;
-use crate::verify::{self, Verdict};
+use fab_program::Proposal;
+use fab_program::pointing::Notation;
+use fab_program::reply;
+use fab_program::space;
+use fab_program::verify::{self, Verdict};
+use fab_program::{ActionField, Choices, Program, Value};
 use scene::Generated;
 
 /// The most choices of one field; more are no list that a model can choose from.

@@ -1,8 +1,8 @@
 //! Values beside the offered ones: between choices, one pixel off, other words, none, far too large.
 
-use crate::exact::normalised_deg;
-use crate::program::{ActionField, PixelPoint, Program, Value};
-use crate::space;
+use fab_program::exact::normalised_deg;
+use fab_program::space;
+use fab_program::{ActionField, PixelPoint, Program, Value};
 
 /// The most places between choices that are tried for one field.
 const MAX_BETWEEN: usize = 2;

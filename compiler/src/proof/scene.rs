@@ -1,8 +1,8 @@
 //! Scenes for the proof: points that are easily mistaken for each other, at the picture's edges and beyond.
 
-use crate::facts::SceneView;
-use crate::program::{ActionField, Choices, Extractor, KeypointShape, PixelPoint, Program, Value};
-use crate::space;
+use fab_program::scene::SceneView;
+use fab_program::space;
+use fab_program::{ActionField, Choices, Extractor, KeypointShape, PixelPoint, Program, Value};
 
 /// The points of the larger scene.
 const N_POINTS: usize = 30;

@@ -4,11 +4,12 @@
 
 pub mod jinja2;
 
-use compiler::facts::{Done, Facts, SceneView};
-use compiler::pointing::Pointing;
-use compiler::program::{PixelPoint, Program, Value};
-use compiler::reply::Proposal;
-use compiler::{Compiled, LoadError, Loader};
+use fab_compiler::{Compiled, LoadError, Loader};
+use fab_program::Proposal;
+use fab_program::facts::{Done, Facts};
+use fab_program::pointing::Pointing;
+use fab_program::scene::SceneView;
+use fab_program::{PixelPoint, Program, Value};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -39,7 +40,7 @@ impl Loader for Memory {
 
 /// Compiles one file.
 pub fn compile(name: &str, text: &str) -> Compiled {
-    compiler::compile(name, &Memory::of([(name, text)])).unwrap()
+    fab_compiler::compile(name, &Memory::of([(name, text)])).unwrap()
 }
 
 /// Returns the only program of a file that must be right.
@@ -51,11 +52,11 @@ pub fn program(name: &str, text: &str) -> Program {
 
 /// Returns the programs of a file that must be right, among others.
 pub fn programs(entry: &str, files: &Memory) -> Vec<Program> {
-    let compiled = compiler::compile(entry, files).unwrap();
-    let shown = compiler::diag::to_text(
+    let compiled = fab_compiler::compile(entry, files).unwrap();
+    let shown = fab_compiler::diag::to_text(
         &compiled.diagnostics,
         &compiled.sources,
-        compiler::diag::Color::Plain,
+        fab_compiler::diag::Color::Plain,
     );
     assert!(!compiled.has_errors(), "{shown}");
     compiled.programs
@@ -72,10 +73,11 @@ pub fn messages(text: &str) -> Vec<String> {
 
 /// Returns the folder of the workspace.
 pub fn workspace() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .unwrap()
-        .to_owned()
+    let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let root = here
+        .ancestors()
+        .find(|folder| folder.join("Cargo.lock").exists());
+    root.unwrap().to_owned()
 }
 
 /// Points, masks and texts that a test knows.

@@ -1,9 +1,9 @@
 //! What holds for every text: the property tests and the fuzz target check the same.
 
-use compiler::diag::{self, Color, Diagnostic};
-use compiler::program::Program;
-use compiler::{Compiled, LoadError, Loader, Sources, Span, line_and_column};
-use grammar::Kind;
+use fab_compiler::diag::{self, Color, Diagnostic};
+use fab_compiler::{Compiled, LoadError, Loader, Sources, Span, line_and_column};
+use fab_grammar::Kind;
+use fab_program::Program;
 
 const ENTRY: &str = "entry.fab";
 
@@ -54,7 +54,7 @@ pub fn hold(text: &str) {
 }
 
 fn compile(text: &str) -> Compiled {
-    compiler::compile(ENTRY, &Everywhere(text)).expect("the entry can be loaded")
+    fab_compiler::compile(ENTRY, &Everywhere(text)).expect("the entry can be loaded")
 }
 
 fn bytes(programs: &[Program]) -> Vec<u8> {
@@ -63,7 +63,7 @@ fn bytes(programs: &[Program]) -> Vec<u8> {
 
 /// Holds a tree to its promises: leaves tile the text, children lie in their parents, junk has a fault.
 fn tree(text: &str) {
-    let parsed = grammar::parse(text);
+    let parsed = fab_grammar::parse(text);
     let mut at = 0;
     for leaf in parsed.tree.leaves() {
         assert_eq!(leaf.span().start, at, "the leaves do not tile the text");

@@ -5,7 +5,7 @@
 
 #![allow(dead_code, clippy::unwrap_used)]
 
-use compiler::program::{
+use fab_program::{
     ActionField, Camera, Choices, Cloth, ClothStart, Direction, Exhausted, ImageUp, LengthChoice,
     LengthUnit, PROGRAM_FORMAT, Program, Verify,
 };
@@ -105,7 +105,7 @@ pub fn program(actions: Vec<ActionField>) -> Program {
             image_px: 224,
             up: ImageUp::Y,
         },
-        picker: compiler::program::Picker::default(),
+        picker: fab_program::Picker::default(),
         subgoals: None,
         experts: Vec::new(),
         keypoints: Vec::new(),

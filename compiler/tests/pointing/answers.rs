@@ -1,10 +1,10 @@
 //! Answers as models write them, in their frame and in a wrong one.
 
 use super::{frame, in_frame, known, program};
-use compiler::pointing::{Frame, Order, Pointing, Unit};
-use compiler::program::PixelPoint;
-use compiler::reply;
-use compiler::verify::{self, OFFERED, Strictness, Verdict};
+use fab_program::PixelPoint;
+use fab_program::pointing::{Frame, Order, Pointing, Unit};
+use fab_program::reply;
+use fab_program::verify::{self, OFFERED, Strictness, Verdict};
 
 /// What an answer's pick is read as: a pixel, or a part of the complaint.
 type Row = (&'static str, Result<[i32; 2], &'static str>);

@@ -2,9 +2,9 @@
 
 use super::common::Known;
 use super::{frame, in_frame, known, numbers, program};
-use compiler::pointing::{Order, Pointing, Unit};
-use compiler::program::PixelPoint;
-use compiler::reply;
+use fab_program::PixelPoint;
+use fab_program::pointing::{Order, Pointing, Unit};
+use fab_program::reply;
 use proptest::prelude::*;
 
 proptest! {

@@ -9,9 +9,9 @@ mod frames;
 mod prompts;
 
 use common::Known;
-use compiler::facts::Facts;
-use compiler::pointing::{Frame, Order, Pointing, Unit};
-use compiler::program::{PixelPoint, Program};
+use fab_program::facts::Facts;
+use fab_program::pointing::{Frame, Order, Pointing, Unit};
+use fab_program::{PixelPoint, Program};
 use std::sync::LazyLock;
 
 /// A frame of a picture of so many pixels a side, which is sent in another size.

@@ -1,12 +1,13 @@
 //! Prompts, schemas and refusals in each frame.
 
 use super::{common, frame, in_frame, known, points, program};
-use compiler::pointing::{Frame, Notation, Order, Pointing, PointingError, Unit};
-use compiler::program::{PixelPoint, Value};
-use compiler::render::{self, RenderError, Values};
-use compiler::reply::{self, Proposal};
-use compiler::space;
-use compiler::verify::{self, Strictness, Verdict};
+use fab_program::Proposal;
+use fab_program::pointing::{Frame, Notation, Order, Pointing, PointingError, Unit};
+use fab_program::render::{self, RenderError, Values};
+use fab_program::reply;
+use fab_program::space;
+use fab_program::verify::{self, Strictness, Verdict};
+use fab_program::{PixelPoint, Value};
 
 fn marks() -> Pointing {
     Pointing::Marks(Frame::pixels([224; 2]))

@@ -3,9 +3,9 @@
 //! In: requests. Out: JSON, with the bytes of pictures beside it. What happens is the stage's business.
 
 use super::Stage;
+use fab_runtime::arm::port::{Ending, Goal, GoalId, GoalState, Waypoint};
+use fab_runtime::arm::simulated::FaultKind;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use runtime::arm::port::{Ending, Goal, GoalId, GoalState, Waypoint};
-use runtime::arm::simulated::FaultKind;
 use serde::Deserialize;
 use serde_json::{Value, json};
 

@@ -11,9 +11,9 @@ mod scene;
 mod straight;
 
 use ask::{Request, answer};
-use runtime::arm::port::Port;
-use runtime::arm::rgbd::RgbdSource;
-use runtime::arm::simulated::FaultKind;
+use fab_runtime::arm::port::Port;
+use fab_runtime::arm::rgbd::RgbdSource;
+use fab_runtime::arm::simulated::FaultKind;
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};

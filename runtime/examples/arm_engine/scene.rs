@@ -4,15 +4,15 @@
 //! client; the others are the simulated arm's. Before the cloth is laid, the camera sees the bare table.
 
 use super::Stage;
-use compiler::program::{Cloth, ClothStart};
+use fab_program::{Cloth, ClothStart};
+use fab_runtime::arm::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
+use fab_runtime::arm::rgbd::{RgbdError, RgbdSource, Shot};
+use fab_runtime::arm::settings::{Settings, SimulatedSettings};
+use fab_runtime::arm::simulated::{Fault, FaultKind, SimulatedArm, Simulation};
+use fab_runtime::start::Start;
+use fab_runtime::world::jaco::base_from_world;
+use fab_runtime::world::simulated::table::{ClothTable, TableCamera};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use runtime::arm::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
-use runtime::arm::rgbd::{RgbdError, RgbdSource, Shot};
-use runtime::arm::settings::{Settings, SimulatedSettings};
-use runtime::arm::simulated::{Fault, FaultKind, SimulatedArm, Simulation};
-use runtime::start::Start;
-use runtime::world::jaco::base_from_world;
-use runtime::world::simulated::table::{ClothTable, TableCamera};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::cell::RefCell;

@@ -5,12 +5,12 @@
 //! stop and a start, which also sets an arm free that was stopped in between.
 
 use super::Stage;
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use runtime::arm::port::{
+use fab_runtime::arm::port::{
     Ending, Goal, GoalId, GoalState, Heard, Port, PortError, Readings, Waypoint,
 };
-use runtime::arm::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
-use runtime::vision::DepthImage;
+use fab_runtime::arm::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
+use fab_runtime::vision::DepthImage;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Metres a second.

@@ -8,10 +8,10 @@ use crate::demos::DemosError;
 use crate::examples::{Examples, Told};
 use crate::model::{Lowering, Message, Part, Png, Speaker};
 use crate::pictures::Pictures;
-use compiler::program::{Picture, Program, Stage};
-use compiler::render::{
+use fab_program::render::{
     self, NUMBERED_POINTS, PromptPicture, PromptSpeaker, RenderError, Said, Values,
 };
+use fab_program::{Picture, Program, Stage};
 
 /// Why the messages of a stage cannot be written.
 #[derive(Debug, thiserror::Error)]

@@ -2,11 +2,12 @@
 
 use super::reach::out_of_reach;
 use super::{Finding, Situation};
-use compiler::facts::Facts;
-use compiler::program::{Read, Stage};
-use compiler::render::RenderError;
-use compiler::reply::{self, Malformed, Proposal, Reading};
-use compiler::verify::{self, Strictness, Verdict};
+use fab_program::Proposal;
+use fab_program::facts::Facts;
+use fab_program::render::RenderError;
+use fab_program::reply::{self, Malformed, Reading};
+use fab_program::verify::{self, Strictness, Verdict};
+use fab_program::{Read, Stage};
 
 /// Reads an answer and, where it proposes an action, lets the verifier judge it.
 pub(super) fn judge(

@@ -6,10 +6,10 @@
 
 use super::Situation;
 use crate::action::Action;
-use compiler::pointing::Notation;
-use compiler::program::{PixelPoint, Program};
-use compiler::reply::Proposal;
-use compiler::verify::{REACHABLE, Verdict};
+use fab_program::Proposal;
+use fab_program::pointing::Notation;
+use fab_program::verify::{REACHABLE, Verdict};
+use fab_program::{PixelPoint, Program};
 
 /// Returns the refusal, or none where the answer can be carried out or comes to no action at all.
 pub(super) fn out_of_reach(

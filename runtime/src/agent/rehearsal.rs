@@ -7,7 +7,7 @@
 use super::talk::{Answer, Missing, Next, Talk};
 use super::{Conversation, Finding, PromptError, Situation};
 use crate::model::{Lowering, Reply};
-use compiler::program::{ModelRole, Stage};
+use fab_program::{ModelRole, Stage};
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 

@@ -12,7 +12,7 @@ use crate::metrics;
 use crate::parallel::in_parallel;
 use crate::rollout::Job;
 use crate::world::WorldError;
-use compiler::program::{Program, Sequence};
+use fab_program::{Program, Sequence};
 use std::collections::BTreeSet;
 
 /// The sequences that a program's results are compared with, where each fold ends at a fraction of its way.

@@ -37,7 +37,7 @@ use crate::operator::Operator;
 use crate::rollout::RunError;
 use crate::subgoals::SubgoalSet;
 use crate::world::{World, WorldError};
-use compiler::program::Program;
+use fab_program::Program;
 use metric::Metric;
 use on_arm::OnArm;
 use starts::StartPoint;

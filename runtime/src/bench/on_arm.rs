@@ -16,7 +16,7 @@ use crate::outcome::Outcome;
 use crate::start::Start;
 use crate::world::jaco::About;
 use crate::world::{World, WorldError};
-use compiler::program::Program;
+use fab_program::Program;
 use std::path::{Path, PathBuf};
 
 /// The arm on which a suite is carried out.

@@ -16,7 +16,7 @@ use crate::parallel::in_parallel;
 use crate::rollout::{self, Job, RunError};
 use crate::world::WorldError;
 use crate::world::jaco::About;
-use compiler::program::Program;
+use fab_program::Program;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 

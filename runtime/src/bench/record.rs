@@ -8,7 +8,7 @@ use crate::operator::Judgement;
 use crate::outcome::Outcome;
 use crate::rollout::CoverageSource;
 use crate::{bounded, npy};
-use compiler::program::{Goal, Metric as GoalMetric};
+use fab_program::{Goal, Metric as GoalMetric};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -11,7 +11,7 @@ use super::suite::Quote;
 use super::{Bench, Entry};
 use crate::model::Nature;
 use crate::outcome::Outcome;
-use compiler::program::{Goal, Program};
+use fab_program::{Goal, Program};
 use serde::Serialize;
 use std::collections::BTreeMap;
 

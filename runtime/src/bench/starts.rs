@@ -9,7 +9,7 @@ use crate::interrupt::Interrupt;
 use crate::start::{Start, StartError};
 use crate::world::{World, WorldError};
 use crate::{bounded, crumple};
-use compiler::program::{Cloth, ClothStart};
+use fab_program::{Cloth, ClothStart};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -13,11 +13,12 @@ use crate::observation::Observation;
 use crate::scene::Scene;
 use crate::start::{RESTING_HEIGHT_M, Start};
 use crate::world::{Grasp, World, WorldError, WorldPoint};
-use compiler::facts::{Done, Facts, SceneView};
-use compiler::pointing::Pointing;
-use compiler::program::{Choices, Fold, PixelPoint, Program, Read, Subgoals, Value};
-use compiler::reply::Proposal;
-use compiler::verify::{self, Strictness, Verdict};
+use fab_program::Proposal;
+use fab_program::facts::{Done, Facts};
+use fab_program::pointing::Pointing;
+use fab_program::scene::SceneView;
+use fab_program::verify::{self, Strictness, Verdict};
+use fab_program::{Choices, Fold, PixelPoint, Program, Read, Subgoals, Value};
 use std::collections::BTreeMap;
 
 /// Starts that are tried for each demonstration that is wanted.

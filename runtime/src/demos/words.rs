@@ -1,6 +1,6 @@
 //! What a demonstrated fold is called: in words of the picture, which hold for a cloth that lies turned.
 
-use compiler::program::{ClothPoint, PixelPoint};
+use fab_program::{ClothPoint, PixelPoint};
 
 /// Which way of the picture a point lies from the middle, from the right counter-clockwise.
 const WAYS: [&str; 8] = [

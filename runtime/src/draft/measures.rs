@@ -2,7 +2,7 @@
 
 use super::DraftError;
 use crate::start::RESTING_HEIGHT_M;
-use compiler::program::{Camera, Cloth, ClothStart, ImageUp};
+use fab_program::{Camera, Cloth, ClothStart, ImageUp};
 use std::f64::consts::{FRAC_PI_4, PI};
 
 /// Particles are this far apart, metres, as in every task.

@@ -24,7 +24,7 @@ use crate::interrupt::Interrupt;
 use crate::start::Start;
 use crate::subgoals::ArrowPx;
 use crate::world::{World, WorldError};
-use compiler::program::{self, Cloth, Fold};
+use fab_program::{self as program, Cloth, Fold};
 use image::RgbImage;
 use shown::{Pose, Shown};
 use std::ops::RangeInclusive;

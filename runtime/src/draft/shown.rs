@@ -10,7 +10,7 @@ use crate::regions::{self, Grid};
 use crate::result::silhouette;
 use crate::subgoals::ArrowPx;
 use crate::vision::{self, Mask};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use std::collections::BTreeMap;
 
 /// Least cloth, as a share of the picture.

@@ -1,6 +1,6 @@
 //! The same folds from the cloth's other sides.
 
-use compiler::program::{Cloth, ClothPoint, Fold, Sequence};
+use fab_program::{Cloth, ClothPoint, Fold, Sequence};
 
 /// Where a point lies for somebody at another side: fractions from left to right and from back to front.
 type Seen = fn([f64; 2]) -> [f64; 2];

@@ -5,7 +5,7 @@ use super::*;
 use crate::picture;
 use crate::vision;
 use crate::world::{SimulatedWorld, World};
-use compiler::program::ClothPoint;
+use fab_program::ClothPoint;
 use std::path::{Path, PathBuf};
 
 fn make_world(camera: &program::Camera) -> Result<Box<dyn World>, WorldError> {

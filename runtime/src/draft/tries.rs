@@ -14,7 +14,7 @@ use crate::start::{RESTING_HEIGHT_M, Start};
 use crate::subgoals::ArrowPx;
 use crate::vision;
 use crate::world::{Motion, World, WorldError};
-use compiler::program::{self, ClothPoint, Fold};
+use fab_program::{self as program, ClothPoint, Fold};
 use std::thread;
 
 /// How far from the part that is gone a picked point may be seen, pixels.

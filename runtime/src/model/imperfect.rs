@@ -10,7 +10,7 @@ use super::offered::{self, Field};
 use super::{Geometric, Model, ModelError, Nature, Part, Reply, Request, Speaker};
 use crate::calls::Calls;
 use crate::chance::Chance;
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 
 /// How far a point that is not listed lies from the one that should have been named, pixels.
 const ASTRAY_PX: i32 = 29;

@@ -1,14 +1,14 @@
 //! How one model is told of places in a picture: its coordinates, and the size of the pictures that it works on.
 //!
 //! In: what is known of the model, as data. Out: the [`Pointing`] of prompts, schema and reader for a camera's
-//! picture, and pictures in the size that they are sent in. Converting a coordinate is `compiler::pointing`; drawing
+//! picture, and pictures in the size that they are sent in. Converting a coordinate is `fab_program::pointing`; drawing
 //! numbers is `vision`.
 
 use super::{Model, ModelRole};
 use crate::agent::Models;
-use compiler::pointing::{Frame, Order, Pointing, PointingError, Unit};
-use compiler::program::Program;
-use compiler::render;
+use fab_program::Program;
+use fab_program::pointing::{Frame, Order, Pointing, PointingError, Unit};
+use fab_program::render;
 use image::RgbImage;
 use image::imageops::{self, FilterType};
 use serde::{Deserialize, Serialize};

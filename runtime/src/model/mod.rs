@@ -1,8 +1,8 @@
 //! Models that answer prompts, behind one trait.
 //!
 //! In: a [`Request`], complete in itself: a model gets nothing else, neither the task's name nor the
-//! simulator's state. Out: a [`Reply`]. Reading the answer is `compiler::reply`, judging it
-//! `compiler::verify`, asking again `crate::agent`.
+//! simulator's state. Out: a [`Reply`]. Reading the answer is `fab_program::reply`, judging it
+//! `fab_program::verify`, asking again `crate::agent`.
 
 pub mod catalogue;
 pub mod geometric;
@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::sync::Arc;
 
-pub use compiler::program::ModelRole;
+pub use fab_program::ModelRole;
 pub use geometric::Geometric;
 pub use imperfect::Imperfect;
 pub use lowering::Lowering;

@@ -4,7 +4,7 @@
 //! look at nothing else.
 
 use super::{Part, Request, Speaker};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use serde_json::{Map, Value};
 
 /// A field of an answer and what it may be.

@@ -9,7 +9,7 @@ use super::{Message, Model, ModelError, ModelRole, Part, Png, Request, Speaker};
 use crate::calls::{Calls, Usage, Usd};
 use crate::chance::Chance;
 use crate::picture;
-use compiler::pointing::{Frame, Order, Unit};
+use fab_program::pointing::{Frame, Order, Unit};
 use image::{Rgb, RgbImage};
 use serde::Serialize;
 use std::num::NonZeroU32;

@@ -13,7 +13,7 @@ pub use silhouette::silhouette;
 use crate::observation::Observation;
 use crate::scene::{Scene, SceneError};
 use crate::subgoals::SubgoalSet;
-use compiler::program::Program;
+use fab_program::Program;
 use serde::Serialize;
 
 /// What a step came to, beside the subgoal that it was to lead to.

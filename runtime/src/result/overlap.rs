@@ -1,7 +1,7 @@
 //! How far two silhouettes cover each other, once the cloth that they are of is brought to the same place.
 
 use crate::vision::{self, Mask, Rectangle, VisionError};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 
 /// Rectangles whose sides differ by less than this factor have four sides alike.
 ///

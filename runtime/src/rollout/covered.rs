@@ -10,7 +10,7 @@ use crate::observation::Observation;
 use crate::scene::Scene;
 use crate::vision::Mask;
 use crate::world::World;
-use compiler::program::{Goal, Metric};
+use fab_program::{Goal, Metric};
 use serde::{Deserialize, Serialize};
 
 /// How much the cloth covers at one moment (protocol, section 5); null where the world does not know.

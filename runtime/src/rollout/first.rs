@@ -8,10 +8,10 @@ use crate::model::Request;
 use crate::pictures::Pictures;
 use crate::scene::{Scene, SceneError};
 use crate::world::WorldPoint;
-use compiler::facts::Facts;
-use compiler::program::Read;
-use compiler::render::Values;
-use compiler::reply;
+use fab_program::Read;
+use fab_program::facts::Facts;
+use fab_program::render::Values;
+use fab_program::reply;
 use std::collections::BTreeMap;
 
 /// What a stage would be sent in the first step.
@@ -38,7 +38,7 @@ pub fn first_questions(job: &Job<'_>) -> Result<Vec<FirstQuestion>, RunError> {
     let examples = job.examples.clone();
     let pictures = Pictures::of(program, &scene, &observation, None, subgoals, examples)?;
     let texts = BTreeMap::new();
-    let question = |stage: &compiler::program::Stage| {
+    let question = |stage: &fab_program::Stage| {
         let lowering = job.models.of(stage.model).lowering();
         let values = Values::Partly(Facts {
             scene: &scene,

@@ -6,7 +6,7 @@ use super::{Event, Job, RunError};
 use crate::expert::{self, ExpertEnds};
 use crate::metrics;
 use crate::world::{World, WorldError};
-use compiler::program::{Goal, Metric};
+use fab_program::{Goal, Metric};
 use std::time::Instant;
 
 /// What came of scoring.

@@ -2,7 +2,7 @@
 
 use crate::agent::{Attempt, Finding};
 use crate::outcome::Outcome;
-use compiler::verify::Verdict;
+use fab_program::verify::Verdict;
 use std::collections::BTreeMap;
 
 /// Counts of a whole rollout.

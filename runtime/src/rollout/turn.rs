@@ -15,8 +15,8 @@ use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
 use crate::world::{World, WorldError, WorldPoint};
-use compiler::facts::Done;
-use compiler::program::{Arrow, Which};
+use fab_program::facts::Done;
+use fab_program::{Arrow, Which};
 use std::time::{Duration, Instant};
 
 /// What one step leaves to the next.

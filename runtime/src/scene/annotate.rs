@@ -2,9 +2,11 @@
 
 use super::{Scene, SceneError};
 use crate::vision::{self, DrawnLayer, DrawnShape};
-use compiler::facts::{Done, Facts, Missing, SceneView};
-use compiler::pointing::Pointing;
-use compiler::program::{Layer, Mark, PixelPoint, Point, Program, Spot};
+use fab_program::eval;
+use fab_program::facts::{Done, Facts, Missing};
+use fab_program::pointing::Pointing;
+use fab_program::scene::SceneView;
+use fab_program::{Layer, Mark, PixelPoint, Point, Program, Spot};
 use image::RgbImage;
 use std::collections::BTreeMap;
 
@@ -57,7 +59,7 @@ impl Scene {
         mark: &Mark,
         facts: Facts<'_>,
     ) -> Result<DrawnShape, SceneError> {
-        let pixel = |point: &Point| facts.pixel(program, point).map_err(SceneError::Missing);
+        let pixel = |point: &Point| eval::pixel(program, facts, point).map_err(SceneError::Missing);
         let pixels = |at: &[Spot]| -> Result<Vec<PixelPoint>, SceneError> {
             let mut pixels = Vec::new();
             for spot in at {

@@ -4,7 +4,7 @@ use super::measured::measured;
 use super::{Found, Scene, SceneError};
 use crate::observation::Observation;
 use crate::vision::{self, CornerSearch, Located, Mask};
-use compiler::program::{Extractor, Inside, PixelPoint};
+use fab_program::{Extractor, Inside, PixelPoint};
 use std::borrow::Cow;
 
 impl Scene {

@@ -3,7 +3,7 @@
 use super::{Found, Scene};
 use crate::observation::Observation;
 use crate::vision::{self, DepthImage};
-use compiler::program::{Extractor, Program};
+use fab_program::{Extractor, Program};
 
 /// Says how the pixels of a picture differ from those that a mask takes.
 pub(super) fn measured(extractor: &Extractor, observation: &Observation) -> String {

@@ -13,9 +13,9 @@ pub use stages::StagePicture;
 
 use crate::observation::Observation;
 use crate::vision::{self, Located, Mask, VisionError};
-use compiler::facts::{SceneView, Unreachable};
-use compiler::program::{Choices, Keypoint, KeypointShape, Moment, PixelPoint, Program};
-use compiler::space;
+use fab_program::scene::{SceneView, Unreachable};
+use fab_program::space;
+use fab_program::{Choices, Keypoint, KeypointShape, Moment, PixelPoint, Program};
 use serde_json::{Map, Value, json};
 
 /// The keypoints of one observation, in the program's order.
@@ -69,7 +69,7 @@ pub enum SceneError {
     },
     /// A layer needs what there is not; only a program edited by hand does that.
     #[error("an annotation cannot be drawn: {0}")]
-    Missing(compiler::facts::Missing),
+    Missing(fab_program::facts::Missing),
     /// The detector itself failed.
     #[error(transparent)]
     Vision(#[from] VisionError),

@@ -8,9 +8,9 @@ use super::{Found, Scene, SceneError};
 use crate::action;
 use crate::observation::Observation;
 use crate::world::Reach;
-use compiler::facts::{SceneView, Unreachable};
-use compiler::program::{Choices, PixelPoint, Program};
-use compiler::space;
+use fab_program::scene::{SceneView, Unreachable};
+use fab_program::space;
+use fab_program::{Choices, PixelPoint, Program};
 
 impl Scene {
     /// Returns the scene without the candidate points that are out of reach.

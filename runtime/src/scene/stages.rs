@@ -5,8 +5,8 @@
 
 use super::{Found, Scene, SceneError, pixels};
 use crate::vision::{self, DrawnLayer, DrawnShape, Mask};
-use compiler::facts::Done;
-use compiler::program::{PixelPoint, Program};
+use fab_program::facts::Done;
+use fab_program::{PixelPoint, Program};
 use image::{Luma, RgbImage};
 
 /// The colour of keypoints; a cloth, a table and the layers of a task rarely have it.

@@ -11,7 +11,7 @@ pub use file::{Grid, StartError, StartFrame, Up};
 pub use outline::Outline;
 
 use crate::chance::Chance;
-use compiler::program::Cloth;
+use fab_program::Cloth;
 use sha2::{Digest, Sha256};
 
 /// Height of a resting cloth's particles above the table, metres (protocol, section 1).
@@ -140,7 +140,7 @@ mod tests {
             dimx: 5,
             dimy: 3,
             spacing_m: 0.00625,
-            start: compiler::program::ClothStart::Flat,
+            start: fab_program::ClothStart::Flat,
         }
     }
 

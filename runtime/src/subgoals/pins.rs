@@ -7,7 +7,7 @@ use super::{ArrowPx, Origin, SubgoalError, SubgoalSet};
 use crate::picture;
 use crate::store;
 use crate::world::World;
-use compiler::program::{Fold, Program, Subgoals};
+use fab_program::{Fold, Program, Subgoals};
 use image::RgbImage;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};

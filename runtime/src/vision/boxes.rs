@@ -3,7 +3,7 @@
 //! In: a mask, or a box as its left-top and right-bottom pixels, both part of it. Out: boxes, points, distances.
 
 use super::Mask;
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 
 /// Returns the left-top and the right-bottom pixel of the smallest upright box around a mask, both inclusive.
 ///

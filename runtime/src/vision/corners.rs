@@ -7,7 +7,7 @@
 use super::mask::mask_picture;
 use super::sight::detector_picture;
 use super::{DepthImage, Located, MAX_SIDE_PX, Mask, VisionError, bounding_box, check_size};
-use compiler::program::{PixelPoint, Response, Sight};
+use fab_program::{PixelPoint, Response, Sight};
 use image::{RgbImage, imageops};
 use opencv::core::{Mat, Point2f, Size, TermCriteria, TermCriteria_Type, Vector, no_array};
 use opencv::imgproc;

@@ -4,7 +4,7 @@
 //! are cut off there; one at a position that is not finite is left out.
 
 use super::{VisionError, check_size};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use image::RgbImage;
 use opencv::core::{Mat, Point, Scalar, Vec3b};
 use opencv::imgproc;

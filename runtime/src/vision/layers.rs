@@ -8,7 +8,7 @@ use super::VisionError;
 use super::boxes::sorted;
 use super::color::gray_level;
 use super::draw::{Canvas, arrow, bounded, canvas, ring, scalar};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use image::RgbImage;
 use opencv::core::{Point, Vector};
 use opencv::imgproc;

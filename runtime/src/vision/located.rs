@@ -1,7 +1,7 @@
 //! A point of a picture that is known more finely than by its pixel.
 
 use crate::camera::center_of;
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 
 /// A whole pixel, which prompts and answers name, and the point that it stands for, which is executed.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@
 //! error.
 
 use super::{DepthImage, Located};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use image::{GrayImage, Luma};
 
 /// A set of pixels of one picture.

@@ -3,7 +3,7 @@
 //! In: a mask. Out: the polygon's vertices in order; the last side leads back to the first vertex.
 
 use super::{Located, Mask, VisionError, check_size};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use opencv::core::{Mat, Point, Vector};
 use opencv::imgproc;
 use std::collections::BTreeSet;

@@ -6,7 +6,7 @@
 use super::color::{gray_level, misread};
 use super::mask::has_reading;
 use super::{DepthImage, Mask};
-use compiler::program::{PixelPoint, Sight};
+use fab_program::{PixelPoint, Sight};
 use image::imageops::{self, FilterType};
 use image::{GrayImage, Luma, RgbImage};
 

@@ -5,7 +5,7 @@
 
 use super::Mask;
 use super::color::{gray_level, saturation_level};
-use compiler::program::{Channel, PixelPoint, Side};
+use fab_program::{Channel, PixelPoint, Side};
 use image::RgbImage;
 
 /// Keeps the pixels on one side of the best level.

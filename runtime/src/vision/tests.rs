@@ -9,7 +9,7 @@ mod recorded;
 mod sight;
 
 use super::*;
-use compiler::program::{PixelPoint, Response, Sight};
+use fab_program::{PixelPoint, Response, Sight};
 use image::{Luma, Rgb, RgbImage};
 use proptest::prelude::*;
 

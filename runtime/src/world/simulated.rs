@@ -10,10 +10,10 @@ use crate::interrupt::Interrupt;
 use crate::observation::Observation;
 use crate::start::Start;
 use crate::vision::DepthImage;
-use compiler::program;
+use fab_program as program;
+pub use fab_sim::Look;
+use fab_sim::{Aim, Grid, Mask, Params, SimError, Simulator, TopDownCamera};
 use image::RgbImage;
-pub use sim::Look;
-use sim::{Aim, Grid, Mask, Params, SimError, Simulator, TopDownCamera};
 
 /// Why a cloth with missing particles is not laid for actions: its corners, which tasks name, may not exist.
 const OUTLINED: &str =
@@ -45,8 +45,8 @@ impl SimulatedWorld {
             why: error.to_string(),
         })?;
         let up = match camera.up {
-            program::ImageUp::Y => sim::ImageUp::Y,
-            program::ImageUp::X => sim::ImageUp::X,
+            program::ImageUp::Y => fab_sim::ImageUp::Y,
+            program::ImageUp::X => fab_sim::ImageUp::X,
         };
         Ok(SimulatedWorld {
             parameters: match picker {
@@ -106,7 +106,7 @@ impl World for SimulatedWorld {
     }
 
     fn code(&self) -> String {
-        sim::CODE_DIGEST.to_owned()
+        fab_sim::CODE_DIGEST.to_owned()
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {

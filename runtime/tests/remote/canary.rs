@@ -2,9 +2,9 @@
 
 use crate::support::*;
 use base64::Engine;
-use runtime::calls::{Unkept, Usd};
-use runtime::model::remote::{Answers, Key, Wire};
-use runtime::model::{Model, Reply};
+use fab_runtime::calls::{Unkept, Usd};
+use fab_runtime::model::remote::{Answers, Key, Wire};
+use fab_runtime::model::{Model, Reply};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use wiremock::ResponseTemplate;
@@ -154,7 +154,7 @@ fn a_key_that_the_server_splits_over_pieces_of_text_is_hidden_in_every_wire() {
                 let reply = ResponseTemplate::new(200).set_body_json(in_pieces(wire, &pieces));
                 let provider = Provider::playing(vec![reply]);
                 let folder = tempfile::tempdir().unwrap();
-                let cache = runtime::cache::Cache::at(folder.path().to_owned());
+                let cache = fab_runtime::cache::Cache::at(folder.path().to_owned());
                 let mut trial = Trial::of(&provider.url());
                 trial.settings.wire = wire;
                 trial.shared.answers = Arc::new(Answers::kept_in(cache));
@@ -178,7 +178,7 @@ fn no_kept_answer_holds_a_key() {
     let folder = tempfile::tempdir().unwrap();
     let provider = Provider::playing(vec![good(&format!("it is {CANARY}"))]);
     let mut trial = Trial::of(&provider.url());
-    let cache = runtime::cache::Cache::at(folder.path().to_owned());
+    let cache = fab_runtime::cache::Cache::at(folder.path().to_owned());
     trial.shared.answers = Arc::new(Answers::kept_in(cache));
     let reply: Reply = trial.model().ask(&request(), &mut Unkept).unwrap();
     assert_eq!(
@@ -194,17 +194,17 @@ fn no_kept_answer_holds_a_key() {
 fn no_panic_message_holds_a_key() {
     /// Panics with all that it can see of a call.
     struct Panics;
-    impl runtime::calls::Calls for Panics {
+    impl fab_runtime::calls::Calls for Panics {
         fn begin(
             &mut self,
-            call: &runtime::calls::Call<'_>,
-        ) -> Result<(), runtime::calls::CallRefused> {
+            call: &fab_runtime::calls::Call<'_>,
+        ) -> Result<(), fab_runtime::calls::CallRefused> {
             panic!("{call:?}");
         }
         fn end(
             &mut self,
-            _: &runtime::calls::CallEnd<'_>,
-        ) -> Result<(), runtime::calls::CallRefused> {
+            _: &fab_runtime::calls::CallEnd<'_>,
+        ) -> Result<(), fab_runtime::calls::CallRefused> {
             Ok(())
         }
     }
@@ -230,7 +230,7 @@ fn a_key_within_the_base_url_is_refused_before_anything_is_sent() {
     let trial = Trial::of(&format!("http://127.0.0.1:1/{OTHER}/v1"));
     let mut shared = trial.shared.clone();
     shared.hidden = vec![Key::new("OTHER", OTHER).unwrap()];
-    let error = runtime::model::remote::Remote::new(trial.settings, shared).unwrap_err();
+    let error = fab_runtime::model::remote::Remote::new(trial.settings, shared).unwrap_err();
     check(&format!("{error} {error:?}"));
     assert!(error.to_string().contains("key"), "{error}");
 }

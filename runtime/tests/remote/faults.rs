@@ -1,10 +1,10 @@
 //! Status codes and replies that are none: what is tried again, how often, and what is told of it.
 
 use crate::support::*;
-use runtime::calls::{Billing, Fault, Usd};
-use runtime::model::catalogue::Accepted;
-use runtime::model::remote::{Wire, most_calls};
-use runtime::model::{Model, ModelError, Reply};
+use fab_runtime::calls::{Billing, Fault, Usd};
+use fab_runtime::model::catalogue::Accepted;
+use fab_runtime::model::remote::{Wire, most_calls};
+use fab_runtime::model::{Model, ModelError, Reply};
 use std::time::Duration;
 use wiremock::ResponseTemplate;
 

@@ -1,10 +1,10 @@
 //! Answers are bought once: kept by all that they depend on, and asked for by one thread at a time.
 
 use crate::support::*;
-use runtime::cache::Cache;
-use runtime::calls::{Unkept, Usd};
-use runtime::model::remote::{Answers, Wire};
-use runtime::model::{Model, Request};
+use fab_runtime::cache::Cache;
+use fab_runtime::calls::{Unkept, Usd};
+use fab_runtime::model::remote::{Answers, Wire};
+use fab_runtime::model::{Model, Request};
 use std::fs;
 use std::sync::Arc;
 use std::time::Duration;
@@ -60,7 +60,8 @@ fn whatever_an_answer_depends_on_makes_another_question_of_it() {
         &other(&|trial| trial.settings.model = "another".to_owned()),
         &|_| {},
     );
-    let base = runtime::model::remote::BaseUrl::parse(&format!("{}/v2", provider.url())).unwrap();
+    let base =
+        fab_runtime::model::remote::BaseUrl::parse(&format!("{}/v2", provider.url())).unwrap();
     ask(
         &other(&|trial| trial.settings.base_url = base.clone()),
         &|_| {},

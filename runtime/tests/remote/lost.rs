@@ -1,9 +1,9 @@
 //! Connections that fail on the way: refused, cut, slow, endless.
 
 use crate::support::*;
-use runtime::calls::{Billing, Fault};
-use runtime::model::remote::most_calls;
-use runtime::model::{Model, ModelError};
+use fab_runtime::calls::{Billing, Fault};
+use fab_runtime::model::remote::most_calls;
+use fab_runtime::model::{Model, ModelError};
 use std::net::{Shutdown, TcpListener};
 use std::thread;
 use std::time::Duration;

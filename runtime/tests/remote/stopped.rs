@@ -1,10 +1,10 @@
 //! The user's interrupt ends whatever a call waits for.
 
 use crate::support::*;
-use runtime::calls::{Billing, Fault};
-use runtime::interrupt::Interrupt;
-use runtime::model::remote::Pause;
-use runtime::model::{Model, ModelError};
+use fab_runtime::calls::{Billing, Fault};
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::model::remote::Pause;
+use fab_runtime::model::{Model, ModelError};
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;

@@ -1,11 +1,11 @@
 //! A scripted provider, and doubles that note what a model tells and waits for.
 
-use runtime::calls::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usage, Usd};
-use runtime::interrupt::Interrupt;
-use runtime::model::remote::{
+use fab_runtime::calls::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usage, Usd};
+use fab_runtime::interrupt::Interrupt;
+use fab_runtime::model::remote::{
     Answers, BaseUrl, Gate, Key, Pause, Pricing, Remote, Retry, Settings, Shared, Tell, Wire,
 };
-use runtime::model::{Message, ModelRole, Request, Speaker};
+use fab_runtime::model::{Message, ModelRole, Request, Speaker};
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::atomic::{AtomicUsize, Ordering};

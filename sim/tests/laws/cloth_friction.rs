@@ -4,7 +4,7 @@
 //! are bumpy: a patch that slides over them loses speed without any friction too, so laws are of differences.
 
 use super::*;
-use sim::Mask;
+use fab_sim::Mask;
 
 const COLUMNS: usize = 30;
 const SHEET_ROWS: usize = 24;

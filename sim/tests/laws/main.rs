@@ -18,7 +18,7 @@ mod parameters;
 mod swinging;
 mod symmetry;
 
-use sim::{Aim, Grid, Params, Simulator};
+use fab_sim::{Aim, Grid, Params, Simulator};
 
 const SPACING_M: f32 = 0.00625;
 const REST_HEIGHT_M: f32 = 0.005;

@@ -1,7 +1,7 @@
 //! Outlines: cloths with a hole or the shape of a garment keep the laws; missing particles are not there.
 
 use super::*;
-use sim::Mask;
+use fab_sim::Mask;
 
 const OUTLINES: [(&str, &str); 2] = [
     ("t_shirt", include_str!("../../outlines/t_shirt.txt")),

@@ -1,9 +1,9 @@
 //! Bad parameters: refused by name, or harmless.
 
 use super::*;
+use fab_sim::{SimError, StartError};
 use proptest::prelude::*;
 use serde_json::{Value, json};
-use sim::{SimError, StartError};
 
 /// Returns the default parameters with one number changed, unchecked: `axis` counts within lists.
 fn with(field: usize, axis: usize, value: f32) -> Params {

@@ -9,8 +9,8 @@
 #[path = "../../../tests/recorded_data.rs"]
 pub mod data;
 
+use fab_sim::{Grid, Params, RestShortcut, Simulator};
 use serde_json::Value;
-use sim::{Grid, Params, RestShortcut, Simulator};
 use std::path::{Path, PathBuf};
 
 /// One recorded demonstration.

@@ -22,8 +22,8 @@
 use super::matching::{fits, refreshed};
 use super::page::{Block, Page};
 use crate::suite::support::{fabc, root};
-use compiler::diag::{self, Color};
-use compiler::{LoadError, Loader};
+use fab_compiler::diag::{self, Color};
+use fab_compiler::{LoadError, Loader};
 use similar::TextDiff;
 use std::fs;
 use std::io::Read;
@@ -176,7 +176,7 @@ impl Walk<'_> {
     /// Compiles a right file, and runs the tests that it carries.
     fn compiles(&mut self, name: &str, text: &str) -> Result<(), String> {
         self.walked.n_files += 1;
-        let compiled = compiler::compile(name, &self.files(name, text)).unwrap();
+        let compiled = fab_compiler::compile(name, &self.files(name, text)).unwrap();
         // A file that a reader is to write gives no warning either.
         let is_unclean = name != EXAMPLE && !compiled.diagnostics.is_empty();
         if compiled.has_errors() || compiled.programs.is_empty() || is_unclean {
@@ -190,7 +190,7 @@ impl Walk<'_> {
             let mut programs = compiled.programs.iter();
             let program =
                 programs.find(|program| program.task == test.task && program.variant.is_none());
-            let trial = compiler::trial::run(program.unwrap(), test);
+            let trial = fab_program::test::run(program.unwrap(), test);
             if !trial.is_expected {
                 return Err(format!("test `{}`: {}", test.name, trial.finding));
             }
@@ -204,7 +204,7 @@ impl Walk<'_> {
         let Some(stated) = next.filter(|next| next.info == "text") else {
             return Err("a block of `text` with the compiler's words is to follow".to_owned());
         };
-        let compiled = compiler::compile(name, &self.files(name, text)).unwrap();
+        let compiled = fab_compiler::compile(name, &self.files(name, text)).unwrap();
         let said = diag::to_text(&compiled.diagnostics, &compiled.sources, Color::Plain);
         if said.is_empty() {
             return Err("nothing is wrong with it".to_owned());

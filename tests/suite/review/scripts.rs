@@ -230,7 +230,7 @@ fn two_components_that_change_side_by_side_are_two_edits() {
     // Each of the two has the weight of its own words.
     let weight = |group: &Value| {
         let lines =
-            |key: &str| compiler::tokens::of_text(group["edits"][0][key][0].as_str().unwrap());
+            |key: &str| fab_program::tokens::of_text(group["edits"][0][key][0].as_str().unwrap());
         810 + lines("added") - lines("removed")
     };
     for group in [one, other] {

@@ -8,7 +8,7 @@ use crate::arm::calibration::Calibration;
 use crate::arm::kinematics::reach::Reach;
 use crate::arm::settings::Settings;
 use crate::vision::{DrawnLayer, DrawnShape, VisionError, draw_label, draw_layers};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use image::{RgbImage, imageops};
 use nalgebra::Point3;
 use std::f64::consts::TAU;

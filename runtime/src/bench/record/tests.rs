@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use compiler::program::Comparison;
+use fab_program::Comparison;
 use serde_json::json;
 
 fn goal() -> Goal {

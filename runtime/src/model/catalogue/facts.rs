@@ -6,7 +6,7 @@
 use super::date::Date;
 use super::price::Price;
 use crate::model::lowering::{Lowering, Resize};
-use compiler::pointing::{Order, Unit};
+use fab_program::pointing::{Order, Unit};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 

@@ -27,7 +27,7 @@ pub use tokens::Tokens;
 
 use super::Lowering;
 use crate::bounded;
-use compiler::diag::{among, nearest};
+use fab_compiler::diag::{among, nearest};
 use file::{At, ModelEntry, ProviderForm, Subject};
 use serde::Serialize;
 use std::path::Path;

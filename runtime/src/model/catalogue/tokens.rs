@@ -6,7 +6,7 @@
 use super::facts::{Flat, ImageTokens, Patches, Tiles};
 use crate::model::{Message, Part};
 use crate::picture;
-pub use compiler::tokens::of_text;
+pub use fab_program::tokens::of_text;
 use serde::Serialize;
 use std::fmt;
 use std::ops::Add;

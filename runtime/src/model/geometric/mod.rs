@@ -24,7 +24,7 @@ mod tests;
 use super::{Message, Model, ModelError, Nature, Part, Reply, Request, Speaker};
 use crate::calls::Calls;
 use crate::regions;
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 pub use smooth::{FEATURES, Offer, offers};
 
 use frame::Frame;

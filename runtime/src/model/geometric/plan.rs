@@ -6,7 +6,7 @@
 
 use super::frame::{self, Frame, Point};
 use super::words::{Instruction, Sides, Spot};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use std::f64::consts::{PI, TAU};
 
 /// A pick and a place with what they are off from the words.

@@ -4,7 +4,7 @@
 //! one with `corner` and points lists the corners, one with `cent` and a point gives the center, and any other
 //! one that consists of a label, a colon and points lists points besides.
 
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 
 /// The most points that are read from one prompt.
 const MAX_POINTS: usize = 1000;

@@ -3,7 +3,7 @@
 use super::super::color::{gray_level, misread};
 use super::super::*;
 use crate::recorded::recorded_data;
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use image::{Rgb, RgbImage};
 
 const ANY: [f64; 2] = [0.0, 1.0];

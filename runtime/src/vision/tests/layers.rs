@@ -2,7 +2,7 @@
 
 use super::super::*;
 use crate::recorded::recorded_data;
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use image::{Rgb, RgbImage};
 use proptest::prelude::*;
 use serde_json::Value;

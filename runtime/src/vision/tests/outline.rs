@@ -1,7 +1,7 @@
 //! Tests of boxes and outlines.
 
 use super::super::*;
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use proptest::prelude::*;
 
 fn points<const N: usize>(list: [(i32, i32); N]) -> Vec<PixelPoint> {

@@ -5,7 +5,7 @@
 use super::super::*;
 use super::{corners_by_depth, harris};
 use crate::recorded::recorded_data;
-use compiler::program::{Response, Sight};
+use fab_program::{Response, Sight};
 use image::Luma;
 use serde_json::Value;
 use std::path::Path;

@@ -4,7 +4,7 @@ use super::super::sight::detector_picture;
 use super::super::*;
 use super::harris;
 use crate::recorded::recorded_data;
-use compiler::program::{PixelPoint, Response, Sight};
+use fab_program::{PixelPoint, Response, Sight};
 use image::{GrayImage, Luma, Rgb, RgbImage};
 
 /// A light square on dark ground, at the same depth.

@@ -10,9 +10,9 @@ use crate::arm::simulated::Table;
 use crate::start::Start;
 use crate::vision::DepthImage;
 use crate::world::WorldError;
+use fab_sim::{Grid, ImageUp, Mask, Params, Simulator, TopDownCamera};
 use image::RgbImage;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use sim::{Grid, ImageUp, Mask, Params, Simulator, TopDownCamera};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -109,7 +109,7 @@ impl ClothTable {
 
     /// Returns a digest of the code that moves the cloth.
     pub fn code() -> &'static str {
-        sim::CODE_DIGEST
+        fab_sim::CODE_DIGEST
     }
 
     fn tip(&self, tool: &Isometry3<f64>) -> [f32; 3] {

@@ -4,7 +4,7 @@
 //! `edge` for the scale; what no sentence says is not assumed.
 
 use super::super::prompt;
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use std::collections::BTreeSet;
 
 /// What a prompt for a pick, a direction and a distance says.

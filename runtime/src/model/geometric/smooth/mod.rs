@@ -21,7 +21,7 @@ use super::frame::Point;
 use super::{prompt, spoken};
 use crate::model::{Message, Part, Speaker};
 use brief::Brief;
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 pub use features::NAMES as FEATURES;
 use pulls::Pull;
 use view::View;

@@ -7,7 +7,7 @@ use super::brief::Brief;
 use super::features::{Cloth, NAMES};
 use super::view::View;
 use super::{estimate, middle_of, rim};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 
 /// One of the answers that could be given.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@
 
 use super::super::frame::{self, Point};
 use super::view::{Face, View};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 
 /// How far apart points are at least, in sides of the cloth.
 const SPACING: f64 = 0.1;

@@ -15,7 +15,7 @@ use super::{Geometric, prompt};
 use crate::calls::Unkept;
 use crate::model::{Message, Model, ModelRole, Part, Png, Request, Speaker};
 use crate::vision::draw_arrow;
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use image::{Rgb, RgbImage};
 
 type Point = [f64; 2];

@@ -9,7 +9,7 @@ mod words;
 use super::prompt;
 use crate::calls::Unkept;
 use crate::model::{Geometric, Message, Model, ModelRole, Part, Png, Request, Speaker};
-use compiler::program::PixelPoint;
+use fab_program::PixelPoint;
 use image::{Rgb, RgbImage};
 
 const SIDE: u32 = 360;

@@ -1,0 +1,168 @@
+//! Writes a program as files that other systems use without this compiler.
+//!
+//! In: compiled programs. Out: [`Artifact`]s, texts with the paths that they belong to: prompt templates,
+//! the schema of an answer, verifiers in Rust and Python, and `program.json`, which ties them together.
+//! The same programs give the same bytes. Writing them to disk is left to others.
+
+mod manifest;
+mod prompts;
+mod schema;
+mod verifier;
+
+pub use manifest::{BUILD_FORMAT, ListedArtifact, Manifest};
+pub use prompts::{fill, guards_and_values};
+
+use fab_program::Program;
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// A file that is to be written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Artifact {
+    /// Where it belongs, relative to the folder that is built into; `/` as separator.
+    pub path: String,
+    /// What it holds.
+    pub text: String,
+}
+
+/// What is written beside the prompts and the schema, which always are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// `program.json`: the whole program as data, and a list of the other files.
+    Program,
+    /// `verifier.rs`: the checks as a Rust module that needs `core` alone.
+    Rust,
+    /// `verifier.py`: the checks as a Python module that needs the standard library alone.
+    Python,
+}
+
+/// Returns the folder of a program's files: `TASK`, or `TASK.VARIANT`.
+pub fn folder(program: &Program) -> String {
+    match &program.variant {
+        Some(variant) => format!("{}.{variant}", program.task),
+        None => program.task.clone(),
+    }
+}
+
+/// Writes programs, each into its own folder; `program.json` comes last in it, since it lists the others.
+///
+/// Fails only on programs that were edited by hand, and where two files would get one name.
+pub fn emit(programs: &[Program], targets: &[Target]) -> Result<Vec<Artifact>, EmitError> {
+    let mut artifacts = Vec::new();
+    for program in programs {
+        artifacts.extend(of_one(program, targets)?);
+    }
+    let mut by_path: BTreeMap<String, &str> = BTreeMap::new();
+    for artifact in &artifacts {
+        // Not every file system tells `A` and `a` apart, and the files must be the same on all.
+        let folded = artifact.path.to_ascii_lowercase();
+        if let Some(other) = by_path.insert(folded, &artifact.path) {
+            return Err(EmitError::SameFile {
+                one: other.to_owned(),
+                other: artifact.path.clone(),
+            });
+        }
+    }
+    Ok(artifacts)
+}
+
+fn of_one(program: &Program, targets: &[Target]) -> Result<Vec<Artifact>, EmitError> {
+    let folder = folder(program);
+    for part in [Some(&program.task), program.variant.as_ref()] {
+        plain_name(part.map_or("_", String::as_str))?;
+    }
+    let mut artifacts = prompts::emit(program)?;
+    let mut add = |path: &str, text| {
+        artifacts.push(Artifact {
+            path: path.to_owned(),
+            text,
+        });
+    };
+    add("actions.schema.json", schema::emit(program));
+    if targets.contains(&Target::Rust) {
+        add("verifier.rs", verifier::rust(program)?);
+    }
+    if targets.contains(&Target::Python) {
+        add("verifier.py", verifier::python(program)?);
+    }
+    if targets.contains(&Target::Program) {
+        let text = manifest::emit(program, &artifacts);
+        artifacts.push(Artifact {
+            path: "program.json".to_owned(),
+            text,
+        });
+    }
+    for artifact in &mut artifacts {
+        artifact.path = format!("{folder}/{}", artifact.path);
+    }
+    Ok(artifacts)
+}
+
+/// Accepts a name that is safe in a path and in a template: letters of ASCII, digits and `_`, joined by dots.
+fn plain_name(name: &str) -> Result<&str, EmitError> {
+    let is_plain = name.split('.').all(|part| {
+        !part.is_empty()
+            && part
+                .bytes()
+                .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+    });
+    if is_plain {
+        Ok(name)
+    } else {
+        Err(EmitError::Name {
+            name: name.to_owned(),
+        })
+    }
+}
+
+/// Why a program cannot be written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum EmitError {
+    /// A name cannot stand in a path or in a template; the compiler gives none such.
+    Name {
+        /// The name.
+        name: String,
+    },
+    /// Something is named that the program does not have, or that is of another kind.
+    Reference {
+        /// What is named.
+        name: String,
+        /// What it would have to be.
+        wanted: &'static str,
+    },
+    /// A number is infinite, is none, or divides by zero.
+    Number {
+        /// The number.
+        value: String,
+    },
+    /// Two files would differ by the case of letters alone.
+    SameFile {
+        /// The path of one.
+        one: String,
+        /// The path of the other.
+        other: String,
+    },
+}
+
+impl fmt::Display for EmitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            EmitError::Name { name } => write!(f, "`{name}` cannot be the name of a file"),
+            EmitError::Reference { name, wanted } => {
+                write!(f, "`{name}` is needed as {wanted} and is none")
+            }
+            EmitError::Number { value } => {
+                write!(
+                    f,
+                    "the program computes with `{value}`, which is no number to compute with"
+                )
+            }
+            EmitError::SameFile { one, other } => write!(
+                f,
+                "`{one}` and `{other}` would be one file where the case of letters does not count; rename one"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for EmitError {}

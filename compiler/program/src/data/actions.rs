@@ -1,0 +1,127 @@
+//! The discretised action space: the one declaration behind prompt, schema, parser, verifier and sampler.
+
+use crate::data::camera::PixelPoint;
+use crate::data::units::LengthUnit;
+use serde::{Deserialize, Serialize};
+
+/// One field of an answer and what it may be.
+///
+/// Every action has `pick`, which is points, and either `place`, which is points too, or `direction` and
+/// `distance`. Further fields are words; they are read, checked and kept, and move nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ActionField {
+    /// Its name.
+    pub name: String,
+    /// What it may be.
+    pub choices: Choices,
+}
+
+impl ActionField {
+    /// Returns whether its values are pixels.
+    pub fn is_point(&self) -> bool {
+        self.choices.are_points()
+    }
+}
+
+impl Choices {
+    /// Returns whether they are pixels: those of keypoints, or of a region.
+    pub fn are_points(&self) -> bool {
+        matches!(self, Choices::Points { .. } | Choices::Region { .. })
+    }
+}
+
+/// What a field may be, in the order in which a prompt lists it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "of", rename_all = "snake_case")]
+pub enum Choices {
+    /// The points of these keypoints.
+    Points {
+        /// Keypoints that are points or a point.
+        keypoints: Vec<String>,
+    },
+    /// Any pixel of a mask.
+    Region {
+        /// The mask.
+        mask: String,
+    },
+    /// Directions in the picture.
+    Directions {
+        /// No two the same.
+        choices: Vec<Direction>,
+    },
+    /// Lengths on the table.
+    Lengths {
+        /// The unit that prompt and answer use.
+        unit: LengthUnit,
+        /// No two the same.
+        choices: Vec<LengthChoice>,
+    },
+    /// Words.
+    Words {
+        /// No two the same, whatever their case.
+        choices: Vec<String>,
+    },
+}
+
+/// A direction in the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Direction {
+    /// Degrees, counter-clockwise from the image's right, `0 <= deg < 360`.
+    pub deg: f64,
+    /// The same as a unit vector: right and down, so that 90 degrees is `[0, -1]`.
+    pub vector: [f64; 2],
+}
+
+/// A length on the table.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LengthChoice {
+    /// In the field's unit, as declared.
+    pub value: f64,
+    /// In metres.
+    pub m: f64,
+}
+
+/// The value of one field of an answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// A pixel, `[u, v]`.
+    Point(crate::data::camera::PixelPoint),
+    /// A direction, `{"deg": 45}`: `0 <= deg < 360`.
+    Direction {
+        /// Degrees, counter-clockwise from the image's right.
+        deg: f64,
+    },
+    /// A length, `{"length": 0.25}`, in the field's unit.
+    Length {
+        /// The number.
+        length: f64,
+    },
+    /// A word.
+    Word(String),
+}
+
+/// An action as a model states it, not yet judged.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Proposal {
+    /// Each field's value, in the order of the declaration.
+    pub fields: Vec<(String, Value)>,
+}
+
+impl Proposal {
+    /// Returns a field's value.
+    pub fn get(&self, field: &str) -> Option<&Value> {
+        self.fields
+            .iter()
+            .find(|(name, _)| name == field)
+            .map(|(_, value)| value)
+    }
+
+    /// Returns a field's point; None where it is none.
+    pub fn point(&self, field: &str) -> Option<PixelPoint> {
+        match self.get(field)? {
+            Value::Point(point) => Some(*point),
+            _ => None,
+        }
+    }
+}

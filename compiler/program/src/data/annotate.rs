@@ -1,0 +1,116 @@
+//! What is drawn on the camera's picture before a model sees it.
+
+use crate::data::values::{End, Point};
+use serde::{Deserialize, Serialize};
+
+/// One layer of drawing; later layers cover earlier ones.
+///
+/// A layer that needs the action before this one is not drawn in the first step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Layer {
+    /// Its name in the task.
+    pub name: String,
+    /// The colour, red green blue.
+    pub rgb: [u8; 3],
+    /// What is drawn.
+    pub mark: Mark,
+    /// What a prompt calls it, such as `blue dots`.
+    pub words: String,
+}
+
+impl Layer {
+    /// Returns whether it shows where the action before was carried out.
+    pub fn uses_last(&self) -> bool {
+        self.uses_end(End::Pick) || self.uses_end(End::Place)
+    }
+
+    /// Returns whether it shows that end of the action before.
+    pub fn uses_end(&self, end: End) -> bool {
+        match &self.mark {
+            Mark::Dot { at, .. }
+            | Mark::Ring { at, .. }
+            | Mark::Cross { at, .. }
+            | Mark::Number { at } => at.iter().any(|spot| match spot {
+                Spot::Points { .. } => false,
+                Spot::One { point } => point.uses_end(end),
+            }),
+            Mark::Arrow { from, to, .. } => from.uses_end(end) || to.uses_end(end),
+            Mark::Box { .. } | Mark::Outline { .. } => false,
+        }
+    }
+}
+
+/// What is drawn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "mark", rename_all = "snake_case")]
+pub enum Mark {
+    /// Filled circles.
+    Dot {
+        /// Where.
+        at: Vec<Spot>,
+        /// Pixels.
+        radius_px: u32,
+    },
+    /// Circles.
+    Ring {
+        /// Where.
+        at: Vec<Spot>,
+        /// Pixels.
+        radius_px: u32,
+        /// Width of the line, pixels.
+        width_px: u32,
+    },
+    /// Upright crosses.
+    Cross {
+        /// Where.
+        at: Vec<Spot>,
+        /// Length of each arm, pixels.
+        radius_px: u32,
+        /// Width of the lines, pixels.
+        width_px: u32,
+    },
+    /// The index of each point in its list, from 1, written beside it.
+    Number {
+        /// Where.
+        at: Vec<Spot>,
+    },
+    /// An arrow.
+    Arrow {
+        /// Its tail.
+        from: Point,
+        /// Its tip.
+        to: Point,
+        /// Width of the line, pixels.
+        width_px: u32,
+    },
+    /// A box's sides: every `spacing_px`-th pixel of them.
+    Box {
+        /// The keypoint.
+        of: String,
+        /// 1: a solid line.
+        spacing_px: u32,
+    },
+    /// An outline's sides.
+    Outline {
+        /// The keypoint.
+        of: String,
+        /// Width of the line, pixels.
+        width_px: u32,
+    },
+}
+
+/// Where something is drawn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "spot", rename_all = "snake_case")]
+pub enum Spot {
+    /// At each point of a keypoint.
+    Points {
+        /// The keypoint.
+        keypoint: String,
+    },
+    /// At one point.
+    One {
+        /// The point.
+        point: Point,
+    },
+}

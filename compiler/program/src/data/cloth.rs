@@ -1,0 +1,45 @@
+//! The cloth that a task is about.
+
+use crate::data::files::FileRef;
+use serde::{Deserialize, Serialize};
+
+/// A rectangular cloth as a grid of particles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cloth {
+    /// Particles from left to right, at least 2.
+    pub dimx: u32,
+    /// Particles from back (image top) to front (image bottom), at least 2.
+    pub dimy: u32,
+    /// Distance between neighbours, metres.
+    pub spacing_m: f64,
+    /// How it lies where the command line does not say.
+    pub start: ClothStart,
+}
+
+impl Cloth {
+    /// Returns the length of the longer side, metres: what the unit `edge` counts.
+    pub fn edge_m(&self) -> f64 {
+        f64::from(self.dimx.max(self.dimy) - 1) * self.spacing_m
+    }
+
+    /// Returns the area of the flat cloth, square metres.
+    pub fn area_m2(&self) -> f64 {
+        let side_m = |n_particles: u32| f64::from(n_particles - 1) * self.spacing_m;
+        side_m(self.dimx) * side_m(self.dimy)
+    }
+}
+
+/// How a cloth lies at first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "lies", rename_all = "snake_case")]
+pub enum ClothStart {
+    /// Flat and straight.
+    Flat,
+    /// Crumpled: lifted and dropped at random, as the rollout's seed says.
+    Crumpled,
+    /// As a file of particle positions says.
+    File {
+        /// The file.
+        file: FileRef,
+    },
+}

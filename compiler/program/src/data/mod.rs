@@ -1,0 +1,22 @@
+//! The parts of a [`Program`](program::Program): one file a section of the language, each plain data.
+//!
+//! What the data means is said by the modules of the crate; nothing here computes but what follows from one value alone.
+
+pub mod actions;
+pub mod annotate;
+pub mod camera;
+pub mod cloth;
+pub mod demos;
+pub mod files;
+pub mod folds;
+pub mod goal;
+pub mod keypoints;
+pub mod picker;
+pub mod placeholders;
+pub mod program;
+pub mod stage;
+pub mod subgoals;
+pub mod test;
+pub mod units;
+pub mod values;
+pub mod verify;

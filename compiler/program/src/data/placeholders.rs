@@ -1,0 +1,87 @@
+//! What stands at the places of a text: values, and how they are written.
+
+use crate::data::values::{Heading, Length, Number, Point};
+use serde::{Deserialize, Serialize};
+
+/// What stands at a place of a text.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "shows", rename_all = "snake_case")]
+pub enum Shown {
+    /// What a stage read.
+    Text {
+        /// Its name.
+        name: String,
+    },
+    /// The lines in which an answer states the action.
+    Format,
+    /// How a point is written, e.g. `(x, y) in pixels`.
+    PointForm,
+    /// A keypoint's points, `(x, y), (x, y)`.
+    Points {
+        /// The keypoint.
+        keypoint: String,
+    },
+    /// A point, `(x, y)`, rounded to whole pixels.
+    Point {
+        /// The point.
+        point: Point,
+    },
+    /// A length.
+    Length {
+        /// In pixels or metres.
+        length: Length,
+        /// How it is written.
+        written: Written,
+    },
+    /// The angle between two directions.
+    Angle {
+        /// One direction.
+        a: Heading,
+        /// The other.
+        b: Heading,
+        /// How it is written; the factor is applied to degrees.
+        written: Written,
+    },
+    /// A number.
+    Number {
+        /// The number.
+        number: Number,
+        /// How it is written.
+        written: Written,
+    },
+    /// The proposed value of a field, as the answer's format writes it.
+    Field {
+        /// The field.
+        field: String,
+    },
+    /// The value of a field in the action before this one.
+    LastField {
+        /// The field.
+        field: String,
+    },
+    /// What a field may be, in order, separated by commas.
+    Choices {
+        /// The field.
+        field: String,
+    },
+    /// The candidate points that are out of reach, each with why, `(x, y): why; (x, y): why`; `none` where all are in reach.
+    Unreachable,
+    /// The choice of a direction field that is nearest to a direction; the first of equally near ones.
+    Nearest {
+        /// The field.
+        field: String,
+        /// The direction.
+        to: Heading,
+    },
+}
+
+/// How a number is written: multiplied, rounded, without needless zeros, and followed by a unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Written {
+    /// What it is multiplied by.
+    pub factor: f64,
+    /// The most digits behind the point.
+    pub decimals: u8,
+    /// What follows, such as ` px`.
+    pub unit: String,
+}

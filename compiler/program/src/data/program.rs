@@ -1,0 +1,129 @@
+//! A compiled task: plain, versioned data that a runtime executes.
+//!
+//! Built by the compiler alone, so that one is right by construction. As JSON its bytes depend on the source text
+//! alone. Quantities are in base units (metres, pixels, radians); pixels are those of the task's camera picture,
+//! `[column, row]`, origin top left.
+
+use super::actions::ActionField;
+use super::annotate::Layer;
+use super::camera::Camera;
+use super::cloth::Cloth;
+use super::demos::Demos;
+use super::files::SourceStamp;
+use super::folds::Sequence;
+use super::goal::Goal;
+use super::keypoints::Keypoint;
+use super::picker::Picker;
+use super::stage::{Stage, Template};
+use super::subgoals::Subgoals;
+use super::values::Condition;
+use super::verify::Verify;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// Version of the shape of [`Program`]; it changes whenever an older reader would misread the data.
+pub const PROGRAM_FORMAT: u32 = 7;
+
+/// Everything a rollout needs to know about one task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Program {
+    /// [`PROGRAM_FORMAT`] at the time of compilation.
+    pub format: u32,
+    /// Version of the compiler, e.g. `0.1.0`.
+    pub compiler: String,
+    /// The task's name as written in the file.
+    pub task: String,
+    /// The variant of the task that this is; none: the task itself.
+    pub variant: Option<String>,
+    /// The files that went in, in the order in which they were first read.
+    pub sources: Vec<SourceStamp>,
+    /// The cloth that the task is about.
+    pub cloth: Cloth,
+    /// The camera whose pixels every point is given in.
+    pub camera: Camera,
+    /// How the cloth is taken, carried and let go.
+    pub picker: Picker,
+    /// The pictures that show what to do, step by step, where the task has any.
+    pub subgoals: Option<Subgoals>,
+    /// Fold sequences that count as right; the score is the distance to the nearest of their results.
+    pub experts: Vec<Sequence>,
+    /// What is found in each observation, in declaration order; an extractor uses only earlier ones.
+    pub keypoints: Vec<Keypoint>,
+    /// What is drawn on the camera's picture, in order.
+    pub layers: Vec<Layer>,
+    /// The discretised action space, one entry per field of an answer.
+    pub actions: Vec<ActionField>,
+    /// Every piece of text that can reach a model, by name.
+    pub templates: Vec<Template>,
+    /// The questions that make up one step, in order; the last one reads the action.
+    pub stages: Vec<Stage>,
+    /// The in-context examples of one of them, where the task names any.
+    pub demos: Option<Demos>,
+    /// The checks that a proposed action must pass.
+    pub verify: Verify,
+    /// The most actions in one rollout.
+    pub horizon: u32,
+    /// When the task counts as reached; without one, a rollout ends at its horizon.
+    pub goal: Option<Goal>,
+}
+
+impl Program {
+    /// Returns the program's identity: the first 16 hex digits of the SHA-256 of its compact JSON.
+    pub fn hash(&self) -> String {
+        let bytes = serde_json::to_vec(self).expect("a program has string keys and finite numbers");
+        hex(&Sha256::digest(bytes))[..16].to_owned()
+    }
+
+    /// Returns the template of that name.
+    ///
+    /// The compiler only emits names that exist, so `None` means a program edited by hand.
+    pub fn template(&self, name: &str) -> Option<&Template> {
+        self.templates.iter().find(|template| template.name == name)
+    }
+
+    /// Returns the keypoint of that name.
+    pub fn keypoint(&self, name: &str) -> Option<&Keypoint> {
+        self.keypoints.iter().find(|keypoint| keypoint.name == name)
+    }
+
+    /// Returns the field of that name.
+    pub fn field(&self, name: &str) -> Option<&ActionField> {
+        self.actions.iter().find(|field| field.name == name)
+    }
+
+    /// Returns the task's name, and the variant's behind a slash.
+    pub fn title(&self) -> String {
+        match &self.variant {
+            Some(variant) => format!("{}/{variant}", self.task),
+            None => self.task.clone(),
+        }
+    }
+
+    /// Returns whether a question or its picture says something of the action before, so that the first step does not
+    /// show all of it.
+    pub fn looks_back(&self) -> bool {
+        let stages = self.stages.iter();
+        let mut said = stages.flat_map(|stage| stage.system.iter().chain(&stage.say));
+        let mut guards = said
+            .by_ref()
+            .filter_map(|name| self.template(name)?.when.as_ref());
+        guards.any(Condition::looks_back) || self.layers.iter().any(Layer::uses_last)
+    }
+
+    /// Returns the largest number of model calls in one step: every stage, asked as often as it may be, for each
+    /// action of the step.
+    pub fn calls_per_step(&self) -> u32 {
+        self.stages.len() as u32 * self.verify.attempts * self.actions_per_step()
+    }
+
+    /// Returns the largest number of actions in one step: more than one where a step is retried.
+    pub fn actions_per_step(&self) -> u32 {
+        let retries = self.verify.result.as_ref();
+        1 + retries.map_or(0, |result| result.retries)
+    }
+}
+
+/// Writes bytes as lower-case hexadecimal.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,60 @@
+//! Tests that a task carries: an answer, and what is to come of it.
+
+use crate::data::camera::PixelPoint;
+use serde::{Deserialize, Serialize};
+
+/// One `test` of a task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Test {
+    /// What it says.
+    pub name: String,
+    /// The task that it belongs to.
+    pub task: String,
+    /// What the scene shows and what went before.
+    pub given: Given,
+    /// The stage that is answered, by its index.
+    pub stage: usize,
+    /// The answer.
+    pub reply: String,
+    /// What is to come of it.
+    pub expect: Expect,
+    /// The file that declares it, as in [`crate::data::files::SourceStamp::name`].
+    pub declared_in: String,
+    /// The line where it begins, from 1.
+    pub line: u32,
+}
+
+/// What the scene shows and what went before.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Given {
+    /// Points by keypoint.
+    pub points: Vec<(String, Vec<PixelPoint>)>,
+    /// Masks and boxes as upright rectangles, two opposite corners each, both included.
+    pub regions: Vec<(String, [PixelPoint; 2])>,
+    /// Texts that earlier stages read.
+    pub texts: Vec<(String, String)>,
+    /// Pick and place of the action before this one.
+    pub last: Option<[PixelPoint; 2]>,
+    /// Which step it is, from 1.
+    pub step: u32,
+}
+
+/// What is to come of an answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "expect", rename_all = "snake_case")]
+pub enum Expect {
+    /// The action may run.
+    Accept,
+    /// A check refuses it.
+    Reject {
+        /// The check.
+        check: String,
+    },
+    /// It cannot be read.
+    Malformed,
+    /// A text is read.
+    Text {
+        /// The text.
+        text: String,
+    },
+}

@@ -1,0 +1,61 @@
+//! The checks on a proposed action, as data.
+//!
+//! What they mean is defined by [`crate::verify`], their messages by [`crate::render`].
+
+use crate::data::values::Condition;
+use serde::{Deserialize, Serialize};
+
+/// The checks on a proposed action.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Verify {
+    /// In order; the first one that fails speaks.
+    pub checks: Vec<Check>,
+    /// The most questions per stage and step, at least 1 (the paper: three).
+    pub attempts: u32,
+    /// Checks that are left out when the answers to all questions are judged once more, newest first.
+    pub relaxed: Vec<String>,
+    /// Whether a question after a refusal shows the refused action on the picture; for a vision model's stage.
+    pub with_picture: bool,
+    /// What comes of a step whose last answer was refused or could not be read.
+    pub exhausted: Exhausted,
+    /// What a step's result must be like, where the task looks at it.
+    pub result: Option<ResultCheck>,
+}
+
+/// What the result of a step must be like, or the step is asked again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ResultCheck {
+    /// The cloth's silhouette and that of the next subgoal, brought to the same place, must overlap by more than this:
+    /// the area of both over the area of either, from 0 to 1.
+    pub overlap_above: f64,
+    /// The most further actions per step.
+    pub retries: u32,
+    /// Template of what the model is told; it may name [`OVERLAP`].
+    pub message: String,
+}
+
+/// The text in which the message of a [`ResultCheck`] finds the overlap, in percent.
+pub const OVERLAP: &str = "overlap";
+
+/// What comes of a step without an answer that may run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Exhausted {
+    /// The rollout ends with it.
+    Ends,
+    /// Nothing moves, the step counts as an action, and the rollout goes on.
+    Skips,
+}
+
+/// One check.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// Its name in the task and in the journal.
+    pub name: String,
+    /// When it is asked at all; always, where there is none.
+    pub when: Option<Condition>,
+    /// What must hold.
+    pub holds: Condition,
+    /// Template of the correction message.
+    pub message: String,
+}

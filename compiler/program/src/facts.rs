@@ -1,0 +1,72 @@
+//! What is known when a question is asked or an answer judged.
+
+use crate::data::actions::Proposal;
+use crate::data::actions::Value;
+use crate::data::camera::PixelPoint;
+use crate::data::program::Program;
+use crate::pointing::{Notation, Pointing};
+use crate::scene::SceneView;
+use std::collections::BTreeMap;
+
+/// An action that was carried out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Done {
+    /// What the model answered.
+    pub proposal: Proposal,
+    /// The pixel that was picked.
+    pub pick: PixelPoint,
+    /// The pixel that it was placed on.
+    pub place: PixelPoint,
+}
+
+/// What is known when a question is asked or an answer judged.
+#[derive(Clone, Copy)]
+pub struct Facts<'a> {
+    /// What the camera shows.
+    pub scene: &'a dyn SceneView,
+    /// What earlier stages of this step read, by name.
+    pub texts: &'a BTreeMap<String, String>,
+    /// Which step of the rollout this is, from 1.
+    pub step: u32,
+    /// The action before this one.
+    pub last: Option<&'a Done>,
+    /// The action that is judged, where there is one.
+    pub proposal: Option<&'a Proposal>,
+    /// How the model that is asked or judged writes points.
+    pub pointing: Pointing,
+}
+
+impl<'a> Facts<'a> {
+    /// Returns the same with an action to judge.
+    pub fn judging(self, proposal: &'a Proposal) -> Facts<'a> {
+        Facts {
+            proposal: Some(proposal),
+            ..self
+        }
+    }
+
+    /// Returns how points of this scene are written.
+    pub fn notation(&self, program: &Program) -> Notation {
+        Notation::of(self.pointing, &program.actions, self.scene)
+    }
+
+    /// Returns the proposed value of a field.
+    pub fn proposed(&self, field: &str) -> Option<&'a Value> {
+        self.proposal.and_then(|proposal| proposal.get(field))
+    }
+}
+
+/// A keypoint, a field or a text that is not there; a scene of the same program never lacks one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// Its name.
+    pub name: String,
+}
+
+impl std::fmt::Display for Missing {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "`{}` is not known here", self.name)
+    }
+}
+
+impl std::error::Error for Missing {}

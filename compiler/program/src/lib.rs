@@ -1,0 +1,37 @@
+//! A compiled task and what it means.
+
+pub mod data;
+pub mod eval;
+pub mod exact;
+pub mod facts;
+pub mod pointing;
+pub mod render;
+pub mod reply;
+pub mod scene;
+pub mod space;
+pub mod test;
+pub mod tokens;
+pub mod verify;
+
+pub use data::actions::{ActionField, Choices, Direction, LengthChoice, Proposal, Value};
+pub use data::annotate::{Layer, Mark, Spot};
+pub use data::camera::{Camera, ImageUp, PixelPoint};
+pub use data::cloth::{Cloth, ClothStart};
+pub use data::demos::Demos;
+pub use data::files::{FileRef, SourceStamp};
+pub use data::folds::{ClothPoint, Fold, Sequence};
+pub use data::goal::{Goal, Metric};
+pub use data::keypoints::{
+    Channel, Extractor, Inside, Keypoint, KeypointShape, Moment, Response, Side, Sight,
+};
+pub use data::picker::Picker;
+pub use data::placeholders::{Shown, Written};
+pub use data::program::{PROGRAM_FORMAT, Program, hex};
+pub use data::stage::{
+    Arrow, Example, Layers, ModelRole, Picture, Read, Stage, Template, Variable, Which, Words,
+};
+pub use data::subgoals::{SubgoalImage, Subgoals};
+pub use data::test::{Expect, Given, Test};
+pub use data::units::LengthUnit;
+pub use data::values::{Comparison, Condition, End, Heading, Length, Number, Point};
+pub use data::verify::{Check, Exhausted, OVERLAP, ResultCheck, Verify};

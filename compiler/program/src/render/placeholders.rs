@@ -1,0 +1,155 @@
+//! Values as texts.
+
+use crate::data::actions::{ActionField, Choices, Value};
+use crate::data::placeholders::{Shown, Written};
+use crate::data::program::Program;
+use crate::data::stage::Read;
+use crate::data::values::Length;
+use crate::data::verify::OVERLAP;
+use crate::eval::{Eval, rounded};
+use crate::exact;
+use crate::facts::{Facts, Missing};
+use crate::pointing::{Notation, Pointing};
+use crate::scene::SceneView;
+use crate::space;
+
+/// How a length in pixels ends.
+const PIXELS: &str = " px";
+
+/// Writes what is known.
+pub(super) fn known(program: &Program, facts: Facts<'_>, shown: &Shown) -> Result<String, Missing> {
+    if let Some(text) = constant(program, &facts.pointing, shown) {
+        return Ok(text);
+    }
+    let eval = Eval { program, facts };
+    let notation = facts.notation(program);
+    let missing = |name: &str| Missing {
+        name: name.to_owned(),
+    };
+    let of_field = |name: &str, value: Option<&Value>| {
+        let field = program.field(name).ok_or_else(|| missing(name))?;
+        let value = value.ok_or_else(|| missing(name))?;
+        Ok(notation.value(field, value))
+    };
+    match shown {
+        Shown::Text { name } => facts.texts.get(name).cloned().ok_or_else(|| missing(name)),
+        Shown::Points { keypoint } => {
+            let points = facts.scene.points(keypoint);
+            let points = points.ok_or_else(|| missing(keypoint))?;
+            let texts: Vec<String> = points
+                .iter()
+                .map(|point| notation.written(*point))
+                .collect();
+            Ok(texts.join(", "))
+        }
+        Shown::Point { point } => Ok(notation.written(rounded(eval.point(point)?))),
+        Shown::Length { length, written } => {
+            Ok(self::length(eval.length(length)?, written, &facts.pointing))
+        }
+        Shown::Angle { a, b, written } => Ok(number(eval.angle_deg(a, b)?, written)),
+        Shown::Number {
+            number: value,
+            written,
+        } => Ok(number(eval.number(value)?, written)),
+        Shown::Field { field } => of_field(field, facts.proposed(field)),
+        Shown::LastField { field } => {
+            let last = facts.last.ok_or_else(|| missing("last"))?;
+            of_field(field, last.proposal.get(field))
+        }
+        Shown::Choices { field } => {
+            let field = program.field(field).ok_or_else(|| missing(field))?;
+            Ok(match &field.choices {
+                Choices::Region { mask } => space::any_of(mask),
+                _ => notation.listed(field, &space::choices(field, facts.scene)),
+            })
+        }
+        Shown::Nearest { field, to } => {
+            let deg = eval.nearest_deg(field, to)?;
+            of_field(field, Some(&Value::Direction { deg }))
+        }
+        Shown::Unreachable => Ok(unreachable(facts.scene, &notation)),
+        Shown::Format | Shown::PointForm => Err(missing("actions")),
+    }
+}
+
+/// Writes the points that are out of reach, each with why.
+pub(super) fn unreachable(scene: &dyn SceneView, notation: &Notation) -> String {
+    let points = scene.unreachable().iter();
+    let texts: Vec<String> = points
+        .map(|it| format!("{}: {}", notation.written(it.point), it.why))
+        .collect();
+    match texts.is_empty() {
+        true => "none".to_owned(),
+        false => texts.join("; "),
+    }
+}
+
+/// Writes what depends on nothing but how points are written.
+pub fn constant(program: &Program, pointing: &Pointing, shown: &Shown) -> Option<String> {
+    match shown {
+        Shown::Format => Some(space::format_with(pointing.form(), &program.actions)),
+        Shown::PointForm => Some(pointing.phrase()),
+        Shown::Length {
+            length: Length::Constant { value },
+            written,
+        } => Some(length(*value, written, pointing)),
+        _ => None,
+    }
+}
+
+/// Returns whether points are among what is shown.
+pub(super) fn has_points(program: &Program, shown: &Shown) -> bool {
+    match shown {
+        Shown::Points { .. } | Shown::Point { .. } | Shown::Format | Shown::Unreachable => true,
+        Shown::Field { field } | Shown::LastField { field } | Shown::Choices { field } => {
+            program.field(field).is_some_and(ActionField::is_point)
+        }
+        _ => false,
+    }
+}
+
+/// Says what would stand there.
+pub(super) fn typed(program: &Program, name: &str, shown: &Shown) -> String {
+    if let Some(text) = constant(program, &Pointing::of_camera(&program.camera), shown) {
+        return text;
+    }
+    let reader = |text: &str| {
+        let reads = program
+            .stages
+            .iter()
+            .find(|stage| matches!(&stage.read, Read::Text { name: read, .. } if read == text));
+        reads.map_or("another stage", |stage| stage.name.as_str())
+    };
+    let what = match shown {
+        Shown::Text { name } if name == OVERLAP => {
+            "the share of the next subgoal's cloth that the result covers".to_owned()
+        }
+        Shown::Text { name } => format!("the answer of stage {}", reader(name)),
+        Shown::Points { .. } => "points (x, y), …".to_owned(),
+        Shown::Point { .. } => "a point (x, y)".to_owned(),
+        Shown::Length { written, .. } => format!("a length in{}", written.unit),
+        Shown::Angle { written, .. } => format!("an angle in{}", written.unit),
+        Shown::Number { .. } => "a number".to_owned(),
+        Shown::Field { .. } => "the proposed value".to_owned(),
+        Shown::LastField { .. } => "the value in the action before".to_owned(),
+        Shown::Choices { .. } => "what it may be".to_owned(),
+        Shown::Nearest { .. } => "the nearest choice".to_owned(),
+        Shown::Unreachable => "points out of reach, each with why".to_owned(),
+        Shown::Format | Shown::PointForm => "words".to_owned(),
+    };
+    format!("<{name}: {what}>")
+}
+
+/// Writes a length; one in pixels in the unit of the model's coordinates.
+fn length(value: f64, written: &Written, pointing: &Pointing) -> String {
+    let in_pixels =
+        (written.unit == PIXELS).then(|| pointing.frame().length(value * written.factor));
+    in_pixels
+        .flatten()
+        .unwrap_or_else(|| number(value, written))
+}
+
+fn number(value: f64, written: &Written) -> String {
+    let digits = exact::written(value * written.factor, usize::from(written.decimals));
+    format!("{digits}{}", written.unit)
+}

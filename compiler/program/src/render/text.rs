@@ -1,0 +1,255 @@
+//! Texts that know where each stretch of them comes from.
+//!
+//! In: a template with the values that fill it, and what it became. Out: the same text as a [`Said`], which names for
+//! every stretch the component, the file and the line. Nothing is rendered here: the stretches are laid over what the
+//! template engine gave, and where the two differ, the template counts as one stretch.
+
+use crate::data::stage::{Template, Words};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Who speaks the words that stand in no file.
+pub const FABC: &str = "fabc";
+
+/// A text, and where it comes from.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Said {
+    /// The text.
+    pub text: String,
+    /// Its stretches, in order, apart from each other; what stands between two texts is in none of them.
+    pub stretches: Vec<Stretch>,
+}
+
+/// A piece of a text: words of one line of a file, or a value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stretch {
+    /// Its bytes in the text.
+    pub bytes: Range<usize>,
+    /// Where it comes from.
+    pub origin: Origin,
+}
+
+/// Where a stretch of a text comes from.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Origin {
+    /// What says it: the name of a template, `example 2`, `demonstration 3`, or [`FABC`].
+    pub said_by: String,
+    /// The variable that the value fills; none for words that stand in the file.
+    pub value: Option<String>,
+    /// Where it is declared; none for [`FABC`].
+    pub place: Option<Place>,
+}
+
+/// A line of a file.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Place {
+    /// The file, as in [`crate::data::files::SourceStamp::name`].
+    pub file: String,
+    /// The line, from 1.
+    pub line: u32,
+}
+
+impl Said {
+    /// Makes a text that `fabc` itself says.
+    pub fn by_fabc(text: impl Into<String>) -> Said {
+        let origin = Origin {
+            said_by: FABC.to_owned(),
+            value: None,
+            place: None,
+        };
+        Said::of(text, origin)
+    }
+
+    /// Makes a text of one stretch.
+    pub fn of(text: impl Into<String>, origin: Origin) -> Said {
+        let text = text.into();
+        let bytes = 0..text.len();
+        let stretches = vec![Stretch { bytes, origin }];
+        Said { text, stretches }
+    }
+
+    /// Makes a text of words that stand in a file, a stretch for each line.
+    pub fn words(words: &Words, said_by: &str) -> Said {
+        let mut said = Said::default();
+        for (line, number) in words.text.split_inclusive('\n').zip(words.line..) {
+            let origin = Origin {
+                said_by: said_by.to_owned(),
+                value: None,
+                place: Some(Place {
+                    file: words.declared_in.clone(),
+                    line: number,
+                }),
+            };
+            said.put(line, origin);
+        }
+        said
+    }
+
+    /// Adds another text behind `between`, which nobody says.
+    pub fn push(&mut self, between: &str, more: Said) {
+        self.text.push_str(between);
+        let offset = self.text.len();
+        self.text.push_str(&more.text);
+        let moved = more.stretches.into_iter().map(|stretch| Stretch {
+            bytes: stretch.bytes.start + offset..stretch.bytes.end + offset,
+            origin: stretch.origin,
+        });
+        self.stretches.extend(moved);
+    }
+
+    /// Joins texts.
+    pub(super) fn joined(texts: impl IntoIterator<Item = Said>, between: &str) -> Said {
+        let mut texts = texts.into_iter();
+        let mut all = texts.next().unwrap_or_default();
+        for text in texts {
+            all.push(between, text);
+        }
+        all
+    }
+
+    fn put(&mut self, text: &str, origin: Origin) {
+        if text.is_empty() {
+            return;
+        }
+        let start = self.text.len();
+        self.text.push_str(text);
+        let bytes = start..self.text.len();
+        self.stretches.push(Stretch { bytes, origin });
+    }
+}
+
+/// Lays the lines and values of a template over the text that it became.
+pub(super) fn laid_over(
+    template: &Template,
+    values: &BTreeMap<String, String>,
+    rendered: String,
+) -> Said {
+    match pieced(template, values) {
+        Some(said) if said.text == rendered => said,
+        _ => Said::of(rendered, origin(template, template.line, None)),
+    }
+}
+
+/// Fills a template of the form that the compiler emits; None for one of another form.
+fn pieced(template: &Template, values: &BTreeMap<String, String>) -> Option<Said> {
+    let mut said = Said::default();
+    let mut line = template.line;
+    let mut rest = template.text.as_str();
+    while !rest.is_empty() {
+        let (words, behind) = rest.split_at(rest.find("{{ ").unwrap_or(rest.len()));
+        for words in words.split_inclusive('\n') {
+            said.put(words, origin(template, line, None));
+            line += u32::from(words.ends_with('\n'));
+        }
+        rest = behind;
+        if let Some(inner) = behind.strip_prefix("{{ ") {
+            let (variable, behind) = inner.split_once(" }}")?;
+            match variable {
+                "\"{\"" => said.put("{", origin(template, line, None)),
+                _ => said.put(
+                    values.get(variable)?,
+                    origin(template, line, Some(variable)),
+                ),
+            }
+            rest = behind;
+        }
+    }
+    Some(said)
+}
+
+fn origin(template: &Template, line: u32, value: Option<&str>) -> Origin {
+    Origin {
+        said_by: template.name.clone(),
+        value: value.map(str::to_owned),
+        place: Some(Place {
+            file: template.declared_in.clone(),
+            line,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn template(text: &str) -> Template {
+        Template {
+            name: "role".to_owned(),
+            when: None,
+            text: text.to_owned(),
+            variables: Vec::new(),
+            declared_in: "a.fab".to_owned(),
+            line: 7,
+        }
+    }
+
+    /// The stretches of a template: their words, lines and variables.
+    fn stretches(text: &str, rendered: &str) -> Vec<(String, u32, Option<String>)> {
+        let values = BTreeMap::from([
+            ("corners".to_owned(), "(1, 2)".to_owned()),
+            ("format".to_owned(), "Pick\nPlace {{ corners }}".to_owned()),
+            ("nothing".to_owned(), String::new()),
+        ]);
+        let said = laid_over(&template(text), &values, rendered.to_owned());
+        assert_eq!(said.text, rendered);
+        let one = |stretch: Stretch| {
+            let place = stretch.origin.place.map_or(0, |place| place.line);
+            (
+                said.text[stretch.bytes].to_owned(),
+                place,
+                stretch.origin.value,
+            )
+        };
+        said.stretches.into_iter().map(one).collect()
+    }
+
+    fn words(text: &str, line: u32) -> (String, u32, Option<String>) {
+        (text.to_owned(), line, None)
+    }
+
+    fn value(text: &str, line: u32, variable: &str) -> (String, u32, Option<String>) {
+        (text.to_owned(), line, Some(variable.to_owned()))
+    }
+
+    #[test]
+    fn lines_and_values_are_told_apart() {
+        let found = stretches(
+            "Pick one of {{ corners }}.\n\n{{ format }}\nEnd{{ nothing }}",
+            "Pick one of (1, 2).\n\nPick\nPlace {{ corners }}\nEnd",
+        );
+        let expected = [
+            words("Pick one of ", 7),
+            value("(1, 2)", 7, "corners"),
+            words(".\n", 7),
+            words("\n", 8),
+            value("Pick\nPlace {{ corners }}", 9, "format"),
+            words("\n", 9),
+            words("End", 10),
+        ];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn an_escaped_brace_is_words() {
+        let found = stretches("a {{ \"{\" }}% b", "a {% b");
+        let all: String = found.iter().map(|(words, ..)| words.as_str()).collect();
+        assert_eq!(all, "a {% b");
+        assert!(
+            found
+                .iter()
+                .all(|(_, line, value)| *line == 7 && value.is_none())
+        );
+    }
+
+    #[test]
+    fn a_template_of_another_form_counts_as_one_stretch() {
+        for (text, rendered) in [
+            ("{% if corners %}yes{% endif %}", "yes"),
+            ("{{ corners | upper }}", "(1, 2)"),
+            ("{{ unknown }}", "?"),
+            ("{{ corners", "{{ corners"),
+        ] {
+            assert_eq!(stretches(text, rendered), [words(rendered, 7)], "{text}");
+        }
+    }
+}

@@ -1,0 +1,242 @@
+//! Decides which choice a stated number is.
+//!
+//! In: a field's directions or lengths, and a quantity. Out: the choice that it is, or the number as it is
+//! stated where it is none, which [`crate::verify`] refuses by name. A number that can be two things is neither.
+
+use super::expression::Quantity;
+use super::number::{Decimals, Unit};
+use crate::data::actions::{ActionField, Choices, Direction, LengthChoice, Value};
+use crate::data::units::LengthUnit;
+use crate::exact::{normalised_deg, written};
+use crate::space::{self, DECIMALS};
+
+/// How far a number with pi, or in radians, may be from a choice, as a part of itself: `0.785 rad` is 45 degrees.
+const ROUNDED: f64 = 1e-3;
+
+/// How far a length that had to be converted may be from a choice, as a part of it.
+const CONVERTED: f64 = 1e-6;
+
+/// How far apart two numbers can be that are written alike.
+const WRITTEN: f64 = 1e-4;
+
+/// The largest angle in radians that a number without a unit can mean: a turn, rounded.
+const MAX_BARE_RAD: f64 = 6.29;
+
+/// The largest multiple of pi that a number without a unit can mean.
+const MAX_BARE_PI: f64 = 2.0;
+
+/// What is read, what the program says about it, and what stands around it.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<'a> {
+    /// The field that is stated.
+    pub field: &'a ActionField,
+    /// The cloth's longer side, metres.
+    pub edge_m: f64,
+    /// The unit that stands beside the field's name, where there is one.
+    pub hint: Option<Unit>,
+    /// What the text ends with.
+    pub end: End,
+}
+
+/// Why the text that may state a field ends where it does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// Another field is named there.
+    Name,
+    /// The answer ends there.
+    Answer,
+}
+
+/// A choice, and how a number became it where that is not obvious.
+pub(super) type Taken = (Value, Option<String>);
+
+/// Returns what a quantity says; fails with the reason in words, to follow `it cannot be used:`.
+///
+/// - `text`: the quantity as it stands in the answer.
+pub(super) fn resolve(asked: &Asked<'_>, quantity: Quantity, text: &str) -> Result<Taken, String> {
+    let (value, note) = match &asked.field.choices {
+        Choices::Directions { choices } => direction(choices, asked, quantity, text)?,
+        Choices::Lengths { unit, choices } => length(choices, *unit, asked, quantity, text)?,
+        Choices::Points { .. } | Choices::Region { .. } | Choices::Words { .. } => {
+            return Err(format!("`{text}` is a number"));
+        }
+    };
+    if quantity.decimals == Decimals::Point {
+        return Ok((value, note));
+    }
+    if space::declared(asked.field).contains(&value) {
+        return Ok((value, Some("its comma as a decimal point".to_owned())));
+    }
+    Err(format!("`{text}` has a comma where a point is needed"))
+}
+
+fn direction(
+    choices: &[Direction],
+    asked: &Asked<'_>,
+    quantity: Quantity,
+    text: &str,
+) -> Result<Taken, String> {
+    let number = quantity.number;
+    let stated = |deg: f64, nearest: Option<f64>| {
+        let deg = normalised_deg(deg);
+        let note = nearest
+            .filter(|choice| *choice != deg && written(*choice, DECIMALS) != written(deg, DECIMALS))
+            .map(|_| "it as rounded".to_owned());
+        let deg = nearest.unwrap_or(deg);
+        (Value::Direction { deg }, note)
+    };
+    let unit = quantity.unit.or(asked.hint);
+    let (deg, rounded_rad) = match (quantity.times_pi, unit) {
+        (true, None | Some(Unit::Rad)) => (number * 180.0, Some(number * std::f64::consts::PI)),
+        (false, Some(Unit::Deg)) => (number, None),
+        (false, Some(Unit::Rad)) => (number.to_degrees(), Some(number)),
+        (false, None) => return bare_direction(choices, number, text),
+        _ => return Err(format!("`{text}` is no angle")),
+    };
+    Ok(stated(deg, nearest_deg(choices, deg, rounded_rad, text)?))
+}
+
+/// Takes a number without a unit as what makes it a choice, if that is one choice only.
+fn bare_direction(choices: &[Direction], number: f64, text: &str) -> Result<Taken, String> {
+    let pi = std::f64::consts::PI;
+    let mut hits: Vec<(f64, &str)> = Vec::new();
+    let meanings = [
+        (true, number, None, "degrees"),
+        (
+            number.abs() <= MAX_BARE_RAD,
+            number.to_degrees(),
+            Some(number),
+            "radians",
+        ),
+        (
+            number.abs() <= MAX_BARE_PI,
+            number * 180.0,
+            Some(number * pi),
+            "a multiple of pi",
+        ),
+    ];
+    for (is_likely, deg, rounded_rad, meaning) in meanings {
+        if is_likely && let Some(choice) = nearest_deg(choices, deg, rounded_rad, text)? {
+            hits.push((choice, meaning));
+        }
+    }
+    let Some((deg, meaning)) = hits.first().copied() else {
+        return Err(format!(
+            "`{text}` has no unit and is none of its choices in degrees, in radians or as a multiple of pi"
+        ));
+    };
+    match hits.iter().find(|(other, _)| *other != deg) {
+        Some((_, other)) => Err(format!("`{text}` can be {meaning} or {other}")),
+        None => {
+            let note = format!("the number as {meaning}");
+            Ok((Value::Direction { deg }, Some(note)))
+        }
+    }
+}
+
+/// Returns the choice that an angle is; fails where it can be two.
+///
+/// - `rad`: the same in radians where it may be rounded as such.
+fn nearest_deg(
+    choices: &[Direction],
+    deg: f64,
+    rad: Option<f64>,
+    text: &str,
+) -> Result<Option<f64>, String> {
+    let deg = normalised_deg(deg);
+    let apart = |choice: &Direction| {
+        let apart = (choice.deg - deg).abs();
+        apart.min((360.0 - apart).abs())
+    };
+    // `359.99999` is written `360`, which says 0.
+    let reads = |choice: &Direction| {
+        let same = |value: f64| written(normalised_deg(value), DECIMALS);
+        apart(choice) < WRITTEN && same(choice.deg) == same(deg)
+    };
+    if let Some(same) = choices.iter().find(|choice| choice.deg == deg) {
+        return Ok(Some(same.deg));
+    }
+    let alike = only(choices.iter().filter(|choice| reads(choice)), text)?;
+    let tolerance_deg = rad.map(|rad| (rad.abs().min(MAX_BARE_RAD) * ROUNDED).to_degrees());
+    let found = match (alike, tolerance_deg) {
+        (None, Some(most_deg)) => only(
+            choices.iter().filter(|choice| apart(choice) <= most_deg),
+            text,
+        )?,
+        _ => alike,
+    };
+    Ok(found.map(|choice| choice.deg))
+}
+
+/// Returns the only one of what is left; fails where there are several.
+fn only<T>(mut left: impl Iterator<Item = T>, text: &str) -> Result<Option<T>, String> {
+    let first = left.next();
+    match left.next() {
+        None => Ok(first),
+        Some(_) => Err(format!("`{text}` can be more than one of its choices")),
+    }
+}
+
+fn length(
+    choices: &[LengthChoice],
+    unit: LengthUnit,
+    asked: &Asked<'_>,
+    quantity: Quantity,
+    text: &str,
+) -> Result<Taken, String> {
+    let number = quantity.number;
+    if quantity.times_pi {
+        return Err(format!("`{text}` is no length"));
+    }
+    let (stated, in_unit, note) = match quantity.unit.or(asked.hint) {
+        None => {
+            let note = format!("the number in `{}`", unit.as_str());
+            (number, unit, Some(note))
+        }
+        // Of what is clear where the choices are parts of the edge.
+        Some(Unit::Percent) if unit != LengthUnit::Edge => {
+            return Err(format!("`{text}` does not say of what"));
+        }
+        Some(Unit::Percent | Unit::PercentOfEdge) => (number / 100.0, LengthUnit::Edge, None),
+        Some(Unit::Edge) => (number, LengthUnit::Edge, None),
+        Some(Unit::Mm) => (number, LengthUnit::Mm, None),
+        Some(Unit::Cm) => (number, LengthUnit::Cm, None),
+        Some(Unit::M) => (number, LengthUnit::M, None),
+        Some(Unit::Deg | Unit::Rad) => return Err(format!("`{text}` is no length")),
+    };
+    let given = |length: f64| (Value::Length { length }, note.clone());
+    if in_unit == unit {
+        if let Some(same) = choices.iter().find(|choice| choice.value == stated) {
+            return Ok(given(same.value));
+        }
+        let reads = |choice: &&LengthChoice| {
+            (choice.value - stated).abs() < WRITTEN
+                && written(choice.value, DECIMALS) == written(stated, DECIMALS)
+        };
+        let alike = only(choices.iter().filter(reads), text)?;
+        return Ok(given(alike.map_or(stated, |choice| choice.value)));
+    }
+    let stated_m = stated * in_unit.in_m(asked.edge_m);
+    let is_same =
+        |choice: &&LengthChoice| (choice.m - stated_m).abs() <= CONVERTED * choice.m.abs();
+    if let Some(choice) = only(choices.iter().filter(is_same), text)? {
+        let note = format!(
+            "`{}` as `{}`",
+            text,
+            space::text(
+                asked.field,
+                &Value::Length {
+                    length: choice.value
+                }
+            )
+        );
+        let length = choice.value;
+        return Ok((Value::Length { length }, Some(note)));
+    }
+    let length = stated_m / unit.in_m(asked.edge_m);
+    if length.is_finite() {
+        Ok(given(length))
+    } else {
+        Err(format!("`{text}` is no length of this cloth"))
+    }
+}

@@ -1,0 +1,104 @@
+//! The JSON Schema of an answer, for models that keep to one.
+
+use crate::data::actions::{ActionField, Choices, Value};
+use crate::data::program::Program;
+use crate::pointing::{Notation, Order, Pointing, Unit};
+use crate::space;
+use serde_json::{Map, Value as Json, json};
+
+/// What a point looks like as [`space::text`] writes it; the reader refuses larger numbers.
+const POINT: &str = r"^\((0|-?[1-9][0-9]{0,6}), (0|-?[1-9][0-9]{0,6})\)$";
+
+/// The same with decimals.
+const DECIMAL_POINT: &str = r"^\(-?[0-9]{1,7}(\.[0-9]{1,9})?, -?[0-9]{1,7}(\.[0-9]{1,9})?\)$";
+
+/// The same as a list.
+const DECIMAL_LIST: &str = r"^\[-?[0-9]{1,7}(\.[0-9]{1,9})?, -?[0-9]{1,7}(\.[0-9]{1,9})?\]$";
+
+/// Returns a schema that accepts exactly the offered values, as strings that [`space::text`] writes; of a region, every
+/// point.
+///
+/// - `offered`: for each field what it may be in the scene; for a field that is not among them, what is
+///   declared, and nothing for points.
+///
+/// Strings, because they are what every provider's structured output enumerates; the reader of answers
+/// understands them.
+pub fn schema(program: &Program, offered: &[(String, Vec<Value>)]) -> Json {
+    schema_in(program, &Notation::pixels(), offered)
+}
+
+/// Returns the same where points are written as a scene's are: in another frame, or as numbers.
+pub fn schema_in(program: &Program, notation: &Notation, offered: &[(String, Vec<Value>)]) -> Json {
+    object(program, |field| {
+        if let Choices::Region { .. } = field.choices {
+            return any_point(notation, field);
+        }
+        let values = offered.iter().find(|(name, _)| *name == field.name);
+        let values = values.map_or_else(|| space::declared(field), |(_, values)| values.clone());
+        choices(notation, field, &values)
+    })
+}
+
+/// Returns a schema that accepts every value that some scene may offer; points are given by a pattern.
+pub fn static_schema(program: &Program) -> Json {
+    let notation = &Notation::pixels();
+    object(program, |field| match field.choices {
+        Choices::Points { .. } | Choices::Region { .. } => any_point(notation, field),
+        _ => choices(notation, field, &space::declared(field)),
+    })
+}
+
+fn object(program: &Program, property: impl Fn(&ActionField) -> Json) -> Json {
+    let properties: Map<String, Json> = program
+        .actions
+        .iter()
+        .map(|field| (field.name.clone(), property(field)))
+        .collect();
+    let names: Vec<&str> = properties.keys().map(String::as_str).collect();
+    json!({
+        "type": "object",
+        "properties": properties,
+        "required": names,
+        "additionalProperties": false,
+    })
+}
+
+/// Accepts whatever is written as a point.
+fn any_point(notation: &Notation, field: &ActionField) -> Json {
+    let pattern = if notation.is_native() {
+        POINT
+    } else {
+        match (notation.unit(), notation.order()) {
+            (Unit::Pixels, Order::Xy) => POINT,
+            (_, Order::Xy) => DECIMAL_POINT,
+            (_, Order::Yx) => DECIMAL_LIST,
+        }
+    };
+    json!({ "type": "string", "description": what(notation, field), "pattern": pattern })
+}
+
+fn choices(notation: &Notation, field: &ActionField, values: &[Value]) -> Json {
+    let texts: Vec<String> = values
+        .iter()
+        .map(|value| notation.stated_value(field, value))
+        .collect();
+    json!({ "type": "string", "description": what(notation, field), "enum": texts })
+}
+
+fn what(notation: &Notation, field: &ActionField) -> String {
+    let name = space::spoken(field);
+    let point = match notation.pointing() {
+        _ if notation.is_native() => format!("the {name} point (x, y), pixels"),
+        Pointing::Marks(_) => format!("the number of the {name} point"),
+        pointing => format!("the {name} point {}", pointing.phrase()),
+    };
+    match field.choices {
+        Choices::Points { .. } => point,
+        Choices::Region { ref mask } => format!("{point}: {}", space::any_of(mask)),
+        Choices::Directions { .. } => {
+            format!("the {name}, counter-clockwise from the image's right")
+        }
+        Choices::Lengths { .. } => format!("the {name}, on the table"),
+        Choices::Words { .. } => format!("the {name}"),
+    }
+}

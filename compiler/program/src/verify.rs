@@ -1,0 +1,181 @@
+//! Decides whether a proposed action may run.
+//!
+//! In: the program's checks, what is known, the action. Out: a [`Verdict`]. Rejection is an answer, not an
+//! error: its message goes back to the model. Nothing here talks to a model.
+
+use crate::data::actions::Proposal;
+use crate::data::actions::{ActionField, Choices, Value};
+use crate::data::program::Program;
+use crate::data::verify::Check;
+use crate::eval::{Eval, Notes};
+use crate::facts::Facts;
+use crate::pointing::Notation;
+use crate::render::{self, RenderError};
+use crate::scene::SceneView;
+use crate::space;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// The name of the check that every task has: each field is one of the offered values.
+pub const OFFERED: &str = "offered";
+
+/// The name of the check that the host adds where what picks and places cannot reach every point: an accepted action's
+/// points are in reach. It is asked after the declared checks, by the runtime, which alone knows lengths on the table.
+pub const REACHABLE: &str = "reachable";
+
+/// Whether an action may run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "verdict", rename_all = "snake_case")]
+pub enum Verdict {
+    /// It may.
+    Accept,
+    /// It may not.
+    Reject {
+        /// The first check that fails.
+        check: String,
+        /// What each side of it came to, in source order.
+        values: Vec<(String, String)>,
+        /// What the model is told.
+        message: String,
+    },
+}
+
+/// Which of the declared checks are asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Strictness {
+    /// All.
+    Full,
+    /// All but those that the task names in `then without`.
+    Relaxed,
+}
+
+/// Judges an action: first whether its fields were offered, then the declared checks in order.
+///
+/// Fails where a keypoint or a value is missing, which the facts of the same program never lack.
+pub fn verdict(
+    program: &Program,
+    facts: Facts<'_>,
+    proposal: &Proposal,
+    strictness: Strictness,
+) -> Result<Verdict, RenderError> {
+    let facts = facts.judging(proposal);
+    let notation = || facts.notation(program);
+    if let Some(refused) = unoffered(program, facts.scene, proposal, &notation)? {
+        return Ok(refused);
+    }
+    let relaxed = |check: &&Check| {
+        strictness == Strictness::Relaxed && program.verify.relaxed.contains(&check.name)
+    };
+    for check in program.verify.checks.iter().filter(|check| !relaxed(check)) {
+        if let Some(notes) = failure(program, facts, check)? {
+            return Ok(Verdict::Reject {
+                check: check.name.clone(),
+                values: notes,
+                message: render::correction(program, check, facts)?,
+            });
+        }
+    }
+    Ok(Verdict::Accept)
+}
+
+/// Returns the rejection of the first field that is none of the values that the scene offers.
+///
+/// - `notation`: how its message writes points; asked only where there is one.
+///
+/// Fails where the proposal lacks a field.
+pub fn unoffered(
+    program: &Program,
+    scene: &dyn SceneView,
+    proposal: &Proposal,
+    notation: &dyn Fn() -> Notation,
+) -> Result<Option<Verdict>, RenderError> {
+    for field in &program.actions {
+        let Some(value) = proposal.get(&field.name) else {
+            return Err(RenderError::MissingFact {
+                name: field.name.clone(),
+            });
+        };
+        if !space::is_offered(field, value, scene) {
+            let choices = space::choices(field, scene);
+            return Ok(Some(not_offered(&notation(), field, value, &choices)));
+        }
+    }
+    Ok(None)
+}
+
+/// Asks one check; returns what its sides came to where it fails.
+fn failure(
+    program: &Program,
+    facts: Facts<'_>,
+    check: &Check,
+) -> Result<Option<Notes>, RenderError> {
+    let eval = Eval { program, facts };
+    if let Some(when) = &check.when
+        && !eval.holds(when, &mut Notes::new())?
+    {
+        return Ok(None);
+    }
+    let mut notes = Notes::new();
+    let holds = eval.holds(&check.holds, &mut notes)?;
+    Ok((!holds).then_some(notes))
+}
+
+/// Returns what a field may be, in the order in which a prompt lists it, each once.
+pub fn offered(program: &Program, scene: &dyn SceneView, field: &str) -> Vec<Value> {
+    program
+        .field(field)
+        .map_or(Vec::new(), |field| space::choices(field, scene))
+}
+
+/// Returns the keypoints that the verdict on an action can depend on, in alphabetical order.
+///
+/// What only messages show is not among them.
+pub fn keypoints(program: &Program) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for field in &program.actions {
+        match &field.choices {
+            Choices::Points { keypoints } => names.extend(keypoints.iter().cloned()),
+            Choices::Region { mask } => {
+                names.insert(mask.clone());
+            }
+            _ => {}
+        }
+    }
+    for check in &program.verify.checks {
+        for condition in check.when.iter().chain([&check.holds]) {
+            condition.keypoints(&mut names);
+        }
+    }
+    names
+}
+
+fn not_offered(
+    notation: &Notation,
+    field: &ActionField,
+    value: &Value,
+    choices: &[Value],
+) -> Verdict {
+    let listed = match &field.choices {
+        Choices::Region { mask } => space::any_of(mask),
+        _ => notation.shortened(field, choices),
+    };
+    let name = space::spoken(field);
+    let text = notation.value(field, value);
+    let message = match (&field.choices, value) {
+        (Choices::Region { mask }, _) => format!(
+            "The {name} point {text} is not on the {}. Choose {listed}.",
+            mask.replace('_', " ")
+        ),
+        (_, Value::Point(_)) => format!(
+            "The {name} point {text} is not one of the offered points. Choose one of these: {listed}."
+        ),
+        _ => format!(
+            "The {name} {text} is not one of the offered values. Choose one of these: {listed}."
+        ),
+    };
+    Verdict::Reject {
+        check: OFFERED.to_owned(),
+        values: vec![(field.name.clone(), text), ("offered".to_owned(), listed)],
+        message,
+    }
+}
