@@ -15,13 +15,12 @@ use crate::setting::known;
 use fab_runtime::arm::calibration::{
     Calibration, Method, Pair, Refusal, Terms, ToolReader, draw_errors, place_at_rest, read_pairs,
 };
-use fab_runtime::arm::directory::Which;
+use fab_runtime::arm::directory::{Which, last_picture};
 use fab_runtime::arm::rgbd::Intrinsics;
 use fab_runtime::arm::settings::{CameraSource, Settings};
 use fab_runtime::world::jaco;
 use fab_runtime::{picture, store};
 use image::RgbImage;
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Calibrates from points of a file, typed ones, or such to which a person brings the arm.
@@ -179,31 +178,19 @@ fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<Se
         &settings.camera.folder,
     ) {
         (Some(path), _, _) => Some(path.clone()),
-        (None, CameraSource::Directory, Some(folder)) => newest(&beside(&arguments.robot, folder))?,
+        (None, CameraSource::Directory, Some(folder)) => {
+            let folder = beside(&arguments.robot, folder);
+            last_picture(&folder).map_err(|why| {
+                Failure::environment(format!(
+                    "cannot read the folder `{}`: {why}",
+                    folder.display()
+                ))
+            })?
+        }
         _ => None,
     };
     let seen = path.map(|path| picture::load(&path).map(plain)).transpose();
     seen.map_err(Failure::environment)
-}
-
-/// Returns the last picture of a folder by name; `None` where there is none.
-fn newest(folder: &Path) -> Result<Option<PathBuf>, Failure> {
-    let unreadable = |error| {
-        Failure::environment(format!(
-            "cannot read the folder `{}`: {error}",
-            folder.display()
-        ))
-    };
-    let mut last: Option<PathBuf> = None;
-    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        let is_depth = path.to_string_lossy().ends_with(".depth.png");
-        let is_picture = path.extension() == Some(OsStr::new("png")) && !is_depth;
-        if is_picture && last.as_ref().is_none_or(|last| path > *last) {
-            last = Some(path);
-        }
-    }
-    Ok(last)
 }
 
 fn size_px(settings: &Settings, seen: Option<&RgbImage>) -> Result<[u32; 2], Failure> {

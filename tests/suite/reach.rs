@@ -11,12 +11,11 @@ use fab_runtime::examples::Examples;
 use fab_runtime::interrupt::Interrupt;
 use fab_runtime::journal::{JOURNAL_FILE, RunFolder};
 use fab_runtime::model::{Model, ModelError, Nature, Reply, Request};
-use fab_runtime::observation::Observation;
 use fab_runtime::outcome::Outcome;
 use fab_runtime::rollout::{self, Job, RolloutReport, first_questions};
 use fab_runtime::start::Start;
 use fab_runtime::subgoals::{Origin, SubgoalSet};
-use fab_runtime::world::{Executed, Motion, SimulatedWorld, World, WorldError, WorldPoint};
+use fab_runtime::world::{Around, Executed, Motion, SimulatedWorld, World, WorldError, WorldPoint};
 use serde_json::Value;
 use std::sync::Mutex;
 
@@ -26,34 +25,26 @@ struct Short {
     most_x_m: f64,
 }
 
-impl World for Short {
-    fn name(&self) -> &str {
-        self.world.name()
+impl Around for Short {
+    fn inner(&self) -> &dyn World {
+        &self.world
     }
-    fn parameters(&self) -> String {
-        self.world.parameters()
+
+    fn inner_mut(&mut self) -> &mut dyn World {
+        &mut self.world
     }
-    fn code(&self) -> String {
-        self.world.code()
-    }
-    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
-        self.world.reset(start)
-    }
-    fn observe(&mut self) -> Result<Observation, WorldError> {
-        self.world.observe()
-    }
+
     fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
         for point in [motion.pick, motion.place] {
-            assert_eq!(self.out_of_reach(&point), None, "it was sent out of reach");
+            assert_eq!(
+                Around::out_of_reach(self, &point),
+                None,
+                "it was sent out of reach"
+            );
         }
         self.world.act(motion, interrupt)
     }
-    fn crumple(&self, start: &Start, seed: u64, stop: &Interrupt) -> Result<Start, WorldError> {
-        self.world.crumple(start, seed, stop)
-    }
-    fn particles(&self) -> Option<Vec<[f32; 3]>> {
-        self.world.particles()
-    }
+
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
         (point.x > self.most_x_m).then(|| {
             format!(

@@ -14,7 +14,7 @@ use fab_runtime::outcome::Outcome;
 use fab_runtime::rollout::{self, CoverageSource, Job, RolloutReport, RunError};
 use fab_runtime::start::Start;
 use fab_runtime::subgoals::{Origin, SubgoalSet};
-use fab_runtime::world::{Executed, Motion, SimulatedWorld, World, WorldError};
+use fab_runtime::world::{Around, SimulatedWorld, World, WorldError};
 
 /// The simulator's world as one with a camera alone: it does not tell where particles are.
 pub(super) struct Blind {
@@ -22,31 +22,23 @@ pub(super) struct Blind {
     pub flat: Option<Observation>,
 }
 
-impl World for Blind {
+impl Around for Blind {
+    fn inner(&self) -> &dyn World {
+        &self.world
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn World {
+        &mut self.world
+    }
+
     fn name(&self) -> &str {
         "blind"
     }
-    fn parameters(&self) -> String {
-        self.world.parameters()
-    }
-    fn code(&self) -> String {
-        self.world.code()
-    }
-    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
-        self.world.reset(start)
-    }
-    fn observe(&mut self) -> Result<Observation, WorldError> {
-        self.world.observe()
-    }
-    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
-        self.world.act(motion, interrupt)
-    }
-    fn crumple(&self, start: &Start, seed: u64, stop: &Interrupt) -> Result<Start, WorldError> {
-        self.world.crumple(start, seed, stop)
-    }
+
     fn particles(&self) -> Option<Vec<[f32; 3]>> {
         None
     }
+
     fn flat_cloth(&self) -> Option<Observation> {
         self.flat.clone()
     }

@@ -50,34 +50,14 @@ impl DirectoryCamera {
         }
     }
 
-    fn listed(&self) -> Result<Listed, String> {
-        let files = std::fs::read_dir(&self.folder).map_err(|error| error.to_string())?;
-        let is_picture = |path: &PathBuf| {
-            let name = path.file_name().and_then(|name| name.to_str());
-            name.is_some_and(|name| name.ends_with(".png") && !name.ends_with(".depth.png"))
-        };
-        let all: Vec<_> = files.take(MAX_FILES + 1).collect();
-        if all.len() > MAX_FILES {
-            return Err(format!(
-                "it holds more than {MAX_FILES} files; take the old ones away"
-            ));
-        }
-        let described = |path: PathBuf| {
-            let about = path.metadata().ok()?;
-            Some((path, (about.len(), about.modified().ok())))
-        };
-        let paths = all.into_iter().filter_map(|file| Some(file.ok()?.path()));
-        Ok(paths.filter(is_picture).filter_map(described).collect())
-    }
-
     /// Returns a picture that was not there, or not so, when it was asked for.
     fn fresh(&self, timeout_s: f64) -> Result<Shot, String> {
-        let before = self.listed()?;
+        let before = listed(&self.folder)?;
         let begun = Instant::now();
         let mut why = "no new picture came".to_owned();
         while begun.elapsed().as_secs_f64() < timeout_s {
             std::thread::sleep(LOOK);
-            let now = self.listed()?;
+            let now = listed(&self.folder)?;
             let is_new = |(path, about): &(&PathBuf, &_)| before.get(*path) != Some(*about);
             let Some((path, _)) = now.iter().rfind(is_new) else {
                 continue;
@@ -95,9 +75,8 @@ impl DirectoryCamera {
     }
 
     fn last(&self) -> Result<Shot, String> {
-        let listed = self.listed()?;
-        let last = listed.keys().next_back();
-        self.read(last.ok_or("it holds no picture `NAME.png`")?)
+        let last = last_picture(&self.folder)?;
+        self.read(&last.ok_or("it holds no picture `NAME.png`")?)
     }
 
     fn read(&self, path: &Path) -> Result<Shot, String> {
@@ -123,6 +102,31 @@ impl DirectoryCamera {
             intrinsics: self.intrinsics.clone(),
         })
     }
+}
+
+/// Returns the last picture of a folder by name, none where it holds none; says why the folder cannot be read.
+pub fn last_picture(folder: &Path) -> Result<Option<PathBuf>, String> {
+    Ok(listed(folder)?.into_keys().next_back())
+}
+
+fn listed(folder: &Path) -> Result<Listed, String> {
+    let files = std::fs::read_dir(folder).map_err(|error| error.to_string())?;
+    let is_picture = |path: &PathBuf| {
+        let name = path.file_name().and_then(|name| name.to_str());
+        name.is_some_and(|name| name.ends_with(".png") && !name.ends_with(".depth.png"))
+    };
+    let all: Vec<_> = files.take(MAX_FILES + 1).collect();
+    if all.len() > MAX_FILES {
+        return Err(format!(
+            "it holds more than {MAX_FILES} files; take the old ones away"
+        ));
+    }
+    let described = |path: PathBuf| {
+        let about = path.metadata().ok()?;
+        Some((path, (about.len(), about.modified().ok())))
+    };
+    let paths = all.into_iter().filter_map(|file| Some(file.ok()?.path()));
+    Ok(paths.filter(is_picture).filter_map(described).collect())
 }
 
 impl RgbdSource for DirectoryCamera {

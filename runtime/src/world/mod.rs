@@ -3,6 +3,7 @@
 //! In: a [`Start`] and [`Motion`]s in metres. Out: [`Observation`]s and what really happened. A world
 //! knows nothing of prompts, models or checks.
 
+mod around;
 pub mod jaco;
 pub mod simulated;
 
@@ -12,6 +13,7 @@ use crate::start::Start;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
+pub use around::Around;
 pub use jaco::{ArmWorld, PlanningWorld};
 pub use simulated::{Look, SimulatedWorld};
 

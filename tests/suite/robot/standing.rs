@@ -1,6 +1,6 @@
 //! An arm that may not be moved: left in the middle by its last run, used by another program, or none that there is.
 
-use super::super::support::{fabc, finish, project, root};
+use super::super::support::{Said, fabc, finish, project, root};
 use super::{GRASP, ROBOT, journal, left, robot};
 use fab_runtime::arm::last;
 use serde_json::Value;
@@ -27,6 +27,14 @@ fn bring_calibration(folder: &Path) {
     }
 }
 
+/// Runs a fold with the arm of `robot.toml`, with nobody asked.
+fn run_of(folder: &Path) -> Said {
+    let mut command = fabc(folder);
+    let task = project("tasks/real/double_triangle.fab");
+    command.args(["run", &task, "--world", "jaco", "--robot", "robot.toml"]);
+    finish(command.args(["--confirm", "none", "--out", "next"]))
+}
+
 #[test]
 fn an_arm_that_a_run_left_in_the_middle_is_not_moved_again_before_a_person_has_looked() {
     let folder = left();
@@ -34,23 +42,7 @@ fn an_arm_that_a_run_left_in_the_middle_is_not_moved_again_before_a_person_has_l
     let run = fs::canonicalize(folder.path().join("run")).unwrap();
     bring_calibration(folder.path());
     last::note(&folder.path().join("robot.toml"), &run).unwrap();
-    let again = || {
-        let mut command = fabc(folder.path());
-        command.args([
-            "run",
-            &project("tasks/real/double_triangle.fab"),
-            "--world",
-            "jaco",
-        ]);
-        finish(command.args([
-            "--robot",
-            "robot.toml",
-            "--confirm",
-            "none",
-            "--out",
-            "next",
-        ]))
-    };
+    let again = || run_of(folder.path());
     let said = again();
     assert_eq!(said.code, 2);
     for words in [
@@ -109,23 +101,7 @@ fn an_arm_that_another_program_uses_is_left_to_it() {
     bring_calibration(folder.path());
     let held = fs::File::open(&settings).unwrap();
     held.try_lock().unwrap();
-    let run = || {
-        let mut command = fabc(folder.path());
-        command.args([
-            "run",
-            &project("tasks/real/double_triangle.fab"),
-            "--world",
-            "jaco",
-        ]);
-        finish(command.args([
-            "--robot",
-            "robot.toml",
-            "--confirm",
-            "none",
-            "--out",
-            "next",
-        ]))
-    };
+    let run = || run_of(folder.path());
     let words = "another fabc uses the arm of `robot.toml`: wait until it has ended";
     let said = run();
     assert_eq!(said.code, 2);

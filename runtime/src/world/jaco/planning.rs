@@ -14,11 +14,9 @@ use crate::arm::rgbd::RgbdSource;
 use crate::arm::settings::DriverKind;
 use crate::bounded;
 use crate::interrupt::Interrupt;
-use crate::observation::Observation;
 use crate::picture;
-use crate::start::Start;
 use crate::world::simulated::table::{ClothTable, TableCamera};
-use crate::world::{Executed, Motion, World, WorldError, WorldPoint};
+use crate::world::{Around, Executed, Motion, World, WorldError};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -120,25 +118,13 @@ pub fn read_plan(folder: &Path) -> Result<Plan, String> {
     serde_json::from_str(&text).map_err(|error| format!("`{}`: {error}", path.display()))
 }
 
-impl World for PlanningWorld {
-    fn name(&self) -> &str {
-        self.world.name()
+impl Around for PlanningWorld {
+    fn inner(&self) -> &dyn World {
+        &self.world
     }
 
-    fn parameters(&self) -> String {
-        self.world.parameters()
-    }
-
-    fn code(&self) -> String {
-        self.world.code()
-    }
-
-    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
-        self.world.reset(start)
-    }
-
-    fn observe(&mut self) -> Result<Observation, WorldError> {
-        self.world.observe()
+    fn inner_mut(&mut self) -> &mut dyn World {
+        &mut self.world
     }
 
     fn act(&mut self, asked: &Motion, _: &Interrupt) -> Result<Executed, WorldError> {
@@ -155,26 +141,5 @@ impl World for PlanningWorld {
             Some(why) => Err(motion(why)),
             None => Err(WorldError::PlannedOnly),
         }
-    }
-
-    fn crumple(
-        &self,
-        start: &Start,
-        seed: u64,
-        interrupt: &Interrupt,
-    ) -> Result<Start, WorldError> {
-        self.world.crumple(start, seed, interrupt)
-    }
-
-    fn particles(&self) -> Option<Vec<[f32; 3]>> {
-        self.world.particles()
-    }
-
-    fn flat_cloth(&self) -> Option<Observation> {
-        self.world.flat_cloth()
-    }
-
-    fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
-        self.world.out_of_reach(point)
     }
 }

@@ -9,10 +9,7 @@ use crate::arm::kinematics::reach::{Reach, Turn};
 use crate::arm::kinematics::tool_down::tool_down;
 use crate::arm::settings::Settings;
 use crate::arm::{limits, route};
-use crate::interrupt::Interrupt;
-use crate::observation::Observation;
-use crate::start::Start;
-use crate::world::{Executed, Motion, World, WorldError, WorldPoint};
+use crate::world::{Around, World, WorldError, WorldPoint};
 use nalgebra::{Isometry3, Point3};
 
 /// What an arm reaches with its hand pointing down.
@@ -101,46 +98,13 @@ impl WithinReach {
     }
 }
 
-impl World for WithinReach {
-    fn name(&self) -> &str {
-        self.world.name()
+impl Around for WithinReach {
+    fn inner(&self) -> &dyn World {
+        self.world.as_ref()
     }
 
-    fn parameters(&self) -> String {
-        self.world.parameters()
-    }
-
-    fn code(&self) -> String {
-        self.world.code()
-    }
-
-    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
-        self.world.reset(start)
-    }
-
-    fn observe(&mut self) -> Result<Observation, WorldError> {
-        self.world.observe()
-    }
-
-    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
-        self.world.act(motion, interrupt)
-    }
-
-    fn crumple(
-        &self,
-        start: &Start,
-        seed: u64,
-        interrupt: &Interrupt,
-    ) -> Result<Start, WorldError> {
-        self.world.crumple(start, seed, interrupt)
-    }
-
-    fn particles(&self) -> Option<Vec<[f32; 3]>> {
-        self.world.particles()
-    }
-
-    fn flat_cloth(&self) -> Option<Observation> {
-        self.world.flat_cloth()
+    fn inner_mut(&mut self) -> &mut dyn World {
+        self.world.as_mut()
     }
 
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
