@@ -11,7 +11,9 @@ pub mod scene;
 pub mod space;
 pub mod test;
 pub mod tokens;
+pub mod units;
 pub mod verify;
+pub mod vocabulary;
 
 pub use data::actions::{ActionField, Choices, Direction, LengthChoice, Proposal, Value};
 pub use data::annotate::{Layer, Mark, Spot};
@@ -21,12 +23,11 @@ pub use data::demos::Demos;
 pub use data::files::{FileRef, SourceStamp};
 pub use data::folds::{ClothPoint, Fold, Sequence};
 pub use data::goal::{Goal, Metric};
-pub use data::keypoints::{
-    Channel, Extractor, Inside, Keypoint, KeypointShape, Moment, Response, Side, Sight,
-};
+pub use data::keypoints::{Channel, Extractor, Inside, Keypoint, Moment, Response, Side, Sight};
 pub use data::picker::Picker;
 pub use data::placeholders::{Shown, Written};
 pub use data::program::{PROGRAM_FORMAT, Program, hex};
+pub use data::shape::KeypointShape;
 pub use data::stage::{
     Arrow, Example, Layers, ModelRole, Picture, Read, Stage, Template, Variable, Which, Words,
 };

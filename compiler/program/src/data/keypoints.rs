@@ -1,6 +1,7 @@
 //! What is found in each observation.
 
 use crate::data::camera::PixelPoint;
+use crate::data::shape::KeypointShape;
 use serde::{Deserialize, Serialize};
 
 /// Something found in every observation.
@@ -197,21 +198,6 @@ pub enum Response {
     },
     /// The smaller eigenvalue.
     ShiTomasi,
-}
-
-/// What an extractor gives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum KeypointShape {
-    /// A set of pixels.
-    Mask,
-    /// An upright rectangle.
-    Box,
-    /// A closed polygon.
-    Outline,
-    /// A list of points.
-    Points,
-    /// One point.
-    Point,
 }
 
 impl Extractor {

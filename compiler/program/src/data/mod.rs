@@ -14,6 +14,7 @@ pub mod keypoints;
 pub mod picker;
 pub mod placeholders;
 pub mod program;
+pub mod shape;
 pub mod stage;
 pub mod subgoals;
 pub mod test;

@@ -1,0 +1,391 @@
+//! How a word of the language is described: one row each, and everything else is read from the row.
+//!
+//! A [`Call`] is a row: its name, its arguments with kind, range and default, one line of documentation, and the function
+//! that makes its value. The compiler binds, checks and explains arguments by the row alone; the reference tables and
+//! the editor's vocabulary are written from it. Rows stand beside what they make: units in [`crate::units`], extractors
+//! in [`crate::data::keypoints`], measures in `crate::measures`, all other calls in the compiler.
+
+use crate::data::annotate::Spot;
+use crate::data::camera::PixelPoint;
+use crate::data::files::FileRef;
+use crate::data::folds::ClothPoint;
+use crate::data::shape::KeypointShape;
+use crate::data::values::{Heading, Point};
+use crate::units::{self, Dimension};
+
+/// A function that a task may call, and what it makes.
+#[derive(Clone, Copy, Debug)]
+pub struct Call<Make> {
+    /// Its name, arguments and documentation.
+    pub signature: Signature,
+    /// Makes its value from arguments that were read by the signature.
+    pub make: Make,
+}
+
+/// What is written of a call: its name, its arguments, one line of documentation.
+#[derive(Clone, Copy, Debug)]
+pub struct Signature {
+    /// Its name. Rows of one name are the forms of one call; the arguments' labels tell them apart.
+    pub name: &'static str,
+    /// What it gives, such as `a mask`.
+    pub gives: &'static str,
+    /// Its arguments; positional ones in order.
+    pub args: &'static [Arg],
+    /// What it is, one line.
+    pub doc: &'static str,
+}
+
+/// One argument of a call.
+#[derive(Clone, Copy, Debug)]
+pub struct Arg {
+    /// Its name: the label of a named argument, and how messages call a positional one.
+    pub name: &'static str,
+    /// How it is given.
+    pub place: Place,
+    /// What it may be.
+    pub kind: Kind,
+    /// What holds where it is not given; `None`: it must be.
+    pub default: Option<Default>,
+    /// What it needs beside it, where it makes no sense alone.
+    pub needs: Option<Needs>,
+    /// What it is, a few words.
+    pub doc: &'static str,
+}
+
+/// How an argument is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// By its place: `grid(55, 44)`.
+    Positional,
+    /// By its label: `image: 224px`.
+    Named,
+    /// One or more without a label: `points((40px, 52px), …)`.
+    Rest,
+}
+
+/// What holds where an optional argument is not given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Default {
+    /// A number, in base units.
+    Number(f64),
+    /// A word of its closed set.
+    Word(&'static str),
+    /// The side of the camera's picture, pixels.
+    CameraSide,
+    /// Nothing: the value is absent.
+    Nothing,
+}
+
+/// What an argument needs beside it.
+#[derive(Clone, Copy, Debug)]
+pub struct Needs {
+    /// The other argument.
+    pub arg: &'static str,
+    /// The words that it must be, one of them; empty: whatever it is.
+    pub words: &'static [&'static str],
+}
+
+/// What an argument may be.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// A number with its unit.
+    Quantity(Range),
+    /// A whole number.
+    Whole(Range),
+    /// An odd whole number: the side of a square that has a middle pixel.
+    Odd(Range),
+    /// `A to B`, both in the range.
+    Between(Range),
+    /// One word of a closed set.
+    Word(&'static [Word]),
+    /// The name of a keypoint of one of these shapes; of an earlier one where a keypoint is declared.
+    Keypoint(&'static [KeypointShape]),
+    /// `depth < LIMIT`, the limit in the range.
+    DepthLimit(Range),
+    /// A pixel of the camera's picture, `(40px, 52px)`.
+    Pixel,
+    /// A point: a field, a keypoint, `last.place`, `mirror(…)`.
+    Point,
+    /// A point that is known before an action is proposed, or a keypoint that is points.
+    Spot,
+    /// A direction: `from A to B`, an angle, a field.
+    Heading,
+    /// A field of the action that is a direction.
+    DirectionField,
+    /// A point of the cloth: `corner(back_left)`, `center`.
+    ClothPoint,
+    /// A word of the set, or the path of a file with this ending.
+    WordOrFile(&'static [Word], &'static str),
+}
+
+/// A word of a closed set.
+#[derive(Clone, Copy, Debug)]
+pub struct Word {
+    /// The word.
+    pub name: &'static str,
+    /// What it means, a few words.
+    pub doc: &'static str,
+}
+
+/// The numbers that are accepted, both ends included, stated once and as authors write them.
+#[derive(Clone, Copy, Debug)]
+pub struct Range {
+    /// What the number is, such as `a width`.
+    pub noun: &'static str,
+    /// The least, and its unit; empty: none.
+    pub from: (f64, &'static str),
+    /// The most, and its unit.
+    pub to: (f64, &'static str),
+    /// Whether the least itself is accepted.
+    pub least: Bound,
+    /// Whether a range `A to B` may end below its beginning, as hues do.
+    pub wraps: bool,
+}
+
+/// Whether an end of a range belongs to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bound {
+    /// It does.
+    Included,
+    /// It does not.
+    Excluded,
+}
+
+impl Range {
+    /// States a range with both ends included.
+    pub const fn new(
+        noun: &'static str,
+        from: (f64, &'static str),
+        to: (f64, &'static str),
+    ) -> Range {
+        let least = Bound::Included;
+        Range {
+            noun,
+            from,
+            to,
+            least,
+            wraps: false,
+        }
+    }
+
+    /// States a range of plain numbers with both ends included.
+    pub const fn plain(noun: &'static str, from: f64, to: f64) -> Range {
+        Range::new(noun, (from, ""), (to, ""))
+    }
+
+    /// Returns the same without its least value.
+    pub const fn above(self) -> Range {
+        Range {
+            least: Bound::Excluded,
+            ..self
+        }
+    }
+
+    /// Returns the same for ranges that may end below their beginning.
+    pub const fn wrapping(self) -> Range {
+        Range {
+            wraps: true,
+            ..self
+        }
+    }
+
+    /// Returns what its numbers measure.
+    pub fn dimension(&self) -> Dimension {
+        units::find(self.to.1).map_or(Dimension::Number, |unit| unit.dimension)
+    }
+
+    /// Returns whether a number in base units lies in it; never one that is not a number.
+    pub fn contains(&self, value: f64) -> bool {
+        let (least, most) = (units::base(self.from), units::base(self.to));
+        let above = match self.least {
+            Bound::Included => value >= least,
+            Bound::Excluded => value > least,
+        };
+        above && value <= most
+    }
+
+    /// Says what is accepted, such as ``a width from `1px` to `20px` ``.
+    pub fn words(&self) -> String {
+        let [from, to] = [self.from, self.to].map(|(number, unit)| format!("`{number}{unit}`"));
+        match self.least {
+            Bound::Included => format!("{} from {from} to {to}", self.noun),
+            Bound::Excluded => format!("{} above {from} and at most {to}", self.noun),
+        }
+    }
+}
+
+impl Arg {
+    const fn new(name: &'static str, place: Place, kind: Kind, doc: &'static str) -> Arg {
+        Arg {
+            name,
+            place,
+            kind,
+            default: None,
+            needs: None,
+            doc,
+        }
+    }
+
+    /// Describes an argument that is given by its place.
+    pub const fn positional(name: &'static str, kind: Kind, doc: &'static str) -> Arg {
+        Arg::new(name, Place::Positional, kind, doc)
+    }
+
+    /// Describes an argument that is given by its label.
+    pub const fn named(name: &'static str, kind: Kind, doc: &'static str) -> Arg {
+        Arg::new(name, Place::Named, kind, doc)
+    }
+
+    /// Describes one or more arguments without a label.
+    pub const fn rest(name: &'static str, kind: Kind, doc: &'static str) -> Arg {
+        Arg::new(name, Place::Rest, kind, doc)
+    }
+
+    /// Returns the same, which need not be given.
+    pub const fn or(self, default: Default) -> Arg {
+        Arg {
+            default: Some(default),
+            ..self
+        }
+    }
+
+    /// Returns the same, which makes sense beside another argument only.
+    pub const fn needs(self, arg: &'static str, words: &'static [&'static str]) -> Arg {
+        Arg {
+            needs: Some(Needs { arg, words }),
+            ..self
+        }
+    }
+}
+
+impl Signature {
+    /// Writes how the call looks when it is complete: `contour(MASK, tolerance: …, [at: …])`.
+    pub fn form(&self) -> String {
+        let arg = |arg: &Arg| match (arg.place, arg.default) {
+            (Place::Positional, _) => arg.name.to_uppercase(),
+            (Place::Rest, _) => format!("{}, …", arg.name.to_uppercase()),
+            (Place::Named, None) => format!("{}: …", arg.name),
+            (Place::Named, Some(_)) => format!("[{}: …]", arg.name),
+        };
+        let args: Vec<String> = self.args.iter().map(arg).collect();
+        format!("{}({})", self.name, args.join(", "))
+    }
+}
+
+/// The value of one argument, read by its [`Kind`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum ArgValue {
+    /// A number in base units.
+    Number(f64),
+    /// The two ends of a range, base units.
+    Between([f64; 2]),
+    /// A word of the closed set.
+    Word(&'static str),
+    /// A keypoint or a field.
+    Name(String),
+    /// A pixel.
+    Pixel(PixelPoint),
+    /// A point.
+    Point(Point),
+    /// A place of a drawing.
+    Spot(Spot),
+    /// A direction.
+    Heading(Heading),
+    /// A point of the cloth.
+    ClothPoint(ClothPoint),
+    /// A file.
+    File(FileRef),
+    /// It is not given, and nothing stands for it.
+    Nothing,
+}
+
+/// The arguments of one call, by name; those of [`Place::Rest`] several times.
+///
+/// Every argument of the signature is there, so that asking for one by its name and kind cannot fail: a row that asks for
+/// another name or kind than it declares is a bug, which the test over all rows finds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Args(pub Vec<(&'static str, ArgValue)>);
+
+/// What a row and its own signature disagree about is a bug in the row.
+const ROW: &str = "a row asks for the arguments that it declares, by their kinds";
+
+macro_rules! getters {
+    ($($(#[$doc:meta])* $name:ident $variant:ident -> $type:ty;)*) => {
+        impl Args {
+            $($(#[$doc])* pub fn $name(&self, name: &str) -> $type {
+                match self.get(name) {
+                    Some(ArgValue::$variant(value)) => value.clone(),
+                    _ => panic!("{ROW}: `{name}`"),
+                }
+            })*
+        }
+    };
+}
+
+getters! {
+    /// Returns a number in base units.
+    number Number -> f64;
+    /// Returns the ends of a range, base units.
+    between Between -> [f64; 2];
+    /// Returns a word.
+    word Word -> &'static str;
+    /// Returns the name of a keypoint or a field.
+    name Name -> String;
+    /// Returns a point.
+    point Point -> Point;
+    /// Returns a direction.
+    heading Heading -> Heading;
+    /// Returns a point of the cloth.
+    cloth_point ClothPoint -> ClothPoint;
+}
+
+impl Args {
+    /// Returns a whole number; the kinds that give one are bounded far below the largest.
+    pub fn whole(&self, name: &str) -> u32 {
+        self.number(name) as u32
+    }
+
+    /// Returns the name of a keypoint, where one is given.
+    pub fn optional_name(&self, name: &str) -> Option<String> {
+        self.is_given(name).then(|| self.name(name))
+    }
+
+    /// Returns whether an argument is given, or has a value by default.
+    pub fn is_given(&self, name: &str) -> bool {
+        !matches!(self.get(name), None | Some(ArgValue::Nothing))
+    }
+
+    /// Returns every value of an argument, in order.
+    pub fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a ArgValue> {
+        self.0
+            .iter()
+            .filter(move |(known, _)| *known == name)
+            .map(|(_, value)| value)
+    }
+
+    /// Returns the pixels of an argument.
+    pub fn pixels(&self, name: &str) -> Vec<PixelPoint> {
+        let pixel = |value: &ArgValue| match value {
+            ArgValue::Pixel(pixel) => *pixel,
+            _ => panic!("{ROW}: `{name}`"),
+        };
+        self.all(name).map(pixel).collect()
+    }
+
+    /// Returns the places of a drawing.
+    pub fn spots(&self, name: &str) -> Vec<Spot> {
+        let spot = |value: &ArgValue| match value {
+            ArgValue::Spot(spot) => spot.clone(),
+            _ => panic!("{ROW}: `{name}`"),
+        };
+        self.all(name).map(spot).collect()
+    }
+
+    /// Returns the first value of an argument.
+    pub fn get(&self, name: &str) -> Option<&ArgValue> {
+        self.0
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, value)| value)
+    }
+}
