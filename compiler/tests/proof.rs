@@ -139,9 +139,9 @@ fn fields_without_choices_or_with_too_many_are_flaws() {
     let mut program = words(&[]);
     assert!(only(&program).message.contains("no choices"));
     let many: Vec<f64> = (0..=proof::MAX_CHOICES).map(|index| index as f64).collect();
-    program.actions[2].choices = spaces::lengths(LengthUnit::Mm, &many);
+    program.actions[2].choices = spaces::lengths(length_unit("mm"), &many);
     assert!(only(&program).message.contains("1001 choices"));
-    program.actions[2].choices = spaces::lengths(LengthUnit::Mm, &many[1..]);
+    program.actions[2].choices = spaces::lengths(length_unit("mm"), &many[1..]);
     assert_eq!(proof::flaws(&program), []);
     let field = |index: usize| spaces::field(&format!("field{index} words a | b"));
     program.actions.extend((0..proof::MAX_FIELDS).map(field));
@@ -247,6 +247,10 @@ fn of_a_region_every_pixel_is_offered_and_drawn_equally_often() {
     assert_eq!(none, None, "an unknown region offers nothing");
 }
 
+fn length_unit(name: &str) -> LengthUnit {
+    LengthUnit::find(name).unwrap()
+}
+
 /// Choices that nothing is wrong with.
 fn choices() -> impl Strategy<Value = Choices> {
     let tenths = |most: u32| prop::collection::btree_set(0..most, 1..20);
@@ -255,12 +259,7 @@ fn choices() -> impl Strategy<Value = Choices> {
             .map(|value| f64::from(value) / 10.0)
             .collect()
     };
-    let unit = prop::sample::select(vec![
-        LengthUnit::Mm,
-        LengthUnit::Cm,
-        LengthUnit::M,
-        LengthUnit::Edge,
-    ]);
+    let unit = prop::sample::select(["mm", "cm", "m", "edge"].map(length_unit).to_vec());
     prop_oneof![
         Just(Choices::Points {
             keypoints: vec!["corners".to_owned(), "center".to_owned()]
@@ -279,7 +278,7 @@ fn choices() -> impl Strategy<Value = Choices> {
         }),
         (2u32..50).prop_map(|n| {
             let parts: Vec<f64> = (1..=n).map(|part| f64::from(part) / f64::from(n)).collect();
-            spaces::lengths(LengthUnit::Edge, &parts)
+            spaces::lengths(LengthUnit::EDGE, &parts)
         }),
         prop::collection::btree_set("[a-zé][a-z0-9é]{0,8}([ -][a-z]{1,6})?", 1..12).prop_map(
             |set| {

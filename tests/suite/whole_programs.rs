@@ -244,7 +244,7 @@ fn steer(program: &mut Program) {
     field(
         "distance",
         Choices::Lengths {
-            unit: LengthUnit::Mm,
+            unit: LengthUnit::find("mm").unwrap(),
             choices: lengths,
         },
     );

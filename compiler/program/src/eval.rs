@@ -106,7 +106,7 @@ impl Eval<'_> {
         };
         let offered = choices.iter().find(|choice| choice.value == *length);
         Ok(offered.map_or_else(
-            || length * unit.in_m(self.program.cloth.edge_m()),
+            || length * unit.size_with(self.program.cloth.edge_m()),
             |choice| choice.m,
         ))
     }

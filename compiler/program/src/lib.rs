@@ -33,6 +33,6 @@ pub use data::stage::{
 };
 pub use data::subgoals::{SubgoalImage, Subgoals};
 pub use data::test::{Expect, Given, Test};
-pub use data::units::LengthUnit;
 pub use data::values::{Comparison, Condition, End, Heading, Length, Number, Point};
 pub use data::verify::{Check, Exhausted, OVERLAP, ResultCheck, Verify};
+pub use units::LengthUnit;

@@ -77,7 +77,7 @@ pub fn text(field: &ActionField, value: &Value) -> String {
         Value::Direction { deg } => format!("{} deg", written(*deg, DECIMALS)),
         Value::Length { length } => match &field.choices {
             Choices::Lengths { unit, .. } => {
-                format!("{} {}", written(*length, DECIMALS), unit.as_str())
+                format!("{} {}", written(*length, DECIMALS), unit.name)
             }
             _ => written(*length, DECIMALS),
         },

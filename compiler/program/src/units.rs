@@ -3,6 +3,8 @@
 //! A row serves sources, prompts and answers alike: a number with this unit may stand in a `.fab` file, is written with
 //! its name, and is understood in an answer by its name or one of its spellings.
 
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::f64::consts::PI;
 
 /// What a number measures.
@@ -29,7 +31,7 @@ pub struct Unit {
     pub size: f64,
     /// The most digits behind the point of a number that a prompt writes in it.
     pub decimals: u8,
-    /// How else people and models write it; in a source the right name is suggested.
+    /// How else people and models write it, words of ASCII or signs; in a source the right name is suggested.
     pub spellings: &'static [&'static str],
     /// What it is, in the plural.
     pub doc: &'static str,
@@ -61,14 +63,7 @@ pub const UNITS: &[Unit] = &[
         &["meter", "meters", "metre", "metres"],
         "metres",
     ),
-    unit(
-        "edge",
-        Dimension::Length,
-        f64::NAN,
-        3,
-        &["edges"],
-        "lengths of the cloth's longer side",
-    ),
+    EDGE,
     unit(
         "px",
         Dimension::Pixels,
@@ -77,23 +72,39 @@ pub const UNITS: &[Unit] = &[
         &["pixel", "pixels"],
         "pixels",
     ),
-    unit(
-        "deg",
-        Dimension::Angle,
-        PI / 180.0,
-        2,
-        &["degs", "degree", "degrees", "°"],
-        "degrees",
-    ),
-    unit(
-        "rad",
-        Dimension::Angle,
-        1.0,
-        3,
-        &["rads", "radian", "radians"],
-        "radians",
-    ),
+    DEG,
+    RAD,
 ];
+
+/// The cloth's longer side.
+pub const EDGE: Unit = unit(
+    "edge",
+    Dimension::Length,
+    f64::NAN,
+    3,
+    &["edges"],
+    "lengths of the cloth's longer side",
+);
+
+/// Degrees, in which programs hold angles.
+pub const DEG: Unit = unit(
+    "deg",
+    Dimension::Angle,
+    PI / 180.0,
+    2,
+    &["degs", "degree", "degrees", "°", "º", "˚", "∘"],
+    "degrees",
+);
+
+/// Radians.
+pub const RAD: Unit = unit(
+    "rad",
+    Dimension::Angle,
+    1.0,
+    3,
+    &["rads", "radian", "radians"],
+    "radians",
+);
 
 const fn unit(
     name: &'static str,
@@ -113,6 +124,81 @@ const fn unit(
     }
 }
 
+impl PartialEq for Unit {
+    /// Compares names, which tell all units apart; the size of `edge` is not equal to itself.
+    fn eq(&self, other: &Unit) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for Unit {}
+
+impl Unit {
+    /// Returns its size in base units, for a cloth whose longer side is `edge_m`.
+    pub fn size_with(&self, edge_m: f64) -> f64 {
+        if *self == EDGE { edge_m } else { self.size }
+    }
+
+    /// Returns the size of an angle's unit in degrees; of `deg` exactly 1.
+    pub fn in_deg(&self) -> f64 {
+        self.size / DEG.size
+    }
+
+    /// Returns its name and its spellings.
+    pub fn words(&self) -> impl Iterator<Item = &'static str> {
+        [self.name]
+            .into_iter()
+            .chain(self.spellings.iter().copied())
+    }
+}
+
+/// A unit of length on the table, in which a field offers its choices; in JSON its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LengthUnit(&'static Unit);
+
+impl LengthUnit {
+    /// The cloth's longer side.
+    pub const EDGE: LengthUnit = LengthUnit(&EDGE);
+
+    /// Returns a unit where it is one of length on the table.
+    pub fn of(unit: &'static Unit) -> Option<LengthUnit> {
+        (unit.dimension == Dimension::Length).then_some(LengthUnit(unit))
+    }
+
+    /// Returns the unit of length of that name.
+    pub fn find(name: &str) -> Option<LengthUnit> {
+        find(name).and_then(LengthUnit::of)
+    }
+}
+
+impl std::ops::Deref for LengthUnit {
+    type Target = Unit;
+
+    fn deref(&self) -> &Unit {
+        self.0
+    }
+}
+
+impl Serialize for LengthUnit {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name)
+    }
+}
+
+impl<'de> Deserialize<'de> for LengthUnit {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<LengthUnit, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        LengthUnit::find(&name).ok_or_else(|| {
+            let lengths = UNITS.iter().filter_map(LengthUnit::of);
+            let names: Vec<String> = lengths.map(|unit| format!("`{}`", unit.name)).collect();
+            let accepted = names.join(", ");
+            D::Error::custom(format!(
+                "no unit of length `{name}`, expected one of {accepted}"
+            ))
+        })
+    }
+}
+
 /// Returns the unit of that name.
 pub fn find(name: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.name == name)
@@ -121,4 +207,39 @@ pub fn find(name: &str) -> Option<&'static Unit> {
 /// Returns a number with the name of its unit in base units; a plain one, or one of an unknown unit, as it is.
 pub fn base((number, unit): (f64, &str)) -> f64 {
     number * find(unit).map_or(1.0, |unit| unit.size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_word_means_two_units() {
+        let mut words: Vec<&str> = UNITS.iter().flat_map(Unit::words).collect();
+        let n_words = words.len();
+        words.sort_unstable();
+        words.dedup();
+        assert_eq!(words.len(), n_words);
+    }
+
+    #[test]
+    fn degrees_and_radians_convert_as_the_standard_library_does() {
+        assert_eq!([DEG.in_deg(), RAD.in_deg()], [1.0, 1_f64.to_degrees()]);
+    }
+
+    #[test]
+    fn a_unit_of_length_is_its_name_in_json() {
+        for unit in UNITS.iter().filter_map(LengthUnit::of) {
+            let json = serde_json::to_string(&unit).expect("a name");
+            assert_eq!(json, format!("\"{}\"", unit.name));
+            let read: LengthUnit = serde_json::from_str(&json).expect("a unit of length");
+            assert_eq!(read, unit);
+        }
+        let error = serde_json::from_str::<LengthUnit>("\"deg\"").expect_err("an angle");
+        let message = error.to_string();
+        assert!(
+            message.starts_with("no unit of length `deg`, expected one of `mm`, `cm`"),
+            "{message}"
+        );
+    }
 }

@@ -226,7 +226,7 @@ fn named(name: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Operand> 
             Some(Operand::Length(FramedLength {
                 native: NativeLength::Field(name.to_owned()),
                 frame: Frame::Table,
-                unit: unit.as_str().to_owned(),
+                unit: unit.name.to_owned(),
             }))
         }
         (Some(Meaning::Field), Some(Choices::Directions { .. })) => Some(Operand::Heading),
@@ -301,14 +301,7 @@ pub(crate) fn kind_of(value: &Operand) -> &'static str {
 
 /// Returns the unit of that name.
 pub(crate) fn length_unit(name: &str) -> Option<LengthUnit> {
-    [
-        LengthUnit::Mm,
-        LengthUnit::Cm,
-        LengthUnit::M,
-        LengthUnit::Edge,
-    ]
-    .into_iter()
-    .find(|unit| unit.as_str() == name)
+    LengthUnit::find(name)
 }
 
 /// Returns a fixed direction, degrees within one turn.

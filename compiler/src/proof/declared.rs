@@ -103,9 +103,9 @@ fn check_field(program: &Program, field: &ActionField, found: &mut Flaws) {
                     );
                     continue;
                 }
-                let m = choice.value * unit.in_m(program.cloth.edge_m());
+                let m = choice.value * unit.size_with(program.cloth.edge_m());
                 if choice.m.is_nan() || (choice.m - m).abs() > SAME * m {
-                    let text = format!("{text} {}", unit.as_str());
+                    let text = format!("{text} {}", unit.name);
                     found.push(field, &text, format!("`{text}` is not {} m", choice.m));
                 }
             }

@@ -39,13 +39,7 @@ pub fn field(line: &str) -> ActionField {
         "directions" => directions(&numbers(rest)),
         "lengths" => {
             let (unit, rest) = rest.split_once(' ').unwrap();
-            let unit = match unit {
-                "mm" => LengthUnit::Mm,
-                "cm" => LengthUnit::Cm,
-                "m" => LengthUnit::M,
-                "edge" => LengthUnit::Edge,
-                _ => panic!("no unit `{unit}`"),
-            };
+            let unit = LengthUnit::find(unit).unwrap();
             lengths(unit, &numbers(rest))
         }
         "words" => Choices::Words {
@@ -77,7 +71,7 @@ pub fn directions(degrees: &[f64]) -> Choices {
 pub fn lengths(unit: LengthUnit, values: &[f64]) -> Choices {
     let choice = |value: &f64| LengthChoice {
         value: *value,
-        m: value * unit.in_m(EDGE_M),
+        m: value * unit.size_with(EDGE_M),
     };
     Choices::Lengths {
         unit,

@@ -15,7 +15,7 @@ mod rust_helpers;
 
 use super::EmitError;
 use expression::{Dialect, Lowering};
-use fab_program::{ActionField, Check, Choices, LengthUnit, Program};
+use fab_program::{ActionField, Check, Choices, Program};
 use layout::Code;
 use std::collections::BTreeSet;
 
@@ -229,7 +229,7 @@ fn table_words(choices: &Choices) -> String {
         Choices::Directions { .. } => {
             "degrees, and the same as a vector, right and down".to_owned()
         }
-        Choices::Lengths { unit, .. } => format!("{}, and metres", unit_words(*unit)),
+        Choices::Lengths { unit, .. } => format!("{}, and metres", unit.doc),
     }
 }
 
@@ -240,17 +240,8 @@ fn value_words(choices: &Choices) -> String {
         Choices::Directions { .. } => {
             "degrees counter-clockwise from the picture's right, below 360".to_owned()
         }
-        Choices::Lengths { unit, .. } => unit_words(*unit).to_owned(),
+        Choices::Lengths { unit, .. } => unit.doc.to_owned(),
         Choices::Words { .. } => "a word".to_owned(),
-    }
-}
-
-fn unit_words(unit: LengthUnit) -> &'static str {
-    match unit {
-        LengthUnit::Mm => "millimetres",
-        LengthUnit::Cm => "centimetres",
-        LengthUnit::M => "metres",
-        LengthUnit::Edge => "lengths of the cloth's longer side",
     }
 }
 

@@ -67,7 +67,7 @@ pub fn steered() -> Program {
         field(
             "distance",
             Choices::Lengths {
-                unit: LengthUnit::Cm,
+                unit: LengthUnit::find("cm").unwrap(),
                 choices: [(2.0, 0.02), (2.05, 0.0205), (5.5, 0.055), (10.0, 0.1)]
                     .map(|(value, m)| LengthChoice { value, m })
                     .to_vec(),

@@ -1,7 +1,7 @@
 //! The discretised action space: the one declaration behind prompt, schema, parser, verifier and sampler.
 
 use crate::data::camera::PixelPoint;
-use crate::data::units::LengthUnit;
+use crate::units::LengthUnit;
 use serde::{Deserialize, Serialize};
 
 /// One field of an answer and what it may be.

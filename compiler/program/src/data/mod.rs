@@ -18,6 +18,5 @@ pub mod shape;
 pub mod stage;
 pub mod subgoals;
 pub mod test;
-pub mod units;
 pub mod values;
 pub mod verify;

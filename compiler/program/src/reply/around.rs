@@ -2,7 +2,7 @@
 
 use super::cursor::{Cursor, decorates, first_word, starts_with_word};
 use super::expression::skip_decoration;
-use super::number::{Unit, unit};
+use super::number::{AnswerUnit, unit};
 
 /// The most words that are passed over before a value.
 const MAX_LEADING: usize = 6;
@@ -136,7 +136,7 @@ pub(super) fn is_ordinal(text: &str) -> bool {
 }
 
 /// Reads the unit beside a field's name, `(degrees)`, `[mm]`, `in deg`; where there is none the cursor does not move.
-pub(super) fn hint(cursor: &mut Cursor<'_>) -> Option<Unit> {
+pub(super) fn hint(cursor: &mut Cursor<'_>) -> Option<AnswerUnit> {
     let start = *cursor;
     skip_decoration(cursor);
     let close = if cursor.eat('(') {

@@ -4,11 +4,12 @@
 //! stated where it is none, which [`crate::verify`] refuses by name. A number that can be two things is neither.
 
 use super::expression::Quantity;
-use super::number::{Decimals, Unit};
+use super::number::{AnswerUnit, Decimals};
 use crate::data::actions::{ActionField, Choices, Direction, LengthChoice, Value};
-use crate::data::units::LengthUnit;
 use crate::exact::{normalised_deg, written};
 use crate::space::{self, DECIMALS};
+use crate::units::{Dimension, LengthUnit, RAD};
+use std::f64::consts::PI;
 
 /// How far a number with pi, or in radians, may be from a choice, as a part of itself: `0.785 rad` is 45 degrees.
 const ROUNDED: f64 = 1e-3;
@@ -33,7 +34,7 @@ pub(super) struct Asked<'a> {
     /// The cloth's longer side, metres.
     pub edge_m: f64,
     /// The unit that stands beside the field's name, where there is one.
-    pub hint: Option<Unit>,
+    pub hint: Option<AnswerUnit>,
     /// What the text ends with.
     pub end: End,
 }
@@ -87,9 +88,11 @@ fn direction(
     };
     let unit = quantity.unit.or(asked.hint);
     let (deg, rounded_rad) = match (quantity.times_pi, unit) {
-        (true, None | Some(Unit::Rad)) => (number * 180.0, Some(number * std::f64::consts::PI)),
-        (false, Some(Unit::Deg)) => (number, None),
-        (false, Some(Unit::Rad)) => (number.to_degrees(), Some(number)),
+        (true, None) => (number * 180.0, Some(number * PI)),
+        (true, Some(AnswerUnit::Of(unit))) if *unit == RAD => (number * 180.0, Some(number * PI)),
+        (false, Some(AnswerUnit::Of(unit))) if unit.dimension == Dimension::Angle => {
+            (number * unit.in_deg(), (*unit == RAD).then_some(number))
+        }
         (false, None) => return bare_direction(choices, number, text),
         _ => return Err(format!("`{text}` is no angle")),
     };
@@ -98,7 +101,6 @@ fn direction(
 
 /// Takes a number without a unit as what makes it a choice, if that is one choice only.
 fn bare_direction(choices: &[Direction], number: f64, text: &str) -> Result<Taken, String> {
-    let pi = std::f64::consts::PI;
     let mut hits: Vec<(f64, &str)> = Vec::new();
     let meanings = [
         (true, number, None, "degrees"),
@@ -111,7 +113,7 @@ fn bare_direction(choices: &[Direction], number: f64, text: &str) -> Result<Take
         (
             number.abs() <= MAX_BARE_PI,
             number * 180.0,
-            Some(number * pi),
+            Some(number * PI),
             "a multiple of pi",
         ),
     ];
@@ -190,19 +192,20 @@ fn length(
     }
     let (stated, in_unit, note) = match quantity.unit.or(asked.hint) {
         None => {
-            let note = format!("the number in `{}`", unit.as_str());
+            let note = format!("the number in `{}`", unit.name);
             (number, unit, Some(note))
         }
         // Of what is clear where the choices are parts of the edge.
-        Some(Unit::Percent) if unit != LengthUnit::Edge => {
+        Some(AnswerUnit::Percent) if unit != LengthUnit::EDGE => {
             return Err(format!("`{text}` does not say of what"));
         }
-        Some(Unit::Percent | Unit::PercentOfEdge) => (number / 100.0, LengthUnit::Edge, None),
-        Some(Unit::Edge) => (number, LengthUnit::Edge, None),
-        Some(Unit::Mm) => (number, LengthUnit::Mm, None),
-        Some(Unit::Cm) => (number, LengthUnit::Cm, None),
-        Some(Unit::M) => (number, LengthUnit::M, None),
-        Some(Unit::Deg | Unit::Rad) => return Err(format!("`{text}` is no length")),
+        Some(AnswerUnit::Percent | AnswerUnit::PercentOfEdge) => {
+            (number / 100.0, LengthUnit::EDGE, None)
+        }
+        Some(AnswerUnit::Of(stated)) => match LengthUnit::of(stated) {
+            Some(stated) => (number, stated, None),
+            None => return Err(format!("`{text}` is no length")),
+        },
     };
     let given = |length: f64| (Value::Length { length }, note.clone());
     if in_unit == unit {
@@ -216,7 +219,7 @@ fn length(
         let alike = only(choices.iter().filter(reads), text)?;
         return Ok(given(alike.map_or(stated, |choice| choice.value)));
     }
-    let stated_m = stated * in_unit.in_m(asked.edge_m);
+    let stated_m = stated * in_unit.size_with(asked.edge_m);
     let is_same =
         |choice: &&LengthChoice| (choice.m - stated_m).abs() <= CONVERTED * choice.m.abs();
     if let Some(choice) = only(choices.iter().filter(is_same), text)? {
@@ -233,7 +236,7 @@ fn length(
         let length = choice.value;
         return Ok((Value::Length { length }, Some(note)));
     }
-    let length = stated_m / unit.in_m(asked.edge_m);
+    let length = stated_m / unit.size_with(asked.edge_m);
     if length.is_finite() {
         Ok(given(length))
     } else {

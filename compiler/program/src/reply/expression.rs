@@ -4,7 +4,7 @@
 //! elsewhere. Numbers are finite and of bounded size, products short, brackets shallow.
 
 use super::cursor::{Cursor, decorates};
-use super::number::{Decimals, MAX_NUMBER, Unit, blanks, eat_any, number, unit};
+use super::number::{AnswerUnit, Decimals, MAX_NUMBER, blanks, eat_any, number, unit};
 
 /// The most factors of a product.
 const MAX_FACTORS: usize = 6;
@@ -20,7 +20,7 @@ pub(super) struct Quantity {
     /// Whether it is multiplied by pi.
     pub times_pi: bool,
     /// Its unit, where it has one.
-    pub unit: Option<Unit>,
+    pub unit: Option<AnswerUnit>,
     /// How its decimals are set apart.
     pub decimals: Decimals,
 }

@@ -1,6 +1,7 @@
 //! Reads bare numbers and units: the pieces of [`super::expression`].
 
 use super::cursor::{Cursor, first_word};
+use crate::units::{DEG, Dimension, EDGE, UNITS, Unit};
 
 /// The largest number that can be meant.
 pub(super) const MAX_NUMBER: f64 = 1_000_000.0;
@@ -19,14 +20,12 @@ pub(super) enum Decimals {
 
 /// What follows a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Unit {
-    Deg,
-    Rad,
-    Mm,
-    Cm,
-    M,
-    Edge,
+pub(super) enum AnswerUnit {
+    /// A unit of the language.
+    Of(&'static Unit),
+    /// Hundredths, it is not said of what.
     Percent,
+    /// Hundredths of the cloth's longer side.
     PercentOfEdge,
 }
 
@@ -93,73 +92,52 @@ pub(super) fn number(cursor: &mut Cursor<'_>) -> Result<(f64, Decimals), Option<
 }
 
 /// Reads a unit, with what may stand before it; where there is none the cursor does not move.
-pub(super) fn unit(cursor: &mut Cursor<'_>) -> Option<Unit> {
+pub(super) fn unit(cursor: &mut Cursor<'_>) -> Option<AnswerUnit> {
     let start = *cursor;
     cursor.skip(|character| matches!(character, ' ' | '\t' | '\u{a0}' | '\u{202f}' | '\\' | '$'));
-    if eat_any(cursor, &['°', 'º', '˚', '∘']) {
-        return Some(Unit::Deg);
-    }
-    if cursor.eat('^') {
-        cursor.skip(|character| character == '{' || character == '\\');
-        if cursor.eat_word("circ") || cursor.eat('∘') {
-            cursor.eat('}');
-            return Some(Unit::Deg);
-        }
-        *cursor = start;
-        return None;
-    }
-    if eat_any(cursor, &['%', '％']) || cursor.eat_word("percent") {
-        let unit = if of_edge(cursor) {
-            Unit::PercentOfEdge
+    let found = if cursor.eat('^') {
+        raised_circle(cursor).then_some(AnswerUnit::Of(&DEG))
+    } else if eat_any(cursor, &['%', '％']) || cursor.eat_word("percent") {
+        let is_of_edge = of_edge(cursor);
+        Some(if is_of_edge {
+            AnswerUnit::PercentOfEdge
         } else {
-            Unit::Percent
-        };
-        return Some(unit);
+            AnswerUnit::Percent
+        })
+    } else if of_edge(cursor) {
+        Some(AnswerUnit::Of(&EDGE))
+    } else {
+        named(cursor).map(AnswerUnit::Of)
+    };
+    if found.is_none() {
+        *cursor = start;
     }
-    if of_edge(cursor) {
-        return Some(Unit::Edge);
-    }
-    let word = first_word(cursor.rest());
-    let unit = WORDS
-        .iter()
-        .find(|(known, _)| word.eq_ignore_ascii_case(known))
-        .map(|(_, unit)| *unit);
-    match unit {
-        Some(unit) => {
-            cursor.at += word.len();
-            Some(unit)
-        }
-        None => {
-            *cursor = start;
-            None
-        }
-    }
+    found
 }
 
-/// Units as words.
-const WORDS: [(&str, Unit); 21] = [
-    ("deg", Unit::Deg),
-    ("degs", Unit::Deg),
-    ("degree", Unit::Deg),
-    ("degrees", Unit::Deg),
-    ("rad", Unit::Rad),
-    ("rads", Unit::Rad),
-    ("radian", Unit::Rad),
-    ("radians", Unit::Rad),
-    ("mm", Unit::Mm),
-    ("millimeter", Unit::Mm),
-    ("millimeters", Unit::Mm),
-    ("millimetre", Unit::Mm),
-    ("millimetres", Unit::Mm),
-    ("cm", Unit::Cm),
-    ("centimeters", Unit::Cm),
-    ("centimetres", Unit::Cm),
-    ("m", Unit::M),
-    ("meter", Unit::M),
-    ("meters", Unit::M),
-    ("metre", Unit::M),
-    ("metres", Unit::M),
-];
+/// Reads what stands behind `^` in LaTeX's `^{\circ}`.
+fn raised_circle(cursor: &mut Cursor<'_>) -> bool {
+    cursor.skip(|character| character == '{' || character == '\\');
+    let is_there = cursor.eat_word("circ") || cursor.eat('∘');
+    cursor.eat('}');
+    is_there
+}
+
+/// Reads the name or a spelling of a unit that answers may use: pixels belong to points.
+fn named(cursor: &mut Cursor<'_>) -> Option<&'static Unit> {
+    let rest = cursor.rest();
+    let stands_here = |word: &&str| match word.is_ascii() {
+        true => first_word(rest).eq_ignore_ascii_case(word),
+        false => rest.starts_with(word),
+    };
+    let units = UNITS
+        .iter()
+        .filter(|unit| unit.dimension != Dimension::Pixels);
+    let mut found = units.filter_map(|unit| Some((unit, unit.words().find(stands_here)?)));
+    let (unit, word) = found.next()?;
+    cursor.at += word.len();
+    Some(unit)
+}
 
 /// Reads `edge`, `edges`, `of the edge`, `* edge length`; where there is none the cursor does not move.
 fn of_edge(cursor: &mut Cursor<'_>) -> bool {
