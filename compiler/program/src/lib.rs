@@ -23,7 +23,9 @@ pub use data::demos::Demos;
 pub use data::files::{FileRef, SourceStamp};
 pub use data::folds::{ClothPoint, Fold, Sequence};
 pub use data::goal::{Goal, Metric};
-pub use data::keypoints::{Channel, Extractor, Inside, Keypoint, Moment, Response, Side, Sight};
+pub use data::keypoints::{
+    Channel, EXTRACTORS, Extractor, ExtractorRow, Inside, Keypoint, Moment, Response, Side, Sight,
+};
 pub use data::picker::Picker;
 pub use data::placeholders::{Shown, Written};
 pub use data::program::{PROGRAM_FORMAT, Program, hex};

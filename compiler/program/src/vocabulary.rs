@@ -127,6 +127,26 @@ pub struct Word {
     pub doc: &'static str,
 }
 
+/// Gives an enumeration its words: how a task writes each value, and what it means.
+macro_rules! words {
+    ($type:ident { $($word:literal => $variant:ident, $doc:literal;)* }) => {
+        impl $type {
+            /// The words of a task, in the order in which messages list them.
+            pub const WORDS: &'static [$crate::vocabulary::Word] =
+                &[$($crate::vocabulary::Word { name: $word, doc: $doc }),*];
+
+            /// Returns what a word of a task means; None where it is no such word.
+            pub fn from_word(word: &str) -> Option<$type> {
+                match word {
+                    $($word => Some($type::$variant),)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+pub(crate) use words;
+
 /// The numbers that are accepted, both ends included, stated once and as authors write them.
 #[derive(Clone, Copy, Debug)]
 pub struct Range {
@@ -306,7 +326,7 @@ pub enum ArgValue {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Args(pub Vec<(&'static str, ArgValue)>);
 
-/// What a row and its own signature disagree about is a bug in the row.
+/// A row that disagrees with its own signature is a bug in the row.
 const ROW: &str = "a row asks for the arguments that it declares, by their kinds";
 
 macro_rules! getters {
@@ -343,6 +363,11 @@ impl Args {
     /// Returns a whole number; the kinds that give one are bounded far below the largest.
     pub fn whole(&self, name: &str) -> u32 {
         self.number(name) as u32
+    }
+
+    /// Returns what a word means, such as `args.meaning("keep", Side::from_word)`.
+    pub fn meaning<T>(&self, name: &str, from_word: fn(&str) -> Option<T>) -> T {
+        from_word(self.word(name)).expect(ROW)
     }
 
     /// Returns the name of a keypoint, where one is given.
@@ -387,5 +412,47 @@ impl Args {
             .iter()
             .find(|(known, _)| *known == name)
             .map(|(_, value)| value)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod samples {
+    //! Arguments that fit a signature, made from its kinds alone.
+
+    use super::*;
+    use crate::data::values::End;
+
+    /// Returns arguments of which every one is given, and arguments of which none is that need not be.
+    pub(crate) fn of(signature: &Signature) -> [Args; 2] {
+        let given = |arg: &Arg| (arg.name, value(&arg.kind));
+        let least = |arg: &Arg| match arg.default {
+            None => given(arg),
+            Some(Default::Number(number)) => (arg.name, ArgValue::Number(number)),
+            Some(Default::Word(word)) => (arg.name, ArgValue::Word(word)),
+            Some(Default::CameraSide) => (arg.name, ArgValue::Number(224.0)),
+            Some(Default::Nothing) => (arg.name, ArgValue::Nothing),
+        };
+        [
+            Args(signature.args.iter().map(given).collect()),
+            Args(signature.args.iter().map(least).collect()),
+        ]
+    }
+
+    fn value(kind: &Kind) -> ArgValue {
+        let point = || Point::Last { end: End::Pick };
+        match kind {
+            Kind::Quantity(range)
+            | Kind::Whole(range)
+            | Kind::Odd(range)
+            | Kind::DepthLimit(range) => ArgValue::Number(units::base(range.to)),
+            Kind::Between(range) => ArgValue::Between([range.from, range.to].map(units::base)),
+            Kind::Word(words) | Kind::WordOrFile(words, _) => ArgValue::Word(words[0].name),
+            Kind::Keypoint(_) | Kind::DirectionField => ArgValue::Name("name".to_owned()),
+            Kind::Pixel => ArgValue::Pixel(PixelPoint::new(40, 52)),
+            Kind::Point => ArgValue::Point(point()),
+            Kind::Spot => ArgValue::Spot(Spot::One { point: point() }),
+            Kind::Heading => ArgValue::Heading(Heading::Constant { vector: [1.0, 0.0] }),
+            Kind::ClothPoint => ArgValue::ClothPoint(ClothPoint::Center),
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::data::camera::PixelPoint;
 use crate::data::shape::KeypointShape;
+use crate::vocabulary::{Arg, Args, Call, Default, Kind, Range, Signature, words};
 use serde::{Deserialize, Serialize};
 
 /// Something found in every observation.
@@ -24,6 +25,11 @@ pub enum Moment {
     /// The first of the rollout, kept until its end (the paper's cloth centre, protocol section 6).
     Start,
 }
+
+words! { Moment {
+    "now" => Now, "the latest picture";
+    "start" => Start, "the rollout's first picture, kept until its end";
+} }
 
 /// How a keypoint is found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -162,6 +168,11 @@ pub enum Channel {
     Saturation,
 }
 
+words! { Channel {
+    "brightness" => Brightness, "how bright a pixel is";
+    "saturation" => Saturation, "how far its colour is from grey; a third counts as all";
+} }
+
 /// One side of a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -171,6 +182,11 @@ pub enum Side {
     /// What is above it: bright, or coloured.
     High,
 }
+
+words! { Side {
+    "low" => Low, "what is dark, or grey";
+    "high" => High, "what is bright, or coloured";
+} }
 
 /// What a corner detector looks at; outside of the mask all is black.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -186,6 +202,13 @@ pub enum Sight {
     /// (protocol, section 4), only for comparisons with its recordings.
     MisreadPicture,
 }
+
+words! { Sight {
+    "depth" => Depth, "the depth image";
+    "mask" => Mask, "the mask itself, white";
+    "picture" => Picture, "the camera's picture in grey";
+    "misread_picture" => MisreadPicture, "the same with a mistake of the smoothing paper's code";
+} }
 
 /// What a corner detector takes for a strong response.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -236,6 +259,393 @@ impl Extractor {
             Extractor::Centroid { .. } | Extractor::BoxCenter { .. } | Extractor::PictureCenter => {
                 KeypointShape::Point
             }
+        }
+    }
+}
+
+/// The arguments of both corner detectors, and those of one alone.
+macro_rules! corner_args {
+    ($($own:expr),*) => {
+        &[
+            MASK,
+            Arg::named("max", Kind::Whole(N_POINTS), "the most corners that are kept"),
+            Arg::named("quality", Kind::Quantity(QUALITY), "the least response, as a part of the strongest"),
+            Arg::named("spacing", Kind::Quantity(SPACING), "the least distance between two"),
+            Arg::named("image", Kind::Whole(IMAGE), "the side of the picture that the detector sees")
+                .or(Default::CameraSide),
+            Arg::named("of", Kind::Word(Sight::WORDS), "what the detector looks at inside of the mask")
+                .or(Default::Word("depth")),
+            Arg::named("white", Kind::Keypoint(&[KeypointShape::Mask]), "a mask that is painted white first")
+                .or(Default::Nothing)
+                .needs("of", &["picture", "misread_picture"]),
+            Arg::named("inside", Kind::Keypoint(&[KeypointShape::Box]), "the box that corners are kept in")
+                .or(Default::Nothing),
+            Arg::named("margin", Kind::Quantity(SPACING), "how far beside the box a corner may be")
+                .or(Default::Number(0.0))
+                .needs("inside", &[]),
+            Arg::named("block", Kind::Odd(BLOCK), "the side of the square over which a response is averaged")
+                .or(Default::Number(DEFAULT_BLOCK_PX)),
+            $($own,)*
+            AT,
+        ]
+    };
+}
+
+/// An extractor of the language: how it is called, and what it gives.
+#[derive(Clone, Copy, Debug)]
+pub struct ExtractorRow {
+    /// How it is called, and what that makes.
+    pub call: Call<fn(&Args) -> Extractor>,
+    /// What it gives; the same for all rows of one name.
+    pub gives: KeypointShape,
+}
+
+/// Every extractor, one row for each form of a call.
+pub const EXTRACTORS: &[ExtractorRow] = &[
+    row(
+        "mask",
+        KeypointShape::Mask,
+        &[Arg::positional(
+            "depth < limit",
+            Kind::DepthLimit(DEPTH),
+            "the distance from the camera",
+        )],
+        "the pixels nearer to the camera than a depth",
+        |args| Extractor::DepthMask {
+            below_m: args.number("depth < limit"),
+        },
+    ),
+    row(
+        "mask",
+        KeypointShape::Mask,
+        &[
+            Arg::named(
+                "hue",
+                Kind::Between(HUE),
+                "a range; `330deg to 20deg` passes through red",
+            ),
+            Arg::named("saturation", Kind::Between(FRACTION), "a range"),
+            Arg::named("value", Kind::Between(FRACTION), "a range of brightness"),
+        ],
+        "the pixels of a colour",
+        |args| Extractor::ColorMask {
+            // The way through radians must not move a limit off the whole degree that it names.
+            hue_deg: args
+                .between("hue")
+                .map(|hue_rad| (hue_rad.to_degrees() * 1e9).round() / 1e9),
+            saturation: args.between("saturation"),
+            value: args.between("value"),
+        },
+    ),
+    row(
+        "mask",
+        KeypointShape::Mask,
+        &[
+            Arg::named("split", Kind::Word(Channel::WORDS), "what is told apart"),
+            Arg::named(
+                "keep",
+                Kind::Word(Side::WORDS),
+                "which of the two kinds is the mask",
+            ),
+            Arg::named(
+                "blur",
+                Kind::Odd(BLUR),
+                "the side of a square that is averaged over first",
+            )
+            .or(Default::Number(1.0)),
+            Arg::named(
+                "contrast",
+                Kind::Quantity(FRACTION),
+                "how far apart the two kinds must be",
+            )
+            .or(Default::Number(DEFAULT_CONTRAST)),
+        ],
+        "one of the two kinds of pixels that a picture tells apart best",
+        |args| Extractor::SplitMask {
+            of: args.meaning("split", Channel::from_word),
+            keep: args.meaning("keep", Side::from_word),
+            blur_px: args.whole("blur"),
+            contrast: args.number("contrast"),
+        },
+    ),
+    row(
+        "closed",
+        KeypointShape::Mask,
+        &[
+            MASK,
+            Arg::named("by", Kind::Whole(CLOSING), "the widest gap that is filled"),
+        ],
+        "a mask with narrow gaps filled",
+        |args| Extractor::Closed {
+            mask: args.name("mask"),
+            by_px: args.whole("by"),
+        },
+    ),
+    row(
+        "largest",
+        KeypointShape::Mask,
+        &[MASK],
+        "the largest piece of a mask",
+        |args| Extractor::Largest {
+            mask: args.name("mask"),
+        },
+    ),
+    row(
+        "harris",
+        KeypointShape::Points,
+        corner_args![
+            Arg::named(
+                "k",
+                Kind::Quantity(HARRIS_K),
+                "the detector's free parameter"
+            )
+            .or(Default::Number(DEFAULT_HARRIS_K))
+        ],
+        "Harris corners, strongest first",
+        |args| {
+            let k = args.number("k");
+            corners(args, Response::Harris { k })
+        },
+    ),
+    row(
+        "shi_tomasi",
+        KeypointShape::Points,
+        corner_args![],
+        "Shi-Tomasi corners, strongest first",
+        |args| corners(args, Response::ShiTomasi),
+    ),
+    row(
+        "centroid",
+        KeypointShape::Point,
+        &[MASK, AT],
+        "the mean of a mask's pixels",
+        |args| Extractor::Centroid {
+            mask: args.name("mask"),
+        },
+    ),
+    row(
+        "bounding_box",
+        KeypointShape::Box,
+        &[MASK, AT],
+        "the upright box around a mask",
+        |args| Extractor::BoundingBox {
+            mask: args.name("mask"),
+        },
+    ),
+    row(
+        "center",
+        KeypointShape::Point,
+        &[
+            Arg::positional("box", Kind::Keypoint(&[KeypointShape::Box]), "a box"),
+            AT,
+        ],
+        "the middle of a box",
+        |args| Extractor::BoxCenter {
+            of: args.name("box"),
+        },
+    ),
+    row(
+        "center",
+        KeypointShape::Point,
+        &[],
+        "the middle of the picture; of two middle pixels the left or upper one",
+        |_| Extractor::PictureCenter,
+    ),
+    row(
+        "contour",
+        KeypointShape::Outline,
+        &[
+            MASK,
+            Arg::named(
+                "tolerance",
+                Kind::Quantity(SPACING),
+                "how far the polygon may run beside it",
+            ),
+            AT,
+        ],
+        "the outline of a mask's largest piece, straightened",
+        |args| Extractor::Contour {
+            mask: args.name("mask"),
+            tolerance_px: args.number("tolerance"),
+        },
+    ),
+    row(
+        "edge_middles",
+        KeypointShape::Points,
+        &[OUTLINE, AT],
+        "the middle of each side of an outline",
+        |args| Extractor::EdgeMiddles {
+            outline: args.name("outline"),
+        },
+    ),
+    row(
+        "along",
+        KeypointShape::Points,
+        &[
+            OUTLINE,
+            Arg::named("count", Kind::Whole(N_POINTS), "how many"),
+            AT,
+        ],
+        "points at equal distances along an outline",
+        |args| Extractor::Along {
+            outline: args.name("outline"),
+            count: args.whole("count"),
+        },
+    ),
+    row(
+        "toward",
+        KeypointShape::Points,
+        &[
+            Arg::positional(
+                "points",
+                Kind::Keypoint(&[KeypointShape::Points]),
+                "a list of points",
+            ),
+            Arg::positional("point", Kind::Keypoint(&[KeypointShape::Point]), "a point"),
+            Arg::named(
+                "share",
+                Kind::Quantity(SHARE),
+                "which part of its way each moves",
+            ),
+            AT,
+        ],
+        "points, each moved towards another point",
+        |args| Extractor::Toward {
+            points: args.name("points"),
+            to: args.name("point"),
+            share: args.number("share"),
+        },
+    ),
+    row(
+        "points",
+        KeypointShape::Points,
+        &[Arg::rest(
+            "points",
+            Kind::Pixel,
+            "pixels of the camera's picture",
+        )],
+        "points that are always the same",
+        |args| Extractor::Fixed {
+            points: args.pixels("points"),
+        },
+    ),
+];
+
+/// The moment that an extractor's keypoint is taken at; a keypoint holds it beside its extractor.
+pub const AT: Arg =
+    Arg::named("at", Kind::Word(Moment::WORDS), "when it is looked for").or(Default::Word("now"));
+
+/// The most pixels that `points(…)` lists.
+pub const MAX_FIXED_POINTS: usize = 1000;
+
+const MASK: Arg = Arg::positional("mask", Kind::Keypoint(&[KeypointShape::Mask]), "a mask");
+const OUTLINE: Arg = Arg::positional(
+    "outline",
+    Kind::Keypoint(&[KeypointShape::Outline]),
+    "an outline",
+);
+
+const DEPTH: Range = Range::new("a depth", (1.0, "mm"), (10.0, "m"));
+const HUE: Range = Range::new("a hue", (0.0, "deg"), (360.0, "deg")).wrapping();
+const FRACTION: Range = Range::plain("a fraction", 0.0, 1.0);
+const BLUR: Range = Range::new("an odd side", (1.0, "px"), (101.0, "px"));
+const CLOSING: Range = Range::new("a side", (1.0, "px"), (200.0, "px"));
+const N_POINTS: Range = Range::plain("a number of points", 1.0, 1000.0);
+const QUALITY: Range = Range::plain("a fraction", 0.0, 1.0).above();
+const SPACING: Range = Range::new("a distance", (0.0, "px"), (2048.0, "px"));
+const IMAGE: Range = Range::new("a picture's side", (16.0, "px"), (2048.0, "px"));
+const BLOCK: Range = Range::new("an odd side", (1.0, "px"), (31.0, "px"));
+const HARRIS_K: Range = Range::plain("a number", 0.001, 0.25);
+const SHARE: Range = Range::plain("a share", 0.001, 0.999);
+
+/// How far apart the two kinds of pixels of a split must be where it is not stated. A cloth and a table that look alike to
+/// a person are nearer; the simulator's two kinds of tiles are 0.12 apart, and are no cloth.
+const DEFAULT_CONTRAST: f64 = 0.15;
+
+/// Harris' free parameter where none is stated: the detector's usual one (protocol, section 6).
+const DEFAULT_HARRIS_K: f64 = 0.04;
+
+/// Side of the square over which a response is averaged where none is stated: OpenCV's, which the paper keeps.
+const DEFAULT_BLOCK_PX: f64 = 3.0;
+
+fn corners(args: &Args, response: Response) -> Extractor {
+    let inside = args.optional_name("inside");
+    Extractor::Corners {
+        mask: args.name("mask"),
+        of: args.meaning("of", Sight::from_word),
+        white: args.optional_name("white"),
+        inside: inside.map(|of| Inside {
+            of,
+            margin_px: args.number("margin"),
+        }),
+        image_px: args.whole("image"),
+        max: args.whole("max"),
+        quality: args.number("quality"),
+        spacing_px: args.number("spacing"),
+        block_px: args.whole("block"),
+        response,
+    }
+}
+
+const fn row(
+    name: &'static str,
+    gives: KeypointShape,
+    args: &'static [Arg],
+    doc: &'static str,
+    make: fn(&Args) -> Extractor,
+) -> ExtractorRow {
+    let signature = Signature {
+        name,
+        gives: gives.words(),
+        args,
+        doc,
+    };
+    ExtractorRow {
+        call: Call { signature, make },
+        gives,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vocabulary::samples;
+
+    #[test]
+    fn every_extractor_is_made_from_the_arguments_that_its_row_declares() {
+        for row in EXTRACTORS {
+            for args in samples::of(&row.call.signature) {
+                let extractor = (row.call.make)(&args);
+                assert_eq!(extractor.shape(), row.gives, "{}", row.call.signature.name);
+            }
+        }
+    }
+
+    #[test]
+    fn rows_of_one_name_give_one_shape() {
+        for row in EXTRACTORS {
+            let name = row.call.signature.name;
+            let mut alike = EXTRACTORS
+                .iter()
+                .filter(|other| other.call.signature.name == name);
+            assert!(alike.all(|other| other.gives == row.gives), "{name}");
+        }
+    }
+
+    #[test]
+    fn degrees_of_a_hue_stay_whole() {
+        let args = |hue: [f64; 2]| {
+            let mut args = samples::of(&EXTRACTORS[1].call.signature)[0].clone();
+            args.0[0].1 = crate::vocabulary::ArgValue::Between(hue.map(f64::to_radians));
+            args
+        };
+        let hue_deg = |extractor| match extractor {
+            Extractor::ColorMask { hue_deg, .. } => hue_deg,
+            other => panic!("{other:?}"),
+        };
+        for deg in 0..360 {
+            let hue = [f64::from(deg), 360.0 - f64::from(deg)];
+            assert_eq!(hue_deg((EXTRACTORS[1].call.make)(&args(hue))), hue);
         }
     }
 }

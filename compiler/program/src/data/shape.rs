@@ -14,3 +14,16 @@ pub enum KeypointShape {
     /// One point.
     Point,
 }
+
+impl KeypointShape {
+    /// Returns what tables and messages call it, such as `a mask`.
+    pub const fn words(self) -> &'static str {
+        match self {
+            KeypointShape::Mask => "a mask",
+            KeypointShape::Box => "a box",
+            KeypointShape::Outline => "an outline",
+            KeypointShape::Points => "a list of points",
+            KeypointShape::Point => "a point",
+        }
+    }
+}
