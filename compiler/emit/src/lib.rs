@@ -4,26 +4,21 @@
 //! the schema of an answer, verifiers in Rust and Python, and `program.json`, which ties them together.
 //! The same programs give the same bytes. Writing them to disk is left to others.
 
+mod artifact;
+mod error;
 mod manifest;
 mod prompts;
 mod schema;
 mod verifier;
 
+pub use artifact::Artifact;
+pub use error::EmitError;
 pub use manifest::{BUILD_FORMAT, ListedArtifact, Manifest};
 pub use prompts::{fill, guards_and_values};
 
+use error::plain_name;
 use fab_program::Program;
 use std::collections::BTreeMap;
-use std::fmt;
-
-/// A file that is to be written.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Artifact {
-    /// Where it belongs, relative to the folder that is built into; `/` as separator.
-    pub path: String,
-    /// What it holds.
-    pub text: String,
-}
 
 /// What is written beside the prompts and the schema, which always are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,72 +92,3 @@ fn of_one(program: &Program, targets: &[Target]) -> Result<Vec<Artifact>, EmitEr
     }
     Ok(artifacts)
 }
-
-/// Accepts a name that is safe in a path and in a template: letters of ASCII, digits and `_`, joined by dots.
-fn plain_name(name: &str) -> Result<&str, EmitError> {
-    let is_plain = name.split('.').all(|part| {
-        !part.is_empty()
-            && part
-                .bytes()
-                .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
-    });
-    if is_plain {
-        Ok(name)
-    } else {
-        Err(EmitError::Name {
-            name: name.to_owned(),
-        })
-    }
-}
-
-/// Why a program cannot be written.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum EmitError {
-    /// A name cannot stand in a path or in a template; the compiler gives none such.
-    Name {
-        /// The name.
-        name: String,
-    },
-    /// Something is named that the program does not have, or that is of another kind.
-    Reference {
-        /// What is named.
-        name: String,
-        /// What it would have to be.
-        wanted: &'static str,
-    },
-    /// A number is infinite, is none, or divides by zero.
-    Number {
-        /// The number.
-        value: String,
-    },
-    /// Two files would differ by the case of letters alone.
-    SameFile {
-        /// The path of one.
-        one: String,
-        /// The path of the other.
-        other: String,
-    },
-}
-
-impl fmt::Display for EmitError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            EmitError::Name { name } => write!(f, "`{name}` cannot be the name of a file"),
-            EmitError::Reference { name, wanted } => {
-                write!(f, "`{name}` is needed as {wanted} and is none")
-            }
-            EmitError::Number { value } => {
-                write!(
-                    f,
-                    "the program computes with `{value}`, which is no number to compute with"
-                )
-            }
-            EmitError::SameFile { one, other } => write!(
-                f,
-                "`{one}` and `{other}` would be one file where the case of letters does not count; rename one"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for EmitError {}

@@ -13,7 +13,7 @@
 //! `program` is the verifier as data, and all else that a runtime needs; its own `format` is that of
 //! [`Program`]. Every number reads back to the same bits.
 
-use super::Artifact;
+use crate::artifact::Artifact;
 use fab_program::{Program, hex};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};

@@ -4,7 +4,8 @@
 //! under a guard, `when["NAME"]`, a string that is empty where it is not said. A guard is indexed, since
 //! Python's jinja2 takes `when.items` for a method.
 
-use super::{Artifact, EmitError, plain_name};
+use crate::artifact::Artifact;
+use crate::error::{EmitError, plain_name};
 use fab_program::eval::{Eval, Notes};
 use fab_program::facts::Facts;
 use fab_program::pointing::Pointing;

@@ -6,9 +6,13 @@
 
 use crate::data::actions::{Choices, Value};
 use crate::data::camera::PixelPoint;
+use crate::data::points::{End, Heading, Point};
 use crate::data::program::Program;
-use crate::data::values::{Condition, End, Heading, Length, Number, Point};
-use crate::facts::{Facts, Missing};
+use crate::data::values::Condition;
+use crate::exact::{vector_of, written};
+use crate::facts::Facts;
+use crate::measures::{self, Length, Number, PointMeasure};
+use crate::scene::Missing;
 
 /// Evaluates the values of one program.
 #[derive(Clone, Copy)]
@@ -28,15 +32,15 @@ impl Eval<'_> {
         match point {
             Point::Action { field } => match self.facts.proposed(field) {
                 Some(Value::Point(pixel)) => Ok(float(*pixel)),
-                _ => Err(missing(field)),
+                _ => Err(Missing::of(field)),
             },
             Point::Keypoint { name } => {
                 let points = self.facts.scene.points(name);
                 let first = points.and_then(|points| points.first().copied());
-                first.map(float).ok_or_else(|| missing(name))
+                first.map(float).ok_or_else(|| Missing::of(name))
             }
             Point::Last { end } => {
-                let last = self.facts.last.ok_or_else(|| missing("last"))?;
+                let last = self.facts.last.ok_or_else(|| Missing::of("last"))?;
                 Ok(float(match end {
                     End::Pick => last.pick,
                     End::Place => last.place,
@@ -44,7 +48,7 @@ impl Eval<'_> {
             }
             Point::Mirror { of, about } => {
                 let (of, about) = (self.point(of)?, self.point(about)?);
-                Ok([0, 1].map(|axis| 2.0 * about[axis] - of[axis]))
+                Ok(measures::mirror(of, about))
             }
             Point::Carried {
                 from,
@@ -69,17 +73,7 @@ impl Eval<'_> {
     fn square(&self, length: &Length) -> Result<f64, Missing> {
         Ok(match length {
             Length::Constant { value } => value * value,
-            Length::Distance { a, b } => {
-                let (a, b) = (self.point(a)?, self.point(b)?);
-                let (du, dv) = (a[0] - b[0], a[1] - b[1]);
-                du * du + dv * dv
-            }
-            Length::Chebyshev { a, b } => {
-                let (a, b) = (self.point(a)?, self.point(b)?);
-                let (du, dv) = (a[0] - b[0], a[1] - b[1]);
-                let (du, dv) = (du * du, dv * dv);
-                if du > dv { du } else { dv }
-            }
+            Length::OfPoints(measure) => self.square_of_points(measure)?,
             Length::Field { field, scale } => {
                 let value = self.length_m(field)? * scale;
                 value * value
@@ -87,11 +81,19 @@ impl Eval<'_> {
         })
     }
 
+    fn square_of_points(&self, measure: &PointMeasure) -> Result<f64, Missing> {
+        let points = measure.points().iter().map(|point| self.point(point));
+        Ok(measure.square(&points.collect::<Result<Vec<_>, _>>()?))
+    }
+
     /// Returns a length, pixels or metres.
     pub fn length(&self, length: &Length) -> Result<f64, Missing> {
         Ok(match length {
             Length::Constant { value } => *value,
-            Length::Distance { .. } | Length::Chebyshev { .. } => self.square(length)?.sqrt(),
+            Length::OfPoints(measure) => {
+                let square = self.square_of_points(measure)?;
+                square.abs().sqrt().copysign(square)
+            }
             Length::Field { field, scale } => self.length_m(field)? * scale,
         })
     }
@@ -102,7 +104,7 @@ impl Eval<'_> {
         let (Some(Choices::Lengths { unit, choices }), Some(Value::Length { length })) =
             (declared, self.facts.proposed(field))
         else {
-            return Err(missing(field));
+            return Err(Missing::of(field));
         };
         let offered = choices.iter().find(|choice| choice.value == *length);
         Ok(offered.map_or_else(
@@ -117,10 +119,10 @@ impl Eval<'_> {
         let (Some(Choices::Directions { choices }), Some(Value::Direction { deg })) =
             (declared, value)
         else {
-            return Err(missing(field));
+            return Err(Missing::of(field));
         };
         let offered = choices.iter().find(|choice| choice.deg == *deg);
-        Ok(offered.map_or_else(|| crate::exact::vector_of(*deg), |choice| choice.vector))
+        Ok(offered.map_or_else(|| vector_of(*deg), |choice| choice.vector))
     }
 
     /// Returns a direction as a vector, right and down; not of length 1.
@@ -128,7 +130,7 @@ impl Eval<'_> {
         match heading {
             Heading::Field { field } => self.direction(field, self.facts.proposed(field)),
             Heading::Last { field } => {
-                let last = self.facts.last.ok_or_else(|| missing("last"))?;
+                let last = self.facts.last.ok_or_else(|| Missing::of("last"))?;
                 self.direction(field, last.proposal.get(field))
             }
             Heading::FromTo { from, to } => {
@@ -141,9 +143,7 @@ impl Eval<'_> {
 
     /// Returns the angle between two directions, degrees; 0 where one has no length.
     pub fn angle_deg(&self, a: &Heading, b: &Heading) -> Result<f64, Missing> {
-        let (a, b) = (self.heading(a)?, self.heading(b)?);
-        let cross = a[0] * b[1] - a[1] * b[0];
-        Ok(libm::atan2(cross.abs(), dot(a, b)).to_degrees())
+        Ok(measures::angle_deg(self.heading(a)?, self.heading(b)?))
     }
 
     /// Returns the choice of a direction field that is nearest to a direction, degrees.
@@ -151,36 +151,14 @@ impl Eval<'_> {
         let Some(Choices::Directions { choices }) =
             self.program.field(field).map(|field| &field.choices)
         else {
-            return Err(missing(field));
+            return Err(Missing::of(field));
         };
-        let to = self.heading(to)?;
-        let mut best: Option<(f64, f64)> = None;
-        for choice in choices {
-            let along = dot(choice.vector, to);
-            if best.is_none_or(|(most, _)| along > most) {
-                best = Some((along, choice.deg));
-            }
-        }
-        best.map(|(_, deg)| deg).ok_or_else(|| missing(field))
+        measures::nearest_deg(choices, self.heading(to)?).ok_or_else(|| Missing::of(field))
     }
 
     /// Returns a number.
     pub fn number(&self, number: &Number) -> Result<f64, Missing> {
-        match number {
-            Number::Count { keypoint } => {
-                let points = self.facts.scene.points(keypoint);
-                points
-                    .map(|points| points.len() as f64)
-                    .ok_or_else(|| missing(keypoint))
-            }
-            Number::Step => Ok(f64::from(self.facts.step)),
-            Number::Coverage { mask, flat_px } => {
-                let area_px = self.facts.scene.area_px(mask);
-                area_px
-                    .map(|area_px| area_px / flat_px)
-                    .ok_or_else(|| missing(mask))
-            }
-        }
+        number.value(self.facts.scene, self.facts.step)
     }
 
     /// Returns whether a condition holds, and notes what its sides came to.
@@ -219,20 +197,15 @@ impl Eval<'_> {
                 ..
             } => {
                 let degrees = format!("{:.1} deg", self.angle_deg(a, b)?);
-                note(
-                    notes,
-                    format!("angle from {} to {}", heading_name(a), heading_name(b)),
-                    degrees,
-                );
+                note(notes, format!("angle from {a} to {b}"), degrees);
                 let (a, b) = (self.heading(a)?, self.heading(b)?);
-                let along = dot(a, b);
-                let limit = limit_cos * limit_cos.abs() * (dot(a, a) * dot(b, b));
+                let [along, limit] = measures::angle_sides(a, b, *limit_cos);
                 // The larger the angle, the smaller its cosine.
-                Ok(is.reversed().holds(along * along.abs(), limit))
+                Ok(is.reversed().holds(along, limit))
             }
             Condition::Number { left, is, limit } => {
                 let value = self.number(left)?;
-                note(notes, number_name(left), crate::exact::written(value, 3));
+                note(notes, left.to_string(), written(value, 3));
                 Ok(is.holds(value, *limit))
             }
             Condition::Word { field, is } => match self.facts.proposed(field) {
@@ -240,7 +213,7 @@ impl Eval<'_> {
                     note(notes, field.clone(), word.clone());
                     Ok(word == is)
                 }
-                _ => Err(missing(field)),
+                _ => Err(Missing::of(field)),
             },
             Condition::Within {
                 point,
@@ -254,7 +227,7 @@ impl Eval<'_> {
                     .scene
                     .distance_px(region, at)
                     .unwrap_or(f64::INFINITY);
-                note(notes, point_name(point), at.to_string());
+                note(notes, point.to_string(), at.to_string());
                 note(
                     notes,
                     format!("distance to {region}"),
@@ -270,23 +243,12 @@ impl Eval<'_> {
     fn note_length(&self, length: &Length, notes: &mut Notes) -> Result<(), Missing> {
         match length {
             Length::Constant { .. } => {}
-            Length::Distance { a, b } | Length::Chebyshev { a, b } => {
-                let measure = match length {
-                    Length::Chebyshev { .. } => "chebyshev",
-                    _ => "distance",
-                };
+            Length::OfPoints(measure) => {
                 let value = format!("{:.1} px", self.length(length)?);
-                note(
-                    notes,
-                    format!("{measure}({}, {})", point_name(a), point_name(b)),
-                    value,
-                );
+                note(notes, measure.to_string(), value);
             }
             Length::Field { field, .. } => {
-                let value = format!(
-                    "{} mm",
-                    crate::exact::written(self.length_m(field)? * 1000.0, 1)
-                );
+                let value = format!("{} mm", written(self.length_m(field)? * 1000.0, 1));
                 note(notes, field.clone(), value);
             }
         }
@@ -305,56 +267,12 @@ pub fn rounded(point: [f64; 2]) -> PixelPoint {
     PixelPoint::new(u, v)
 }
 
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
 fn float(pixel: PixelPoint) -> [f64; 2] {
     [f64::from(pixel.u), f64::from(pixel.v)]
-}
-
-fn missing(name: &str) -> Missing {
-    Missing {
-        name: name.to_owned(),
-    }
 }
 
 fn note(notes: &mut Notes, what: String, value: String) {
     if !notes.iter().any(|(known, _)| *known == what) {
         notes.push((what, value));
-    }
-}
-
-fn point_name(point: &Point) -> String {
-    match point {
-        Point::Action { field } => field.clone(),
-        Point::Keypoint { name } => name.clone(),
-        Point::Last { end: End::Pick } => "last.pick".to_owned(),
-        Point::Last { end: End::Place } => "last.place".to_owned(),
-        Point::Mirror { of, about } => format!("mirror({}, {})", point_name(of), point_name(about)),
-        Point::Carried { .. } => "place".to_owned(),
-    }
-}
-
-fn heading_name(heading: &Heading) -> String {
-    match heading {
-        Heading::Field { field } => field.clone(),
-        Heading::Last { field } => format!("last.{field}"),
-        Heading::FromTo { from, to } => format!("({} -> {})", point_name(from), point_name(to)),
-        Heading::Constant { vector } => {
-            let deg = libm::atan2(-vector[1], vector[0]).to_degrees();
-            format!(
-                "{} deg",
-                crate::exact::written(crate::exact::normalised_deg(deg), 1)
-            )
-        }
-    }
-}
-
-fn number_name(number: &Number) -> String {
-    match number {
-        Number::Count { keypoint } => format!("count({keypoint})"),
-        Number::Step => "step".to_owned(),
-        Number::Coverage { mask, .. } => format!("coverage({mask})"),
     }
 }

@@ -55,18 +55,3 @@ impl<'a> Facts<'a> {
         self.proposal.and_then(|proposal| proposal.get(field))
     }
 }
-
-/// A keypoint, a field or a text that is not there; a scene of the same program never lacks one.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Missing {
-    /// Its name.
-    pub name: String,
-}
-
-impl std::fmt::Display for Missing {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "`{}` is not known here", self.name)
-    }
-}
-
-impl std::error::Error for Missing {}

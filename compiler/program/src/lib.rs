@@ -4,6 +4,7 @@ pub mod data;
 pub mod eval;
 pub mod exact;
 pub mod facts;
+pub mod measures;
 pub mod pointing;
 pub mod render;
 pub mod reply;
@@ -28,6 +29,7 @@ pub use data::keypoints::{
 };
 pub use data::picker::Picker;
 pub use data::placeholders::{Shown, Written};
+pub use data::points::{End, Heading, Point};
 pub use data::program::{PROGRAM_FORMAT, Program, hex};
 pub use data::shape::KeypointShape;
 pub use data::stage::{
@@ -35,6 +37,8 @@ pub use data::stage::{
 };
 pub use data::subgoals::{SubgoalImage, Subgoals};
 pub use data::test::{Expect, Given, Test};
-pub use data::values::{Comparison, Condition, End, Heading, Length, Number, Point};
+pub use data::uses::{Depends, Uses};
+pub use data::values::{Comparison, Condition};
 pub use data::verify::{Check, Exhausted, OVERLAP, ResultCheck, Verify};
+pub use measures::{Length, Number, PointMeasure};
 pub use units::LengthUnit;

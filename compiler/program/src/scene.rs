@@ -26,6 +26,30 @@ pub trait SceneView {
     }
 }
 
+/// A keypoint, a field or a text that is not there; a scene of the same program never lacks one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// Its name.
+    pub name: String,
+}
+
+impl Missing {
+    /// Names what is not there.
+    pub fn of(name: &str) -> Missing {
+        Missing {
+            name: name.to_owned(),
+        }
+    }
+}
+
+impl std::fmt::Display for Missing {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "`{}` is not known here", self.name)
+    }
+}
+
+impl std::error::Error for Missing {}
+
 /// A point of the picture that is out of reach of what picks and places there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unreachable {

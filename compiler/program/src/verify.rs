@@ -6,6 +6,7 @@
 use crate::data::actions::Proposal;
 use crate::data::actions::{ActionField, Choices, Value};
 use crate::data::program::Program;
+use crate::data::uses::Depends;
 use crate::data::verify::Check;
 use crate::eval::{Eval, Notes};
 use crate::facts::Facts;
@@ -143,7 +144,7 @@ pub fn keypoints(program: &Program) -> BTreeSet<String> {
     }
     for check in &program.verify.checks {
         for condition in check.when.iter().chain([&check.holds]) {
-            condition.keypoints(&mut names);
+            names.extend(condition.uses().keypoints);
         }
     }
     names

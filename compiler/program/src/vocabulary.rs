@@ -9,8 +9,8 @@ use crate::data::annotate::Spot;
 use crate::data::camera::PixelPoint;
 use crate::data::files::FileRef;
 use crate::data::folds::ClothPoint;
+use crate::data::points::{Heading, Point};
 use crate::data::shape::KeypointShape;
-use crate::data::values::{Heading, Point};
 use crate::units::{self, Dimension};
 
 /// A function that a task may call, and what it makes.
@@ -420,7 +420,7 @@ pub(crate) mod samples {
     //! Arguments that fit a signature, made from its kinds alone.
 
     use super::*;
-    use crate::data::values::End;
+    use crate::data::points::End;
 
     /// Returns arguments of which every one is given, and arguments of which none is that need not be.
     pub(crate) fn of(signature: &Signature) -> [Args; 2] {

@@ -6,10 +6,10 @@ use super::measures::keypoint;
 use super::names::Meaning;
 use super::points::point;
 use super::quantity::{Measure, Wanted, read_whole};
-use super::uses::Uses;
 use crate::ast::{Argument, Expr, ExprKind, Ident, Keypoint};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::{Merged, unique};
+use fab_program::Depends;
 use fab_program::{KeypointShape, Layer, Mark, Point, Spot};
 
 /// The most layers.
@@ -233,7 +233,7 @@ fn spot(expr: &Expr, context: &mut Context<'_>) -> Option<Spot> {
 /// Builds a point that is known before an action is proposed.
 fn settled(expr: &Expr, context: &mut Context<'_>) -> Option<Point> {
     let point = point(expr, context)?;
-    if Uses::of_point(&point).action {
+    if point.uses().action {
         super::uses::needs_action(expr.span, context);
         return None;
     }

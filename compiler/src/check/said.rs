@@ -7,6 +7,7 @@ use super::{conditions, uses};
 use crate::ast::{Component, Expr};
 use crate::diag::{Code, Diagnostic};
 use fab_program::Condition;
+use fab_program::Depends;
 use std::collections::BTreeSet;
 
 impl Builder<'_, '_> {
@@ -87,12 +88,12 @@ impl Builder<'_, '_> {
 /// Builds the condition under which a component is said.
 pub(super) fn guard(expr: &Expr, context: &mut Context<'_>) -> Option<Condition> {
     let when = conditions::check(expr, context)?;
-    let uses = uses::Uses::of_condition(&when);
+    let uses = when.uses();
     if uses.action {
         uses::needs_action(expr.span, context);
         return None;
     }
-    if uses.last && !uses::implies_last(&when) {
+    if uses.last && !when.implies_last() {
         uses::needs_last(expr.span, "… when last and …", context);
         return None;
     }

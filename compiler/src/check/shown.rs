@@ -7,10 +7,11 @@ use super::keypoints::wrong_kind;
 use super::names::Meaning;
 use super::points::{direction_field, heading};
 use super::templates::{Place, Scope};
-use super::uses::{Uses, needs_action, needs_last};
+use super::uses::{needs_action, needs_last};
 use super::values::{AsPercent, Frame, FramedLength, NativeLength, Operand, lowered, operand};
 use crate::ast::{Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic};
+use fab_program::Depends;
 use fab_program::exact;
 use fab_program::space;
 use fab_program::{Camera, Choices, Cloth, KeypointShape, Length, OVERLAP, Point, Shown, Written};
@@ -35,7 +36,7 @@ pub(crate) fn check(expr: &Expr, scope: Scope<'_>, context: &mut Context<'_>) ->
     let Placed::Value(shown) = &placed else {
         return Some(placed);
     };
-    let uses = Uses::of_shown(shown);
+    let uses = shown.uses();
     if uses.action && matches!(scope.place, Place::Stage(_) | Place::Result) {
         needs_action(expr.span, context);
         return None;

@@ -3,7 +3,7 @@
 use super::Context;
 use super::model::{self, Checked};
 use super::templates::{self, Place, Scope};
-use super::{examples, pictures, reads, said, uses};
+use super::{examples, pictures, reads, said};
 use crate::ast::{Expr, Ident, Saying, Sayings, Stage, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::merge::{Merged, once};
@@ -306,7 +306,7 @@ impl<'m, 'a> Builder<'m, 'a> {
         let guarded = format!("component {name}");
         let scope = Scope {
             place: Place::Stage(stage),
-            has_last: when.as_ref().is_some_and(uses::implies_last),
+            has_last: when.as_ref().is_some_and(Condition::implies_last),
             guarded: &guarded,
         };
         let template = templates::template(name, text, when, scope, context);

@@ -10,7 +10,9 @@ use super::{Context, measures};
 use crate::ast::{Expr, ExprKind, Ident};
 use crate::diag::{Code, Diagnostic};
 use fab_program::exact::normalised_deg;
-use fab_program::{Camera, Choices, Heading, KeypointShape, Length, LengthUnit, Number, Point};
+use fab_program::{
+    Camera, Choices, Heading, KeypointShape, Length, LengthUnit, Number, Point, PointMeasure,
+};
 
 /// Where a length is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,14 +97,8 @@ pub(crate) fn lowered(
         (NativeLength::Picture(px), Frame::Table) => constant(px / px_per_m?),
         (NativeLength::Table(m), Frame::Table) => constant(*m),
         (NativeLength::Table(m), Frame::Picture) => constant(m * px_per_m?),
-        (NativeLength::Distance(a, b), _) => Some(Length::Distance {
-            a: a.clone(),
-            b: b.clone(),
-        }),
-        (NativeLength::Chebyshev(a, b), _) => Some(Length::Chebyshev {
-            a: a.clone(),
-            b: b.clone(),
-        }),
+        (NativeLength::Distance(a, b), _) => of_points("distance", a, b),
+        (NativeLength::Chebyshev(a, b), _) => of_points("chebyshev", a, b),
         (NativeLength::Field(field), Frame::Table) => Some(Length::Field {
             field: field.clone(),
             scale: 1.0,
@@ -112,6 +108,10 @@ pub(crate) fn lowered(
             scale: px_per_m?,
         }),
     }
+}
+
+fn of_points(measure: &str, a: &Point, b: &Point) -> Option<Length> {
+    PointMeasure::new(measure, vec![a.clone(), b.clone()]).map(Length::OfPoints)
 }
 
 /// Returns the frame in which two lengths can both be known: the picture, where one is measured in it.

@@ -10,6 +10,7 @@ use crate::diag::{Code, Diagnostic};
 use crate::diag::{among, nearest};
 use crate::merge::{Merged, once, unique};
 use crate::source::Span;
+use fab_program::Depends;
 use fab_program::verify::{OFFERED, REACHABLE};
 use fab_program::{
     Check, Condition, Exhausted, ModelRole, Read, ResultCheck, Stage, Template, Verify,
@@ -184,7 +185,7 @@ fn relaxed(
 /// Builds a condition of a check, which emitted verifiers judge too: these know nothing of what is out of reach.
 fn condition(expr: &ast::Expr, context: &mut Context<'_>) -> Option<Condition> {
     let condition = conditions::check(expr, context)?;
-    if !uses::asks_reach(&condition) {
+    if !condition.uses().reach {
         return Some(condition);
     }
     let message = "what is out of reach is no condition of a check";
@@ -210,13 +211,13 @@ fn one(check: &ast::Check, context: &mut Context<'_>) -> Option<(Check, Template
         .when
         .as_ref()
         .map(|guard| condition(guard, context).unwrap_or(Condition::Last));
-    let has_last = when.as_ref().is_some_and(uses::implies_last);
+    let has_last = when.as_ref().is_some_and(Condition::implies_last);
     let guarded = format!("check {}", check.name.text);
     let mut holds = None;
     if let Some(expr) = &check.condition {
         holds = condition(expr, context);
         if let Some(condition) = &holds
-            && uses::Uses::of_condition(condition).last
+            && condition.uses().last
             && !has_last
         {
             uses::needs_last(expr.span, &guarded, context);
@@ -224,7 +225,7 @@ fn one(check: &ast::Check, context: &mut Context<'_>) -> Option<(Check, Template
         }
     }
     if let (Some(expr), Some(when)) = (&check.when, &when)
-        && uses::Uses::of_condition(when).last
+        && when.uses().last
         && !has_last
     {
         uses::needs_last(expr.span, "… when last and …", context);

@@ -3,9 +3,9 @@
 use super::{Scene, SceneError};
 use crate::vision::{self, DrawnLayer, DrawnShape};
 use fab_program::eval;
-use fab_program::facts::{Done, Facts, Missing};
+use fab_program::facts::{Done, Facts};
 use fab_program::pointing::Pointing;
-use fab_program::scene::SceneView;
+use fab_program::scene::{Missing, SceneView};
 use fab_program::{Layer, Mark, PixelPoint, Point, Program, Spot};
 use image::RgbImage;
 use std::collections::BTreeMap;

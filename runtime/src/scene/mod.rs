@@ -69,7 +69,7 @@ pub enum SceneError {
     },
     /// A layer needs what there is not; only a program edited by hand does that.
     #[error("an annotation cannot be drawn: {0}")]
-    Missing(fab_program::facts::Missing),
+    Missing(fab_program::scene::Missing),
     /// The detector itself failed.
     #[error(transparent)]
     Vision(#[from] VisionError),

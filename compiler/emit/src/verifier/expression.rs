@@ -2,34 +2,14 @@
 //!
 //! Nothing is shortened where that could change a bit: a function does what one line of [`fab_program::eval`] does.
 
-use super::super::EmitError;
-use super::Field;
+use super::dialect::Dialect;
+use super::fields::Field;
+use super::helpers;
 use super::layout::Code;
 use super::names::number;
+use crate::error::EmitError;
 use fab_program::{Choices, Comparison, Condition, End, Heading, Length, Number, Point};
 use std::collections::BTreeSet;
-
-/// How a language writes what the two write differently.
-pub(super) struct Dialect {
-    /// Stands before the names of functions and tables.
-    pub private: &'static str,
-    /// Stands behind a call that can find something missing.
-    pub may_miss: &'static str,
-    /// Brackets of a pair of numbers.
-    pub pair: [&'static str; 2],
-    /// What stands around a condition that must not hold.
-    pub not: [&'static str; 2],
-    /// Between conditions that must both hold.
-    pub and: &'static str,
-    /// Between conditions of which one is enough.
-    pub or: &'static str,
-    /// Whether there was an action before this one.
-    pub has_last: &'static str,
-    /// The number of the step, as a float.
-    pub step: &'static str,
-    /// A string.
-    pub text: fn(&str) -> String,
-}
 
 /// Turns conditions into code and notes what that code calls.
 pub(super) struct Lowering<'a> {
@@ -179,13 +159,10 @@ impl<'a> Lowering<'a> {
                 let value = Code::text(number(*value)?);
                 self.call("square", [value])
             }
-            Length::Distance { a, b } => {
-                let (a, b) = (self.point(a)?, self.point(b)?);
-                self.call("distance_squared", [a, b])
-            }
-            Length::Chebyshev { a, b } => {
-                let (a, b) = (self.point(a)?, self.point(b)?);
-                self.call("chebyshev_squared", [a, b])
+            Length::OfPoints(measure) => {
+                let points = measure.points().iter().map(|point| self.point(point));
+                let points = points.collect::<Result<Vec<_>, _>>()?;
+                self.call(helpers::of_measure(measure.name())?, points)
             }
             Length::Field { field, scale } => {
                 let value = self.scaled(field, *scale)?;
@@ -281,7 +258,7 @@ impl<'a> Lowering<'a> {
         Code::group(format!("{helper}(["), parts, "])")
     }
 
-    fn call<const N: usize>(&mut self, helper: &'static str, arguments: [Code; N]) -> Code {
+    fn call(&mut self, helper: &'static str, arguments: impl IntoIterator<Item = Code>) -> Code {
         self.helpers.insert(helper);
         let open = format!("{}{helper}(", self.dialect.private);
         Code::group(open, arguments, ")")

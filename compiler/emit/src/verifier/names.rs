@@ -2,7 +2,7 @@
 //!
 //! A name of a task is data: where it becomes an identifier it must be none of either language's own words.
 
-use super::super::EmitError;
+use crate::error::EmitError;
 
 /// Words that cannot name anything in Rust or in Python, in any edition or version.
 const RESERVED: &str = "False None Self True abstract and as assert async await become box break class \

@@ -1,9 +1,10 @@
 //! The Python module: the standard library alone.
 
-use super::Outline;
-use super::expression::Dialect;
+use super::dialect::Dialect;
+use super::fields;
 use super::layout::Code;
 use super::names::{python_escaped, python_text};
+use super::outline::Outline;
 use fab_program::{Check, Choices};
 use std::fmt::Write;
 
@@ -128,7 +129,7 @@ fn action_and_last(outline: &Outline<'_>) -> String {
             action,
             "    # Field `{}`: {}.\n    {}: {kind}\n",
             python_escaped(&field.declared.name),
-            super::value_words(&field.declared.choices),
+            fields::value_words(&field.declared.choices),
             field.identifier
         );
     }
@@ -197,7 +198,7 @@ fn tables(outline: &Outline<'_>) -> String {
         tables.push(format!(
             "# Field `{}`: {}.\n_{} = (\n{rows})",
             python_escaped(&field.declared.name),
-            super::table_words(&field.declared.choices),
+            fields::table_words(&field.declared.choices),
             field.table
         ));
     }
@@ -227,7 +228,7 @@ fn checks(outline: &Outline<'_>) -> String {
 }
 
 fn helpers(outline: &Outline<'_>) -> String {
-    outline.called(super::python_helpers::HELPERS).join("\n\n")
+    outline.called(|helper| helper.python).join("\n\n")
 }
 
 fn list(outline: &Outline<'_>, name: &str, is_asked: impl Fn(&Check) -> bool) -> String {

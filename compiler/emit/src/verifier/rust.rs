@@ -1,9 +1,10 @@
 //! The Rust module: `core` alone, no allocation.
 
-use super::Outline;
-use super::expression::Dialect;
+use super::dialect::Dialect;
+use super::fields;
 use super::layout::Code;
 use super::names::rust_text;
+use super::outline::Outline;
 use fab_program::{Check, Choices};
 use std::fmt::Write;
 
@@ -116,7 +117,7 @@ fn action_and_last(outline: &Outline<'_>) -> String {
     let mut action = String::new();
     for field in &outline.fields {
         let name = field.declared.name.escape_default();
-        let what = super::value_words(&field.declared.choices);
+        let what = fields::value_words(&field.declared.choices);
         let kind = match &field.declared.choices {
             Choices::Points { .. } | Choices::Region { .. } => "[i32; 2]",
             Choices::Directions { .. } | Choices::Lengths { .. } => "f64",
@@ -228,7 +229,7 @@ fn tables(outline: &Outline<'_>) -> String {
         tables.push(format!(
             "/// Field `{}`: {}.\nconst {}: &[{kind}] = &[\n{rows}];",
             field.declared.name.escape_default(),
-            super::table_words(&field.declared.choices),
+            fields::table_words(&field.declared.choices),
             field.table
         ));
     }
@@ -267,5 +268,5 @@ fn checks(outline: &Outline<'_>) -> String {
 }
 
 fn helpers(outline: &Outline<'_>) -> String {
-    outline.called(super::rust_helpers::HELPERS).join("\n")
+    outline.called(|helper| helper.rust).join("\n")
 }

@@ -198,13 +198,14 @@ impl Oracle<'_> {
     fn length(&self, length: &Length) -> Result<f64, Missing> {
         Ok(match length {
             Length::Constant { value } => *value,
-            Length::Distance { a, b } => {
-                let (a, b) = (self.point(a)?, self.point(b)?);
-                (a[0] - b[0]).hypot(a[1] - b[1])
-            }
-            Length::Chebyshev { a, b } => {
-                let (a, b) = (self.point(a)?, self.point(b)?);
-                (a[0] - b[0]).abs().max((a[1] - b[1]).abs())
+            Length::OfPoints(measure) => {
+                let points = measure.points();
+                let (a, b) = (self.point(&points[0])?, self.point(&points[1])?);
+                match measure.name() {
+                    "distance" => (a[0] - b[0]).hypot(a[1] - b[1]),
+                    "chebyshev" => (a[0] - b[0]).abs().max((a[1] - b[1]).abs()),
+                    other => panic!("no oracle for `{other}`"),
+                }
             }
             Length::Field { field, scale } => self.metres(field) * scale,
         })

@@ -5,7 +5,8 @@ use Comparison::{AtLeast, AtMost, Greater, Less};
 use fab_compiler::{LoadError, Loader};
 use fab_program::{
     ActionField, Check, Choices, Comparison, Condition, Direction, End, Extractor, Heading,
-    Keypoint, Length, LengthChoice, LengthUnit, Moment, Number, Point, Program, Template,
+    Keypoint, Length, LengthChoice, LengthUnit, Moment, Number, Point, PointMeasure, Program,
+    Template,
 };
 
 /// Reads the files of the shipped tasks.
@@ -253,10 +254,7 @@ pub fn placed() -> Program {
 /// A pick anywhere on the cloth, and half boxes around the last place and its mirror.
 fn boxed() -> Program {
     let place = || Point::Last { end: End::Place };
-    let reach = |b| Length::Chebyshev {
-        a: chosen("pick"),
-        b,
-    };
+    let reach = |b| of_points("chebyshev", chosen("pick"), b);
     let mirrored = mirror(place(), keypoint("center"));
     let apart = all_of(vec![
         lengths(reach(place()), Greater, constant(50.0)),
@@ -370,7 +368,11 @@ fn constant(value: f64) -> Length {
 }
 
 fn distance(a: Point, b: Point) -> Length {
-    Length::Distance { a, b }
+    of_points("distance", a, b)
+}
+
+fn of_points(measure: &str, a: Point, b: Point) -> Length {
+    Length::OfPoints(PointMeasure::new(measure, vec![a, b]).unwrap())
 }
 
 fn from_to(from: Point, to: Point) -> Heading {

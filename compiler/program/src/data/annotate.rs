@@ -1,6 +1,7 @@
 //! What is drawn on the camera's picture before a model sees it.
 
-use crate::data::values::{End, Point};
+use super::points::{End, Point};
+use super::uses::{Depends, Uses};
 use serde::{Deserialize, Serialize};
 
 /// One layer of drawing; later layers cover earlier ones.
@@ -21,22 +22,12 @@ pub struct Layer {
 impl Layer {
     /// Returns whether it shows where the action before was carried out.
     pub fn uses_last(&self) -> bool {
-        self.uses_end(End::Pick) || self.uses_end(End::Place)
+        self.mark.uses().last
     }
 
     /// Returns whether it shows that end of the action before.
     pub fn uses_end(&self, end: End) -> bool {
-        match &self.mark {
-            Mark::Dot { at, .. }
-            | Mark::Ring { at, .. }
-            | Mark::Cross { at, .. }
-            | Mark::Number { at } => at.iter().any(|spot| match spot {
-                Spot::Points { .. } => false,
-                Spot::One { point } => point.uses_end(end),
-            }),
-            Mark::Arrow { from, to, .. } => from.uses_end(end) || to.uses_end(end),
-            Mark::Box { .. } | Mark::Outline { .. } => false,
-        }
+        self.mark.uses().last_ends.contains(&end)
     }
 }
 
@@ -113,4 +104,33 @@ pub enum Spot {
         /// The point.
         point: Point,
     },
+}
+
+impl Depends for Mark {
+    fn add_uses(&self, uses: &mut Uses) {
+        match self {
+            Mark::Dot { at, .. }
+            | Mark::Ring { at, .. }
+            | Mark::Cross { at, .. }
+            | Mark::Number { at } => at.add_uses(uses),
+            Mark::Arrow { from, to, .. } => {
+                from.add_uses(uses);
+                to.add_uses(uses);
+            }
+            Mark::Box { of, .. } | Mark::Outline { of, .. } => {
+                uses.keypoints.insert(of.clone());
+            }
+        }
+    }
+}
+
+impl Depends for Spot {
+    fn add_uses(&self, uses: &mut Uses) {
+        match self {
+            Spot::Points { keypoint } => {
+                uses.keypoints.insert(keypoint.clone());
+            }
+            Spot::One { point } => point.add_uses(uses),
+        }
+    }
 }

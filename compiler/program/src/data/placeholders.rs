@@ -1,6 +1,8 @@
 //! What stands at the places of a text: values, and how they are written.
 
-use crate::data::values::{Heading, Length, Number, Point};
+use super::points::{Heading, Point};
+use super::uses::{Depends, Uses};
+use crate::measures::{Length, Number};
 use serde::{Deserialize, Serialize};
 
 /// What stands at a place of a text.
@@ -84,4 +86,26 @@ pub struct Written {
     pub decimals: u8,
     /// What follows, such as ` px`.
     pub unit: String,
+}
+
+impl Depends for Shown {
+    fn add_uses(&self, uses: &mut Uses) {
+        match self {
+            Shown::Text { .. } | Shown::Format | Shown::PointForm | Shown::Choices { .. } => {}
+            Shown::Points { keypoint } => {
+                uses.keypoints.insert(keypoint.clone());
+            }
+            Shown::Point { point } => point.add_uses(uses),
+            Shown::Length { length, .. } => length.add_uses(uses),
+            Shown::Angle { a, b, .. } => {
+                a.add_uses(uses);
+                b.add_uses(uses);
+            }
+            Shown::Number { number, .. } => number.add_uses(uses),
+            Shown::Field { .. } => uses.action = true,
+            Shown::LastField { .. } => uses.last = true,
+            Shown::Unreachable => uses.reach = true,
+            Shown::Nearest { to, .. } => to.add_uses(uses),
+        }
+    }
 }

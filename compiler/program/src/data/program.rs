@@ -16,7 +16,7 @@ use super::keypoints::Keypoint;
 use super::picker::Picker;
 use super::stage::{Stage, Template};
 use super::subgoals::Subgoals;
-use super::values::Condition;
+use super::uses::Depends;
 use super::verify::Verify;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -107,7 +107,7 @@ impl Program {
         let mut guards = said
             .by_ref()
             .filter_map(|name| self.template(name)?.when.as_ref());
-        guards.any(Condition::looks_back) || self.layers.iter().any(Layer::uses_last)
+        guards.any(|guard| guard.uses().history) || self.layers.iter().any(Layer::uses_last)
     }
 
     /// Returns the largest number of model calls in one step: every stage, asked as often as it may be, for each

@@ -1,139 +1,12 @@
-//! What checks compare and texts show: points, lengths, directions, numbers, conditions.
+//! The conditions of checks and of texts.
 //!
 //! All of it is total: no loops, no recursion at run time, nothing that can fail but a missing keypoint.
 //! What it comes to is defined by [`crate::eval`].
 
+use super::points::{Heading, Point};
+use super::uses::{Depends, Uses};
+use crate::measures::{Length, Number};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
-
-/// A point of the camera's picture, pixels.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "point", rename_all = "snake_case")]
-pub enum Point {
-    /// A field of the proposed action.
-    Action {
-        /// The field.
-        field: String,
-    },
-    /// A keypoint that is one point.
-    Keypoint {
-        /// The keypoint.
-        name: String,
-    },
-    /// Where the action before this one was carried out.
-    Last {
-        /// Its pick or its place.
-        end: End,
-    },
-    /// A point on the other side of another: `2 * about - of`.
-    Mirror {
-        /// The point that is mirrored.
-        of: Box<Point>,
-        /// The point between the two.
-        about: Box<Point>,
-    },
-    /// Where a direction and a distance lead, as the camera sees the table's plane.
-    Carried {
-        /// Where from.
-        from: Box<Point>,
-        /// The field that is a direction.
-        direction: String,
-        /// The field that is a length.
-        distance: String,
-        /// Pixels in one metre on the table.
-        px_per_m: f64,
-    },
-}
-
-/// One end of an action.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum End {
-    /// Where the cloth is taken.
-    Pick,
-    /// Where it is released.
-    Place,
-}
-
-/// A length; both sides of a comparison are in the same unit, pixels or metres.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "length", rename_all = "snake_case")]
-pub enum Length {
-    /// A number, at least 0.
-    Constant {
-        /// The number.
-        value: f64,
-    },
-    /// The Euclidean distance between two points, pixels.
-    Distance {
-        /// One end.
-        a: Point,
-        /// The other end.
-        b: Point,
-    },
-    /// The Chebyshev distance between two points, the larger of their distances along the two axes, pixels.
-    Chebyshev {
-        /// One end.
-        a: Point,
-        /// The other end.
-        b: Point,
-    },
-    /// A field that is a length.
-    Field {
-        /// The field.
-        field: String,
-        /// What its metres are multiplied by: 1, or pixels per metre.
-        scale: f64,
-    },
-}
-
-/// A direction in the camera's picture.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "heading", rename_all = "snake_case")]
-pub enum Heading {
-    /// A field that is a direction.
-    Field {
-        /// The field.
-        field: String,
-    },
-    /// The same field of the action before this one.
-    Last {
-        /// The field.
-        field: String,
-    },
-    /// From one point to another.
-    FromTo {
-        /// Where it begins.
-        from: Point,
-        /// Where it leads.
-        to: Point,
-    },
-    /// A fixed one.
-    Constant {
-        /// As a unit vector: right and down.
-        vector: [f64; 2],
-    },
-}
-
-/// A number without a unit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "number", rename_all = "snake_case")]
-pub enum Number {
-    /// How many points a keypoint has.
-    Count {
-        /// The keypoint.
-        keypoint: String,
-    },
-    /// Which step of the rollout this is, from 1.
-    Step,
-    /// A mask's pixels over those of the flat cloth.
-    Coverage {
-        /// The mask.
-        mask: String,
-        /// The flat cloth's pixels.
-        flat_px: f64,
-    },
-}
 
 /// A condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -210,82 +83,39 @@ pub enum Condition {
     Unreachable,
 }
 
-impl Point {
-    /// Returns whether it depends on that end of the action before.
-    pub fn uses_end(&self, wanted: End) -> bool {
+impl Depends for Condition {
+    fn add_uses(&self, uses: &mut Uses) {
         match self {
-            Point::Last { end } => *end == wanted,
-            Point::Mirror { of, about } => of.uses_end(wanted) || about.uses_end(wanted),
-            Point::Carried { from, .. } => from.uses_end(wanted),
-            Point::Action { .. } | Point::Keypoint { .. } => false,
-        }
-    }
-
-    /// Adds the keypoints that it depends on.
-    fn keypoints(&self, names: &mut BTreeSet<String>) {
-        match self {
-            Point::Keypoint { name } => {
-                names.insert(name.clone());
-            }
-            Point::Mirror { of, about } => {
-                of.keypoints(names);
-                about.keypoints(names);
-            }
-            Point::Carried { from, .. } => from.keypoints(names),
-            Point::Action { .. } | Point::Last { .. } => {}
-        }
-    }
-}
-
-impl Condition {
-    /// Adds the keypoints that it depends on.
-    pub fn keypoints(&self, names: &mut BTreeSet<String>) {
-        match self {
-            Condition::All { of } | Condition::Any { of } => {
-                of.iter().for_each(|part| part.keypoints(names));
-            }
-            Condition::Not { of } => of.keypoints(names),
+            Condition::All { of } | Condition::Any { of } => of.add_uses(uses),
+            Condition::Not { of } => of.add_uses(uses),
             Condition::Lengths { left, right, .. } => {
-                for length in [left, right] {
-                    if let Length::Distance { a, b } | Length::Chebyshev { a, b } = length {
-                        a.keypoints(names);
-                        b.keypoints(names);
-                    }
-                }
+                left.add_uses(uses);
+                right.add_uses(uses);
             }
             Condition::Angle { a, b, .. } => {
-                for heading in [a, b] {
-                    if let Heading::FromTo { from, to } = heading {
-                        from.keypoints(names);
-                        to.keypoints(names);
-                    }
-                }
+                a.add_uses(uses);
+                b.add_uses(uses);
             }
-            Condition::Number { left, .. } => match left {
-                Number::Count { keypoint: name } | Number::Coverage { mask: name, .. } => {
-                    names.insert(name.clone());
-                }
-                Number::Step => {}
-            },
+            Condition::Number { left, .. } => left.add_uses(uses),
+            Condition::Word { .. } => uses.action = true,
             Condition::Within { point, region, .. } => {
-                point.keypoints(names);
-                names.insert(region.clone());
+                point.add_uses(uses);
+                uses.keypoints.insert(region.clone());
             }
-            Condition::Word { .. } | Condition::Last | Condition::Unreachable => {}
+            // Whether there was an action before is known in the first step too.
+            Condition::Last => uses.history = true,
+            Condition::Unreachable => uses.reach = true,
         }
     }
 }
 
 impl Condition {
-    /// Returns whether it may hold in a later step and not in the first one for the number of the step, or for the
-    /// action before.
-    pub fn looks_back(&self) -> bool {
+    /// Returns whether there was an action before wherever it holds.
+    pub fn implies_last(&self) -> bool {
         match self {
-            Condition::All { of } | Condition::Any { of } => of.iter().any(Condition::looks_back),
-            Condition::Not { of } => of.looks_back(),
-            Condition::Number { left, .. } => matches!(left, Number::Step),
-            // Whatever else names the action before stands beside this one.
             Condition::Last => true,
+            Condition::All { of } => of.iter().any(Condition::implies_last),
+            Condition::Any { of } => !of.is_empty() && of.iter().all(Condition::implies_last),
             _ => false,
         }
     }

@@ -4,13 +4,13 @@ use crate::data::actions::{ActionField, Choices, Value};
 use crate::data::placeholders::{Shown, Written};
 use crate::data::program::Program;
 use crate::data::stage::Read;
-use crate::data::values::Length;
 use crate::data::verify::OVERLAP;
 use crate::eval::{Eval, rounded};
 use crate::exact;
-use crate::facts::{Facts, Missing};
+use crate::facts::Facts;
+use crate::measures::Length;
 use crate::pointing::{Notation, Pointing};
-use crate::scene::SceneView;
+use crate::scene::{Missing, SceneView};
 use crate::space;
 
 /// How a length in pixels ends.
@@ -23,19 +23,20 @@ pub(super) fn known(program: &Program, facts: Facts<'_>, shown: &Shown) -> Resul
     }
     let eval = Eval { program, facts };
     let notation = facts.notation(program);
-    let missing = |name: &str| Missing {
-        name: name.to_owned(),
-    };
     let of_field = |name: &str, value: Option<&Value>| {
-        let field = program.field(name).ok_or_else(|| missing(name))?;
-        let value = value.ok_or_else(|| missing(name))?;
+        let field = program.field(name).ok_or_else(|| Missing::of(name))?;
+        let value = value.ok_or_else(|| Missing::of(name))?;
         Ok(notation.value(field, value))
     };
     match shown {
-        Shown::Text { name } => facts.texts.get(name).cloned().ok_or_else(|| missing(name)),
+        Shown::Text { name } => facts
+            .texts
+            .get(name)
+            .cloned()
+            .ok_or_else(|| Missing::of(name)),
         Shown::Points { keypoint } => {
             let points = facts.scene.points(keypoint);
-            let points = points.ok_or_else(|| missing(keypoint))?;
+            let points = points.ok_or_else(|| Missing::of(keypoint))?;
             let texts: Vec<String> = points
                 .iter()
                 .map(|point| notation.written(*point))
@@ -53,11 +54,11 @@ pub(super) fn known(program: &Program, facts: Facts<'_>, shown: &Shown) -> Resul
         } => Ok(number(eval.number(value)?, written)),
         Shown::Field { field } => of_field(field, facts.proposed(field)),
         Shown::LastField { field } => {
-            let last = facts.last.ok_or_else(|| missing("last"))?;
+            let last = facts.last.ok_or_else(|| Missing::of("last"))?;
             of_field(field, last.proposal.get(field))
         }
         Shown::Choices { field } => {
-            let field = program.field(field).ok_or_else(|| missing(field))?;
+            let field = program.field(field).ok_or_else(|| Missing::of(field))?;
             Ok(match &field.choices {
                 Choices::Region { mask } => space::any_of(mask),
                 _ => notation.listed(field, &space::choices(field, facts.scene)),
@@ -68,7 +69,7 @@ pub(super) fn known(program: &Program, facts: Facts<'_>, shown: &Shown) -> Resul
             of_field(field, Some(&Value::Direction { deg }))
         }
         Shown::Unreachable => Ok(unreachable(facts.scene, &notation)),
-        Shown::Format | Shown::PointForm => Err(missing("actions")),
+        Shown::Format | Shown::PointForm => Err(Missing::of("actions")),
     }
 }
 

@@ -1,0 +1,72 @@
+//! Why a program cannot be written.
+
+use std::fmt;
+
+/// Why a program cannot be written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum EmitError {
+    /// A name cannot stand in a path or in a template; the compiler gives none such.
+    Name {
+        /// The name.
+        name: String,
+    },
+    /// Something is named that the program does not have, or that is of another kind.
+    Reference {
+        /// What is named.
+        name: String,
+        /// What it would have to be.
+        wanted: &'static str,
+    },
+    /// A number is infinite, is none, or divides by zero.
+    Number {
+        /// The number.
+        value: String,
+    },
+    /// Two files would differ by the case of letters alone.
+    SameFile {
+        /// The path of one.
+        one: String,
+        /// The path of the other.
+        other: String,
+    },
+}
+
+impl fmt::Display for EmitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            EmitError::Name { name } => write!(f, "`{name}` cannot be the name of a file"),
+            EmitError::Reference { name, wanted } => {
+                write!(f, "`{name}` is needed as {wanted} and is none")
+            }
+            EmitError::Number { value } => {
+                write!(
+                    f,
+                    "the program computes with `{value}`, which is no number to compute with"
+                )
+            }
+            EmitError::SameFile { one, other } => write!(
+                f,
+                "`{one}` and `{other}` would be one file where the case of letters does not count; rename one"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for EmitError {}
+
+/// Accepts a name that is safe in a path and in a template: letters of ASCII, digits and `_`, joined by dots.
+pub(crate) fn plain_name(name: &str) -> Result<&str, EmitError> {
+    let is_plain = name.split('.').all(|part| {
+        !part.is_empty()
+            && part
+                .bytes()
+                .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+    });
+    if is_plain {
+        Ok(name)
+    } else {
+        Err(EmitError::Name {
+            name: name.to_owned(),
+        })
+    }
+}

@@ -1,0 +1,148 @@
+//! Points and directions of the camera's picture, as checks and texts name them.
+//!
+//! What they come to is said by [`crate::eval`]; as text they are what reports call them.
+
+use super::uses::{Depends, Uses};
+use crate::exact::{normalised_deg, written};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// A point of the camera's picture, pixels.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "point", rename_all = "snake_case")]
+pub enum Point {
+    /// A field of the proposed action.
+    Action {
+        /// The field.
+        field: String,
+    },
+    /// A keypoint that is one point.
+    Keypoint {
+        /// The keypoint.
+        name: String,
+    },
+    /// Where the action before this one was carried out.
+    Last {
+        /// Its pick or its place.
+        end: End,
+    },
+    /// A point on the other side of another: `2 * about - of`.
+    Mirror {
+        /// The point that is mirrored.
+        of: Box<Point>,
+        /// The point between the two.
+        about: Box<Point>,
+    },
+    /// Where a direction and a distance lead, as the camera sees the table's plane.
+    Carried {
+        /// Where from.
+        from: Box<Point>,
+        /// The field that is a direction.
+        direction: String,
+        /// The field that is a length.
+        distance: String,
+        /// Pixels in one metre on the table.
+        px_per_m: f64,
+    },
+}
+
+/// One end of an action.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// Where the cloth is taken.
+    Pick,
+    /// Where it is released.
+    Place,
+}
+
+/// A direction in the camera's picture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "heading", rename_all = "snake_case")]
+pub enum Heading {
+    /// A field that is a direction.
+    Field {
+        /// The field.
+        field: String,
+    },
+    /// The same field of the action before this one.
+    Last {
+        /// The field.
+        field: String,
+    },
+    /// From one point to another.
+    FromTo {
+        /// Where it begins.
+        from: Point,
+        /// Where it leads.
+        to: Point,
+    },
+    /// A fixed one.
+    Constant {
+        /// As a unit vector: right and down.
+        vector: [f64; 2],
+    },
+}
+
+impl Depends for Point {
+    fn add_uses(&self, uses: &mut Uses) {
+        match self {
+            Point::Action { .. } => uses.action = true,
+            Point::Keypoint { name } => {
+                uses.keypoints.insert(name.clone());
+            }
+            Point::Last { end } => {
+                uses.last = true;
+                uses.last_ends.insert(*end);
+            }
+            Point::Mirror { of, about } => {
+                of.add_uses(uses);
+                about.add_uses(uses);
+            }
+            Point::Carried { from, .. } => {
+                from.add_uses(uses);
+                uses.action = true;
+            }
+        }
+    }
+}
+
+impl Depends for Heading {
+    fn add_uses(&self, uses: &mut Uses) {
+        match self {
+            Heading::Field { .. } => uses.action = true,
+            Heading::Last { .. } => uses.last = true,
+            Heading::FromTo { from, to } => {
+                from.add_uses(uses);
+                to.add_uses(uses);
+            }
+            Heading::Constant { .. } => {}
+        }
+    }
+}
+
+impl fmt::Display for Point {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Point::Action { field: name } | Point::Keypoint { name } => f.write_str(name),
+            Point::Last { end: End::Pick } => f.write_str("last.pick"),
+            Point::Last { end: End::Place } => f.write_str("last.place"),
+            Point::Mirror { of, about } => write!(f, "mirror({of}, {about})"),
+            Point::Carried { .. } => f.write_str("place"),
+        }
+    }
+}
+
+impl fmt::Display for Heading {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Heading::Field { field } => f.write_str(field),
+            Heading::Last { field } => write!(f, "last.{field}"),
+            Heading::FromTo { from, to } => write!(f, "({from} -> {to})"),
+            Heading::Constant { vector } => {
+                let deg = libm::atan2(-vector[1], vector[0]).to_degrees();
+                write!(f, "{} deg", written(normalised_deg(deg), 1))
+            }
+        }
+    }
+}

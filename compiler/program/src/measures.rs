@@ -1,0 +1,479 @@
+//! What checks and texts measure: lengths, angles and numbers, one row for each call.
+//!
+//! In: points of the picture and what the scene shows. Out: numbers. Verdicts depend on them, so that they are made by
+//! additions, multiplications and comparisons of 64-bit floats alone, in a fixed order: the emitted verifiers do the
+//! same in other languages. A length in pixels between points is a row of [`MEASURES`] and nothing else; its helper
+//! functions in other languages stand in the emitting crate.
+
+use crate::data::actions::Direction;
+use crate::data::points::{Heading, Point};
+use crate::data::shape::KeypointShape;
+use crate::data::uses::{Depends, Uses};
+use crate::scene::{Missing, SceneView};
+use crate::vocabulary::{Arg, Args, Call, Kind, Signature};
+use serde::de::Error;
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Every measure.
+pub const MEASURES: &[Call<Make>] = &[
+    length(
+        "distance",
+        &[A, B],
+        "how far apart two points are",
+        |points| {
+            let [du, dv] = apart(points);
+            du * du + dv * dv
+        },
+    ),
+    length(
+        "chebyshev",
+        &[A, B],
+        "the larger of two points' distances along the two axes",
+        |points| {
+            let [du, dv] = apart(points);
+            let (du, dv) = (du * du, dv * dv);
+            if du > dv { du } else { dv }
+        },
+    ),
+    other(
+        "angle_between",
+        "an angle",
+        &[
+            Arg::positional("a", Kind::Heading, "a direction"),
+            Arg::positional("b", Kind::Heading, "another"),
+        ],
+        "the angle between two directions, `0deg` to `180deg`",
+        |args, _| {
+            Some(Measure::Angle {
+                a: args.heading("a"),
+                b: args.heading("b"),
+            })
+        },
+    ),
+    other(
+        "count",
+        "a number",
+        &[Arg::positional(
+            "points",
+            Kind::Keypoint(&[KeypointShape::Points]),
+            "a list of points",
+        )],
+        "how many points a keypoint has",
+        |args, _| {
+            Some(Measure::Number(Number::Count {
+                keypoint: args.name("points"),
+            }))
+        },
+    ),
+    other(
+        "coverage",
+        "a number",
+        &[Arg::positional(
+            "mask",
+            Kind::Keypoint(&[KeypointShape::Mask]),
+            "a mask",
+        )],
+        "a mask's pixels over those of the flat cloth",
+        |args, flat_px| {
+            Some(Measure::Number(Number::Coverage {
+                mask: args.name("mask"),
+                flat_px: flat_px?,
+            }))
+        },
+    ),
+    other(
+        "mirror",
+        "a point",
+        &[
+            Arg::positional("point", Kind::Point, "the point that is mirrored"),
+            Arg::positional("about", Kind::Point, "the point between the two"),
+        ],
+        "the point on the other side of another",
+        |args, _| {
+            Some(Measure::Point(Point::Mirror {
+                of: Box::new(args.point("point")),
+                about: Box::new(args.point("about")),
+            }))
+        },
+    ),
+    other(
+        "nearest",
+        "a direction of a field, in texts",
+        &[
+            Arg::positional("field", Kind::DirectionField, "a field that is a direction"),
+            Arg::positional("direction", Kind::Heading, "a direction"),
+        ],
+        "the field's choice that is nearest to a direction",
+        |args, _| {
+            Some(Measure::Nearest {
+                field: args.name("field"),
+                to: args.heading("direction"),
+            })
+        },
+    ),
+];
+
+const A: Arg = Arg::positional("a", Kind::Point, "a point");
+const B: Arg = Arg::positional("b", Kind::Point, "another");
+
+/// How the value of a call is made.
+#[derive(Clone, Copy, Debug)]
+pub enum Make {
+    /// A length in the picture, of the points that are the call's arguments.
+    Length(Square),
+    /// Any other value; None where it needs the flat cloth's pixels and they are not given.
+    Other(fn(&Args, Option<f64>) -> Option<Measure>),
+}
+
+/// Computes a length's square from its points, `[column, row]`; negative where the length is.
+///
+/// The square, since verdicts compare squares, which need no root.
+pub type Square = fn(&[[f64; 2]]) -> f64;
+
+/// What a call of a measure stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Measure {
+    /// A length in the picture.
+    Length(Length),
+    /// The angle between two directions.
+    Angle {
+        /// One direction.
+        a: Heading,
+        /// The other.
+        b: Heading,
+    },
+    /// A number.
+    Number(Number),
+    /// A point.
+    Point(Point),
+    /// The choice of a direction field that is nearest to a direction.
+    Nearest {
+        /// The field.
+        field: String,
+        /// The direction.
+        to: Heading,
+    },
+}
+
+impl Call<Make> {
+    /// Makes what a call with these arguments stands for.
+    ///
+    /// - `flat_px`: the flat cloth's pixels, where the task has a cloth and a camera.
+    ///
+    /// Returns None where it needs `flat_px` and there is none.
+    pub fn measure(&'static self, args: &Args, flat_px: Option<f64>) -> Option<Measure> {
+        match self.make {
+            Make::Length(square) => Some(Measure::Length(Length::OfPoints(PointMeasure {
+                signature: &self.signature,
+                square,
+                points: self
+                    .signature
+                    .args
+                    .iter()
+                    .map(|arg| args.point(arg.name))
+                    .collect(),
+            }))),
+            Make::Other(make) => make(args, flat_px),
+        }
+    }
+}
+
+/// A length; both sides of a comparison are in the same unit, pixels or metres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "length", rename_all = "snake_case")]
+pub enum Length {
+    /// A number, at least 0.
+    Constant {
+        /// The number.
+        value: f64,
+    },
+    /// A field that is a length.
+    Field {
+        /// The field.
+        field: String,
+        /// What its metres are multiplied by: 1, or pixels per metre.
+        scale: f64,
+    },
+    /// A measure of points, pixels.
+    #[serde(untagged)]
+    OfPoints(PointMeasure),
+}
+
+/// A length in the picture: a row of [`MEASURES`] and its points.
+///
+/// In JSON `{"length": "distance", "a": …, "b": …}`: the row's name, and the points by its arguments' names.
+#[derive(Clone, Debug)]
+pub struct PointMeasure {
+    signature: &'static Signature,
+    square: Square,
+    points: Vec<Point>,
+}
+
+impl PointMeasure {
+    /// Returns the measure of that name of its points; None where there is none such, or of other points.
+    pub fn new(name: &str, points: Vec<Point>) -> Option<PointMeasure> {
+        let row = MEASURES.iter().find(|row| row.signature.name == name)?;
+        match row.make {
+            Make::Length(square) if row.signature.args.len() == points.len() => {
+                Some(PointMeasure {
+                    signature: &row.signature,
+                    square,
+                    points,
+                })
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns the measure's name.
+    pub fn name(&self) -> &'static str {
+        self.signature.name
+    }
+
+    /// Returns its points, in the order of the call.
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// Returns the square of its value where these are its points, negative where the value is.
+    pub fn square(&self, points: &[[f64; 2]]) -> f64 {
+        (self.square)(points)
+    }
+}
+
+impl PartialEq for PointMeasure {
+    fn eq(&self, other: &PointMeasure) -> bool {
+        self.name() == other.name() && self.points == other.points
+    }
+}
+
+impl Serialize for PointMeasure {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(1 + self.points.len()))?;
+        map.serialize_entry("length", self.name())?;
+        for (arg, point) in self.signature.args.iter().zip(&self.points) {
+            map.serialize_entry(arg.name, point)?;
+        }
+        map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for PointMeasure {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<PointMeasure, D::Error> {
+        #[derive(Deserialize)]
+        struct Entries {
+            length: String,
+            #[serde(flatten)]
+            points: BTreeMap<String, Point>,
+        }
+        let mut entries = Entries::deserialize(deserializer)?;
+        let name = &entries.length;
+        let row = MEASURES.iter().find(|row| row.signature.name == *name);
+        let args = row.map_or(&[][..], |row| row.signature.args);
+        let points = args.iter().map_while(|arg| entries.points.remove(arg.name));
+        PointMeasure::new(name, points.collect())
+            .ok_or_else(|| D::Error::custom(format!("no length `{name}` of these points")))
+    }
+}
+
+/// A number without a unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "number", rename_all = "snake_case")]
+pub enum Number {
+    /// How many points a keypoint has.
+    Count {
+        /// The keypoint.
+        keypoint: String,
+    },
+    /// Which step of the rollout this is, from 1.
+    Step,
+    /// A mask's pixels over those of the flat cloth.
+    Coverage {
+        /// The mask.
+        mask: String,
+        /// The flat cloth's pixels.
+        flat_px: f64,
+    },
+}
+
+impl Number {
+    /// Returns whether it is always whole, so that it can equal another one.
+    pub fn is_whole(&self) -> bool {
+        !matches!(self, Number::Coverage { .. })
+    }
+
+    /// Returns its value in a scene; fails where the scene lacks its keypoint.
+    pub fn value(&self, scene: &dyn SceneView, step: u32) -> Result<f64, Missing> {
+        match self {
+            Number::Count { keypoint } => {
+                let points = scene
+                    .points(keypoint)
+                    .ok_or_else(|| Missing::of(keypoint))?;
+                Ok(points.len() as f64)
+            }
+            Number::Step => Ok(f64::from(step)),
+            Number::Coverage { mask, flat_px } => {
+                let area_px = scene.area_px(mask).ok_or_else(|| Missing::of(mask))?;
+                Ok(area_px / flat_px)
+            }
+        }
+    }
+}
+
+impl Depends for Length {
+    fn add_uses(&self, uses: &mut Uses) {
+        match self {
+            Length::Constant { .. } => {}
+            Length::Field { .. } => uses.action = true,
+            Length::OfPoints(measure) => measure.points.add_uses(uses),
+        }
+    }
+}
+
+impl Depends for Number {
+    fn add_uses(&self, uses: &mut Uses) {
+        match self {
+            Number::Count { keypoint: name } | Number::Coverage { mask: name, .. } => {
+                uses.keypoints.insert(name.clone());
+            }
+            Number::Step => uses.history = true,
+        }
+    }
+}
+
+impl fmt::Display for PointMeasure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let points: Vec<String> = self.points.iter().map(Point::to_string).collect();
+        write!(f, "{}({})", self.name(), points.join(", "))
+    }
+}
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Number::Count { keypoint } => write!(f, "count({keypoint})"),
+            Number::Step => f.write_str("step"),
+            Number::Coverage { mask, .. } => write!(f, "coverage({mask})"),
+        }
+    }
+}
+
+/// Returns the point on the other side of another.
+pub(crate) fn mirror(of: [f64; 2], about: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|axis| 2.0 * about[axis] - of[axis])
+}
+
+/// Returns the angle between two directions, degrees; 0 where one has no length.
+pub(crate) fn angle_deg(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let cross = a[0] * b[1] - a[1] * b[0];
+    libm::atan2(cross.abs(), dot(a, b)).to_degrees()
+}
+
+/// Returns what is compared in place of an angle and its limit: their cosines, squared with their signs, times both
+/// squared lengths. This needs no root and no trigonometry; the larger an angle, the smaller its cosine.
+pub(crate) fn angle_sides(a: [f64; 2], b: [f64; 2], limit_cos: f64) -> [f64; 2] {
+    let along = dot(a, b);
+    let limit = limit_cos * limit_cos.abs() * (dot(a, a) * dot(b, b));
+    [along * along.abs(), limit]
+}
+
+/// Returns the choice that is nearest to a direction, degrees; the first of equally near ones.
+pub(crate) fn nearest_deg(choices: &[Direction], to: [f64; 2]) -> Option<f64> {
+    let mut best: Option<(f64, f64)> = None;
+    for choice in choices {
+        let along = dot(choice.vector, to);
+        if best.is_none_or(|(most, _)| along > most) {
+            best = Some((along, choice.deg));
+        }
+    }
+    best.map(|(_, deg)| deg)
+}
+
+fn apart(points: &[[f64; 2]]) -> [f64; 2] {
+    let (a, b) = (points[0], points[1]);
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+const fn length(
+    name: &'static str,
+    args: &'static [Arg],
+    doc: &'static str,
+    square: Square,
+) -> Call<Make> {
+    call(
+        name,
+        "a length in the picture",
+        args,
+        doc,
+        Make::Length(square),
+    )
+}
+
+const fn other(
+    name: &'static str,
+    gives: &'static str,
+    args: &'static [Arg],
+    doc: &'static str,
+    make: fn(&Args, Option<f64>) -> Option<Measure>,
+) -> Call<Make> {
+    call(name, gives, args, doc, Make::Other(make))
+}
+
+const fn call(
+    name: &'static str,
+    gives: &'static str,
+    args: &'static [Arg],
+    doc: &'static str,
+    make: Make,
+) -> Call<Make> {
+    let signature = Signature {
+        name,
+        gives,
+        args,
+        doc,
+    };
+    Call { signature, make }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vocabulary::samples;
+
+    #[test]
+    fn every_measure_is_made_from_the_arguments_that_its_row_declares() {
+        for row in MEASURES {
+            for args in samples::of(&row.signature) {
+                let measure = row.measure(&args, Some(100.0)).expect("a measure");
+                if let Measure::Length(length) = measure {
+                    let json = serde_json::to_string(&length).expect("a length");
+                    let read: Length = serde_json::from_str(&json).expect("the same length");
+                    assert_eq!(read, length, "{json}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_length_is_its_name_and_its_points_in_json() {
+        let point = |name: &str| Point::Keypoint {
+            name: name.to_owned(),
+        };
+        let measure = PointMeasure::new("distance", vec![point("c"), point("d")]);
+        let length = Length::OfPoints(measure.expect("a measure of two points"));
+        let json = serde_json::to_string(&length).expect("a length");
+        let expected = r#"{"length":"distance","a":{"point":"keypoint","name":"c"},"b":{"point":"keypoint","name":"d"}}"#;
+        assert_eq!(json, expected);
+        assert_eq!(length.uses().keypoints.len(), 2);
+        for wrong in [r#"{"length":"count"}"#, &expected.replace("\"b\"", "\"z\"")] {
+            assert!(serde_json::from_str::<Length>(wrong).is_err(), "{wrong}");
+        }
+    }
+}
