@@ -27,7 +27,11 @@ impl Layer {
 
     /// Returns whether it shows that end of the action before.
     pub fn uses_end(&self, end: End) -> bool {
-        self.mark.uses().last_ends.contains(&end)
+        let uses = self.mark.uses();
+        match end {
+            End::Pick => uses.last_pick,
+            End::Place => uses.last_place,
+        }
     }
 }
 

@@ -47,7 +47,7 @@ pub enum Point {
 }
 
 /// One end of an action.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
     /// Where the cloth is taken.
@@ -93,7 +93,10 @@ impl Depends for Point {
             }
             Point::Last { end } => {
                 uses.last = true;
-                uses.last_ends.insert(*end);
+                match end {
+                    End::Pick => uses.last_pick = true,
+                    End::Place => uses.last_place = true,
+                }
             }
             Point::Mirror { of, about } => {
                 of.add_uses(uses);

@@ -1,6 +1,5 @@
 //! What a value, a condition or a drawing depends on: worked out once, for all who ask.
 
-use super::points::End;
 use std::collections::BTreeSet;
 
 /// What something depends on.
@@ -10,8 +9,10 @@ pub struct Uses {
     pub action: bool,
     /// Whether it needs the action before this one.
     pub last: bool,
-    /// The ends of the action before that it needs.
-    pub last_ends: BTreeSet<End>,
+    /// Whether it needs the pixel that the action before picked.
+    pub last_pick: bool,
+    /// Whether it needs the pixel that the action before placed on.
+    pub last_place: bool,
     /// The keypoints that it needs, by name.
     pub keypoints: BTreeSet<String>,
     /// Whether it asks which step it is, or whether there was an action before.

@@ -4,9 +4,10 @@
 //! are understood too: markdown, JSON, other brackets, words between. Statements differ in how firm they
 //! are; loose ones count only where there is no firmer one, and what counts must agree.
 
+use super::finding::Firmness;
 use super::names::{Named, named};
-use super::statement::{Firmness, Statement, statement_at};
-use super::{Malformed, Reading, bounded, quoted};
+use super::reading::{Malformed, Reading, bounded, quoted};
+use super::statement::{Scale, Statement, statement_at};
 use crate::data::actions::Proposal;
 use crate::data::actions::{ActionField, Value};
 use crate::data::program::Program;
@@ -58,15 +59,6 @@ pub fn read_fields(
         value: proposal,
         repairs,
     })
-}
-
-/// What lengths and points of an answer are measured by.
-#[derive(Clone, Copy)]
-pub(super) struct Scale<'a> {
-    /// The cloth's longer side, metres.
-    pub edge_m: f64,
-    /// How the scene's points are written.
-    pub notation: &'a Notation,
 }
 
 fn complaint(

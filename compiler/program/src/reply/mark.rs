@@ -5,8 +5,8 @@
 
 use super::around::list_number;
 use super::cursor::{Cursor, decorates};
+use super::finding::{Firmness, Found};
 use super::pixel::{self, Brackets};
-use super::statement::{Firmness, Found};
 use crate::data::actions::Value;
 use crate::pointing::Notation;
 

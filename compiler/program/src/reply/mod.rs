@@ -9,10 +9,12 @@ mod around;
 mod choice;
 mod cursor;
 mod expression;
+mod finding;
 mod mark;
 mod names;
 mod number;
 mod pixel;
+mod reading;
 mod schema;
 mod statement;
 mod text;
@@ -20,63 +22,14 @@ mod value;
 mod words;
 
 pub use action::{read_action, read_action_in, read_fields};
+pub use reading::{MAX_REPLY_BYTES, MAX_TEXT_CHARS, Malformed, Reading};
 pub use schema::{schema, schema_in, static_schema};
 pub use text::read_text;
 
 use crate::data::program::Program;
 use crate::space;
 
-/// The longest answer that is read, bytes.
-pub const MAX_REPLY_BYTES: usize = 64 << 10;
-
-/// The longest text that is taken from an answer, characters.
-pub const MAX_TEXT_CHARS: usize = 2_000;
-
-/// What was read, and what had to be tolerated.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Reading<T> {
-    /// What the answer says.
-    pub value: T,
-    /// Each deviation from the asked format, in words; empty where there is none.
-    pub repairs: Vec<String>,
-}
-
-/// Why an answer cannot be read.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Malformed {
-    /// What was looked for: a field of the action, or the words before a text.
-    pub field: String,
-    /// What the model is told: what is missing or ambiguous, and the format that is wanted.
-    pub message: String,
-}
-
 /// Returns the lines in which an answer states an action, points in pixels.
 pub fn answer_format(program: &Program) -> String {
     space::format(&program.actions)
-}
-
-/// Refuses an answer that is too long to be read.
-fn bounded(field: &str, reply: &str) -> Result<(), Malformed> {
-    if reply.len() <= MAX_REPLY_BYTES {
-        return Ok(());
-    }
-    let message = format!(
-        "Your answer has {} characters. Answer again in less than {MAX_REPLY_BYTES}, in the format asked for.",
-        reply.chars().count()
-    );
-    Err(Malformed {
-        field: field.to_owned(),
-        message,
-    })
-}
-
-/// Shortens what is quoted from an answer.
-fn quoted(text: &str) -> String {
-    const MOST: usize = 60;
-    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    if line.chars().count() <= MOST {
-        line
-    } else {
-        line.chars().take(MOST).chain(['…']).collect()
-    }
 }

@@ -3,10 +3,10 @@
 //! In: an answer and a place where a field is named. Out: the value that is stated there and how firmly, or
 //! nothing. Markdown, JSON, other signs and words between are understood.
 
-use super::action::Scale;
 use super::around;
 use super::choice::{Asked, End};
 use super::cursor::{Cursor, decorates, head};
+use super::finding::{Firmness, Found};
 use super::mark;
 use super::names::{Named, TURNING, is_turned, turns};
 use super::pixel::{self, Brackets};
@@ -32,25 +32,13 @@ const POINT_NOUNS: [&str; 7] = [
 /// Words that may follow the name of any other field.
 const NOUNS: [&str; 5] = ["angle", "value", "choice", "length", "type"];
 
-/// How clearly a statement is one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Firmness {
-    /// `pick (10, 20)`.
-    Loose,
-    /// `the pick point is (10, 20)`, `pick point (10, 20)`.
-    Spoken,
-    /// `Pick Point = (10, 20)`, `"pick": [10, 20]`.
-    Assigned,
-}
-
-/// What stands where a value is expected.
-pub(super) enum Found {
-    /// A value, and how it was taken where that is not obvious.
-    Value(Value, Option<String>),
-    /// Something that is no value, and why not.
-    Bad(String),
-    /// Something else.
-    Nothing,
+/// What lengths and points of an answer are measured by.
+#[derive(Clone, Copy)]
+pub(super) struct Scale<'a> {
+    /// The cloth's longer side, metres.
+    pub edge_m: f64,
+    /// How the scene's points are written.
+    pub notation: &'a Notation,
 }
 
 /// A statement of a field.

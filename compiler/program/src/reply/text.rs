@@ -3,7 +3,7 @@
 //! Markdown, bullets, quotes, letter case and a missing end are tolerated and named.
 
 use super::cursor::{Cursor, decorates};
-use super::{MAX_TEXT_CHARS, Malformed, Reading, bounded, quoted};
+use super::reading::{MAX_TEXT_CHARS, Malformed, Reading, bounded, quoted};
 
 /// Reads the text between `before` and `after`; an empty `after` is the end of the line.
 ///

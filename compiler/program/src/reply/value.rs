@@ -7,10 +7,10 @@ use super::around::{CHANGING, Link, is_ordinal, is_short, link, list_number, ski
 use super::choice::{Asked, End, Taken, resolve};
 use super::cursor::{Cursor, decorates, first_word};
 use super::expression::{self, Parsed, skip_decoration};
+use super::finding::{Firmness, Found};
 use super::number::unit;
-use super::statement::Firmness;
+use super::reading::quoted;
 use super::words::{self, Offered};
-use super::{quoted, statement::Found};
 use crate::data::actions::{Choices, Value};
 use crate::space;
 

@@ -1,0 +1,24 @@
+//! What stands where a value of a field is expected, and how clearly it is stated.
+
+use crate::data::actions::Value;
+
+/// How clearly a statement is one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Firmness {
+    /// `pick (10, 20)`.
+    Loose,
+    /// `the pick point is (10, 20)`, `pick point (10, 20)`.
+    Spoken,
+    /// `Pick Point = (10, 20)`, `"pick": [10, 20]`.
+    Assigned,
+}
+
+/// What stands where a value is expected.
+pub(super) enum Found {
+    /// A value, and how it was taken where that is not obvious.
+    Value(Value, Option<String>),
+    /// Something that is no value, and why not.
+    Bad(String),
+    /// Something else.
+    Nothing,
+}
