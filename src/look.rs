@@ -6,7 +6,7 @@
 use crate::exit::Failure;
 use crate::output;
 use fab_program::Proposal;
-use fab_program::facts::Done;
+use fab_program::facts::ExecutedAction;
 use fab_program::{Fold, PixelPoint, Program, Subgoals, Value};
 use fab_runtime::action::Action;
 use fab_runtime::agent::{self, Asking, Decision, Models, Situation};
@@ -30,7 +30,7 @@ pub struct Seen {
     /// The picture that they were found in.
     pub observation: Observation,
     /// The action before.
-    pub last: Option<Done>,
+    pub last: Option<ExecutedAction>,
 }
 
 /// Lays the cloth, does the steps before `step`, which is counted from 1, and looks.
@@ -73,7 +73,7 @@ pub fn at(
 fn observe(
     program: &Program,
     first: Option<&Scene>,
-    last: Option<Done>,
+    last: Option<ExecutedAction>,
     world: &mut dyn World,
 ) -> Result<Seen, Failure> {
     let observation = world.observe().map_err(Failure::environment)?;
@@ -91,7 +91,7 @@ fn demonstrated(
     start: &Start,
     camera: &Camera,
     world: &mut dyn World,
-) -> Result<(Motion, Option<Done>), Failure> {
+) -> Result<(Motion, Option<ExecutedAction>), Failure> {
     let motion = expert::motion(fold, start, world).map_err(Failure::environment)?;
     let pixel = |point| {
         let [column, row]: [f64; 2] = camera.pixel_from_world(point)?;
@@ -100,7 +100,7 @@ fn demonstrated(
     let ends = pixel(motion.pick).zip(pixel(motion.place));
     let done = ends.map(|(pick, place)| {
         let field = |name: &str, point| (name.to_owned(), Value::Point(point));
-        Done {
+        ExecutedAction {
             proposal: Proposal {
                 fields: vec![field("pick", pick), field("place", place)],
             },
@@ -117,7 +117,7 @@ fn decided(
     seen: &Seen,
     step: u32,
     subgoals: &SubgoalSet,
-) -> Result<(Motion, Option<Done>), Failure> {
+) -> Result<(Motion, Option<ExecutedAction>), Failure> {
     let Seen {
         scene,
         observation,
@@ -160,7 +160,7 @@ fn decided(
             program.title()
         )));
     };
-    let done = Done {
+    let done = ExecutedAction {
         proposal,
         pick: action.pick_on_cloth_px,
         place: action.place_px,

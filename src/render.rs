@@ -18,8 +18,8 @@ pub use camera::shown_without_pictures;
 use crate::cli::render::RenderArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, sources};
-use fab_program::render::{PromptPicture, Said};
-use fab_program::{Arrow, Layers, Picture, Program, Read, Stage, Which};
+use fab_program::render::{PromptPicture, PromptText};
+use fab_program::{Arrow, Layers, Picture, Program, Read, Stage, SubgoalStep};
 use listed::Listed;
 use page::{Shown, ShownPart, ShownStage};
 use serde_json::{Value, json};
@@ -128,8 +128,8 @@ pub fn title(picture: &PromptPicture, step: u32) -> String {
         },
         PromptPicture::Drawn(Picture::Subgoal { which, arrow }) => {
             let number = match which {
-                Which::Now => step - 1,
-                Which::Next => step,
+                SubgoalStep::Now => step - 1,
+                SubgoalStep::Next => step,
             };
             let drawn = match arrow {
                 Arrow::Drawn => " with arrow",
@@ -145,7 +145,7 @@ pub fn corrections_of(
     program: &Program,
     stage: &Stage,
     values: fab_program::render::Values<'_>,
-) -> Result<Vec<(String, Said)>, fab_program::render::RenderError> {
+) -> Result<Vec<(String, PromptText)>, fab_program::render::RenderError> {
     match stage.read {
         Read::Action => fab_program::render::corrections(program, values),
         Read::Text { .. } => Ok(Vec::new()),
@@ -160,7 +160,8 @@ fn as_json(stage: &ShownStage) -> Value {
         }
     };
     let message = |message: &Shown| json!({ "role": message.role, "parts": message.parts.iter().map(part).collect::<Vec<_>>() });
-    let correction = |(check, said): &(String, Said)| json!({ "check": check, "text": said.text });
+    let correction =
+        |(check, said): &(String, PromptText)| json!({ "check": check, "text": said.text });
     json!({
         "stage": stage.name,
         "messages": stage.messages.iter().map(message).collect::<Vec<_>>(),

@@ -5,7 +5,7 @@ mod offered;
 use crate::cli::SubgoalsArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, setting, sources};
-use fab_program::{Arrow, Which};
+use fab_program::{Arrow, SubgoalStep};
 use fab_runtime::store;
 use fab_runtime::subgoals::{Demonstrated, Origin, SubgoalError, SubgoalSet};
 use fab_runtime::vision::VisionError;
@@ -92,7 +92,7 @@ fn sheet(set: &SubgoalSet) -> Result<RgbImage, VisionError> {
         let last = number + 1 == set.pictures.len();
         let step = if last { None } else { set.step(number)? };
         let shown = match &step {
-            Some(step) => step.picture(Which::Now, Arrow::Drawn).clone(),
+            Some(step) => step.picture(SubgoalStep::Now, Arrow::Drawn).clone(),
             None => bare.clone(),
         };
         imageops::replace(&mut sheet, &shown, i64::from(left), 0);

@@ -4,6 +4,8 @@
 //! followed to the file that defines it. Tests inside the files are left out, as are paths inside macros of other forms
 //! than a list of expressions.
 
+#![allow(clippy::unwrap_used)]
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use syn::punctuated::Punctuated;

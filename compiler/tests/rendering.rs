@@ -40,11 +40,11 @@ fn a_stage_becomes_its_messages() {
     let program = program("task.fab", TASK);
     let messages = rendered(&program, 1, &known()).unwrap();
     assert_eq!(
-        (messages[0].speaker, messages[0].said.text.as_str()),
+        (messages[0].speaker, messages[0].content.text.as_str()),
         (PromptSpeaker::System, "You fold cloth.")
     );
     assert_eq!(
-        messages[1].said.text,
+        messages[1].content.text,
         "- Instruction: fold {{ it }} & <b>\n- Corners: (1, 2), (-3, 4)\n- Center: (5, 6)\n\nPick Point = (x, y)\nPlace Point = (x, y)"
     );
     let asked = rendered(&program, 0, &Known::default()).unwrap();
@@ -73,7 +73,7 @@ fn typed_placeholders_cover_every_variable() {
     let program = program("task.fab", TASK);
     let mut all = String::new();
     for template in &program.templates {
-        all += &render::one(&program, &template.name, Values::Typed)
+        all += &render::plain_text(&program, &template.name, Values::Typed)
             .unwrap()
             .unwrap();
     }
@@ -134,7 +134,7 @@ fn braces_of_jinja_are_literal() {
 fn said(text: &str) -> Option<String> {
     let program = with_text(text)?;
     let messages = rendered(&program, 0, &known()).unwrap();
-    Some(messages[0].said.text.clone())
+    Some(messages[0].content.text.clone())
 }
 
 fn with_text(text: &str) -> Option<Program> {
@@ -198,7 +198,7 @@ fn peer_python_renders_every_template_alike() {
         let text = hard_texts().new_tree(&mut runner).unwrap().current();
         if let Some(program) = with_text(&format!("\"\"\"{text}\"\"\"")) {
             let rendered = rendered(&program, 0, &known()).unwrap()[0]
-                .said
+                .content
                 .text
                 .clone();
             templates.push((

@@ -9,7 +9,7 @@
 
 use fab_compiler::{LoadError, Loader};
 use fab_program::Proposal;
-use fab_program::facts::Done;
+use fab_program::facts::ExecutedAction;
 use fab_program::{Program, Value};
 use fab_runtime::action::Action;
 use fab_runtime::agent::{self, Asking, Decision, Models, Situation};
@@ -119,7 +119,7 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
     let (cache, interrupt) = (Cache::none(), Interrupt::default());
     let mut start = crumple::start(&flat, seed, &world, &cache, &interrupt, &mut || {})?.start;
     let mut chance = Chance::seeded(seed);
-    let (mut first, mut last): (Option<Scene>, Option<Done>) = (None, None);
+    let (mut first, mut last): (Option<Scene>, Option<ExecutedAction>) = (None, None);
     let mut lines = String::new();
     for step in 1..=actions as u32 {
         world.reset(&start)?;
@@ -192,7 +192,7 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
             break;
         };
         start = next.end.clone();
-        last = Some(Done {
+        last = Some(ExecutedAction {
             proposal: next.proposal.clone(),
             pick: next.action.pick_on_cloth_px,
             place: next.action.place_px,

@@ -23,7 +23,7 @@ use crate::world::Reach;
 pub use asking::{Asking, Step};
 pub use conversation::{Conversation, PromptError, Spoken, SpokenPart, conversation, opening};
 use fab_program::Proposal;
-use fab_program::facts::{Done, Facts};
+use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
 use fab_program::render::RenderError;
 use fab_program::verify::Verdict;
@@ -192,7 +192,7 @@ pub struct Situation<'a> {
     /// What the action before came to, where it was for the same step.
     pub before: Option<StepResult>,
     /// The action before.
-    pub last: Option<&'a Done>,
+    pub last: Option<&'a ExecutedAction>,
     /// What can be shown.
     pub pictures: &'a Pictures,
     /// What is out of reach of the world that is to act.
@@ -252,7 +252,7 @@ pub fn decide<E: std::error::Error>(
             record(&attempt).map_err(AgentError::Record)?;
             match talk.conclude(attempt, &texts)? {
                 Next::AskAgain => {}
-                Next::Done(answer) => break answer,
+                Next::ExecutedAction(answer) => break answer,
             }
         };
         match answer {

@@ -10,7 +10,7 @@ use crate::model::Png;
 use crate::picture;
 use crate::start::Start;
 use fab_program::pointing::Pointing;
-use fab_program::render::Said;
+use fab_program::render::PromptText;
 use fab_program::{FileRef, Program};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,9 +19,9 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Told {
     /// What was asked.
-    pub question: Said,
+    pub question: PromptText,
     /// What was answered.
-    pub answer: Said,
+    pub answer: PromptText,
 }
 
 /// The examples of one task.

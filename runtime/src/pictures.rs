@@ -9,7 +9,7 @@ use crate::observation::Observation;
 use crate::scene::{Scene, SceneError};
 use crate::subgoals::StepPictures;
 use crate::{picture, vision};
-use fab_program::facts::Done;
+use fab_program::facts::ExecutedAction;
 use fab_program::pointing::Notation;
 use fab_program::render::PromptPicture;
 use fab_program::{Layers, Picture, Program};
@@ -36,7 +36,7 @@ impl Pictures {
         program: &Program,
         scene: &Scene,
         observation: &Observation,
-        last: Option<&Done>,
+        last: Option<&ExecutedAction>,
         subgoals: Option<StepPictures>,
         examples: Examples,
     ) -> Result<Pictures, SceneError> {

@@ -7,7 +7,7 @@ use crate::observation::{Observation, WrongSize};
 use crate::scene::{Scene, SceneError, StagePicture};
 use crate::vision::DepthImage;
 use fab_program::Proposal;
-use fab_program::facts::Done;
+use fab_program::facts::ExecutedAction;
 use fab_program::{End, Extractor, PixelPoint, Program, Sight};
 use image::RgbImage;
 
@@ -111,7 +111,7 @@ fn check_depth(program: &Program) -> Result<(), SeeError> {
 }
 
 /// Makes the action that layers show; they know no more of it than its ends.
-fn done(program: &Program, last: LastAction) -> Result<Done, SeeError> {
+fn done(program: &Program, last: LastAction) -> Result<ExecutedAction, SeeError> {
     let of_pick = program
         .layers
         .iter()
@@ -121,7 +121,7 @@ fn done(program: &Program, last: LastAction) -> Result<Done, SeeError> {
             layer: layer.name.clone(),
         }),
         // Where no layer shows the pick, any pixel stands for it.
-        (pick, _) => Ok(Done {
+        (pick, _) => Ok(ExecutedAction {
             proposal: Proposal { fields: Vec::new() },
             pick: pick.unwrap_or(last.place),
             place: last.place,

@@ -13,7 +13,7 @@ use crate::picture::{self, PictureError};
 use crate::start::Start;
 use crate::vision::{self, VisionError};
 use crate::world::{World, WorldError};
-use fab_program::{Arrow, Fold, Program, SubgoalImage, Subgoals, Which};
+use fab_program::{Arrow, Fold, Program, SubgoalImage, Subgoals, SubgoalStep};
 use image::RgbImage;
 use pins::Pinned;
 use serde::{Deserialize, Serialize};
@@ -194,7 +194,7 @@ impl SubgoalSet {
         program: &Program,
         folder: &Path,
         number: usize,
-        (which, arrow): (Which, Arrow),
+        (which, arrow): (SubgoalStep, Arrow),
         world: &mut dyn World,
         interrupt: &Interrupt,
     ) -> Result<Option<RgbImage>, SubgoalError> {
@@ -207,8 +207,8 @@ impl SubgoalSet {
                     Pinned::Absent | Pinned::OfAnotherFold => {
                         let number = number.min(folds.len() - 1);
                         let last = match which {
-                            Which::Now => number,
-                            Which::Next => number + 1,
+                            SubgoalStep::Now => number,
+                            SubgoalStep::Next => number + 1,
                         };
                         let unseen = &mut |_: Demonstrated<'_>| {};
                         let mut set = draw_until(last, program, folds, world, interrupt, unseen)?;
@@ -228,14 +228,14 @@ impl SubgoalSet {
 
 impl StepPictures {
     /// Returns one of the two pictures.
-    pub fn picture(&self, which: Which, arrow: Arrow) -> &RgbImage {
+    pub fn picture(&self, which: SubgoalStep, arrow: Arrow) -> &RgbImage {
         let pair = match arrow {
             Arrow::Drawn => &self.with_arrow,
             Arrow::Absent => &self.bare,
         };
         match which {
-            Which::Now => &pair[0],
-            Which::Next => &pair[1],
+            SubgoalStep::Now => &pair[0],
+            SubgoalStep::Next => &pair[1],
         }
     }
 }

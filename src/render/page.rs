@@ -3,7 +3,7 @@
 //! In: a stage's messages, whose texts know their stretches. Out: the lines that `fabc render` prints and `fabc snap`
 //! pins, the same for both.
 
-use fab_program::render::{Origin, Said};
+use fab_program::render::{Origin, PromptText};
 
 /// One message as it is shown.
 pub struct Shown {
@@ -16,7 +16,7 @@ pub struct Shown {
 /// A piece of a shown message.
 pub enum ShownPart {
     /// Words.
-    Text(Said),
+    Text(PromptText),
     /// A picture.
     Picture {
         /// What the picture shows.
@@ -35,7 +35,7 @@ pub struct ShownStage {
     /// How many of them make up the first question.
     pub n_asked_first: usize,
     /// What a model would be told where a check refuses its answer, by the check's name.
-    pub corrections: Vec<(String, Said)>,
+    pub corrections: Vec<(String, PromptText)>,
     /// What came of the answers that were given, in words.
     pub findings: Vec<String>,
 }
@@ -79,7 +79,7 @@ impl ShownStage {
     }
 
     /// Returns the texts of the first question, without headings.
-    pub fn texts(&self) -> impl Iterator<Item = &Said> {
+    pub fn texts(&self) -> impl Iterator<Item = &PromptText> {
         self.first_question().filter_map(|part| match part {
             ShownPart::Text(said) => Some(said),
             ShownPart::Picture { .. } => None,
@@ -104,7 +104,7 @@ impl Line {
 }
 
 /// Splits a text into its lines.
-fn of_text(said: &Said) -> Vec<Line> {
+fn of_text(said: &PromptText) -> Vec<Line> {
     let mut lines = Vec::new();
     let mut start = 0;
     let mut next = 0;
@@ -146,7 +146,7 @@ mod tests {
 
     fn origin(line: u32, value: Option<&str>) -> Origin {
         Origin {
-            said_by: "role".to_owned(),
+            source: "role".to_owned(),
             value: value.map(str::to_owned),
             place: Some(Place {
                 file: "a.fab".to_owned(),
@@ -156,8 +156,8 @@ mod tests {
     }
 
     /// A text of stretches that follow each other.
-    fn said(pieces: &[(&str, u32, Option<&str>)]) -> Said {
-        let mut said = Said::default();
+    fn said(pieces: &[(&str, u32, Option<&str>)]) -> PromptText {
+        let mut said = PromptText::default();
         for (text, line, value) in pieces {
             let start = said.text.len();
             said.text.push_str(text);
@@ -169,7 +169,7 @@ mod tests {
         said
     }
 
-    fn shown(said: &Said) -> Vec<(String, Option<u32>, usize)> {
+    fn shown(said: &PromptText) -> Vec<(String, Option<u32>, usize)> {
         let line = |line: Line| {
             let place = line.origin.and_then(|origin| origin.place);
             (line.text, place.map(|place| place.line), line.values.len())

@@ -43,7 +43,7 @@ pub fn text(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> Str
                 .place
                 .as_ref()
                 .map(|place| named(folder, &place.file));
-            (origin.said_by.clone(), file)
+            (origin.source.clone(), file)
         });
         if head.is_some() && head != before {
             text.push_str(&format!("      {}\n", heading(&head)));
@@ -142,10 +142,10 @@ fn weights(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> Vec<
 
 /// Returns the name under which a stretch is counted: demonstrations are counted together.
 fn group(origin: &Origin) -> String {
-    match origin.said_by.split_once(' ') {
+    match origin.source.split_once(' ') {
         Some(("demonstration", _)) => "demonstrations".to_owned(),
         Some(("example", _)) => "examples".to_owned(),
-        _ => origin.said_by.clone(),
+        _ => origin.source.clone(),
     }
 }
 
@@ -233,7 +233,7 @@ pub fn as_json(stage: &ShownStage, folder: &Path, rates: Option<&dyn Rates>) -> 
                     "part": part,
                     "start": stretch.bytes.start,
                     "end": stretch.bytes.end,
-                    "said_by": stretch.origin.said_by,
+                    "said_by": stretch.origin.source,
                     "value": stretch.origin.value,
                     "file": place.map(|place| named(folder, &place.file)),
                     "line": place.map(|place| place.line),

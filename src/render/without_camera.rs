@@ -95,7 +95,7 @@ fn shown(message: PromptMessage, step: u32) -> Shown {
         PromptSpeaker::User => "user",
         PromptSpeaker::Assistant => "assistant",
     };
-    let mut parts = vec![ShownPart::Text(message.said)];
+    let mut parts = vec![ShownPart::Text(message.content)];
     parts.extend(message.pictures.iter().map(|picture| ShownPart::Picture {
         title: title(picture, step),
         png: None,

@@ -10,7 +10,7 @@ pub fn of(shown: &ShownStage) -> Vec<Origin> {
         let Some(origin) = &line.origin else {
             continue;
         };
-        let component = origin.said_by.replace(' ', "_");
+        let component = origin.source.replace(' ', "_");
         let place = origin.place.as_ref();
         let place = place.map(|place| (place.file.clone(), place.line));
         if let Some(before) = origins.last_mut()

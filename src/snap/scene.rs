@@ -6,7 +6,7 @@
 use crate::exit::Failure;
 use crate::sources;
 use fab_program::Proposal;
-use fab_program::facts::Done;
+use fab_program::facts::ExecutedAction;
 use fab_program::scene::SceneView;
 use fab_program::{PixelPoint, Program, Subgoals, Value};
 use serde::{Deserialize, Serialize};
@@ -139,13 +139,13 @@ impl PinnedScene {
     }
 
     /// Returns the action before, with its fields in the program's order.
-    pub fn last(&self, program: &Program) -> Option<Done> {
+    pub fn last(&self, program: &Program) -> Option<ExecutedAction> {
         let last = self.last.as_ref()?;
         let names = program.actions.iter().map(|field| &field.name);
         let fields = names
             .filter_map(|name| Some((name.clone(), last.fields.get(name)?.clone())))
             .collect();
-        Some(Done {
+        Some(ExecutedAction {
             proposal: Proposal { fields },
             pick: last.pick,
             place: last.place,

@@ -1,7 +1,7 @@
 //! A model that answers in another frame is asked in it, and does what one does that answers in pixels.
 
 use super::support::{self, Scripted, Trial, words_of};
-use fab_program::pointing::{Order, Unit};
+use fab_program::pointing::{CoordinateUnit, Order};
 use fab_runtime::action::Action;
 use fab_runtime::agent::Models;
 use fab_runtime::calls::Calls;
@@ -52,10 +52,10 @@ impl Foreign {
         };
         let sent = f64::from(self.lowering.sent([SIDE as u32; 2])[0]);
         let pixel = |value: f64| match self.lowering.unit {
-            Unit::Pixels => ((value + 0.5) * SIDE / sent).floor() as i64,
-            Unit::Fraction => (value * SIDE).floor() as i64,
-            Unit::Percent => (value * SIDE / 100.0).floor() as i64,
-            Unit::PerMille => (value * SIDE / 1000.0).floor() as i64,
+            CoordinateUnit::Pixels => ((value + 0.5) * SIDE / sent).floor() as i64,
+            CoordinateUnit::Fraction => (value * SIDE).floor() as i64,
+            CoordinateUnit::Percent => (value * SIDE / 100.0).floor() as i64,
+            CoordinateUnit::PerMille => (value * SIDE / 1000.0).floor() as i64,
         };
         (pixel(x), pixel(y))
     }
@@ -171,7 +171,7 @@ fn play(model: &dyn Model) -> Played {
     }
 }
 
-fn coordinates(unit: Unit, order: Order) -> Lowering {
+fn coordinates(unit: CoordinateUnit, order: Order) -> Lowering {
     Lowering {
         unit,
         order,
@@ -206,7 +206,7 @@ fn a_rollout_is_the_same_in_every_frame_and_by_numbers() {
         doubled(Points::Marks),
         doubled(Points::Coordinates),
     ];
-    for unit in Unit::ALL {
+    for unit in CoordinateUnit::ALL {
         lowerings.extend(Order::ALL.map(|order| coordinates(unit, order)));
     }
     for lowering in lowerings {
@@ -220,7 +220,11 @@ fn a_rollout_is_the_same_in_every_frame_and_by_numbers() {
 
 #[test]
 fn a_model_that_answers_in_pixels_when_asked_for_another_frame_moves_nothing() {
-    for unit in [Unit::Fraction, Unit::Percent, Unit::PerMille] {
+    for unit in [
+        CoordinateUnit::Fraction,
+        CoordinateUnit::Percent,
+        CoordinateUnit::PerMille,
+    ] {
         let model = Foreign::new(coordinates(unit, Order::Xy), Answers::InPixels);
         let played = play(&model);
         assert_eq!(played.outcome, Outcome::AttemptsExhausted, "{unit:?}");
@@ -229,7 +233,7 @@ fn a_model_that_answers_in_pixels_when_asked_for_another_frame_moves_nothing() {
         assert_eq!(names, ["offered"]);
     }
     // Round brackets do not say which number is x; a number is no place.
-    for lowering in [coordinates(Unit::PerMille, Order::Yx), marks()] {
+    for lowering in [coordinates(CoordinateUnit::PerMille, Order::Yx), marks()] {
         let played = play(&Foreign::new(lowering, Answers::InPixels));
         assert_eq!(played.outcome, Outcome::MalformedReply, "{lowering:?}");
         assert!(played.actions.is_empty());
@@ -285,11 +289,14 @@ fn shown(task: &str) -> String {
             "pixels of the doubled picture",
             doubled(Points::Coordinates),
         ),
-        ("fractions", coordinates(Unit::Fraction, Order::Xy)),
-        ("percent", coordinates(Unit::Percent, Order::Xy)),
+        (
+            "fractions",
+            coordinates(CoordinateUnit::Fraction, Order::Xy),
+        ),
+        ("percent", coordinates(CoordinateUnit::Percent, Order::Xy)),
         (
             "thousandths, y first",
-            coordinates(Unit::PerMille, Order::Yx),
+            coordinates(CoordinateUnit::PerMille, Order::Yx),
         ),
         ("marks", marks()),
     ];

@@ -4,14 +4,14 @@ use super::pointing::Silent;
 use super::support::{self, Scripted, Trial, words_of};
 use fab_compiler::{LoadError, Loader, compile};
 use fab_program::Program;
-use fab_program::pointing::{Order, Unit};
+use fab_program::pointing::{CoordinateUnit, Order};
 use fab_runtime::agent::Models;
 use fab_runtime::examples::Examples;
 use fab_runtime::model::Lowering;
 use fab_runtime::model::lowering::{self, Points};
 
 const THOUSANDTHS_Y_FIRST: Lowering = Lowering {
-    unit: Unit::PerMille,
+    unit: CoordinateUnit::PerMille,
     order: Order::Yx,
     ..Lowering::PIXELS
 };

@@ -7,8 +7,8 @@ use fab_program::scene::SceneView;
 use fab_program::space;
 use fab_program::{
     ActionField, Choices, Comparison, Direction, End, Example, Extractor, FileRef, Goal, ImageUp,
-    Keypoint, Layer, Layers, LengthChoice, LengthUnit, Mark, Metric, Moment, Picture, PixelPoint,
-    Point, Program, Spot, Words,
+    Keypoint, Layer, Layers, LengthChoice, LengthUnit, LiteralText, Mark, Metric, Moment, Picture,
+    PixelPoint, Point, Program, Spot,
 };
 use fab_runtime::agent::Models;
 use fab_runtime::examples::Examples;
@@ -129,8 +129,8 @@ fn an_exhausted_step_ends_the_rollout_where_no_answer_passes_the_relaxed_checks(
     assert_eq!(played.steps[0]["accepted"], Value::Null);
 }
 
-fn words(text: &str) -> Words {
-    Words {
+fn words(text: &str) -> LiteralText {
+    LiteralText {
         text: text.to_owned(),
         declared_in: "example.fab".to_owned(),
         line: 1,

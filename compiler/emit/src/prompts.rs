@@ -9,7 +9,7 @@ use crate::error::{EmitError, plain_name};
 use fab_program::eval::{Eval, Notes};
 use fab_program::facts::Facts;
 use fab_program::pointing::Pointing;
-use fab_program::render::{self, BETWEEN, RenderError};
+use fab_program::render::{self, RenderError, SEPARATOR};
 use fab_program::{Program, Template, Variable};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -99,7 +99,7 @@ fn joined(program: &Program, names: &[String]) -> Result<String, EmitError> {
         let body = closed(&source(program, part));
         if part.when.is_none() {
             // The parts before the first certain one bring their own separators.
-            text.push_str(if is_first_certain { "" } else { BETWEEN });
+            text.push_str(if is_first_certain { "" } else { SEPARATOR });
             text.push_str(&body);
             continue;
         }
@@ -108,11 +108,11 @@ fn joined(program: &Program, names: &[String]) -> Result<String, EmitError> {
             plain_name(&part.name)?
         ));
         match first_certain {
-            Some(_) if follows => text.push_str(&format!("{BETWEEN}{body}")),
-            Some(_) => text.push_str(&format!("{body}{BETWEEN}")),
+            Some(_) if follows => text.push_str(&format!("{SEPARATOR}{body}")),
+            Some(_) => text.push_str(&format!("{body}{SEPARATOR}")),
             None => {
                 if index > 0 {
-                    text.push_str(&format!("{{% if {said} %}}{BETWEEN}{{% endif %}}"));
+                    text.push_str(&format!("{{% if {said} %}}{SEPARATOR}{{% endif %}}"));
                 }
                 text.push_str(&body);
                 if index + 1 < parts.len() {

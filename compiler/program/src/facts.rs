@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// An action that was carried out.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Done {
+pub struct ExecutedAction {
     /// What the model answered.
     pub proposal: Proposal,
     /// The pixel that was picked.
@@ -29,7 +29,7 @@ pub struct Facts<'a> {
     /// Which step of the rollout this is, from 1.
     pub step: u32,
     /// The action before this one.
-    pub last: Option<&'a Done>,
+    pub last: Option<&'a ExecutedAction>,
     /// The action that is judged, where there is one.
     pub proposal: Option<&'a Proposal>,
     /// How the model that is asked or judged writes points.

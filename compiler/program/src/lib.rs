@@ -28,12 +28,13 @@ pub use data::keypoints::{
     Channel, EXTRACTORS, Extractor, ExtractorRow, Inside, Keypoint, Moment, Response, Side, Sight,
 };
 pub use data::picker::Picker;
-pub use data::placeholders::{Shown, Written};
+pub use data::placeholders::{NumberFormat, Placeholder};
 pub use data::points::{End, Heading, Point};
 pub use data::program::{PROGRAM_FORMAT, Program, hex};
 pub use data::shape::KeypointShape;
 pub use data::stage::{
-    Arrow, Example, Layers, ModelRole, Picture, Read, Stage, Template, Variable, Which, Words,
+    Arrow, Example, Layers, LiteralText, ModelRole, Picture, Read, Stage, SubgoalStep, Template,
+    Variable,
 };
 pub use data::subgoals::{SubgoalImage, Subgoals};
 pub use data::test::{Expect, Given, Test};

@@ -8,7 +8,7 @@ use crate::data::camera::PixelPoint;
 use crate::data::program::Program;
 use crate::data::stage::Read;
 use crate::data::test::{Expect, Given, Test};
-use crate::facts::{Done, Facts};
+use crate::facts::{ExecutedAction, Facts};
 use crate::pointing::Pointing;
 use crate::render::RenderError;
 use crate::reply::{self, Reading};
@@ -145,7 +145,7 @@ fn judged(program: &Program, given: &Given, proposal: &Proposal) -> Result<Verdi
         }
     }
     let texts: BTreeMap<String, String> = given.texts.iter().cloned().collect();
-    let last = given.last.map(|[pick, place]| Done {
+    let last = given.last.map(|[pick, place]| ExecutedAction {
         proposal: Proposal {
             fields: vec![
                 ("pick".to_owned(), Value::Point(pick)),

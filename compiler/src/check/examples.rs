@@ -8,7 +8,7 @@ use crate::merge::once;
 use fab_program::pointing::Notation;
 use fab_program::reply;
 use fab_program::space;
-use fab_program::{ActionField, Example, ModelRole, Read, Value, Words};
+use fab_program::{ActionField, Example, LiteralText, ModelRole, Read, Value};
 
 /// The most examples of a stage, and pictures of an example.
 const MAX_EXAMPLES: usize = 32;
@@ -83,7 +83,7 @@ fn one(
     is_whole.then_some(example)
 }
 
-fn question(say: &Sayings, context: &mut Context<'_>) -> Option<Vec<Words>> {
+fn question(say: &Sayings, context: &mut Context<'_>) -> Option<Vec<LiteralText>> {
     let mut texts = Vec::with_capacity(say.list.len());
     for saying in &say.list {
         match saying {
@@ -101,10 +101,10 @@ fn question(say: &Sayings, context: &mut Context<'_>) -> Option<Vec<Words>> {
     Some(texts)
 }
 
-fn words(text: &Text, context: &mut Context<'_>) -> Option<Words> {
+fn words(text: &Text, context: &mut Context<'_>) -> Option<LiteralText> {
     let plain = literal(text, context)?;
     let source = context.loaded.sources.get(text.span.file);
-    Some(Words {
+    Some(LiteralText {
         text: plain,
         declared_in: context.loaded.portable_names[text.span.file.0].clone(),
         line: source.line_and_column(text.start).0 as u32,
@@ -125,7 +125,7 @@ pub(super) fn literal(text: &Text, context: &mut Context<'_>) -> Option<String> 
 }
 
 /// Returns the answer, if the stage can read it.
-fn answer(reply: &Reply, read: Option<&Read>, context: &mut Context<'_>) -> Option<Words> {
+fn answer(reply: &Reply, read: Option<&Read>, context: &mut Context<'_>) -> Option<LiteralText> {
     let answer = words(&reply.text, context)?;
     let said = answer.text.as_str();
     let unreadable = match read? {

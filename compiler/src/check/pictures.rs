@@ -3,7 +3,7 @@
 use super::Context;
 use crate::ast::{Expr, ExprKind, Ident, Pictures};
 use crate::diag::{Code, Diagnostic};
-use fab_program::{Arrow, Layers, Picture, Which};
+use fab_program::{Arrow, Layers, Picture, SubgoalStep};
 
 /// The most pictures in one question.
 const MAX_PICTURES: usize = 16;
@@ -42,8 +42,8 @@ fn picture(expr: &Expr, with: Option<&Ident>, context: &mut Context<'_>) -> Opti
         ExprKind::Call { name, arguments } if name.text == "subgoal" => {
             match arguments.as_slice() {
                 [argument] if argument.label.is_none() => match &argument.value.kind {
-                    ExprKind::Name(which) if which == "now" => Some(Which::Now),
-                    ExprKind::Name(which) if which == "next" => Some(Which::Next),
+                    ExprKind::Name(which) if which == "now" => Some(SubgoalStep::Now),
+                    ExprKind::Name(which) if which == "next" => Some(SubgoalStep::Next),
                     _ => None,
                 },
                 _ => None,

@@ -14,7 +14,9 @@ use crate::diag::{Code, Diagnostic};
 use fab_program::Depends;
 use fab_program::exact;
 use fab_program::space;
-use fab_program::{Camera, Choices, Cloth, KeypointShape, Length, OVERLAP, Point, Shown, Written};
+use fab_program::{
+    Camera, Choices, Cloth, KeypointShape, Length, NumberFormat, OVERLAP, Placeholder, Point,
+};
 
 /// The placeholder that spells the answer's format.
 pub(super) const FORMAT: &str = "actions.format";
@@ -27,7 +29,7 @@ pub(crate) enum Placed {
     /// Words that are known now.
     Literal(String),
     /// A value that is known later.
-    Value(Box<Shown>),
+    Value(Box<Placeholder>),
 }
 
 /// Builds a placeholder; None, with a report, where it is wrong.
@@ -48,7 +50,7 @@ pub(crate) fn check(expr: &Expr, scope: Scope<'_>, context: &mut Context<'_>) ->
     Some(placed)
 }
 
-fn later(shown: Shown) -> Placed {
+fn later(shown: Placeholder) -> Placed {
     Placed::Value(Box::new(shown))
 }
 
@@ -71,7 +73,7 @@ fn value(expr: &Expr, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pla
             )?;
             let field = direction_field(bound.get("field")?, context);
             let to = heading(bound.get("direction")?, context);
-            Some(later(Shown::Nearest {
+            Some(later(Placeholder::Nearest {
                 field: field?,
                 to: to?,
             }))
@@ -99,8 +101,10 @@ fn named(name: &Ident, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pl
         Diagnostic::new(Code::NotYetKnown, name.span, message).help(help)
     };
     let shown = match context.names.get(&name.text) {
-        Some(Meaning::Keypoint(Some(KeypointShape::Points))) => Shown::Points { keypoint: text },
-        Some(Meaning::Keypoint(Some(KeypointShape::Point))) => Shown::Point {
+        Some(Meaning::Keypoint(Some(KeypointShape::Points))) => {
+            Placeholder::Points { keypoint: text }
+        }
+        Some(Meaning::Keypoint(Some(KeypointShape::Point))) => Placeholder::Point {
             point: Point::Keypoint { name: text },
         },
         // Its own declaration is wrong and reported there.
@@ -123,10 +127,10 @@ fn named(name: &Ident, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pl
                 ));
                 return None;
             }
-            Shown::Text { name: text }
+            Placeholder::Text { name: text }
         }
         Some(Meaning::Field) => match context.actions.iter().any(|field| field.name == text) {
-            true => Shown::Field { field: text },
+            true => Placeholder::Field { field: text },
             false => {
                 let expr = Expr {
                     span: name.span,
@@ -135,8 +139,10 @@ fn named(name: &Ident, scope: Scope<'_>, context: &mut Context<'_>) -> Option<Pl
                 return operand(&expr, context).and_then(|value| written(value, &expr, context));
             }
         },
-        None if name.text == OVERLAP && scope.place == Place::Result => Shown::Text { name: text },
-        None if name.text == UNREACHABLE => Shown::Unreachable,
+        None if name.text == OVERLAP && scope.place == Place::Result => {
+            Placeholder::Text { name: text }
+        }
+        None if name.text == UNREACHABLE => Placeholder::Unreachable,
         None if name.text == "step" => {
             let expr = Expr {
                 span: name.span,
@@ -181,16 +187,16 @@ fn unknown(name: &Ident, place: Place, context: &mut Context<'_>) {
 /// Builds `actions.format`, `FIELD.choices`, `last.pick` and the like.
 fn dotted(path: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> {
     if path == FORMAT {
-        return Some(later(Shown::Format));
+        return Some(later(Placeholder::Format));
     }
     if path == POINTS {
-        return Some(later(Shown::PointForm));
+        return Some(later(Placeholder::PointForm));
     }
     if let Some(name) = path.strip_suffix(".choices")
         && let Some(field) = context.actions.iter().find(|field| field.name == name)
     {
         return Some(match field.choices {
-            Choices::Points { .. } => later(Shown::Choices {
+            Choices::Points { .. } => later(Placeholder::Choices {
                 field: name.to_owned(),
             }),
             Choices::Region { ref mask } => Placed::Literal(space::any_of(mask)),
@@ -203,7 +209,7 @@ fn dotted(path: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> 
             return written(value, expr, context);
         }
         if context.actions.iter().any(|field| field.name == name) {
-            return Some(later(Shown::LastField {
+            return Some(later(Placeholder::LastField {
                 field: name.to_owned(),
             }));
         }
@@ -238,7 +244,7 @@ fn dotted(path: &str, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> 
 
 /// Writes a value, whatever it is.
 fn written(value: Operand, expr: &Expr, context: &mut Context<'_>) -> Option<Placed> {
-    let plain = |factor: f64, decimals: u8, unit: &str| Written {
+    let plain = |factor: f64, decimals: u8, unit: &str| NumberFormat {
         factor,
         decimals,
         unit: unit.to_owned(),
@@ -250,21 +256,21 @@ fn written(value: Operand, expr: &Expr, context: &mut Context<'_>) -> Option<Pla
     Some(match value {
         Operand::Length(length) => self::length(&length, context)?,
         Operand::Angle { deg, unit } => Placed::Literal(number(deg, &of_angle(&unit))),
-        Operand::Between { a, b, unit } => later(Shown::Angle {
+        Operand::Between { a, b, unit } => later(Placeholder::Angle {
             a,
             b,
             written: of_angle(&unit),
         }),
         Operand::Number(value) => Placed::Literal(exact::written(value, 4)),
-        Operand::Counted { number, as_percent } => later(Shown::Number {
+        Operand::Counted { number, as_percent } => later(Placeholder::Number {
             number,
             written: match as_percent {
                 AsPercent::Yes => plain(100.0, 0, "%"),
                 AsPercent::No => plain(1.0, 3, ""),
             },
         }),
-        Operand::Point(point) => later(Shown::Point { point }),
-        Operand::WordField(field) => later(Shown::Field { field }),
+        Operand::Point(point) => later(Placeholder::Point { point }),
+        Operand::WordField(field) => later(Placeholder::Field { field }),
         Operand::Word(word) => Placed::Literal(word),
         Operand::Heading => {
             let found = context.written(expr.span);
@@ -301,7 +307,7 @@ fn length(length: &FramedLength, context: &Context<'_>) -> Option<Placed> {
     if factor.is_nan() {
         return None;
     }
-    let written = Written {
+    let written = NumberFormat {
         factor,
         decimals,
         unit: format!(" {}", length.unit),
@@ -311,11 +317,11 @@ fn length(length: &FramedLength, context: &Context<'_>) -> Option<Placed> {
         Length::Constant { value } if length.unit != "px" => {
             Placed::Literal(number(value, &written))
         }
-        length => later(Shown::Length { length, written }),
+        length => later(Placeholder::Length { length, written }),
     })
 }
 
-fn number(value: f64, written: &Written) -> String {
+fn number(value: f64, written: &NumberFormat) -> String {
     let digits = exact::written(value * written.factor, usize::from(written.decimals));
     format!("{digits}{}", written.unit)
 }

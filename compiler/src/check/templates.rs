@@ -9,7 +9,7 @@ use crate::ast::{Piece, Text};
 use crate::diag::{Code, Diagnostic};
 use crate::source::Span;
 use fab_program::render::Jinja;
-use fab_program::{Condition, Shown, Template, Variable};
+use fab_program::{Condition, Placeholder, Template, Variable};
 use std::collections::BTreeMap;
 
 /// The most bytes of one text.
@@ -49,7 +49,7 @@ pub(crate) struct Variables {
 
 impl Variables {
     /// Returns the variable's name of a value that is written so in the source.
-    fn name(&mut self, shown: &Shown, written: &str) -> String {
+    fn name(&mut self, shown: &Placeholder, written: &str) -> String {
         const MOST: usize = 48;
         let key = serde_json::to_string(shown).expect("a value has string keys and finite numbers");
         if let Some(name) = self.names.get(&key) {
@@ -100,7 +100,7 @@ pub(crate) fn template(
         return None;
     }
     let mut jinja = Jinja::default();
-    let mut variables: BTreeMap<String, Shown> = BTreeMap::new();
+    let mut variables: BTreeMap<String, Placeholder> = BTreeMap::new();
     let mut is_right = true;
     for piece in &text.pieces {
         let expr = match piece {

@@ -6,7 +6,7 @@ pub mod jinja2;
 
 use fab_compiler::{Compiled, LoadError, Loader};
 use fab_program::Proposal;
-use fab_program::facts::{Done, Facts};
+use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
 use fab_program::scene::SceneView;
 use fab_program::{PixelPoint, Program, Value};
@@ -87,7 +87,7 @@ pub struct Known {
     /// Masks and boxes as rectangles: left, top, right, bottom, all included.
     pub regions: Vec<(&'static str, [i32; 4])>,
     pub texts: BTreeMap<String, String>,
-    pub last: Option<Done>,
+    pub last: Option<ExecutedAction>,
 }
 
 impl Known {

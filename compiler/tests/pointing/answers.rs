@@ -2,7 +2,7 @@
 
 use super::{frame, in_frame, known, program};
 use fab_program::PixelPoint;
-use fab_program::pointing::{Frame, Order, Pointing, Unit};
+use fab_program::pointing::{CoordinateUnit, Frame, Order, Pointing};
 use fab_program::reply;
 use fab_program::verify::{self, OFFERED, Strictness, Verdict};
 
@@ -93,10 +93,10 @@ fn the_forms_that_models_use_are_read_in_their_frame() {
     let of = |unit, order| Pointing::Frame(frame(unit, order, 224, 224));
     let tables = [
         (Pointing::pixels([224; 2]), PIXELS),
-        (of(Unit::PerMille, Order::Xy), THOUSANDTHS),
-        (of(Unit::PerMille, Order::Yx), THOUSANDTHS_Y_FIRST),
-        (of(Unit::Percent, Order::Xy), PERCENT),
-        (of(Unit::Fraction, Order::Xy), FRACTIONS),
+        (of(CoordinateUnit::PerMille, Order::Xy), THOUSANDTHS),
+        (of(CoordinateUnit::PerMille, Order::Yx), THOUSANDTHS_Y_FIRST),
+        (of(CoordinateUnit::Percent, Order::Xy), PERCENT),
+        (of(CoordinateUnit::Fraction, Order::Xy), FRACTIONS),
         (Pointing::Marks(Frame::pixels([224; 2])), MARKS),
     ];
     for (pointing, rows) in tables {
@@ -133,7 +133,11 @@ fn check(pointing: Pointing, reply: &str, expected: &Result<[i32; 2], &str>) {
 #[test]
 fn pixels_where_another_frame_is_asked_for_are_refused_and_never_moved() {
     let known = known();
-    for unit in [Unit::Fraction, Unit::Percent, Unit::PerMille] {
+    for unit in [
+        CoordinateUnit::Fraction,
+        CoordinateUnit::Percent,
+        CoordinateUnit::PerMille,
+    ] {
         let facts = in_frame(&known, Pointing::Frame(frame(unit, Order::Xy, 224, 224)));
         let notation = facts.notation(program());
         for point in known.points.iter().flat_map(|(_, points)| points) {

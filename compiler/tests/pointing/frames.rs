@@ -3,7 +3,7 @@
 use super::common::Known;
 use super::{frame, in_frame, known, numbers, program};
 use fab_program::PixelPoint;
-use fab_program::pointing::{Order, Pointing, Unit};
+use fab_program::pointing::{CoordinateUnit, Order, Pointing};
 use fab_program::reply;
 use proptest::prelude::*;
 
@@ -15,7 +15,7 @@ proptest! {
         side in 1_u32..=1000, more in 0_u32..=600, at in (0.0..1.0_f64, 0.0..1.0_f64),
         unit in 0..4_usize, order in 0..2_usize,
     ) {
-        let frame = frame(Unit::ALL[unit], Order::ALL[order], side, side + more);
+        let frame = frame(CoordinateUnit::ALL[unit], Order::ALL[order], side, side + more);
         let pixel = PixelPoint::new((at.0 * f64::from(side)) as i32, (at.1 * f64::from(side)) as i32);
         let [first, second] = numbers(&frame.write(pixel));
         let (x, y) = match frame.order {
@@ -31,7 +31,7 @@ proptest! {
         at in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64), 1..12),
         unit in 0..4_usize, order in 0..2_usize, are_marks: bool,
     ) {
-        let frame = frame(Unit::ALL[unit], Order::ALL[order], side, sent);
+        let frame = frame(CoordinateUnit::ALL[unit], Order::ALL[order], side, sent);
         let pointing = if are_marks { Pointing::Marks(frame) } else { Pointing::Frame(frame) };
         // Neighbours too, which a coarse frame writes alike.
         let pixel = |part: f64| (part * f64::from(side)) as i32;
@@ -56,12 +56,12 @@ proptest! {
     fn a_place_is_written_within_half_a_step_of_where_it_is(
         side in 1_u32..=4096, sent in 1_u32..=4096, at in 0.0..1.0_f64, unit in 0..4_usize,
     ) {
-        let frame = frame(Unit::ALL[unit], Order::Xy, side, sent);
+        let frame = frame(CoordinateUnit::ALL[unit], Order::Xy, side, sent);
         let pixel = PixelPoint::new((at * f64::from(side)) as i32, 0);
         let [x, y] = numbers(&frame.write(pixel));
         let steps = match frame.unit {
-            Unit::Pixels => f64::from(sent),
-            Unit::Fraction | Unit::Percent | Unit::PerMille => 1000.0,
+            CoordinateUnit::Pixels => f64::from(sent),
+            CoordinateUnit::Fraction | CoordinateUnit::Percent | CoordinateUnit::PerMille => 1000.0,
         };
         let half_a_step = 0.5 * f64::from(side) / steps;
         let away = (frame.read(x, y)[0] - (f64::from(pixel.u) + 0.5)).abs();
@@ -72,7 +72,7 @@ proptest! {
     fn no_answer_makes_a_frame_panic(
         reply in ".{0,200}", unit in 0..4_usize, order in 0..2_usize, are_marks: bool,
     ) {
-        let frame = frame(Unit::ALL[unit], Order::ALL[order], 224, 448);
+        let frame = frame(CoordinateUnit::ALL[unit], Order::ALL[order], 224, 448);
         let pointing = if are_marks { Pointing::Marks(frame) } else { Pointing::Frame(frame) };
         let known = known();
         let notation = in_frame(&known, pointing).notation(program());
@@ -87,24 +87,37 @@ proptest! {
 fn each_frame_writes_a_pixel_in_its_own_way() {
     let pixel = PixelPoint::new(41, 167);
     let rows = [
-        (Unit::Pixels, 224, ["(41, 167)", "[167, 41]"]),
-        (Unit::Pixels, 448, ["(82, 334)", "[334, 82]"]),
-        (Unit::Pixels, 112, ["(20, 83)", "[83, 20]"]),
-        (Unit::Fraction, 224, ["(0.185, 0.748)", "[0.748, 0.185]"]),
-        (Unit::Percent, 224, ["(18.5, 74.8)", "[74.8, 18.5]"]),
-        (Unit::PerMille, 224, ["(185, 748)", "[748, 185]"]),
+        (CoordinateUnit::Pixels, 224, ["(41, 167)", "[167, 41]"]),
+        (CoordinateUnit::Pixels, 448, ["(82, 334)", "[334, 82]"]),
+        (CoordinateUnit::Pixels, 112, ["(20, 83)", "[83, 20]"]),
+        (
+            CoordinateUnit::Fraction,
+            224,
+            ["(0.185, 0.748)", "[0.748, 0.185]"],
+        ),
+        (
+            CoordinateUnit::Percent,
+            224,
+            ["(18.5, 74.8)", "[74.8, 18.5]"],
+        ),
+        (CoordinateUnit::PerMille, 224, ["(185, 748)", "[748, 185]"]),
     ];
     for (unit, sent, expected) in rows {
         let written = Order::ALL.map(|order| frame(unit, order, 224, sent).write(pixel));
         assert_eq!(written, expected, "{unit:?} {sent}");
     }
-    let outside = frame(Unit::Fraction, Order::Xy, 224, 224).write(PixelPoint::new(-3, 300));
+    let outside =
+        frame(CoordinateUnit::Fraction, Order::Xy, 224, 224).write(PixelPoint::new(-3, 300));
     assert_eq!(outside, "(-0.011, 1.342)");
 }
 
 #[test]
 fn a_picture_of_as_many_pixels_as_steps_loses_none() {
-    for unit in [Unit::Fraction, Unit::Percent, Unit::PerMille] {
+    for unit in [
+        CoordinateUnit::Fraction,
+        CoordinateUnit::Percent,
+        CoordinateUnit::PerMille,
+    ] {
         let frame = frame(unit, Order::Xy, 1000, 1000);
         for pixel in (0..1000).map(|number| PixelPoint::new(number, 999 - number)) {
             let [x, y] = numbers(&frame.write(pixel));
@@ -115,10 +128,14 @@ fn a_picture_of_as_many_pixels_as_steps_loses_none() {
 
 #[test]
 fn the_edges_of_a_picture_are_its_first_and_last_pixel() {
-    for unit in [Unit::Fraction, Unit::Percent, Unit::PerMille] {
+    for unit in [
+        CoordinateUnit::Fraction,
+        CoordinateUnit::Percent,
+        CoordinateUnit::PerMille,
+    ] {
         let full = match unit {
-            Unit::Fraction => 1.0,
-            Unit::Percent => 100.0,
+            CoordinateUnit::Fraction => 1.0,
+            CoordinateUnit::Percent => 100.0,
             _ => 1000.0,
         };
         for order in Order::ALL {

@@ -10,12 +10,12 @@ mod prompts;
 
 use common::Known;
 use fab_program::facts::Facts;
-use fab_program::pointing::{Frame, Order, Pointing, Unit};
+use fab_program::pointing::{CoordinateUnit, Frame, Order, Pointing};
 use fab_program::{PixelPoint, Program};
 use std::sync::LazyLock;
 
 /// A frame of a picture of so many pixels a side, which is sent in another size.
-fn frame(unit: Unit, order: Order, side: u32, sent: u32) -> Frame {
+fn frame(unit: CoordinateUnit, order: Order, side: u32, sent: u32) -> Frame {
     Frame {
         unit,
         order,

@@ -2,7 +2,7 @@
 
 use super::{common, frame, in_frame, known, points, program};
 use fab_program::Proposal;
-use fab_program::pointing::{Frame, Notation, Order, Pointing, PointingError, Unit};
+use fab_program::pointing::{CoordinateUnit, Frame, Notation, Order, Pointing, PointingError};
 use fab_program::render::{self, RenderError, Values};
 use fab_program::reply;
 use fab_program::space;
@@ -23,7 +23,7 @@ fn said(pointing: Pointing) -> (String, serde_json::Value) {
         .map(|field| (field.name.clone(), space::choices(field, &known)))
         .collect();
     let schema = reply::schema_in(program(), &facts.notation(program()), &offered);
-    let text = messages.unwrap().last().unwrap().said.text.clone();
+    let text = messages.unwrap().last().unwrap().content.text.clone();
     (text, schema["properties"]["pick"].clone())
 }
 
@@ -44,7 +44,7 @@ fn in_pixels_nothing_is_added() {
 
 #[test]
 fn with_y_first_prompt_and_schema_say_so() {
-    let pointing = Pointing::Frame(frame(Unit::PerMille, Order::Yx, 224, 224));
+    let pointing = Pointing::Frame(frame(CoordinateUnit::PerMille, Order::Yx, 224, 224));
     let (text, schema) = said(pointing);
     assert_has(
         &text,
@@ -80,7 +80,7 @@ fn a_message_of_a_check_is_in_the_frame_of_the_answer() {
     let proposal = Proposal {
         fields: fields.into(),
     };
-    let y_first = Pointing::Frame(frame(Unit::Percent, Order::Yx, 224, 224));
+    let y_first = Pointing::Frame(frame(CoordinateUnit::Percent, Order::Yx, 224, 224));
     let rows = [
         (Pointing::pixels([224; 2]), "(41, 167)"),
         (y_first, "[74.8, 18.5]"),
@@ -105,7 +105,7 @@ fn a_point_that_is_not_offered_is_refused_in_the_frame_of_the_answer() {
     let proposal = Proposal {
         fields: fields.zip(values).collect(),
     };
-    let y_first = Pointing::Frame(frame(Unit::Percent, Order::Yx, 224, 224));
+    let y_first = Pointing::Frame(frame(CoordinateUnit::Percent, Order::Yx, 224, 224));
     for (pointing, point) in [(y_first, "[1.1, 0.7]"), (marks(), "(1, 2)")] {
         let facts = in_frame(&known, pointing);
         let verdict = verify::verdict(program(), facts, &proposal, Strictness::Full).unwrap();
@@ -134,19 +134,19 @@ fn the_placeholder_says_how_points_are_written_and_keeps_the_sentence_away() {
     let rows = [
         (Pointing::pixels([224; 2]), "(x, y) in pixels. 56 px"),
         (
-            of(Unit::Pixels, Order::Xy, 448),
+            of(CoordinateUnit::Pixels, Order::Xy, 448),
             "(x, y) in pixels of a picture 448 wide and 448 high. 112 px",
         ),
         (
-            of(Unit::PerMille, Order::Xy, 224),
+            of(CoordinateUnit::PerMille, Order::Xy, 224),
             "(x, y) in thousandths of the picture's width and height. 250 thousandths of the picture's width",
         ),
         (
-            of(Unit::Percent, Order::Yx, 224),
+            of(CoordinateUnit::Percent, Order::Yx, 224),
             "[y, x] in percent of the picture's height and width. 25% of the picture's width",
         ),
         (
-            of(Unit::Fraction, Order::Xy, 224),
+            of(CoordinateUnit::Fraction, Order::Xy, 224),
             "(x, y) in parts of the picture's width and height, from 0 to 1. 0.25 of the picture's width",
         ),
         (
@@ -158,8 +158,8 @@ fn the_placeholder_says_how_points_are_written_and_keeps_the_sentence_away() {
         let values = Values::Known(in_frame(&known, pointing));
         let messages = render::messages(&program, &program.stages[1], values).unwrap();
         let expected = format!("A point is written {said} is far.");
-        assert_eq!(messages[0].said.text, expected);
-        assert!(!messages[1].said.text.contains("A point is written"));
+        assert_eq!(messages[0].content.text, expected);
+        assert!(!messages[1].content.text.contains("A point is written"));
         let is_open = |stage| render::leaves_frame_open(&program, stage, &pointing);
         assert!(!program.stages.iter().any(is_open), "{said}");
     }
@@ -174,7 +174,7 @@ fn a_place_that_is_said_only_sometimes_does_not_keep_the_sentence_away() {
             "A point is written {{ actions.points }}.",
         );
     let program = common::program("task.fab", &text);
-    let thousandths = Pointing::Frame(frame(Unit::PerMille, Order::Xy, 224, 224));
+    let thousandths = Pointing::Frame(frame(CoordinateUnit::PerMille, Order::Xy, 224, 224));
     assert!(render::leaves_frame_open(
         &program,
         &program.stages[1],
@@ -205,7 +205,7 @@ fn points_that_cannot_be_numbered_are_an_error_with_words() {
         &why.to_string(),
         "the field `pick` may be any point of `cloth`",
     );
-    let percent = Pointing::Frame(frame(Unit::Percent, Order::Xy, 224, 224));
+    let percent = Pointing::Frame(frame(CoordinateUnit::Percent, Order::Xy, 224, 224));
     assert!(asked(percent).is_ok());
 }
 
@@ -221,7 +221,7 @@ fn examples_in_the_authors_own_pixels_are_told_to_no_other_frame() {
     assert!(asked(Pointing::pixels([224; 2])).is_ok());
     for pointing in [
         marks(),
-        Pointing::Frame(frame(Unit::PerMille, Order::Xy, 224, 224)),
+        Pointing::Frame(frame(CoordinateUnit::PerMille, Order::Xy, 224, 224)),
     ] {
         let Err(RenderError::Pointing(why)) = asked(pointing) else {
             panic!("{pointing:?}: pixels were told");
@@ -243,7 +243,7 @@ fn a_text_with_points_in_pixels_is_retold() {
         let notation = in_frame(&known, pointing).notation(program());
         notation.retold(&text("(41, 167)", "(112, 112)"), &listed)
     };
-    let y_first = Pointing::Frame(frame(Unit::PerMille, Order::Yx, 224, 224));
+    let y_first = Pointing::Frame(frame(CoordinateUnit::PerMille, Order::Yx, 224, 224));
     assert_eq!(
         retold(Pointing::pixels([224; 2])),
         text("(41, 167)", "(112, 112)")

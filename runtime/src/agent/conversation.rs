@@ -9,7 +9,7 @@ use crate::examples::{Examples, Told};
 use crate::model::{Lowering, Message, Part, Png, Speaker};
 use crate::pictures::Pictures;
 use fab_program::render::{
-    self, NUMBERED_POINTS, PromptPicture, PromptSpeaker, RenderError, Said, Values,
+    self, NUMBERED_POINTS, PromptPicture, PromptSpeaker, RenderError, PromptText, Values,
 };
 use fab_program::{Picture, Program, Stage};
 
@@ -37,7 +37,7 @@ pub struct Spoken {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SpokenPart {
     /// Text that knows where it comes from.
-    Text(Said),
+    Text(PromptText),
     /// A picture that the task shows.
     Picture(PromptPicture),
     /// The refused action, drawn on what the stage shows.
@@ -55,7 +55,7 @@ pub struct Conversation {
 
 impl Conversation {
     /// Adds a message of texts alone.
-    pub(super) fn say(&mut self, speaker: Speaker, said: Said) {
+    pub(super) fn say(&mut self, speaker: Speaker, said: PromptText) {
         self.messages
             .push(Message::text(speaker, said.text.clone()));
         self.spoken.push(Spoken {
@@ -65,7 +65,7 @@ impl Conversation {
     }
 
     /// Adds a text to the last message.
-    pub(super) fn add(&mut self, said: Said) {
+    pub(super) fn add(&mut self, said: PromptText) {
         if let (Some(spoken), Some(message)) = (self.spoken.last_mut(), self.messages.last_mut()) {
             message.parts.push(Part::Text(said.text.clone()));
             spoken.parts.push(SpokenPart::Text(said));
@@ -104,10 +104,10 @@ pub fn opening(
             matches!(picture, PromptPicture::Drawn(Picture::Scene { .. }))
         };
         let is_numbered = !notation.marks().is_empty() && prompt.pictures.iter().any(is_scene);
-        let mut parts = vec![SpokenPart::Text(prompt.said)];
+        let mut parts = vec![SpokenPart::Text(prompt.content)];
         parts.extend(prompt.pictures.into_iter().map(SpokenPart::Picture));
         if is_numbered {
-            parts.push(SpokenPart::Text(Said::by_fabc(NUMBERED_POINTS)));
+            parts.push(SpokenPart::Text(PromptText::by_fabc(NUMBERED_POINTS)));
         }
         spoken.push(Spoken { speaker, parts });
     }

@@ -51,7 +51,7 @@ pub fn rehearse(
             let reply = Reply::text(text);
             let attempt = talk.answered(request, reply, Duration::ZERO, &texts)?;
             findings.push(attempt.finding.clone());
-            if let Next::Done(answer) = talk.conclude(attempt, &texts)? {
+            if let Next::ExecutedAction(answer) = talk.conclude(attempt, &texts)? {
                 read = Some(answer);
                 break;
             }

@@ -14,7 +14,7 @@ use crate::vision;
 use fab_program::Proposal;
 use fab_program::facts::Facts;
 use fab_program::pointing::Notation;
-use fab_program::render::{self, BETWEEN, REFUSED_ACTION, RenderError, Said, Values};
+use fab_program::render::{self, SEPARATOR, REFUSED_ACTION, RenderError, PromptText, Values};
 use fab_program::reply;
 use fab_program::space;
 use fab_program::verify::{Strictness, Verdict};
@@ -38,7 +38,7 @@ pub(super) enum Answer {
 
 pub(super) enum Next {
     AskAgain,
-    Done(Answer),
+    ExecutedAction(Answer),
 }
 
 /// What becomes of a text that nobody has answered yet.
@@ -174,7 +174,7 @@ impl<'a> Talk<'a> {
         let mut picture = None;
         let (correction, outcome) = match attempt.finding {
             Finding::Text { name, value, .. } => {
-                return Ok(Next::Done(Answer::Text { name, value }));
+                return Ok(Next::ExecutedAction(Answer::Text { name, value }));
             }
             Finding::Action {
                 fields,
@@ -182,9 +182,9 @@ impl<'a> Talk<'a> {
                 ..
             } => {
                 let proposal = Proposal { fields };
-                return Ok(Next::Done(self.accept(proposal, attempt.number, &[])));
+                return Ok(Next::ExecutedAction(self.accept(proposal, attempt.number, &[])));
             }
-            Finding::Failed { outcome, .. } => return Ok(Next::Done(Answer::None(outcome))),
+            Finding::Failed { outcome, .. } => return Ok(Next::ExecutedAction(Answer::None(outcome))),
             Finding::Action {
                 fields,
                 verdict: Verdict::Reject { check, message, .. },
@@ -196,11 +196,11 @@ impl<'a> Talk<'a> {
                 self.refused.push((attempt.number, proposal));
                 (said, Outcome::AttemptsExhausted)
             }
-            Finding::Malformed { message, .. } => (Said::by_fabc(message), Outcome::MalformedReply),
+            Finding::Malformed { message, .. } => (PromptText::by_fabc(message), Outcome::MalformedReply),
         };
         if self.asked >= self.situation.program.verify.attempts {
             let relaxed = self.relaxed(texts)?;
-            return Ok(Next::Done(relaxed.unwrap_or(Answer::None(outcome))));
+            return Ok(Next::ExecutedAction(relaxed.unwrap_or(Answer::None(outcome))));
         }
         let answer = attempt.reply.map(|reply| reply.text).unwrap_or_default();
         self.correct(answer, correction, picture);
@@ -214,29 +214,29 @@ impl<'a> Talk<'a> {
         message: String,
         proposal: &Proposal,
         texts: &BTreeMap<String, String>,
-    ) -> Result<Said, RenderError> {
+    ) -> Result<PromptText, RenderError> {
         let program = self.situation.program;
         let checks = &program.verify.checks;
         let declared = checks.iter().find(|declared| declared.name == check);
         let facts = self.facts(texts);
         let facts = facts.judging(proposal);
         let said = match declared {
-            Some(check) => render::said(program, &check.message, Values::Known(facts))?,
+            Some(check) => render::text(program, &check.message, Values::Known(facts))?,
             None => None,
         };
         let same = said.filter(|said| said.text == message);
-        Ok(same.unwrap_or_else(|| Said::by_fabc(message)))
+        Ok(same.unwrap_or_else(|| PromptText::by_fabc(message)))
     }
 
     /// Adds an answer and what is told of it.
-    fn correct(&mut self, answer: String, mut told: Said, picture: Option<Png>) {
-        let answer = Said {
+    fn correct(&mut self, answer: String, mut told: PromptText, picture: Option<Png>) {
+        let answer = PromptText {
             text: answer,
             stretches: Vec::new(),
         };
         self.conversation.say(Speaker::Assistant, answer);
         if picture.is_some() {
-            told.push(BETWEEN, Said::by_fabc(REFUSED_ACTION));
+            told.push(SEPARATOR, PromptText::by_fabc(REFUSED_ACTION));
         }
         self.conversation.say(Speaker::User, told);
         if let Some(png) = picture {
@@ -329,7 +329,7 @@ fn schema(situation: Situation<'_>, notation: &Notation) -> Value {
 }
 
 /// Returns what a model is told of the action before, where the step is tried again.
-fn remark(situation: Situation<'_>, facts: Facts<'_>) -> Result<Option<Said>, RenderError> {
+fn remark(situation: Situation<'_>, facts: Facts<'_>) -> Result<Option<PromptText>, RenderError> {
     let program = situation.program;
     let (Some(before), Some(check)) = (situation.before, &program.verify.result) else {
         return Ok(None);
@@ -340,5 +340,5 @@ fn remark(situation: Situation<'_>, facts: Facts<'_>) -> Result<Option<Said>, Re
         texts: &texts,
         ..facts
     };
-    render::said(program, &check.message, Values::Known(facts))
+    render::text(program, &check.message, Values::Known(facts))
 }

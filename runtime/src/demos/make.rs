@@ -14,7 +14,7 @@ use crate::scene::Scene;
 use crate::start::{RESTING_HEIGHT_M, Start};
 use crate::world::{Grasp, World, WorldError, WorldPoint};
 use fab_program::Proposal;
-use fab_program::facts::{Done, Facts};
+use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
 use fab_program::scene::SceneView;
 use fab_program::verify::{self, Strictness, Verdict};
@@ -219,7 +219,7 @@ impl Expert<'_> {
             if done.grasp == Grasp::Missed {
                 return Ok(Err(format!("in step {number} nothing was grasped")));
             }
-            last = Some(Done {
+            last = Some(ExecutedAction {
                 proposal,
                 pick: action.pick_on_cloth_px,
                 place: action.place_px,
@@ -240,7 +240,7 @@ impl Expert<'_> {
         world: &dyn World,
         observation: &Observation,
         scene: &Scene,
-        last: &Option<Done>,
+        last: &Option<ExecutedAction>,
     ) -> Result<Result<(DemoStep, Proposal), String>, WorldError> {
         let program = self.making.program;
         let motion = expert::motion(fold, start, world)?;

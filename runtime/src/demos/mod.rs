@@ -16,7 +16,7 @@ use crate::start::Start;
 use fab_program::Proposal;
 use fab_program::facts::Facts;
 use fab_program::pointing::Pointing;
-use fab_program::render::{self, Origin, Place, RenderError, Said, Values};
+use fab_program::render::{self, Origin, Place, RenderError, PromptText, Values};
 use fab_program::reply;
 use fab_program::scene::SceneView;
 use fab_program::space;
@@ -209,7 +209,7 @@ impl Demonstrations {
             .map(|((line, demo), number)| {
                 let (question, answer) = told(program, stage, demo, step, pointing)?;
                 let origin = Origin {
-                    said_by: format!("demonstration {number}"),
+                    source: format!("demonstration {number}"),
                     value: None,
                     place: Some(Place {
                         file: self.file.clone(),
@@ -217,8 +217,8 @@ impl Demonstrations {
                     }),
                 };
                 Ok(Told {
-                    question: Said::of(question, origin.clone()),
-                    answer: Said::of(answer, origin),
+                    question: PromptText::of(question, origin.clone()),
+                    answer: PromptText::of(answer, origin),
                 })
             })
             .collect::<Result<_, _>>()
@@ -283,7 +283,7 @@ fn told(
     let notation = facts.notation(program);
     let mut messages = render::messages(program, stage, Values::Known(facts))
         .map_err(|error: RenderError| format!("the question cannot be written: {error}"))?;
-    let question = messages.pop().map(|message| message.said.text);
+    let question = messages.pop().map(|message| message.content.text);
     let mut lines = Vec::with_capacity(program.actions.len() + 1);
     let mut fields = Vec::with_capacity(program.actions.len());
     for field in &program.actions {

@@ -7,7 +7,7 @@
 use super::{Model, ModelRole};
 use crate::agent::Models;
 use fab_program::Program;
-use fab_program::pointing::{Frame, Order, Pointing, PointingError, Unit};
+use fab_program::pointing::{Frame, Order, Pointing, PointingError, CoordinateUnit};
 use fab_program::render;
 use image::RgbImage;
 use image::imageops::{self, FilterType};
@@ -26,7 +26,7 @@ pub struct Lowering {
     /// What stands for a point.
     pub points: Points,
     /// What coordinates count.
-    pub unit: Unit,
+    pub unit: CoordinateUnit,
     /// Which comes first.
     pub order: Order,
     /// What becomes of a picture before it is sent.
@@ -65,7 +65,7 @@ impl Lowering {
     /// What tasks are written for: `(x, y)` in pixels of the camera's picture.
     pub const PIXELS: Lowering = Lowering {
         points: Points::Coordinates,
-        unit: Unit::Pixels,
+        unit: CoordinateUnit::Pixels,
         order: Order::Xy,
         resize: Resize::Never,
     };
@@ -136,10 +136,10 @@ impl fmt::Display for Lowering {
             Order::Yx => "y x",
         })?;
         f.write_str(match self.unit {
-            Unit::Pixels => ", pixels",
-            Unit::Fraction => ", 0-1",
-            Unit::Percent => ", 0-100",
-            Unit::PerMille => ", 0-1000",
+            CoordinateUnit::Pixels => ", pixels",
+            CoordinateUnit::Fraction => ", 0-1",
+            CoordinateUnit::Percent => ", 0-100",
+            CoordinateUnit::PerMille => ", 0-1000",
         })?;
         match self.resize {
             Resize::Never => Ok(()),

@@ -15,15 +15,15 @@ use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
 use crate::world::{World, WorldError, WorldPoint};
-use fab_program::facts::Done;
-use fab_program::{Arrow, Which};
+use fab_program::facts::ExecutedAction;
+use fab_program::{Arrow, SubgoalStep};
 use std::time::{Duration, Instant};
 
 /// What one step leaves to the next.
 #[derive(Default)]
 pub(super) struct Memory {
     first_scene: Option<Scene>,
-    last: Option<Done>,
+    last: Option<ExecutedAction>,
 }
 
 /// One step under way.
@@ -214,7 +214,7 @@ impl<'j> Turn<'j> {
             };
         }
         let shown = match &pictures.subgoals {
-            Some(subgoals) => subgoals.picture(Which::Now, Arrow::Drawn),
+            Some(subgoals) => subgoals.picture(SubgoalStep::Now, Arrow::Drawn),
             None => &pictures.annotated,
         };
         sheet.row(number, shown, drawn, after.rgb.clone());
@@ -228,7 +228,7 @@ impl<'j> Turn<'j> {
             seconds: begun.elapsed().as_secs_f64(),
             spent: keeper.asking.spent(),
         });
-        memory.last = Some(Done {
+        memory.last = Some(ExecutedAction {
             proposal,
             pick: action.pick_on_cloth_px,
             place: action.place_px,

@@ -3,7 +3,7 @@
 use super::{Scene, SceneError};
 use crate::vision::{self, DrawnLayer, DrawnShape};
 use fab_program::eval;
-use fab_program::facts::{Done, Facts};
+use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
 use fab_program::scene::{Missing, SceneView};
 use fab_program::{Layer, Mark, PixelPoint, Point, Program, Spot};
@@ -19,7 +19,7 @@ impl Scene {
         &self,
         program: &Program,
         rgb: &RgbImage,
-        last: Option<&Done>,
+        last: Option<&ExecutedAction>,
     ) -> Result<RgbImage, SceneError> {
         self.with_layers(program, &program.layers, rgb, last)
     }
@@ -30,7 +30,7 @@ impl Scene {
         program: &Program,
         layers: &[Layer],
         rgb: &RgbImage,
-        last: Option<&Done>,
+        last: Option<&ExecutedAction>,
     ) -> Result<RgbImage, SceneError> {
         let texts = BTreeMap::new();
         let facts = Facts {

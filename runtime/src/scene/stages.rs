@@ -5,7 +5,7 @@
 
 use super::{Found, Scene, SceneError, pixels};
 use crate::vision::{self, DrawnLayer, DrawnShape, Mask};
-use fab_program::facts::Done;
+use fab_program::facts::ExecutedAction;
 use fab_program::{PixelPoint, Program};
 use image::{Luma, RgbImage};
 
@@ -34,7 +34,7 @@ impl Scene {
         &self,
         program: &Program,
         rgb: &RgbImage,
-        last: Option<&Done>,
+        last: Option<&ExecutedAction>,
     ) -> Result<Vec<StagePicture>, SceneError> {
         let mut stages = Vec::with_capacity(self.found.len() + program.layers.len());
         for (name, found) in &self.found {

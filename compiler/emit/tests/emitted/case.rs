@@ -1,7 +1,7 @@
 //! One case of a table: what is known, an action, and how both are told to the emitted verifiers.
 
 use fab_program::Proposal;
-use fab_program::facts::{Done, Facts};
+use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
 use fab_program::render::RenderError;
 use fab_program::scene::SceneView;
@@ -41,7 +41,7 @@ impl SceneView for Scene {
 pub struct Case {
     pub scene: Scene,
     pub step: u32,
-    pub last: Option<Done>,
+    pub last: Option<ExecutedAction>,
     pub proposal: Proposal,
 }
 

@@ -5,13 +5,13 @@ use super::programs;
 use super::table::Chance;
 use fab_emit::Artifact;
 use fab_program::Proposal;
-use fab_program::facts::{Done, Facts};
+use fab_program::facts::{ExecutedAction, Facts};
 use fab_program::pointing::Pointing;
 use fab_program::render::{self, PromptSpeaker, Values};
 use fab_program::space;
 use fab_program::{
-    Comparison, Extractor, Keypoint, Moment, Number, PixelPoint, Program, Shown, Stage, Template,
-    Value, Variable,
+    Comparison, Extractor, Keypoint, Moment, Number, PixelPoint, Placeholder, Program, Stage,
+    Template, Value, Variable,
 };
 use std::collections::BTreeMap;
 
@@ -45,7 +45,7 @@ fn guarded_program(guarded: [bool; 4]) -> Program {
         let count = Number::Count { keypoint };
         let shown = |name: &str| Variable {
             name: name.to_owned(),
-            value: Shown::Text {
+            value: Placeholder::Text {
                 name: name.to_owned(),
             },
         };
@@ -128,7 +128,7 @@ fn filled(program: &Program, holding: [bool; 4], chance: &mut Chance) -> Vec<Fil
             })
             .collect(),
     };
-    let last = Done {
+    let last = ExecutedAction {
         proposal: proposal.clone(),
         pick: PixelPoint::new(1, 2),
         place: PixelPoint::new(3, 4),
@@ -185,10 +185,10 @@ fn said<'p>(
         .iter()
         .find(|it| it.speaker == PromptSpeaker::System)
     {
-        said.push(("system", stage.system.as_slice(), system.said.text.clone()));
+        said.push(("system", stage.system.as_slice(), system.content.text.clone()));
     }
     let user = messages.last().unwrap();
-    said.push(("user", stage.say.as_slice(), user.said.text.clone()));
+    said.push(("user", stage.say.as_slice(), user.content.text.clone()));
     said
 }
 

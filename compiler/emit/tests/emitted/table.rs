@@ -3,7 +3,7 @@
 use super::case::{Case, Scene};
 use super::oracle;
 use fab_program::Proposal;
-use fab_program::facts::Done;
+use fab_program::facts::ExecutedAction;
 use fab_program::space;
 use fab_program::{KeypointShape, PixelPoint, Program, Value};
 
@@ -214,7 +214,7 @@ fn case(program: &Program, chance: &mut Chance) -> Case {
         let points = (0..count).map(|_| chance.point()).collect();
         scene.points.insert(name, points);
     }
-    let last = (!chance.one_in(3)).then(|| Done {
+    let last = (!chance.one_in(3)).then(|| ExecutedAction {
         proposal: proposal(program, &scene, chance),
         pick: chance.point(),
         place: chance.point(),

@@ -14,7 +14,7 @@
 
 use super::case::{Case, Scene};
 use fab_program::Proposal;
-use fab_program::facts::Done;
+use fab_program::facts::ExecutedAction;
 use fab_program::{Choices, PixelPoint, Program, Value};
 
 /// Returns each case with its line, what is said of it, and what is said with fewer checks.
@@ -71,7 +71,7 @@ fn set(program: &Program, state: &mut Case, line: &str) {
         }
         None if what == "step" => state.step = words[0].parse().unwrap(),
         None if what == "last" => {
-            state.last = (words[0] != "none").then(|| Done {
+            state.last = (words[0] != "none").then(|| ExecutedAction {
                 pick: point(words[0]),
                 place: point(words[1]),
                 proposal: turned(program, &words[2..]),

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// What stands at a place of a text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "shows", rename_all = "snake_case")]
-pub enum Shown {
+pub enum Placeholder {
     /// What a stage read.
     Text {
         /// Its name.
@@ -33,7 +33,7 @@ pub enum Shown {
         /// In pixels or metres.
         length: Length,
         /// How it is written.
-        written: Written,
+        written: NumberFormat,
     },
     /// The angle between two directions.
     Angle {
@@ -42,14 +42,14 @@ pub enum Shown {
         /// The other.
         b: Heading,
         /// How it is written; the factor is applied to degrees.
-        written: Written,
+        written: NumberFormat,
     },
     /// A number.
     Number {
         /// The number.
         number: Number,
         /// How it is written.
-        written: Written,
+        written: NumberFormat,
     },
     /// The proposed value of a field, as the answer's format writes it.
     Field {
@@ -79,7 +79,7 @@ pub enum Shown {
 
 /// How a number is written: multiplied, rounded, without needless zeros, and followed by a unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Written {
+pub struct NumberFormat {
     /// What it is multiplied by.
     pub factor: f64,
     /// The most digits behind the point.
@@ -88,24 +88,27 @@ pub struct Written {
     pub unit: String,
 }
 
-impl Depends for Shown {
+impl Depends for Placeholder {
     fn add_uses(&self, uses: &mut Uses) {
         match self {
-            Shown::Text { .. } | Shown::Format | Shown::PointForm | Shown::Choices { .. } => {}
-            Shown::Points { keypoint } => {
+            Placeholder::Text { .. }
+            | Placeholder::Format
+            | Placeholder::PointForm
+            | Placeholder::Choices { .. } => {}
+            Placeholder::Points { keypoint } => {
                 uses.keypoints.insert(keypoint.clone());
             }
-            Shown::Point { point } => point.add_uses(uses),
-            Shown::Length { length, .. } => length.add_uses(uses),
-            Shown::Angle { a, b, .. } => {
+            Placeholder::Point { point } => point.add_uses(uses),
+            Placeholder::Length { length, .. } => length.add_uses(uses),
+            Placeholder::Angle { a, b, .. } => {
                 a.add_uses(uses);
                 b.add_uses(uses);
             }
-            Shown::Number { number, .. } => number.add_uses(uses),
-            Shown::Field { .. } => uses.action = true,
-            Shown::LastField { .. } => uses.last = true,
-            Shown::Unreachable => uses.reach = true,
-            Shown::Nearest { to, .. } => to.add_uses(uses),
+            Placeholder::Number { number, .. } => number.add_uses(uses),
+            Placeholder::Field { .. } => uses.action = true,
+            Placeholder::LastField { .. } => uses.last = true,
+            Placeholder::Unreachable => uses.reach = true,
+            Placeholder::Nearest { to, .. } => to.add_uses(uses),
         }
     }
 }

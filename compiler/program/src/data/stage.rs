@@ -1,7 +1,7 @@
 //! The texts that reach a model, and the questions they make up.
 
 use crate::data::files::FileRef;
-use crate::data::placeholders::Shown;
+use crate::data::placeholders::Placeholder;
 use crate::data::values::Condition;
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +29,7 @@ pub struct Variable {
     /// What the template calls it; one name means one value in the whole program.
     pub name: String,
     /// What it shows.
-    pub value: Shown,
+    pub value: Placeholder,
 }
 
 /// One question to a model.
@@ -61,16 +61,16 @@ pub struct Stage {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Example {
     /// The question's texts, joined by a blank line.
-    pub say: Vec<Words>,
+    pub say: Vec<LiteralText>,
     /// Pictures that follow it.
     pub images: Vec<FileRef>,
     /// The answer; the stage's own reader can read it.
-    pub reply: Words,
+    pub reply: LiteralText,
 }
 
 /// A text that stands in a file as it is said.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Words {
+pub struct LiteralText {
     /// The text.
     pub text: String,
     /// The file that holds it, as in [`crate::data::files::SourceStamp::name`].
@@ -96,7 +96,7 @@ pub enum Picture {
     /// A subgoal.
     Subgoal {
         /// Which one.
-        which: Which,
+        which: SubgoalStep,
         /// Whether the step's arrow is drawn on it.
         arrow: Arrow,
     },
@@ -110,7 +110,7 @@ pub enum Picture {
 /// Which of the two pictures around a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Which {
+pub enum SubgoalStep {
     /// The cloth before the step.
     Now,
     /// The cloth after the step.

@@ -10,7 +10,7 @@ const ROUNDED: f64 = 1e-6;
 /// What coordinates count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Unit {
+pub enum CoordinateUnit {
     /// Pixels of the picture that the model works on.
     Pixels,
     /// Parts of the picture's sides, 0 to 1.
@@ -21,16 +21,21 @@ pub enum Unit {
     PerMille,
 }
 
-impl Unit {
+impl CoordinateUnit {
     /// Every unit.
-    pub const ALL: [Unit; 4] = [Unit::Pixels, Unit::Fraction, Unit::Percent, Unit::PerMille];
+    pub const ALL: [CoordinateUnit; 4] = [
+        CoordinateUnit::Pixels,
+        CoordinateUnit::Fraction,
+        CoordinateUnit::Percent,
+        CoordinateUnit::PerMille,
+    ];
 
     /// Returns how many digits behind the point a coordinate has.
     pub fn decimals(self) -> u32 {
         match self {
-            Unit::Pixels | Unit::PerMille => 0,
-            Unit::Percent => 1,
-            Unit::Fraction => 3,
+            CoordinateUnit::Pixels | CoordinateUnit::PerMille => 0,
+            CoordinateUnit::Percent => 1,
+            CoordinateUnit::Fraction => 3,
         }
     }
 }
@@ -54,7 +59,7 @@ impl Order {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Frame {
     /// What coordinates count.
-    pub unit: Unit,
+    pub unit: CoordinateUnit,
     /// Which comes first.
     pub order: Order,
     /// The picture in whose pixels every [`PixelPoint`] is given: the camera's.
@@ -67,7 +72,7 @@ impl Frame {
     /// Returns `(x, y)` in pixels of the camera's picture.
     pub fn pixels(size: [u32; 2]) -> Frame {
         Frame {
-            unit: Unit::Pixels,
+            unit: CoordinateUnit::Pixels,
             order: Order::Xy,
             size,
             sent: size,
@@ -97,7 +102,7 @@ impl Frame {
         }
         let [u, v] = [(x, 0), (y, 1)].map(|(value, axis)| {
             // The far edge is still the picture's.
-            let is_edge = self.unit != Unit::Pixels && value == self.full(axis) as f64;
+            let is_edge = self.unit != CoordinateUnit::Pixels && value == self.full(axis) as f64;
             let pixel = (self.along(value, axis) + ROUNDED).floor() as i32;
             if is_edge { pixel - 1 } else { pixel }
         });
@@ -119,14 +124,16 @@ impl Frame {
         let written = |value: f64, decimals: u32| exact::written(value, decimals as usize);
         let decimals = self.unit.decimals();
         Some(match self.unit {
-            Unit::Pixels if self.size == self.sent => return None,
-            Unit::Pixels => format!("{} px", written(part * self.full(0) as f64, 1)),
-            Unit::Fraction => format!("{} of the picture's width", written(part, decimals)),
-            Unit::Percent => {
+            CoordinateUnit::Pixels if self.size == self.sent => return None,
+            CoordinateUnit::Pixels => format!("{} px", written(part * self.full(0) as f64, 1)),
+            CoordinateUnit::Fraction => {
+                format!("{} of the picture's width", written(part, decimals))
+            }
+            CoordinateUnit::Percent => {
                 let percent = written(part * 100.0, decimals);
                 format!("{percent}% of the picture's width")
             }
-            Unit::PerMille => {
+            CoordinateUnit::PerMille => {
                 let thousandths = written(part * 1000.0, decimals);
                 format!("{thousandths} thousandths of the picture's width")
             }
@@ -149,19 +156,19 @@ impl Frame {
             Order::Yx => "the picture's height and width",
         };
         match self.unit {
-            Unit::Pixels if self.size == self.sent => format!("{form} in pixels"),
-            Unit::Pixels => {
+            CoordinateUnit::Pixels if self.size == self.sent => format!("{form} in pixels"),
+            CoordinateUnit::Pixels => {
                 let [width, height] = self.sent;
                 format!("{form} in pixels of a picture {width} wide and {height} high")
             }
-            Unit::Fraction => format!("{form} in parts of {sides}, from 0 to 1"),
-            Unit::Percent => format!("{form} in percent of {sides}"),
-            Unit::PerMille => format!("{form} in thousandths of {sides}"),
+            CoordinateUnit::Fraction => format!("{form} in parts of {sides}, from 0 to 1"),
+            CoordinateUnit::Percent => format!("{form} in percent of {sides}"),
+            CoordinateUnit::PerMille => format!("{form} in thousandths of {sides}"),
         }
     }
 
     pub(super) fn counts_own_pixels(&self) -> bool {
-        self.unit == Unit::Pixels && self.size == self.sent
+        self.unit == CoordinateUnit::Pixels && self.size == self.sent
     }
 
     /// Writes a pixel with so many digits behind the point.
@@ -181,7 +188,7 @@ impl Frame {
             let (side, full) = (i128::from(self.size[axis].max(1)), self.full(axis));
             let scale = 10_i128.pow(decimals);
             // A pixel is named by its number, which is half less than the place of its centre.
-            let half = i128::from(self.unit == Unit::Pixels);
+            let half = i128::from(self.unit == CoordinateUnit::Pixels);
             let doubled = (2 * i128::from(pixel) + 1) * full * scale - half * scale * side;
             // Halves go down, so that a picture of just as many pixels as steps has one step for each pixel.
             ceil_div(doubled - side, 2 * side)
@@ -191,15 +198,19 @@ impl Frame {
     /// Returns the coordinate of the picture's far edge.
     fn full(&self, axis: usize) -> i128 {
         match self.unit {
-            Unit::Pixels => i128::from(self.sent[axis].max(1)),
-            Unit::Fraction => 1,
-            Unit::Percent => 100,
-            Unit::PerMille => 1000,
+            CoordinateUnit::Pixels => i128::from(self.sent[axis].max(1)),
+            CoordinateUnit::Fraction => 1,
+            CoordinateUnit::Percent => 100,
+            CoordinateUnit::PerMille => 1000,
         }
     }
 
     fn along(&self, value: f64, axis: usize) -> f64 {
-        let half = if self.unit == Unit::Pixels { 0.5 } else { 0.0 };
+        let half = if self.unit == CoordinateUnit::Pixels {
+            0.5
+        } else {
+            0.0
+        };
         (value + half) * f64::from(self.size[axis].max(1)) / self.full(axis) as f64
     }
 }

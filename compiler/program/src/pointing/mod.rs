@@ -12,6 +12,6 @@ mod frame;
 mod notation;
 mod scheme;
 
-pub use frame::{Frame, Order, Unit};
+pub use frame::{CoordinateUnit, Frame, Order};
 pub use notation::Notation;
 pub use scheme::{Pointing, PointingError};

@@ -1,6 +1,6 @@
 //! The points of one scene, as a model is told of them.
 
-use super::{Frame, Order, Pointing, Unit};
+use super::{CoordinateUnit, Frame, Order, Pointing};
 use crate::data::actions::{ActionField, Value};
 use crate::data::camera::PixelPoint;
 use crate::scene::SceneView;
@@ -188,7 +188,7 @@ impl Notation {
         matches!(self.pointing, Pointing::Marks(_))
     }
 
-    pub(crate) fn unit(&self) -> Unit {
+    pub(crate) fn unit(&self) -> CoordinateUnit {
         self.frame().unit
     }
 

@@ -10,11 +10,11 @@ mod text;
 
 pub use jinja::{Jinja, escaped, placeholder};
 pub use placeholders::constant;
-pub use text::{FABC, Origin, Place, Said, Stretch};
+pub use text::{FABC, Origin, Place, PromptText, Stretch};
 
 use crate::data::actions::ActionField;
 use crate::data::files::FileRef;
-use crate::data::placeholders::Shown;
+use crate::data::placeholders::Placeholder;
 use crate::data::program::Program;
 use crate::data::stage::{Picture, Read, Stage, Template};
 use crate::data::verify::Check;
@@ -35,7 +35,7 @@ const FUEL: u64 = 1_000_000;
 const MAX_BYTES: usize = 1 << 20;
 
 /// What stands between two texts of a message.
-pub const BETWEEN: &str = "\n\n";
+pub const SEPARATOR: &str = "\n\n";
 
 /// Where the values of a text come from.
 #[derive(Clone, Copy)]
@@ -94,7 +94,7 @@ pub struct PromptMessage {
     /// Who speaks.
     pub speaker: PromptSpeaker,
     /// The text, and where it comes from.
-    pub said: Said,
+    pub content: PromptText,
     /// The pictures that follow it, in order.
     pub pictures: Vec<PromptPicture>,
 }
@@ -122,35 +122,38 @@ pub fn messages(
     let pointing = values.pointing(program);
     pointing.check(program, stage)?;
     let mut messages = Vec::with_capacity(2 + 2 * stage.examples.len());
-    let mut say = |speaker, said, pictures| {
+    let mut say = |speaker, content, pictures| {
         messages.push(PromptMessage {
             speaker,
-            said,
+            content,
             pictures,
         });
     };
     if !stage.system.is_empty() {
-        let said = joined(program, &stage.system, values)?;
-        say(PromptSpeaker::System, said, Vec::new());
+        let content = joined(program, &stage.system, values)?;
+        say(PromptSpeaker::System, content, Vec::new());
     }
     for (example, number) in stage.examples.iter().zip(1..) {
         let name = format!("example {number}");
-        let texts = example.say.iter().map(|words| Said::words(words, &name));
+        let texts = example
+            .say
+            .iter()
+            .map(|words| PromptText::literal(words, &name));
         let images = example.images.iter().cloned().map(PromptPicture::File);
-        let asked = Said::joined(texts, BETWEEN);
+        let asked = PromptText::joined(texts, SEPARATOR);
         say(PromptSpeaker::User, asked, images.collect());
-        let answered = Said::words(&example.reply, &name);
+        let answered = PromptText::literal(&example.reply, &name);
         say(PromptSpeaker::Assistant, answered, Vec::new());
     }
     let pictures = stage.show.iter().copied().map(PromptPicture::Drawn);
-    let mut said = joined(program, &stage.say, values)?;
+    let mut content = joined(program, &stage.say, values)?;
     if let Some(remark) = reach_remark(program, stage, values) {
-        said.push(BETWEEN, Said::by_fabc(remark));
+        content.push(SEPARATOR, PromptText::by_fabc(remark));
     }
     if leaves_frame_open(program, stage, &pointing) {
-        said.push(BETWEEN, Said::by_fabc(pointing.sentence()));
+        content.push(SEPARATOR, PromptText::by_fabc(pointing.sentence()));
     }
-    say(PromptSpeaker::User, said, pictures.collect());
+    say(PromptSpeaker::User, content, pictures.collect());
     Ok(messages)
 }
 
@@ -166,7 +169,7 @@ pub fn leaves_frame_open(program: &Program, stage: &Stage, pointing: &Pointing) 
         .iter()
         .filter(|template| template.when.is_none())
         .flat_map(|template| &template.variables)
-        .any(|variable| variable.value == Shown::PointForm);
+        .any(|variable| variable.value == Placeholder::PointForm);
     let asks =
         matches!(stage.read, Read::Action) && program.actions.iter().any(ActionField::is_point);
     !says_so && (asks || shows_points(program, &templates))
@@ -190,7 +193,7 @@ fn reach_remark(program: &Program, stage: &Stage, values: Values<'_>) -> Option<
     let said = templates.iter().filter(is_said);
     let says_so = said
         .flat_map(|template| &template.variables)
-        .any(|variable| variable.value == Shown::Unreachable);
+        .any(|variable| variable.value == Placeholder::Unreachable);
     let concerns = matches!(stage.read, Read::Action) || shows_points(program, &templates);
     let points = placeholders::unreachable(facts.scene, &facts.notation(program));
     (concerns && !says_so).then(|| {
@@ -224,14 +227,14 @@ pub const REFUSED_ACTION: &str = "The picture shows the refused action: a green 
 pub fn corrections(
     program: &Program,
     values: Values<'_>,
-) -> Result<Vec<(String, Said)>, RenderError> {
+) -> Result<Vec<(String, PromptText)>, RenderError> {
     let checks = program.verify.checks.iter();
     let checks = checks.map(|check| (check.name.as_str(), check.message.as_str()));
     let result = program.verify.result.iter();
     let result = result.map(|check| ("result", check.message.as_str()));
     let mut told = Vec::new();
     for (name, message) in checks.chain(result) {
-        let text = said(program, message, values)?;
+        let text = text(program, message, values)?;
         told.extend(text.map(|text| (name.to_owned(), text)));
     }
     Ok(told)
@@ -243,27 +246,27 @@ pub fn correction(
     check: &Check,
     facts: Facts<'_>,
 ) -> Result<String, RenderError> {
-    let text = one(program, &check.message, Values::Known(facts))?;
+    let text = plain_text(program, &check.message, Values::Known(facts))?;
     Ok(text.unwrap_or_default())
 }
 
-/// Renders one template; None where its condition does not hold.
+/// Renders one template to plain text; None where its condition does not hold.
 ///
 /// Fails where a value is missing or the program was edited by hand.
-pub fn one(
+pub fn plain_text(
     program: &Program,
     name: &str,
     values: Values<'_>,
 ) -> Result<Option<String>, RenderError> {
-    Ok(said(program, name, values)?.map(|said| said.text))
+    Ok(text(program, name, values)?.map(|content| content.text))
 }
 
-/// Does what [`one`] does, and says where each stretch comes from.
-pub fn said(
+/// Renders one template with the place that each stretch comes from; None where its condition does not hold.
+pub fn text(
     program: &Program,
     name: &str,
     values: Values<'_>,
-) -> Result<Option<Said>, RenderError> {
+) -> Result<Option<PromptText>, RenderError> {
     let Some(template) = program.template(name) else {
         return Err(RenderError::UnknownTemplate {
             template: name.to_owned(),
@@ -309,12 +312,16 @@ pub fn values(
     Ok(texts)
 }
 
-fn joined(program: &Program, names: &[String], values: Values<'_>) -> Result<Said, RenderError> {
+fn joined(
+    program: &Program,
+    names: &[String],
+    values: Values<'_>,
+) -> Result<PromptText, RenderError> {
     let mut texts = Vec::with_capacity(names.len());
     for name in names {
-        texts.extend(said(program, name, values)?);
+        texts.extend(text(program, name, values)?);
     }
-    Ok(Said::joined(texts, BETWEEN))
+    Ok(PromptText::joined(texts, SEPARATOR))
 }
 
 /// Fills Jinja source; says why where that is impossible.

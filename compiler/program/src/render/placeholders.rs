@@ -1,7 +1,7 @@
 //! Values as texts.
 
 use crate::data::actions::{ActionField, Choices, Value};
-use crate::data::placeholders::{Shown, Written};
+use crate::data::placeholders::{NumberFormat, Placeholder};
 use crate::data::program::Program;
 use crate::data::stage::Read;
 use crate::data::verify::OVERLAP;
@@ -17,7 +17,11 @@ use crate::space;
 const PIXELS: &str = " px";
 
 /// Writes what is known.
-pub(super) fn known(program: &Program, facts: Facts<'_>, shown: &Shown) -> Result<String, Missing> {
+pub(super) fn known(
+    program: &Program,
+    facts: Facts<'_>,
+    shown: &Placeholder,
+) -> Result<String, Missing> {
     if let Some(text) = constant(program, &facts.pointing, shown) {
         return Ok(text);
     }
@@ -29,12 +33,12 @@ pub(super) fn known(program: &Program, facts: Facts<'_>, shown: &Shown) -> Resul
         Ok(notation.value(field, value))
     };
     match shown {
-        Shown::Text { name } => facts
+        Placeholder::Text { name } => facts
             .texts
             .get(name)
             .cloned()
             .ok_or_else(|| Missing::of(name)),
-        Shown::Points { keypoint } => {
+        Placeholder::Points { keypoint } => {
             let points = facts.scene.points(keypoint);
             let points = points.ok_or_else(|| Missing::of(keypoint))?;
             let texts: Vec<String> = points
@@ -43,33 +47,33 @@ pub(super) fn known(program: &Program, facts: Facts<'_>, shown: &Shown) -> Resul
                 .collect();
             Ok(texts.join(", "))
         }
-        Shown::Point { point } => Ok(notation.written(rounded(eval.point(point)?))),
-        Shown::Length { length, written } => {
+        Placeholder::Point { point } => Ok(notation.written(rounded(eval.point(point)?))),
+        Placeholder::Length { length, written } => {
             Ok(self::length(eval.length(length)?, written, &facts.pointing))
         }
-        Shown::Angle { a, b, written } => Ok(number(eval.angle_deg(a, b)?, written)),
-        Shown::Number {
+        Placeholder::Angle { a, b, written } => Ok(number(eval.angle_deg(a, b)?, written)),
+        Placeholder::Number {
             number: value,
             written,
         } => Ok(number(eval.number(value)?, written)),
-        Shown::Field { field } => of_field(field, facts.proposed(field)),
-        Shown::LastField { field } => {
+        Placeholder::Field { field } => of_field(field, facts.proposed(field)),
+        Placeholder::LastField { field } => {
             let last = facts.last.ok_or_else(|| Missing::of("last"))?;
             of_field(field, last.proposal.get(field))
         }
-        Shown::Choices { field } => {
+        Placeholder::Choices { field } => {
             let field = program.field(field).ok_or_else(|| Missing::of(field))?;
             Ok(match &field.choices {
                 Choices::Region { mask } => space::any_of(mask),
                 _ => notation.listed(field, &space::choices(field, facts.scene)),
             })
         }
-        Shown::Nearest { field, to } => {
+        Placeholder::Nearest { field, to } => {
             let deg = eval.nearest_deg(field, to)?;
             of_field(field, Some(&Value::Direction { deg }))
         }
-        Shown::Unreachable => Ok(unreachable(facts.scene, &notation)),
-        Shown::Format | Shown::PointForm => Err(Missing::of("actions")),
+        Placeholder::Unreachable => Ok(unreachable(facts.scene, &notation)),
+        Placeholder::Format | Placeholder::PointForm => Err(Missing::of("actions")),
     }
 }
 
@@ -86,11 +90,11 @@ pub(super) fn unreachable(scene: &dyn SceneView, notation: &Notation) -> String 
 }
 
 /// Writes what depends on nothing but how points are written.
-pub fn constant(program: &Program, pointing: &Pointing, shown: &Shown) -> Option<String> {
+pub fn constant(program: &Program, pointing: &Pointing, shown: &Placeholder) -> Option<String> {
     match shown {
-        Shown::Format => Some(space::format_with(pointing.form(), &program.actions)),
-        Shown::PointForm => Some(pointing.phrase()),
-        Shown::Length {
+        Placeholder::Format => Some(space::format_with(pointing.form(), &program.actions)),
+        Placeholder::PointForm => Some(pointing.phrase()),
+        Placeholder::Length {
             length: Length::Constant { value },
             written,
         } => Some(length(*value, written, pointing)),
@@ -99,18 +103,21 @@ pub fn constant(program: &Program, pointing: &Pointing, shown: &Shown) -> Option
 }
 
 /// Returns whether points are among what is shown.
-pub(super) fn has_points(program: &Program, shown: &Shown) -> bool {
+pub(super) fn has_points(program: &Program, shown: &Placeholder) -> bool {
     match shown {
-        Shown::Points { .. } | Shown::Point { .. } | Shown::Format | Shown::Unreachable => true,
-        Shown::Field { field } | Shown::LastField { field } | Shown::Choices { field } => {
-            program.field(field).is_some_and(ActionField::is_point)
-        }
+        Placeholder::Points { .. }
+        | Placeholder::Point { .. }
+        | Placeholder::Format
+        | Placeholder::Unreachable => true,
+        Placeholder::Field { field }
+        | Placeholder::LastField { field }
+        | Placeholder::Choices { field } => program.field(field).is_some_and(ActionField::is_point),
         _ => false,
     }
 }
 
 /// Says what would stand there.
-pub(super) fn typed(program: &Program, name: &str, shown: &Shown) -> String {
+pub(super) fn typed(program: &Program, name: &str, shown: &Placeholder) -> String {
     if let Some(text) = constant(program, &Pointing::of_camera(&program.camera), shown) {
         return text;
     }
@@ -122,27 +129,27 @@ pub(super) fn typed(program: &Program, name: &str, shown: &Shown) -> String {
         reads.map_or("another stage", |stage| stage.name.as_str())
     };
     let what = match shown {
-        Shown::Text { name } if name == OVERLAP => {
+        Placeholder::Text { name } if name == OVERLAP => {
             "the share of the next subgoal's cloth that the result covers".to_owned()
         }
-        Shown::Text { name } => format!("the answer of stage {}", reader(name)),
-        Shown::Points { .. } => "points (x, y), …".to_owned(),
-        Shown::Point { .. } => "a point (x, y)".to_owned(),
-        Shown::Length { written, .. } => format!("a length in{}", written.unit),
-        Shown::Angle { written, .. } => format!("an angle in{}", written.unit),
-        Shown::Number { .. } => "a number".to_owned(),
-        Shown::Field { .. } => "the proposed value".to_owned(),
-        Shown::LastField { .. } => "the value in the action before".to_owned(),
-        Shown::Choices { .. } => "what it may be".to_owned(),
-        Shown::Nearest { .. } => "the nearest choice".to_owned(),
-        Shown::Unreachable => "points out of reach, each with why".to_owned(),
-        Shown::Format | Shown::PointForm => "words".to_owned(),
+        Placeholder::Text { name } => format!("the answer of stage {}", reader(name)),
+        Placeholder::Points { .. } => "points (x, y), …".to_owned(),
+        Placeholder::Point { .. } => "a point (x, y)".to_owned(),
+        Placeholder::Length { written, .. } => format!("a length in{}", written.unit),
+        Placeholder::Angle { written, .. } => format!("an angle in{}", written.unit),
+        Placeholder::Number { .. } => "a number".to_owned(),
+        Placeholder::Field { .. } => "the proposed value".to_owned(),
+        Placeholder::LastField { .. } => "the value in the action before".to_owned(),
+        Placeholder::Choices { .. } => "what it may be".to_owned(),
+        Placeholder::Nearest { .. } => "the nearest choice".to_owned(),
+        Placeholder::Unreachable => "points out of reach, each with why".to_owned(),
+        Placeholder::Format | Placeholder::PointForm => "words".to_owned(),
     };
     format!("<{name}: {what}>")
 }
 
 /// Writes a length; one in pixels in the unit of the model's coordinates.
-fn length(value: f64, written: &Written, pointing: &Pointing) -> String {
+fn length(value: f64, written: &NumberFormat, pointing: &Pointing) -> String {
     let in_pixels =
         (written.unit == PIXELS).then(|| pointing.frame().length(value * written.factor));
     in_pixels
@@ -150,7 +157,7 @@ fn length(value: f64, written: &Written, pointing: &Pointing) -> String {
         .unwrap_or_else(|| number(value, written))
 }
 
-fn number(value: f64, written: &Written) -> String {
+fn number(value: f64, written: &NumberFormat) -> String {
     let digits = exact::written(value * written.factor, usize::from(written.decimals));
     format!("{digits}{}", written.unit)
 }

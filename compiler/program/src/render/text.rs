@@ -1,10 +1,10 @@
 //! Texts that know where each stretch of them comes from.
 //!
-//! In: a template with the values that fill it, and what it became. Out: the same text as a [`Said`], which names for
+//! In: a template with the values that fill it, and what it became. Out: the same text as a [`PromptText`], which names for
 //! every stretch the component, the file and the line. Nothing is rendered here: the stretches are laid over what the
 //! template engine gave, and where the two differ, the template counts as one stretch.
 
-use crate::data::stage::{Template, Words};
+use crate::data::stage::{LiteralText, Template};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ pub const FABC: &str = "fabc";
 
 /// A text, and where it comes from.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Said {
+pub struct PromptText {
     /// The text.
     pub text: String,
     /// Its stretches, in order, apart from each other; what stands between two texts is in none of them.
@@ -33,7 +33,7 @@ pub struct Stretch {
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Origin {
     /// What says it: the name of a template, `example 2`, `demonstration 3`, or [`FABC`].
-    pub said_by: String,
+    pub source: String,
     /// The variable that the value fills; none for words that stand in the file.
     pub value: Option<String>,
     /// Where it is declared; none for [`FABC`].
@@ -49,31 +49,31 @@ pub struct Place {
     pub line: u32,
 }
 
-impl Said {
+impl PromptText {
     /// Makes a text that `fabc` itself says.
-    pub fn by_fabc(text: impl Into<String>) -> Said {
+    pub fn by_fabc(text: impl Into<String>) -> PromptText {
         let origin = Origin {
-            said_by: FABC.to_owned(),
+            source: FABC.to_owned(),
             value: None,
             place: None,
         };
-        Said::of(text, origin)
+        PromptText::of(text, origin)
     }
 
     /// Makes a text of one stretch.
-    pub fn of(text: impl Into<String>, origin: Origin) -> Said {
+    pub fn of(text: impl Into<String>, origin: Origin) -> PromptText {
         let text = text.into();
         let bytes = 0..text.len();
         let stretches = vec![Stretch { bytes, origin }];
-        Said { text, stretches }
+        PromptText { text, stretches }
     }
 
     /// Makes a text of words that stand in a file, a stretch for each line.
-    pub fn words(words: &Words, said_by: &str) -> Said {
-        let mut said = Said::default();
+    pub fn literal(words: &LiteralText, source: &str) -> PromptText {
+        let mut said = PromptText::default();
         for (line, number) in words.text.split_inclusive('\n').zip(words.line..) {
             let origin = Origin {
-                said_by: said_by.to_owned(),
+                source: source.to_owned(),
                 value: None,
                 place: Some(Place {
                     file: words.declared_in.clone(),
@@ -86,7 +86,7 @@ impl Said {
     }
 
     /// Adds another text behind `between`, which nobody says.
-    pub fn push(&mut self, between: &str, more: Said) {
+    pub fn push(&mut self, between: &str, more: PromptText) {
         self.text.push_str(between);
         let offset = self.text.len();
         self.text.push_str(&more.text);
@@ -98,7 +98,7 @@ impl Said {
     }
 
     /// Joins texts.
-    pub(super) fn joined(texts: impl IntoIterator<Item = Said>, between: &str) -> Said {
+    pub(super) fn joined(texts: impl IntoIterator<Item = PromptText>, between: &str) -> PromptText {
         let mut texts = texts.into_iter();
         let mut all = texts.next().unwrap_or_default();
         for text in texts {
@@ -123,16 +123,16 @@ pub(super) fn laid_over(
     template: &Template,
     values: &BTreeMap<String, String>,
     rendered: String,
-) -> Said {
+) -> PromptText {
     match pieced(template, values) {
         Some(said) if said.text == rendered => said,
-        _ => Said::of(rendered, origin(template, template.line, None)),
+        _ => PromptText::of(rendered, origin(template, template.line, None)),
     }
 }
 
 /// Fills a template of the form that the compiler emits; None for one of another form.
-fn pieced(template: &Template, values: &BTreeMap<String, String>) -> Option<Said> {
-    let mut said = Said::default();
+fn pieced(template: &Template, values: &BTreeMap<String, String>) -> Option<PromptText> {
+    let mut said = PromptText::default();
     let mut line = template.line;
     let mut rest = template.text.as_str();
     while !rest.is_empty() {
@@ -159,7 +159,7 @@ fn pieced(template: &Template, values: &BTreeMap<String, String>) -> Option<Said
 
 fn origin(template: &Template, line: u32, value: Option<&str>) -> Origin {
     Origin {
-        said_by: template.name.clone(),
+        source: template.name.clone(),
         value: value.map(str::to_owned),
         place: Some(Place {
             file: template.declared_in.clone(),

@@ -5,7 +5,7 @@
 //! are; loose ones count only where there is no firmer one, and what counts must agree.
 
 use super::finding::Firmness;
-use super::names::{Named, named};
+use super::names::{Mention, named};
 use super::reading::{Malformed, Reading, bounded, quoted};
 use super::statement::{Scale, Statement, statement_at};
 use crate::data::actions::Proposal;
@@ -103,7 +103,7 @@ fn field(
     scale: Scale<'_>,
     declared: &ActionField,
     reply: &str,
-    places: &[Named],
+    places: &[Mention],
 ) -> Result<Reading<Value>, String> {
     let noun = noun(declared);
     let mut statements: Vec<Statement<'_>> = Vec::new();

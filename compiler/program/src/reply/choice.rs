@@ -28,7 +28,7 @@ const MAX_BARE_PI: f64 = 2.0;
 
 /// What is read, what the program says about it, and what stands around it.
 #[derive(Clone, Copy)]
-pub(super) struct Asked<'a> {
+pub(super) struct Expected<'a> {
     /// The field that is stated.
     pub field: &'a ActionField,
     /// The cloth's longer side, metres.
@@ -36,12 +36,12 @@ pub(super) struct Asked<'a> {
     /// The unit that stands beside the field's name, where there is one.
     pub hint: Option<AnswerUnit>,
     /// What the text ends with.
-    pub end: End,
+    pub end: TextEnd,
 }
 
 /// Why the text that may state a field ends where it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
+pub(super) enum TextEnd {
     /// Another field is named there.
     Name,
     /// The answer ends there.
@@ -49,15 +49,19 @@ pub(super) enum End {
 }
 
 /// A choice, and how a number became it where that is not obvious.
-pub(super) type Taken = (Value, Option<String>);
+pub(super) type Resolved = (Value, Option<String>);
 
 /// Returns what a quantity says; fails with the reason in words, to follow `it cannot be used:`.
 ///
 /// - `text`: the quantity as it stands in the answer.
-pub(super) fn resolve(asked: &Asked<'_>, quantity: Quantity, text: &str) -> Result<Taken, String> {
-    let (value, note) = match &asked.field.choices {
-        Choices::Directions { choices } => direction(choices, asked, quantity, text)?,
-        Choices::Lengths { unit, choices } => length(choices, *unit, asked, quantity, text)?,
+pub(super) fn resolve(
+    expected: &Expected<'_>,
+    quantity: Quantity,
+    text: &str,
+) -> Result<Resolved, String> {
+    let (value, note) = match &expected.field.choices {
+        Choices::Directions { choices } => direction(choices, expected, quantity, text)?,
+        Choices::Lengths { unit, choices } => length(choices, *unit, expected, quantity, text)?,
         Choices::Points { .. } | Choices::Region { .. } | Choices::Words { .. } => {
             return Err(format!("`{text}` is a number"));
         }
@@ -65,7 +69,7 @@ pub(super) fn resolve(asked: &Asked<'_>, quantity: Quantity, text: &str) -> Resu
     if quantity.decimals == Decimals::Point {
         return Ok((value, note));
     }
-    if space::declared(asked.field).contains(&value) {
+    if space::declared(expected.field).contains(&value) {
         return Ok((value, Some("its comma as a decimal point".to_owned())));
     }
     Err(format!("`{text}` has a comma where a point is needed"))
@@ -73,10 +77,10 @@ pub(super) fn resolve(asked: &Asked<'_>, quantity: Quantity, text: &str) -> Resu
 
 fn direction(
     choices: &[Direction],
-    asked: &Asked<'_>,
+    expected: &Expected<'_>,
     quantity: Quantity,
     text: &str,
-) -> Result<Taken, String> {
+) -> Result<Resolved, String> {
     let number = quantity.number;
     let stated = |deg: f64, nearest: Option<f64>| {
         let deg = normalised_deg(deg);
@@ -86,7 +90,7 @@ fn direction(
         let deg = nearest.unwrap_or(deg);
         (Value::Direction { deg }, note)
     };
-    let unit = quantity.unit.or(asked.hint);
+    let unit = quantity.unit.or(expected.hint);
     let (deg, rounded_rad) = match (quantity.times_pi, unit) {
         (true, None) => (number * 180.0, Some(number * PI)),
         (true, Some(AnswerUnit::Of(unit))) if *unit == RAD => (number * 180.0, Some(number * PI)),
@@ -100,7 +104,7 @@ fn direction(
 }
 
 /// Takes a number without a unit as what makes it a choice, if that is one choice only.
-fn bare_direction(choices: &[Direction], number: f64, text: &str) -> Result<Taken, String> {
+fn bare_direction(choices: &[Direction], number: f64, text: &str) -> Result<Resolved, String> {
     let mut hits: Vec<(f64, &str)> = Vec::new();
     let meanings = [
         (true, number, None, "degrees"),
@@ -182,15 +186,15 @@ fn only<T>(mut left: impl Iterator<Item = T>, text: &str) -> Result<Option<T>, S
 fn length(
     choices: &[LengthChoice],
     unit: LengthUnit,
-    asked: &Asked<'_>,
+    expected: &Expected<'_>,
     quantity: Quantity,
     text: &str,
-) -> Result<Taken, String> {
+) -> Result<Resolved, String> {
     let number = quantity.number;
     if quantity.times_pi {
         return Err(format!("`{text}` is no length"));
     }
-    let (stated, in_unit, note) = match quantity.unit.or(asked.hint) {
+    let (stated, in_unit, note) = match quantity.unit.or(expected.hint) {
         None => {
             let note = format!("the number in `{}`", unit.name);
             (number, unit, Some(note))
@@ -219,7 +223,7 @@ fn length(
         let alike = only(choices.iter().filter(reads), text)?;
         return Ok(given(alike.map_or(stated, |choice| choice.value)));
     }
-    let stated_m = stated * in_unit.size_with(asked.edge_m);
+    let stated_m = stated * in_unit.size_with(expected.edge_m);
     let is_same =
         |choice: &&LengthChoice| (choice.m - stated_m).abs() <= CONVERTED * choice.m.abs();
     if let Some(choice) = only(choices.iter().filter(is_same), text)? {
@@ -227,7 +231,7 @@ fn length(
             "`{}` as `{}`",
             text,
             space::text(
-                asked.field,
+                expected.field,
                 &Value::Length {
                     length: choice.value
                 }
@@ -236,7 +240,7 @@ fn length(
         let length = choice.value;
         return Ok((Value::Length { length }, Some(note)));
     }
-    let length = stated_m / unit.size_with(asked.edge_m);
+    let length = stated_m / unit.size_with(expected.edge_m);
     if length.is_finite() {
         Ok(given(length))
     } else {

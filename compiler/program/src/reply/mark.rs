@@ -78,14 +78,14 @@ fn number(cursor: &mut Cursor<'_>, notation: &Notation) -> Found {
     behind.eat_word("at");
     skip_blank(&mut behind);
     match pixel::read(&mut behind, notation, Brackets::Needed) {
-        pixel::Found::Pixel(place, _) if place != point => {
+        pixel::PixelFound::Pixel(place, _) if place != point => {
             return Found::Bad(format!(
                 "its number says {} and its coordinates say another place",
                 notation.written(point)
             ));
         }
-        pixel::Found::Pixel(..) => *cursor = behind,
-        pixel::Found::Bad(_) | pixel::Found::Nothing => {}
+        pixel::PixelFound::Pixel(..) => *cursor = behind,
+        pixel::PixelFound::Bad(_) | pixel::PixelFound::Nothing => {}
     }
     if leaves_open(*cursor) {
         return Found::Bad("it leaves more than one point open".to_owned());
@@ -101,10 +101,10 @@ fn skip_blank(cursor: &mut Cursor<'_>) {
 fn by_coordinates(start: Cursor<'_>, notation: &Notation) -> bool {
     let mut cursor = start;
     match pixel::read(&mut cursor, notation, Brackets::Optional) {
-        pixel::Found::Pixel(..) => true,
+        pixel::PixelFound::Pixel(..) => true,
         // One number may be a point's.
-        pixel::Found::Bad(_) => start.text[start.at..cursor.at].contains(','),
-        pixel::Found::Nothing => false,
+        pixel::PixelFound::Bad(_) => start.text[start.at..cursor.at].contains(','),
+        pixel::PixelFound::Nothing => false,
     }
 }
 

@@ -10,14 +10,14 @@ use crate::data::actions::ActionField;
 const MAX_BEFORE: usize = 120;
 
 /// Words that turn a statement into its opposite, or into one about something else.
-pub(super) const TURNING: [&str; 12] = [
+pub(super) const NEGATING: [&str; 12] = [
     "not", "never", "avoid", "previous", "last", "old", "cannot", "don", "isn", "instead",
     "former", "would",
 ];
 
 /// A place where a field is named.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Named {
+pub(super) struct Mention {
     /// The field, by its index.
     field: usize,
     /// Where the name begins.
@@ -31,16 +31,16 @@ pub(super) struct Named {
 }
 
 /// Returns the places of each field's name, in the order of the fields and of the answer.
-pub(super) fn named(fields: &[ActionField], reply: &str) -> Vec<Vec<Named>> {
-    let mut all: Vec<Named> = Vec::new();
+pub(super) fn named(fields: &[ActionField], reply: &str) -> Vec<Vec<Mention>> {
+    let mut all: Vec<Mention> = Vec::new();
     for (index, field) in fields.iter().enumerate() {
         all.extend(occurrences(index, field, reply));
     }
     all.sort_by_key(|named| (named.at, std::cmp::Reverse(named.claimed), named.field));
-    let mut kept: Vec<Named> = Vec::new();
+    let mut kept: Vec<Mention> = Vec::new();
     for named in all {
         // Sorted so, whatever contains a name stands before it; equal spans are kept, for the proof to find.
-        let inside = kept.last().is_some_and(|last: &Named| {
+        let inside = kept.last().is_some_and(|last: &Mention| {
             named.end < last.claimed || (named.end == last.claimed && last.at < named.at)
         });
         if !inside {
@@ -55,7 +55,7 @@ pub(super) fn named(fields: &[ActionField], reply: &str) -> Vec<Vec<Named>> {
             until = next_at;
             next_at = named.at;
         }
-        found[named.field].push(Named { until, ..named });
+        found[named.field].push(Mention { until, ..named });
     }
     for places in &mut found {
         places.reverse();
@@ -64,7 +64,7 @@ pub(super) fn named(fields: &[ActionField], reply: &str) -> Vec<Vec<Named>> {
 }
 
 /// Returns the places where a name stands, in any case and not as a part of another word.
-fn occurrences(index: usize, field: &ActionField, reply: &str) -> Vec<Named> {
+fn occurrences(index: usize, field: &ActionField, reply: &str) -> Vec<Mention> {
     let mut before = ' ';
     let mut found = Vec::new();
     let Some(first) = field.name.chars().next() else {
@@ -91,7 +91,7 @@ fn occurrences(index: usize, field: &ActionField, reply: &str) -> Vec<Named> {
         } else {
             end
         };
-        found.push(Named {
+        found.push(Mention {
             field: index,
             at,
             end,
@@ -120,12 +120,12 @@ fn name_length(name: &str, text: &str) -> Option<usize> {
 }
 
 /// Returns whether one of the three words before `at`, in the same sentence, turns the statement.
-pub(super) fn is_turned(reply: &str, at: usize) -> bool {
+pub(super) fn is_negated(reply: &str, at: usize) -> bool {
     let sentence = tail(&reply[..at], MAX_BEFORE)
         .rsplit(['\n', '\r', '.', ';', ',', ':', '!', '?'])
         .next()
         .unwrap_or_default();
-    turns(sentence, 3, &TURNING)
+    turns(sentence, 3, &NEGATING)
 }
 
 /// Returns whether one of the last words of a text is one of these, or begins with one and an apostrophe.

@@ -5,7 +5,7 @@
 
 use super::cursor::{Cursor, decorates, head};
 use crate::data::camera::PixelPoint;
-use crate::pointing::{Notation, Order, Unit};
+use crate::pointing::{CoordinateUnit, Notation, Order};
 
 /// The largest coordinate that can be meant, pixels; far beyond any picture.
 const MAX_COORDINATE: f64 = 1_000_000.0;
@@ -25,7 +25,7 @@ const KEYS: [&str; 7] = [
 ];
 
 /// What stands where a pixel is expected.
-pub(super) enum Found {
+pub(super) enum PixelFound {
     /// A pixel, and how it was taken where the numbers are not as it is written.
     Pixel(PixelPoint, Option<String>),
     /// Numbers that make no pixel, and why not.
@@ -42,16 +42,16 @@ pub(super) enum Brackets {
 }
 
 /// Reads a pixel and moves behind it; where there is none the cursor does not move.
-pub(super) fn read(cursor: &mut Cursor<'_>, notation: &Notation, brackets: Brackets) -> Found {
+pub(super) fn read(cursor: &mut Cursor<'_>, notation: &Notation, brackets: Brackets) -> PixelFound {
     let start = *cursor;
     let closing = opened(cursor);
     if closing.is_empty() && brackets == Brackets::Needed {
-        return Found::Nothing;
+        return PixelFound::Nothing;
     }
     if closing.is_empty() && !starts_number(cursor.rest()) {
         return match named_pair(cursor, notation) {
             Some(numbers) => pixel(&numbers, None, notation),
-            None => Found::Nothing,
+            None => PixelFound::Nothing,
         };
     }
     let inside = match closing.last() {
@@ -63,11 +63,11 @@ pub(super) fn read(cursor: &mut Cursor<'_>, notation: &Notation, brackets: Brack
             }
             // A cut answer may have lost digits, so that even two numbers are not to be trusted.
             None if starts_number(cursor.rest()) => {
-                return Found::Bad("its bracket is never closed".to_owned());
+                return PixelFound::Bad("its bracket is never closed".to_owned());
             }
             None => {
                 *cursor = start;
-                return Found::Nothing;
+                return PixelFound::Nothing;
             }
         },
         None => {
@@ -88,7 +88,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>, notation: &Notation, brackets: Brack
         Some(numbers) => pixel(&numbers, closing.last().copied(), notation),
         None => {
             *cursor = start;
-            Found::Nothing
+            PixelFound::Nothing
         }
     }
 }
@@ -206,7 +206,7 @@ fn coordinate(cursor: &mut Cursor<'_>, notation: &Notation) -> Option<Coordinate
     let behind = *cursor;
     cursor.skip(|character| character.is_whitespace());
     let has_px = cursor.eat_word("pixels") || cursor.eat_word("px");
-    let in_percent = notation.unit() == Unit::Percent && cursor.eat('%');
+    let in_percent = notation.unit() == CoordinateUnit::Percent && cursor.eat('%');
     if !has_px && !in_percent {
         *cursor = behind;
     }
@@ -264,9 +264,9 @@ fn number(cursor: &mut Cursor<'_>) -> Option<f64> {
     Some(if is_negative { -value } else { value })
 }
 
-fn pixel(numbers: &[Coordinate], close: Option<char>, notation: &Notation) -> Found {
+fn pixel(numbers: &[Coordinate], close: Option<char>, notation: &Notation) -> PixelFound {
     let [first, second] = numbers else {
-        return Found::Bad(match numbers.len() {
+        return PixelFound::Bad(match numbers.len() {
             1 => "it has one number instead of two".to_owned(),
             n_numbers => format!("it has {n_numbers} numbers instead of two"),
         });
@@ -279,24 +279,24 @@ fn pixel(numbers: &[Coordinate], close: Option<char>, notation: &Notation) -> Fo
         (Order::Yx, None, None) if close == Some(']') => (second, first),
         (Order::Yx, None, None) => {
             let why = "its two numbers stand in no square brackets, so that either can be x";
-            return Found::Bad(why.to_owned());
+            return PixelFound::Bad(why.to_owned());
         }
         (Order::Yx, ..) if first.name != second.name => {
-            return Found::Bad("only one of its coordinates is named".to_owned());
+            return PixelFound::Bad("only one of its coordinates is named".to_owned());
         }
-        _ => return Found::Bad("one coordinate is named twice".to_owned()),
+        _ => return PixelFound::Bad("one coordinate is named twice".to_owned()),
     };
-    let counts_pixels = notation.unit() == Unit::Pixels;
+    let counts_pixels = notation.unit() == CoordinateUnit::Pixels;
     if !counts_pixels && [x, y].iter().any(|it| it.has_px) {
-        return Found::Bad("it is given in pixels".to_owned());
+        return PixelFound::Bad("it is given in pixels".to_owned());
     }
     let (x, y) = (x.value, y.value);
     if x.abs() > MAX_COORDINATE || y.abs() > MAX_COORDINATE {
-        return Found::Bad("it lies far outside of any picture".to_owned());
+        return PixelFound::Bad("it lies far outside of any picture".to_owned());
     }
     let pixel = notation.pixel(x, y);
     let is_whole = x.fract() == 0.0 && y.fract() == 0.0;
     let note = (notation.is_native() && !is_whole)
         .then(|| format!("rounded ({x}, {y}) to {}", notation.written(pixel)));
-    Found::Pixel(pixel, note)
+    PixelFound::Pixel(pixel, note)
 }

@@ -2,7 +2,7 @@
 
 use crate::data::actions::{ActionField, Choices, Value};
 use crate::data::program::Program;
-use crate::pointing::{Notation, Order, Pointing, Unit};
+use crate::pointing::{CoordinateUnit, Notation, Order, Pointing};
 use crate::space;
 use serde_json::{Map, Value as Json, json};
 
@@ -69,7 +69,7 @@ fn any_point(notation: &Notation, field: &ActionField) -> Json {
         POINT
     } else {
         match (notation.unit(), notation.order()) {
-            (Unit::Pixels, Order::Xy) => POINT,
+            (CoordinateUnit::Pixels, Order::Xy) => POINT,
             (_, Order::Xy) => DECIMAL_POINT,
             (_, Order::Yx) => DECIMAL_LIST,
         }

@@ -4,11 +4,11 @@
 //! nothing. Markdown, JSON, other signs and words between are understood.
 
 use super::around;
-use super::choice::{Asked, End};
+use super::choice::{Expected, TextEnd};
 use super::cursor::{Cursor, decorates, head};
 use super::finding::{Firmness, Found};
 use super::mark;
-use super::names::{Named, TURNING, is_turned, turns};
+use super::names::{Mention, NEGATING, is_negated, turns};
 use super::pixel::{self, Brackets};
 use super::value;
 use crate::data::actions::{ActionField, Value};
@@ -58,9 +58,9 @@ pub(super) fn statement_at<'t>(
     scale: Scale<'_>,
     field: &ActionField,
     reply: &'t str,
-    named: Named,
+    named: Mention,
 ) -> Option<Result<Statement<'t>, String>> {
-    if is_turned(reply, named.at) {
+    if is_negated(reply, named.at) {
         return None;
     }
     let is_point = field.is_point();
@@ -97,17 +97,17 @@ pub(super) fn statement_at<'t>(
             cursor.eat_word("of");
         }
         let end = if named.until < reply.len() {
-            End::Name
+            TextEnd::Name
         } else {
-            End::Answer
+            TextEnd::Answer
         };
-        let asked = Asked {
+        let expected = Expected {
             field,
             edge_m: scale.edge_m,
             hint,
             end,
         };
-        value::read(&mut cursor, &asked, firmness)
+        value::read(&mut cursor, &expected, firmness)
     };
     match found {
         Found::Value(value, note) => Some(Ok(Statement {
@@ -128,24 +128,24 @@ fn point(cursor: &mut Cursor<'_>, notation: &Notation, firmness: Firmness) -> Fo
     };
     cursor.skip(|character| character.is_whitespace() || decorates(character));
     let mut found = pixel::read(cursor, notation, brackets);
-    if matches!(found, pixel::Found::Nothing)
+    if matches!(found, pixel::PixelFound::Nothing)
         && firmness == Firmness::Assigned
         && skip_words(cursor)
     {
         found = pixel::read(cursor, notation, Brackets::Needed);
     }
     match found {
-        pixel::Found::Pixel(point, _) if leaves_open(*cursor, notation, point) => {
+        pixel::PixelFound::Pixel(point, _) if leaves_open(*cursor, notation, point) => {
             if firmness == Firmness::Assigned {
                 Found::Bad("it leaves more than one point open".to_owned())
             } else {
                 Found::Nothing
             }
         }
-        pixel::Found::Pixel(point, rounding) => Found::Value(Value::Point(point), rounding),
+        pixel::PixelFound::Pixel(point, rounding) => Found::Value(Value::Point(point), rounding),
         // In free speech brackets with other numbers mean nothing.
-        pixel::Found::Bad(why) if firmness == Firmness::Assigned => Found::Bad(why),
-        pixel::Found::Bad(_) | pixel::Found::Nothing => Found::Nothing,
+        pixel::PixelFound::Bad(why) if firmness == Firmness::Assigned => Found::Bad(why),
+        pixel::PixelFound::Bad(_) | pixel::PixelFound::Nothing => Found::Nothing,
     }
 }
 
@@ -158,9 +158,9 @@ fn leaves_open(mut cursor: Cursor<'_>, notation: &Notation, point: PixelPoint) -
     }
     cursor.skip(blank);
     match pixel::read(&mut cursor, notation, Brackets::Needed) {
-        pixel::Found::Pixel(other, _) => other != point,
-        pixel::Found::Bad(_) => true,
-        pixel::Found::Nothing => false,
+        pixel::PixelFound::Pixel(other, _) => other != point,
+        pixel::PixelFound::Bad(_) => true,
+        pixel::PixelFound::Nothing => false,
     }
 }
 
@@ -230,7 +230,7 @@ fn skip_words(cursor: &mut Cursor<'_>) -> bool {
     };
     let words = &rest[..length];
     let is_bracket = rest[length..].starts_with(['(', '[']);
-    let turns = turns(words, usize::MAX, &TURNING);
+    let turns = turns(words, usize::MAX, &NEGATING);
     if !is_bracket || turns || words.chars().count() > MAX_BETWEEN {
         return false;
     }

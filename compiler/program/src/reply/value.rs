@@ -4,7 +4,7 @@
 //! or why there is none. What stands behind a value is looked at too: `45 deg or 90 deg` states neither.
 
 use super::around::{CHANGING, Link, is_ordinal, is_short, link, list_number, skip_leading};
-use super::choice::{Asked, End, Taken, resolve};
+use super::choice::{Expected, Resolved, TextEnd, resolve};
 use super::cursor::{Cursor, decorates, first_word};
 use super::expression::{self, Parsed, skip_decoration};
 use super::finding::{Firmness, Found};
@@ -25,7 +25,7 @@ const FOLLOWING: [&str; 14] = [
 
 /// How much a value alone says about its kind.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Dress {
+enum Explicitness {
     /// A number without a unit, or a word.
     Bare,
     /// With a unit or pi.
@@ -33,14 +33,14 @@ enum Dress {
 }
 
 /// Reads a value and moves behind it.
-pub(super) fn read(cursor: &mut Cursor<'_>, asked: &Asked<'_>, firmness: Firmness) -> Found {
+pub(super) fn read(cursor: &mut Cursor<'_>, expected: &Expected<'_>, firmness: Firmness) -> Found {
     let sign = cursor.at;
     cursor.skip(|character| character.is_whitespace() || decorates(character));
     let is_new_line = cursor.text[sign..cursor.at].contains('\n');
-    if is_echo(cursor.rest(), asked) || (is_new_line && list_number(*cursor).is_some()) {
+    if is_echo(cursor.rest(), expected) || (is_new_line && list_number(*cursor).is_some()) {
         return Found::Nothing;
     }
-    let found = match stated(cursor, asked, firmness) {
+    let found = match stated(cursor, expected, firmness) {
         Ok(found) => found,
         Err(why) => Some(Err(why)),
     };
@@ -53,17 +53,17 @@ pub(super) fn read(cursor: &mut Cursor<'_>, asked: &Asked<'_>, firmness: Firmnes
 }
 
 /// Returns whether the values of the format stand here, all of them.
-fn is_echo(text: &str, asked: &Asked<'_>) -> bool {
+fn is_echo(text: &str, expected: &Expected<'_>) -> bool {
     // Most lines have no bar, and then nothing needs to be written out.
     let bar = text.find(['|', '\n']);
     if !bar.is_some_and(|bar| text[bar..].starts_with('|')) {
         return false;
     }
-    let values = space::declared(asked.field);
+    let values = space::declared(expected.field);
     let mut rest = text;
     for (index, value) in values.iter().enumerate() {
         let bar = if index == 0 { "" } else { " | " };
-        let value = space::text(asked.field, value);
+        let value = space::text(expected.field, value);
         match rest
             .strip_prefix(bar)
             .and_then(|rest| rest.strip_prefix(&*value))
@@ -75,30 +75,30 @@ fn is_echo(text: &str, asked: &Asked<'_>) -> bool {
     values.len() > 1
 }
 
-type Stated = Option<Result<Taken, String>>;
+type Stated = Option<Result<Resolved, String>>;
 
 fn stated(
     cursor: &mut Cursor<'_>,
-    asked: &Asked<'_>,
+    expected: &Expected<'_>,
     firmness: Firmness,
 ) -> Result<Stated, String> {
-    let mut asked = *asked;
+    let mut expected = *expected;
     let begin = *cursor;
-    let mut first = single(cursor, &asked, firmness);
+    let mut first = single(cursor, &expected, firmness);
     let mut close = None;
     if first.is_none() && firmness == Firmness::Assigned {
-        close = open(cursor, &mut asked)?;
+        close = open(cursor, &mut expected)?;
         skip_leading(cursor);
-        first = single(cursor, &asked, firmness);
+        first = single(cursor, &expected, firmness);
     }
     let Some((taken, dress)) = first.transpose()? else {
-        return fallback(cursor, begin, &asked, firmness);
+        return fallback(cursor, begin, &expected, firmness);
     };
     let is_apart = cursor.at;
     if let Err(why) = ends(cursor, dress) {
         *cursor = begin;
-        return match &asked.field.choices {
-            Choices::Words { .. } => fallback(cursor, begin, &asked, firmness),
+        return match &expected.field.choices {
+            Choices::Words { .. } => fallback(cursor, begin, &expected, firmness),
             _ => Err(why),
         };
     }
@@ -110,7 +110,7 @@ fn stated(
     } else {
         cursor.at = is_apart;
     }
-    others_agree(*cursor, &asked, &taken.0)?;
+    others_agree(*cursor, &expected, &taken.0)?;
     Ok(Some(Ok(taken)))
 }
 
@@ -118,7 +118,7 @@ fn stated(
 fn fallback(
     cursor: &mut Cursor<'_>,
     begin: Cursor<'_>,
-    asked: &Asked<'_>,
+    expected: &Expected<'_>,
     firmness: Firmness,
 ) -> Result<Stated, String> {
     if firmness != Firmness::Assigned {
@@ -126,11 +126,11 @@ fn fallback(
     }
     let line = begin.rest().lines().next().unwrap_or_default().trim();
     let none = || format!("`{}` is none of its choices", quoted(line));
-    if let Choices::Words { choices } = &asked.field.choices {
+    if let Choices::Words { choices } = &expected.field.choices {
         let is_open = cursor.at;
         return match words::within(cursor, choices) {
             Offered::One(word) => {
-                others_agree(*cursor, asked, &Value::Word(word.to_owned()))?;
+                others_agree(*cursor, expected, &Value::Word(word.to_owned()))?;
                 let note = format!("the word `{word}` in it");
                 Ok(Some(Ok((Value::Word(word.to_owned()), Some(note)))))
             }
@@ -149,12 +149,15 @@ fn fallback(
 /// Reads one value without looking at what follows.
 fn single(
     cursor: &mut Cursor<'_>,
-    asked: &Asked<'_>,
+    expected: &Expected<'_>,
     firmness: Firmness,
-) -> Option<Result<(Taken, Dress), String>> {
-    if let Choices::Words { choices } = &asked.field.choices {
+) -> Option<Result<(Resolved, Explicitness), String>> {
+    if let Choices::Words { choices } = &expected.field.choices {
         return match words::direct(cursor, choices) {
-            Offered::One(word) => Some(Ok(((Value::Word(word.to_owned()), None), Dress::Bare))),
+            Offered::One(word) => Some(Ok((
+                (Value::Word(word.to_owned()), None),
+                Explicitness::Bare,
+            ))),
             Offered::Several(one, other) => Some(Err(format!("it can be `{one}` or `{other}`"))),
             Offered::Nothing => None,
         };
@@ -163,28 +166,28 @@ fn single(
     match expression::read(cursor) {
         Parsed::Quantity(quantity) => {
             let dress = if quantity.times_pi || quantity.unit.is_some() {
-                Dress::Full
+                Explicitness::Full
             } else {
-                Dress::Bare
+                Explicitness::Bare
             };
-            if dress == Dress::Bare && firmness == Firmness::Loose {
+            if dress == Explicitness::Bare && firmness == Firmness::Loose {
                 return None;
             }
             let text = quoted(&cursor.text[start..cursor.at]);
-            Some(resolve(asked, quantity, &text).map(|taken| (taken, dress)))
+            Some(resolve(expected, quantity, &text).map(|taken| (taken, dress)))
         }
         Parsed::Bad(why) => Some(Err(why)),
-        Parsed::Nothing => side(cursor, asked, firmness),
+        Parsed::Nothing => side(cursor, expected, firmness),
     }
 }
 
 /// Reads a direction in words.
 fn side(
     cursor: &mut Cursor<'_>,
-    asked: &Asked<'_>,
+    expected: &Expected<'_>,
     firmness: Firmness,
-) -> Option<Result<(Taken, Dress), String>> {
-    let Choices::Directions { choices } = &asked.field.choices else {
+) -> Option<Result<(Resolved, Explicitness), String>> {
+    let Choices::Directions { choices } = &expected.field.choices else {
         return None;
     };
     if firmness != Firmness::Assigned {
@@ -205,11 +208,14 @@ fn side(
         return Some(Err(format!("`{text}` is none of its choices")));
     }
     let note = format!("`{text}` as a direction in the picture");
-    Some(Ok(((Value::Direction { deg }, Some(note)), Dress::Bare)))
+    Some(Ok((
+        (Value::Direction { deg }, Some(note)),
+        Explicitness::Bare,
+    )))
 }
 
 /// Moves over an opening bracket, and over the key of an object; returns what closes it.
-fn open(cursor: &mut Cursor<'_>, asked: &mut Asked<'_>) -> Result<Option<char>, String> {
+fn open(cursor: &mut Cursor<'_>, expected: &mut Expected<'_>) -> Result<Option<char>, String> {
     let close = match cursor.peek() {
         Some('(') => ')',
         Some('[') => ']',
@@ -233,13 +239,13 @@ fn open(cursor: &mut Cursor<'_>, asked: &mut Asked<'_>) -> Result<Option<char>, 
             return Err(format!("nothing follows `{}`", quoted(key)));
         }
         cursor.skip(|character| character.is_whitespace() || decorates(character));
-        asked.hint = hint.or(asked.hint);
+        expected.hint = hint.or(expected.hint);
     }
     Ok(Some(close))
 }
 
 /// Moves over what decorates a value's end; fails where the value goes on as something else.
-fn ends(cursor: &mut Cursor<'_>, dress: Dress) -> Result<(), String> {
+fn ends(cursor: &mut Cursor<'_>, dress: Explicitness) -> Result<(), String> {
     let start = cursor.at;
     let goes_on = |cursor: &Cursor<'_>| {
         let word = &cursor.rest()[..cursor
@@ -268,14 +274,18 @@ fn ends(cursor: &mut Cursor<'_>, dress: Dress) -> Result<(), String> {
     }
     let is_on_line = cursor.at > start;
     let is_joined = !word.is_empty() && link(&mut cursor.clone()).is_none();
-    if dress == Dress::Bare && is_on_line && is_joined && !FOLLOWING.iter().any(is) {
+    if dress == Explicitness::Bare && is_on_line && is_joined && !FOLLOWING.iter().any(is) {
         return goes_on(cursor);
     }
     Ok(())
 }
 
 /// Fails where the same line goes on with a value that is another, or with a range.
-fn others_agree(mut cursor: Cursor<'_>, asked: &Asked<'_>, value: &Value) -> Result<(), String> {
+fn others_agree(
+    mut cursor: Cursor<'_>,
+    expected: &Expected<'_>,
+    value: &Value,
+) -> Result<(), String> {
     for _ in 0..MAX_OTHERS {
         cursor.skip(|character| {
             matches!(character, ' ' | '\t' | ')' | ']' | '}') || decorates(character)
@@ -283,11 +293,11 @@ fn others_agree(mut cursor: Cursor<'_>, asked: &Asked<'_>, value: &Value) -> Res
         // `45 deg down` has no link between its two statements.
         let link = match link(&mut cursor) {
             Some(link) => link,
-            None if matches!(asked.field.choices, Choices::Directions { .. }) => Link::Same,
+            None if matches!(expected.field.choices, Choices::Directions { .. }) => Link::Same,
             None => return Ok(()),
         };
         skip_leading(&mut cursor);
-        if asked.end == End::Name && list_number(cursor).is_some_and(is_short) {
+        if expected.end == TextEnd::Name && list_number(cursor).is_some_and(is_short) {
             return Ok(());
         }
         let word = first_word(cursor.rest());
@@ -298,14 +308,14 @@ fn others_agree(mut cursor: Cursor<'_>, asked: &Asked<'_>, value: &Value) -> Res
             return Err(format!("`{word}` behind its value changes it"));
         }
         let is_number = cursor.rest().starts_with(char::is_numeric);
-        match single(&mut cursor, asked, Firmness::Assigned) {
+        match single(&mut cursor, expected, Firmness::Assigned) {
             Some(Ok(((other, _), _))) if other == *value && link == Link::Same => {}
             Some(Ok(((other, _), _))) if other == *value && link == Link::Or => {}
             Some(Ok(((other, _), _))) => {
                 return Err(format!(
                     "it has both {} and {}",
-                    space::text(asked.field, value),
-                    space::text(asked.field, &other)
+                    space::text(expected.field, value),
+                    space::text(expected.field, &other)
                 ));
             }
             Some(Err(_)) | None if link == Link::Or || (link == Link::Range && is_number) => {

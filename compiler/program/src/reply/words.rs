@@ -1,12 +1,12 @@
 //! Reads words: those that a field offers, and those for directions in the picture.
 
 use super::cursor::{Cursor, first_word, head};
-use super::names::{TURNING, turns};
+use super::names::{NEGATING, turns};
 
 /// The longest part of a line in which a word is looked for, bytes.
 const MAX_CLAUSE: usize = 160;
 
-/// Words that turn an offered word behind them, besides [`TURNING`].
+/// Words that turn an offered word behind them, besides [`NEGATING`].
 const REFUSING: [&str; 14] = [
     "no", "non", "without", "than", "neither", "nor", "but", "except", "less", "too", "or",
     "either", "between", "unlike",
@@ -153,7 +153,7 @@ pub(super) fn within<'a>(cursor: &mut Cursor<'_>, words: &'a [String]) -> Offere
             Offered::One(word) => {
                 before = 'x';
                 let preceding = &text[..start];
-                if turns(preceding, 3, &TURNING) || turns(preceding, 3, &REFUSING) {
+                if turns(preceding, 3, &NEGATING) || turns(preceding, 3, &REFUSING) {
                     continue;
                 }
                 match found {

@@ -6,7 +6,7 @@
 use super::date::Date;
 use super::price::Price;
 use crate::model::lowering::{Lowering, Resize};
-use fab_program::pointing::{Order, Unit};
+use fab_program::pointing::{Order, CoordinateUnit};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 
@@ -44,7 +44,7 @@ pub struct Facts {
 #[serde(deny_unknown_fields)]
 pub struct Habit {
     /// What its numbers count.
-    pub unit: Unit,
+    pub unit: CoordinateUnit,
     /// Which comes first.
     pub order: Order,
     /// The sides of the picture in whose pixels it answers are multiples of this, the nearest to those that were

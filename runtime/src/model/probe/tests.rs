@@ -25,10 +25,10 @@ impl Seeing {
             _ => f64::from(side),
         };
         let [x, y] = [0, 1].map(|axis| match self.says.unit {
-            Unit::Pixels => part[axis] * looked_at(got[axis]) - 0.5,
-            Unit::Fraction => part[axis],
-            Unit::Percent => part[axis] * 100.0,
-            Unit::PerMille => part[axis] * 1000.0,
+            CoordinateUnit::Pixels => part[axis] * looked_at(got[axis]) - 0.5,
+            CoordinateUnit::Fraction => part[axis],
+            CoordinateUnit::Percent => part[axis] * 100.0,
+            CoordinateUnit::PerMille => part[axis] * 1000.0,
         });
         match self.says.order {
             Order::Xy => [x, y],
@@ -84,7 +84,7 @@ fn plain(name: &str, [one, other]: [f64; 2]) -> String {
     format!("{name}: ({one:.3}, {other:.3})")
 }
 
-fn lowering(unit: Unit, order: Order, resize: Resize) -> Lowering {
+fn lowering(unit: CoordinateUnit, order: Order, resize: Resize) -> Lowering {
     Lowering {
         unit,
         order,
@@ -106,7 +106,7 @@ fn found(told: Lowering, says: Lowering) -> Probe {
 
 #[test]
 fn the_way_in_which_a_model_answers_is_found_whichever_was_asked_for() {
-    let [pixels, y_first] = Order::ALL.map(|order| lowering(Unit::Pixels, order, multiples()));
+    let [pixels, y_first] = Order::ALL.map(|order| lowering(CoordinateUnit::Pixels, order, multiples()));
     let of_sides = lowerings(Lowering::PIXELS);
     assert_eq!(of_sides.len(), 10);
     assert!(of_sides.contains(&pixels) && of_sides.contains(&y_first));
@@ -124,7 +124,7 @@ fn the_way_in_which_a_model_answers_is_found_whichever_was_asked_for() {
 
 #[test]
 fn a_model_that_gets_pictures_in_its_size_has_no_reason_to_resize_them() {
-    let told = lowering(Unit::Pixels, Order::Xy, multiples());
+    let told = lowering(CoordinateUnit::Pixels, Order::Xy, multiples());
     let found = found(told, Lowering::PIXELS);
     assert!(found.agrees(), "{:?}", found.tried);
     assert!(found.tried[0].error.max < 1.0, "{:?}", found.tried[0]);
@@ -134,8 +134,8 @@ fn a_model_that_gets_pictures_in_its_size_has_no_reason_to_resize_them() {
 #[test]
 fn what_a_model_resizes_is_the_picture_that_it_was_sent() {
     let side_px = NonZeroU32::new(360).expect("not 0");
-    let told = lowering(Unit::Pixels, Order::Xy, Resize::Within { side_px });
-    let says = lowering(Unit::Pixels, Order::Xy, multiples());
+    let told = lowering(CoordinateUnit::Pixels, Order::Xy, Resize::Within { side_px });
+    let says = lowering(CoordinateUnit::Pixels, Order::Xy, multiples());
     let found = found(told, says);
     assert_eq!(found.best(), Some(says));
     assert!(found.tried[0].error.max < 1.0, "{:?}", found.tried[0]);
@@ -146,12 +146,12 @@ fn a_question_has_the_words_of_rollouts_and_a_picture_in_their_size() {
     for (told, words, sent) in [
         (Lowering::PIXELS, "(x, y) in pixels: x grows", [720; 2]),
         (
-            lowering(Unit::Pixels, Order::Yx, multiples()),
+            lowering(CoordinateUnit::Pixels, Order::Yx, multiples()),
             "[y, x] in pixels of a picture 728 wide and 728 high: x grows",
             [728; 2],
         ),
         (
-            lowering(Unit::PerMille, Order::Xy, Resize::Never),
+            lowering(CoordinateUnit::PerMille, Order::Xy, Resize::Never),
             "(x, y) in thousandths of the picture's width and height: x grows",
             [720; 2],
         ),
@@ -176,7 +176,7 @@ fn a_question_has_the_words_of_rollouts_and_a_picture_in_their_size() {
 #[test]
 fn errors_count_pixels_of_the_cameras_picture_whatever_was_sent() {
     let side_px = NonZeroU32::new(360).expect("not 0");
-    let told = lowering(Unit::Pixels, Order::Xy, Resize::Within { side_px });
+    let told = lowering(CoordinateUnit::Pixels, Order::Xy, Resize::Within { side_px });
     let form = |name: &str, [x, y]: [f64; 2]| plain(name, [x + 1.0, y]);
     let says = Lowering::PIXELS;
     let found = probe(&Seeing { told, says, form }, 7, &mut Unkept).expect("it answers");
@@ -198,7 +198,7 @@ fn coordinates_are_asked_for_where_rollouts_ask_for_numbers() {
 
 #[test]
 fn an_answer_in_another_frame_is_seen_by_its_error() {
-    let per_mille = lowering(Unit::PerMille, Order::Xy, Resize::Never);
+    let per_mille = lowering(CoordinateUnit::PerMille, Order::Xy, Resize::Never);
     let found = found(Lowering::PIXELS, per_mille);
     let error = found.error.expect("it was read");
     assert!(error.median > 50.0 && error.mean <= error.max, "{error:?}");
