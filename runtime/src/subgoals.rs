@@ -13,7 +13,7 @@ use crate::picture::{self, PictureError};
 use crate::start::Start;
 use crate::vision::{self, VisionError};
 use crate::world::{World, WorldError};
-use fab_program::{Arrow, Fold, Program, SubgoalImage, Subgoals, SubgoalStep};
+use fab_program::{Arrow, Fold, Program, SubgoalImage, SubgoalStep, Subgoals};
 use image::RgbImage;
 use pins::Pinned;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,59 @@
-//! Writes a program as files that other systems use without this compiler.
+//! Writes a compiled task as files that other systems use without the compiler.
 //!
-//! In: compiled programs. Out: [`Artifact`]s, texts with the paths that they belong to: prompt templates,
-//! the schema of an answer, verifiers in Rust and Python, and `program.json`, which ties them together.
-//! The same programs give the same bytes. Writing them to disk is left to others.
+//! In: compiled programs. Out: [`Artifact`]s, texts with the paths that they belong to: prompt templates, the JSON Schema
+//! of an answer, the checks as a module of Rust and of Python, and `program.json`, which ties them together. The same
+//! programs give the same bytes. Writing them to disk is left to the caller.
+//!
+//! ```
+//! use fab_compiler::{LoadError, Loader};
+//! use fab_emit::{Target, emit};
+//!
+//! struct Memory;
+//!
+//! impl Loader for Memory {
+//!     fn load(&self, _name: &str) -> Result<String, LoadError> {
+//!         let text = r#"
+//!             task tidy {
+//!                 cloth grid(42, 42, start: crumpled)
+//!                 camera top_down(height: 650mm, fov: 45deg, image: 224px)
+//!                 goal coverage > 0.9
+//!                 horizon 3
+//!                 keypoints {
+//!                     cloth   = mask(depth < 646mm)
+//!                     corners = harris(cloth, max: 4, quality: 0.04, spacing: 10px)
+//!                 }
+//!                 actions { pick: one of corners  place: one of corners }
+//!                 stage plan {
+//!                     model text
+//!                     say "Choose from {{ pick.choices }}. {{ actions.format }}"
+//!                     read action
+//!                 }
+//!                 verify { check moves { distance(pick, place) > 10px } else "They are too near." }
+//!             }
+//!         "#;
+//!         Ok(text.to_owned())
+//!     }
+//! }
+//!
+//! let compiled = fab_compiler::compile("tidy.fab", &Memory)?;
+//! let files = emit(&compiled.programs, &[Target::Program, Target::Rust, Target::Python])?;
+//! let paths: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
+//! assert_eq!(
+//!     paths,
+//!     [
+//!         "tidy/prompts/plan.user.txt.j2",
+//!         "tidy/prompts/check.moves.txt.j2",
+//!         "tidy/actions.schema.json",
+//!         "tidy/verifier.rs",
+//!         "tidy/verifier.py",
+//!         "tidy/program.json",
+//!     ]
+//! );
+//! assert!(files[3].text.contains("distance_squared(at(facts.action.pick), at(facts.action.place))"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`fill`] fills an emitted prompt with the values of [`guards_and_values`], as any Jinja engine does.
 
 mod artifact;
 mod error;

@@ -1,4 +1,75 @@
-//! A compiled task and what it means.
+//! A compiled manipulation task, and what it means: the prompts for a model, the reading of its answers, and whether a
+//! proposed action may run.
+//!
+//! A [`Program`] is plain data: the compiler makes it from a `.fab` file, and it is stored as JSON. This crate is all that
+//! a robot's own software needs to use one. It has no parser, no camera, no model and no system library; what the camera
+//! sees comes in through [`scene::SceneView`], and the same inputs give the same bytes on every machine.
+//!
+//! ```
+//! use fab_program::facts::Facts;
+//! use fab_program::pointing::Pointing;
+//! use fab_program::scene::SceneView;
+//! use fab_program::verify::{Strictness, Verdict, verdict};
+//! use fab_program::{PROGRAM_FORMAT, PixelPoint, Program, render, reply};
+//! use std::collections::BTreeMap;
+//!
+//! /// What the camera sees: here two corners, whatever the task calls them.
+//! struct TwoCorners;
+//!
+//! impl SceneView for TwoCorners {
+//!     fn points(&self, _keypoint: &str) -> Option<Vec<PixelPoint>> {
+//!         Some(vec![PixelPoint::new(41, 167), PixelPoint::new(180, 60)])
+//!     }
+//!     fn distance_px(&self, _region: &str, _point: PixelPoint) -> Option<f64> {
+//!         None
+//!     }
+//!     fn area_px(&self, _mask: &str) -> Option<f64> {
+//!         None
+//!     }
+//! }
+//!
+//! // `program.json` of `fabc build` holds this under `program`.
+//! let json = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/tidy.json"));
+//! let program: Program = serde_json::from_str(json)?;
+//! assert_eq!(program.format, PROGRAM_FORMAT);
+//!
+//! let texts = BTreeMap::new(); // what earlier stages of the same step read
+//! let facts = Facts {
+//!     scene: &TwoCorners,
+//!     texts: &texts,
+//!     step: 1,
+//!     last: None,
+//!     proposal: None,
+//!     pointing: Pointing::of_camera(&program.camera),
+//! };
+//!
+//! // The messages of a stage, ready for a model.
+//! let messages = render::messages(&program, &program.stages[0], render::Values::Known(facts))?;
+//! let question = &messages[0].content.text;
+//! assert!(question.starts_with("Choose from (41, 167), (180, 60)."));
+//!
+//! // The model's answer, as loosely as models write.
+//! let answer = "I lift the **Pick Point**: (41, 167), then Place Point = (180, 60)";
+//! let action = reply::read_action(&program, answer).map_err(|wrong| wrong.message)?.value;
+//! assert_eq!(action.point("pick"), Some(PixelPoint::new(41, 167)));
+//!
+//! // Whether it may run; a rejection carries the message for the model.
+//! assert_eq!(verdict(&program, facts, &action, Strictness::Full)?, Verdict::Accept);
+//! let same = reply::read_action(&program, "Pick Point = (41, 167)\nPlace Point = (41, 167)");
+//! let same = same.map_err(|wrong| wrong.message)?.value;
+//! match verdict(&program, facts, &same, Strictness::Full)? {
+//!     Verdict::Reject { check, message, .. } => {
+//!         assert_eq!(check, "moves");
+//!         assert_eq!(message, "(41, 167) and (41, 167) are too near.");
+//!     }
+//!     Verdict::Accept => panic!("it does not move"),
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! What the language knows stands in tables, one row each: units in [`units::UNITS`], measures in
+//! [`measures::MEASURES`], extractors of keypoints in [`EXTRACTORS`]. The compiler, the reading of answers and the emitted
+//! files read the rows; [`vocabulary`] says what a row is.
 
 pub mod data;
 pub mod eval;

@@ -9,7 +9,7 @@ use crate::examples::{Examples, Told};
 use crate::model::{Lowering, Message, Part, Png, Speaker};
 use crate::pictures::Pictures;
 use fab_program::render::{
-    self, NUMBERED_POINTS, PromptPicture, PromptSpeaker, RenderError, PromptText, Values,
+    self, NUMBERED_POINTS, PromptPicture, PromptSpeaker, PromptText, RenderError, Values,
 };
 use fab_program::{Picture, Program, Stage};
 

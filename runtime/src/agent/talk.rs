@@ -14,7 +14,7 @@ use crate::vision;
 use fab_program::Proposal;
 use fab_program::facts::Facts;
 use fab_program::pointing::Notation;
-use fab_program::render::{self, SEPARATOR, REFUSED_ACTION, RenderError, PromptText, Values};
+use fab_program::render::{self, PromptText, REFUSED_ACTION, RenderError, SEPARATOR, Values};
 use fab_program::reply;
 use fab_program::space;
 use fab_program::verify::{Strictness, Verdict};
@@ -182,9 +182,15 @@ impl<'a> Talk<'a> {
                 ..
             } => {
                 let proposal = Proposal { fields };
-                return Ok(Next::ExecutedAction(self.accept(proposal, attempt.number, &[])));
+                return Ok(Next::ExecutedAction(self.accept(
+                    proposal,
+                    attempt.number,
+                    &[],
+                )));
             }
-            Finding::Failed { outcome, .. } => return Ok(Next::ExecutedAction(Answer::None(outcome))),
+            Finding::Failed { outcome, .. } => {
+                return Ok(Next::ExecutedAction(Answer::None(outcome)));
+            }
             Finding::Action {
                 fields,
                 verdict: Verdict::Reject { check, message, .. },
@@ -196,11 +202,15 @@ impl<'a> Talk<'a> {
                 self.refused.push((attempt.number, proposal));
                 (said, Outcome::AttemptsExhausted)
             }
-            Finding::Malformed { message, .. } => (PromptText::by_fabc(message), Outcome::MalformedReply),
+            Finding::Malformed { message, .. } => {
+                (PromptText::by_fabc(message), Outcome::MalformedReply)
+            }
         };
         if self.asked >= self.situation.program.verify.attempts {
             let relaxed = self.relaxed(texts)?;
-            return Ok(Next::ExecutedAction(relaxed.unwrap_or(Answer::None(outcome))));
+            return Ok(Next::ExecutedAction(
+                relaxed.unwrap_or(Answer::None(outcome)),
+            ));
         }
         let answer = attempt.reply.map(|reply| reply.text).unwrap_or_default();
         self.correct(answer, correction, picture);

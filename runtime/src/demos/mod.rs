@@ -16,7 +16,7 @@ use crate::start::Start;
 use fab_program::Proposal;
 use fab_program::facts::Facts;
 use fab_program::pointing::Pointing;
-use fab_program::render::{self, Origin, Place, RenderError, PromptText, Values};
+use fab_program::render::{self, Origin, Place, PromptText, RenderError, Values};
 use fab_program::reply;
 use fab_program::scene::SceneView;
 use fab_program::space;

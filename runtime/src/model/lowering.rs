@@ -7,7 +7,7 @@
 use super::{Model, ModelRole};
 use crate::agent::Models;
 use fab_program::Program;
-use fab_program::pointing::{Frame, Order, Pointing, PointingError, CoordinateUnit};
+use fab_program::pointing::{CoordinateUnit, Frame, Order, Pointing, PointingError};
 use fab_program::render;
 use image::RgbImage;
 use image::imageops::{self, FilterType};

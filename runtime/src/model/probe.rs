@@ -9,7 +9,7 @@ use super::{Message, Model, ModelError, ModelRole, Part, Png, Request, Speaker};
 use crate::calls::{Calls, Usage, Usd};
 use crate::chance::Chance;
 use crate::picture;
-use fab_program::pointing::{Frame, Order, CoordinateUnit};
+use fab_program::pointing::{CoordinateUnit, Frame, Order};
 use image::{Rgb, RgbImage};
 use serde::Serialize;
 use std::num::NonZeroU32;
@@ -178,7 +178,8 @@ fn lowerings(asked: Lowering) -> Vec<Lowering> {
         .into_iter()
         .flat_map(|unit| Order::ALL.map(|order| (unit, order, asked.resize)));
     let of_px = MULTIPLES_OF_PX;
-    let resized = Order::ALL.map(|order| (CoordinateUnit::Pixels, order, Resize::Multiples { of_px }));
+    let resized =
+        Order::ALL.map(|order| (CoordinateUnit::Pixels, order, Resize::Multiples { of_px }));
     let mut lowerings = vec![asked];
     for (unit, order, resize) in plain.chain(resized) {
         let lowering = Lowering {

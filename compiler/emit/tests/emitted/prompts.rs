@@ -185,7 +185,11 @@ fn said<'p>(
         .iter()
         .find(|it| it.speaker == PromptSpeaker::System)
     {
-        said.push(("system", stage.system.as_slice(), system.content.text.clone()));
+        said.push((
+            "system",
+            stage.system.as_slice(),
+            system.content.text.clone(),
+        ));
     }
     let user = messages.last().unwrap();
     said.push(("user", stage.say.as_slice(), user.content.text.clone()));

@@ -6,7 +6,7 @@
 use super::date::Date;
 use super::price::Price;
 use crate::model::lowering::{Lowering, Resize};
-use fab_program::pointing::{Order, CoordinateUnit};
+use fab_program::pointing::{CoordinateUnit, Order};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 

@@ -106,7 +106,8 @@ fn found(told: Lowering, says: Lowering) -> Probe {
 
 #[test]
 fn the_way_in_which_a_model_answers_is_found_whichever_was_asked_for() {
-    let [pixels, y_first] = Order::ALL.map(|order| lowering(CoordinateUnit::Pixels, order, multiples()));
+    let [pixels, y_first] =
+        Order::ALL.map(|order| lowering(CoordinateUnit::Pixels, order, multiples()));
     let of_sides = lowerings(Lowering::PIXELS);
     assert_eq!(of_sides.len(), 10);
     assert!(of_sides.contains(&pixels) && of_sides.contains(&y_first));
@@ -134,7 +135,11 @@ fn a_model_that_gets_pictures_in_its_size_has_no_reason_to_resize_them() {
 #[test]
 fn what_a_model_resizes_is_the_picture_that_it_was_sent() {
     let side_px = NonZeroU32::new(360).expect("not 0");
-    let told = lowering(CoordinateUnit::Pixels, Order::Xy, Resize::Within { side_px });
+    let told = lowering(
+        CoordinateUnit::Pixels,
+        Order::Xy,
+        Resize::Within { side_px },
+    );
     let says = lowering(CoordinateUnit::Pixels, Order::Xy, multiples());
     let found = found(told, says);
     assert_eq!(found.best(), Some(says));
@@ -176,7 +181,11 @@ fn a_question_has_the_words_of_rollouts_and_a_picture_in_their_size() {
 #[test]
 fn errors_count_pixels_of_the_cameras_picture_whatever_was_sent() {
     let side_px = NonZeroU32::new(360).expect("not 0");
-    let told = lowering(CoordinateUnit::Pixels, Order::Xy, Resize::Within { side_px });
+    let told = lowering(
+        CoordinateUnit::Pixels,
+        Order::Xy,
+        Resize::Within { side_px },
+    );
     let form = |name: &str, [x, y]: [f64; 2]| plain(name, [x + 1.0, y]);
     let says = Lowering::PIXELS;
     let found = probe(&Seeing { told, says, form }, 7, &mut Unkept).expect("it answers");
