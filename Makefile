@@ -11,13 +11,14 @@ WITH_ENV = sh scripts/with-env.sh
 # More arguments for `fabc run`, as in: make run ARGS="--start 3"
 ARGS =
 
-.PHONY: help run test test-peers lint bench book deps env
+.PHONY: help run test test-peers lint package bench book deps env
 
 help:
 	@echo 'make run         build fabc and run tasks/double_straight.fab; more arguments: ARGS="..."'
 	@echo 'make test        the fast tests'
 	@echo 'make test-peers  the tests that take long or need large foreign parts'
-	@echo 'make lint        format, clippy, the build without system libraries, documentation'
+	@echo 'make lint        format, clippy, the build without system libraries, packages, documentation'
+	@echo 'make package     pack each crate and build it from its archive alone: as long as a first build'
 	@echo 'make bench       the benchmarks'
 	@echo 'make book        build the book of docs/ to target/book'
 	@echo 'make deps        install what a build needs and lacks; FABC_NO_INSTALL=1 only names it'
@@ -34,6 +35,9 @@ test-peers: deps
 
 lint: deps
 	@$(WITH_ENV) sh scripts/lint.sh
+
+package: deps
+	@$(WITH_ENV) sh scripts/package.sh
 
 bench: deps
 	$(WITH_ENV) cargo bench --locked -p fab-compiler --bench compile

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Judges form: layout, clippy, the authoring tool without system libraries, documentation.
+# Judges form: layout, clippy, the authoring tool without system libraries, packages, documentation.
 set -eu
 
 # Shows each step before it runs, as make would.
@@ -32,8 +32,14 @@ no_system_library() {
 # The compiler and the authoring tool have to build alone.
 step cargo clippy --package fabc --no-default-features --locked -- -D warnings
 step no_system_library fabc --no-default-features
+step no_system_library fab-program
+step no_system_library fab-emit
 step no_system_library fab-compiler
 step no_system_library fab-compiler --target wasm32-unknown-unknown
+
+# Packs every crate in seconds, and builds none: a manifest that cannot be published, or a dependency without a
+# version, fails here. Whether each package also builds by itself is left to scripts/package.sh, which is slow.
+step cargo package --workspace --locked --offline --no-verify --allow-dirty --quiet
 
 RUSTDOCFLAGS="-D warnings"
 export RUSTDOCFLAGS

@@ -14,8 +14,8 @@ mod snap;
 mod snapshots;
 mod sources;
 
-// The authoring tool writes files too, and has no runtime to take this from.
-#[path = "../runtime/src/store.rs"]
+// A symbolic link to the runtime's file: the authoring tool writes files too and is built without the runtime,
+// and a package cannot name a file outside its folder. A crate below both will replace it.
 mod store;
 
 #[cfg(feature = "runtime")]

@@ -5,9 +5,10 @@
 mod recorded;
 
 use fab_runtime::metrics::{
-    coverage, true_coverage, true_covered_area_m2, whole_area_m2, whole_triangles,
+    coverage, outlined_coverage, true_coverage, true_covered_area_m2, whole_area_m2,
+    whole_triangles,
 };
-use fab_runtime::start::{Grid as StartGrid, Start, StartFrame, Up};
+use fab_runtime::start::{Grid as StartGrid, Outline, Start, StartFrame, Up};
 use fab_sim::{Grid, Mask, Params, mesh};
 use proptest::prelude::*;
 
@@ -75,6 +76,25 @@ fn flat_cloths_of_any_outline_cover_all_of_their_area() {
         let covered = measured(mask, &laid(mask, |point| point, 0.0, [0.0; 2]));
         assert!((covered - 1.0).abs() < 1e-6, "{:?}: {covered}", mask.grid());
     }
+}
+
+#[test]
+fn by_softgyms_measure_a_flat_t_shirt_covers_nearly_all_of_itself() {
+    let mask = Mask::parse(T_SHIRT, SPACING_M).unwrap();
+    let flat = laid(&mask, |point| point, 0.0, [0.0; 2]);
+    let grid = StartGrid {
+        dimx: 50,
+        dimy: 50,
+        spacing_m: f64::from(SPACING_M),
+    };
+    let covered = outlined_coverage(&flat, &grid, Some(&Outline::new(T_SHIRT))).unwrap();
+    assert!((0.95..1.0).contains(&covered), "{covered}");
+    // Over the area of the whole square it would be far less.
+    let there: Vec<_> = (0..flat.len())
+        .filter(|index| mask.has(*index))
+        .map(|index| flat[index])
+        .collect();
+    assert!(coverage(&there, &grid).is_some_and(|it| it < 0.8));
 }
 
 #[test]

@@ -1,34 +1,52 @@
-//! Position-based cloth on a table, and a top-down RGB-D camera, on the CPU.
+//! Simulates a cloth on a table, and a camera that looks straight down on it; all on the CPU.
 //!
-//! A [`Simulator`] is one cloth, one table and one picker. Steps last 0.01 s;
-//! equal starts and actions give equal bits on any machine, build and thread
-//! count. A [`TopDownCamera`] draws any positions, simulated or not.
+//! A [`Simulator`] is one cloth, one table and one picker. A [`TopDownCamera`] draws colour and depth of any
+//! positions, simulated or not. Nothing here knows of tasks, prompts or models.
+//!
+//! Lay a cloth, fold one corner onto the opposite one, and take a picture before and after:
 //!
 //! ```
-//! use sim::{Grid, Look, Params, Simulator, TopDownCamera};
+//! use fab_sim::{Frame, Grid, Look, Params, Simulator, TopDownCamera};
 //!
-//! let grid = Grid::new(12, 12, 0.00625)?;
+//! // 24 by 24 particles, 6.25 mm apart: a cloth of 14 cm.
+//! let grid = Grid::new(24, 24, 0.00625)?;
 //! let mut cloth = Simulator::flat(grid, &Params::default());
-//! let corner = cloth.positions()[0];
-//! let done = cloth.pick_and_place([corner[0], corner[1]], [0.0, 0.0], &|| false)?;
-//! assert_eq!(done.grasped, Some(0));
+//! let camera = TopDownCamera::new(0.65, 45f32.to_radians(), 128)?;
+//! let flat = camera.render(grid, &cloth.positions(), &Look::default());
 //!
-//! let camera = TopDownCamera::new(0.65, 45f32.to_radians(), 64)?;
-//! let frame = camera.render(grid, &cloth.positions(), &Look::default());
-//! assert_eq!(frame.depth_m.len(), 64 * 64);
+//! let (back_left, front_right) = (0, grid.particle_count() - 1);
+//! let [from, onto] = [back_left, front_right].map(|corner| {
+//!     let [x, y, _] = cloth.positions()[corner];
+//!     [x, y]
+//! });
+//! let never = || false; // asked after each step whether to stop
+//! let done = cloth.pick_and_place(from, onto, &never)?;
+//! assert_eq!(done.grasped, Some(back_left));
+//!
+//! let [x, y, _] = cloth.positions()[back_left];
+//! assert!((x - onto[0]).hypot(y - onto[1]) < 0.02);
+//!
+//! // Seen from above, the folded cloth covers about half of what it covered before.
+//! let folded = camera.render(grid, &cloth.positions(), &Look::default());
+//! let cloth_pixels = |frame: &Frame| frame.depth_m.iter().filter(|depth| **depth < 0.646).count();
+//! let share = cloth_pixels(&folded) as f64 / cloth_pixels(&flat) as f64;
+//! assert!((0.4..0.7).contains(&share), "{share}");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! World frame: right-handed, z up, origin at the table's centre, metres,
-//! seconds. Particle index: `iy * dimx + ix`, `ix` along +X and `iy` along -Y
-//! of the flat cloth. A [`Mask`] leaves particles of the grid out; [`mesh`] cuts
-//! the rest into triangles. Nothing here knows of tasks, prompts or models.
+//! World frame: right-handed, z up, origin at the table's centre, metres, seconds. A step lasts 0.01 s. Particle
+//! index: `iy * dimx + ix`, with `ix` along +X and `iy` along -Y of the flat cloth. A [`Mask`] leaves particles
+//! of the grid out, for a T-shirt or a hole; [`mesh`] cuts the rest into triangles.
 //!
-//! Read on in this order: [`Simulator`], then `picker` (the route), `crumple`, `solver`
-//! (the order of all passes), `layout` and `sides` (where particles are kept), `springs`,
-//! `cells`, `neighbours`, `contacts`, and every number in [`Params`]. Loops over particles are
-//! compiled for AVX2 too and chosen at run time; without fused arithmetic and
-//! with exact roots and quotients, they give the same bits at any width.
+//! # Architecture invariant
+//!
+//! Equal starts and actions give equal bits on any machine, in any build and on any number of threads. So the
+//! solver calls no platform `sin` or `exp`, fuses no arithmetic, and adds in a fixed order. The loops over
+//! particles are also compiled for AVX2 and chosen at run time; they give the same bits at any width.
+//!
+//! To read the code, start with [`Simulator`], then `picker` (the route), `solver` (the order of all passes),
+//! `layout` and `sides` (how particles are stored), `springs`, `cells`, `neighbours`, `contacts`, and `crumple`.
+//! Every number is in [`Params`].
 
 mod camera;
 mod cells;

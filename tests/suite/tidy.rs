@@ -1,4 +1,4 @@
-//! Holds the shape of the tree: who may depend on whom, who may name what, how a file looks.
+//! Holds the shape of the tree: who may depend on whom, who may name what, what a package takes along, how a file begins.
 //!
 //! In: every text file under the package's root, as it lies on disk. Out: one test per rule;
 //! a failure lists `file:line: what is wrong` for every violation. The rules read text, not
@@ -7,21 +7,73 @@
 #[path = "tidy/reading.rs"]
 mod reading;
 
-use reading::{Name, TextFile, code_only, dependencies, names, numbered, tree};
+use reading::{
+    Dependency, Name, Purpose, TextFile, code_only, dependencies, names, numbered, reached, tree,
+};
 
-/// The crates that each crate may depend on, tests included; `fabc` at the root may use all.
-const EDGES: [(&str, &[&str]); 4] = [
-    ("grammar", &[]),
-    ("compiler", &["grammar"]),
-    ("sim", &[]),
-    ("runtime", &["compiler", "sim"]),
+/// One package of the workspace and the packages of ours that it may depend on.
+struct Member {
+    folder: &'static str,
+    package: &'static str,
+    needs: &'static [&'static str],
+    /// What its tests and benchmarks may use beside that.
+    tests_need: &'static [&'static str],
+}
+
+/// Every member; `fabc` at the root may use all.
+const MEMBERS: [Member; 6] = [
+    member("grammar", "fab-grammar", &[], &[]),
+    member("compiler/program", "fab-program", &[], &[]),
+    member(
+        "compiler",
+        "fab-compiler",
+        &["fab-grammar", "fab-program"],
+        &["fab-emit"],
+    ),
+    member(
+        "compiler/emit",
+        "fab-emit",
+        &["fab-program"],
+        &["fab-compiler"],
+    ),
+    member("sim", "fab-sim", &[], &[]),
+    member(
+        "runtime",
+        "fab-runtime",
+        &["fab-compiler", "fab-program", "fab-sim"],
+        &[],
+    ),
 ];
+
+/// Packages that read `.fab` text; who embeds a compiled task needs none of them.
+const PARSERS: [&str; 5] = [
+    "fab-grammar",
+    "fab-compiler",
+    "pest",
+    "pest_derive",
+    "annotate-snippets",
+];
+
+/// Packages that find, bind or build a system library; so does each whose name ends in `-sys`.
+const SYSTEM: [&str; 8] = [
+    "opencv",
+    "bindgen",
+    "cc",
+    "cmake",
+    "clang",
+    "pkg-config",
+    "vcpkg",
+    "psm",
+];
+
+/// A file of tests among the sources that is not packaged.
+const NOT_PACKAGED: &str = "src/cli/book.rs";
 
 /// Names that belong to one place: what is named, where that counts, the only place for it.
 const RESERVED: [(Name, &str, &str); 9] = [
     (Name::Word("opencv"), "", "runtime/src/vision"),
     (
-        Name::Crate("sim"),
+        Name::Crate("fab_sim"),
         "runtime/src/",
         "runtime/src/world/simulated",
     ),
@@ -37,12 +89,6 @@ const RESERVED: [(Name, &str, &str); 9] = [
     (Name::Word("axum"), "runtime/src/", "runtime/src/serve"),
     (Name::Word("roslibrust"), "", "runtime/src/arm/ros"),
 ];
-
-/// The most lines of a Rust file; test tables belong into fixtures.
-const MAX_LINES: usize = 400;
-
-/// Files that may be longer, each with the reason.
-const LONG_FILES: [(&str, &str); 0] = [];
 
 /// Folders of one machine, in halves so that this file does not name them itself.
 const MACHINE_FOLDERS: [&str; 4] = [
@@ -65,6 +111,16 @@ fn crates_depend_only_in_the_drawn_direction() {
 }
 
 #[test]
+fn what_embedders_link_needs_no_parser_and_no_system_library() {
+    report(&reach_faults(&tree()));
+}
+
+#[test]
+fn packages_include_nothing_from_outside_their_folder() {
+    report(&include_faults(&tree()));
+}
+
+#[test]
 fn every_dependency_says_why_it_is_there() {
     report(&reason_faults(&tree()));
 }
@@ -75,7 +131,7 @@ fn reserved_names_stay_in_their_place() {
 }
 
 #[test]
-fn rust_files_start_with_their_purpose_and_stay_short() {
+fn rust_files_start_with_their_purpose() {
     report(&form_faults(&tree()));
 }
 
@@ -99,6 +155,8 @@ fn tests_that_lack_recorded_data_count_as_skipped() {
 fn each_rule_finds_what_it_forbids_and_nothing_else() {
     let rules = [
         edge_faults,
+        reach_faults,
+        include_faults,
         reason_faults,
         name_faults,
         form_faults,
@@ -108,26 +166,82 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
     ];
     let tilde_home = concat!("see ~/wo", "rk/a and https://host/ho", "me/a\n");
     let machine_path = concat!("one\ncd '/wo", "rk/a'\n");
-    let too_long = format!("//! Long.\n{}", "// more\n".repeat(MAX_LINES));
-    let samples: [(&str, &str, Option<usize>); 24] = [
+    let samples: [(&str, &str, Option<usize>); 34] = [
         (
             "compiler/Cargo.toml",
-            "[dependencies]\ngrammar = { workspace = true }\n",
+            "[dependencies]\nfab-grammar = { workspace = true }\n",
             None,
         ),
         (
             "compiler/Cargo.toml",
-            "[dev-dependencies]\nsim.workspace = true\n",
+            "[dependencies]\nfab-sim.workspace = true\n",
             Some(2),
         ),
         (
+            "compiler/program/Cargo.toml",
+            "[dependencies]\nfab-grammar = { workspace = true }\n",
+            Some(2),
+        ),
+        (
+            "compiler/program/Cargo.toml",
+            "[dependencies]\npest = \"2\" # reads text\n",
+            Some(2),
+        ),
+        (
+            "compiler/emit/Cargo.toml",
+            "[dependencies]\nfab-compiler = { path = \"..\" }\n",
+            Some(2),
+        ),
+        (
+            "compiler/emit/Cargo.toml",
+            "[dev-dependencies]\nfab-compiler = { path = \"..\" }\n",
+            None,
+        ),
+        (
+            "compiler/emit/Cargo.toml",
+            "[dev-dependencies]\nfab-compiler = { workspace = true }\n",
+            Some(2),
+        ),
+        (
+            "Cargo.lock",
+            "[[package]]\nname = \"fab-program\"\ndependencies = [\n \"sha2 0.11.1\",\n]\n\n\
+             [[package]]\nname = \"sha2\"\ndependencies = [\n \"libc\",\n]\n",
+            None,
+        ),
+        (
+            "Cargo.lock",
+            "[[package]]\nname = \"fab-program\"\ndependencies = [\n \"a 1.0.0\",\n]\n\n\
+             [[package]]\nname = \"a\"\ndependencies = [\n \"zstd-sys\",\n]\n",
+            Some(1),
+        ),
+        (
+            "compiler/src/new.rs",
+            "//! A.\nconst A: &str = include_str!(\"../../tasks/a.fab\");\n",
+            Some(2),
+        ),
+        (
+            "src/new/mod.rs",
+            "//! A.\nconst A: &str = include_str!(\"../../tasks/a.fab\");\n",
+            None,
+        ),
+        (
+            "src/main.rs",
+            "//! A.\n#[path = \"../runtime/src/store.rs\"]\nmod store;\n",
+            Some(2),
+        ),
+        (
+            "sim/src/lib.rs",
+            "//! A.\n#[cfg(test)]\n#[path = \"../../tests/data.rs\"]\nmod data;\n",
+            None,
+        ),
+        (
             "sim/Cargo.toml",
-            "[dependencies.x] # why\npackage = \"grammar\"\n",
+            "[dependencies.x] # why\npackage = \"fab-grammar\"\n",
             Some(1),
         ),
         (
             "sim/Cargo.toml",
-            "[target.'cfg(unix)'.dependencies.grammar]\n",
+            "[target.'cfg(unix)'.dependencies.fab-grammar]\n",
             Some(1),
         ),
         (
@@ -172,12 +286,12 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
         ),
         (
             "runtime/src/agent.rs",
-            "//! A.\nlet c = ::sim::Cloth;\n",
+            "//! A.\nlet c = ::fab_sim::Cloth;\n",
             Some(2),
         ),
         (
             "runtime/src/agent.rs",
-            "//! A.\nuse sim as cloth;\n",
+            "//! A.\nuse fab_sim as cloth;\n",
             Some(2),
         ),
         (
@@ -192,7 +306,6 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
         ),
         ("src/main.rs", "//! A.\nuse clap::Parser;\n", None),
         ("src/main.rs", "// A.\n", Some(1)),
-        ("src/main.rs", &too_long, Some(MAX_LINES + 1)),
         (
             "tests/a.rs",
             "//! A.\n#[test]\n#[ignore = \"slow\"]\nfn folds() {}\n",
@@ -231,24 +344,143 @@ fn report(faults: &[String]) {
     assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
 }
 
+const fn member(
+    folder: &'static str,
+    package: &'static str,
+    needs: &'static [&'static str],
+    tests_need: &'static [&'static str],
+) -> Member {
+    Member {
+        folder,
+        package,
+        needs,
+        tests_need,
+    }
+}
+
+fn is_ours(dependency: &Dependency) -> bool {
+    MEMBERS
+        .iter()
+        .any(|member| member.package == dependency.package())
+}
+
 fn edge_faults(files: &[TextFile]) -> Vec<String> {
     let mut faults = Vec::new();
-    for (owner, allowed) in EDGES {
-        let manifest = format!("{owner}/Cargo.toml");
+    for member in MEMBERS {
+        let manifest = format!("{}/Cargo.toml", member.folder);
         for file in files.iter().filter(|file| file.path == manifest) {
-            for dependency in dependencies(&file.text) {
-                for (other, _) in EDGES.iter().filter(|(other, _)| dependency.is(other)) {
-                    if !allowed.contains(other) {
-                        let rule = format!(
-                            "`{owner}` must not depend on `{other}`, only on {allowed:?} of ours"
-                        );
-                        faults.push(fault(file, dependency.line, &rule));
-                    }
+            for dependency in dependencies(&file.text).iter().filter(|it| is_ours(it)) {
+                let (owner, other) = (member.package, dependency.package());
+                let for_tests = dependency.purpose == Purpose::Tests;
+                if for_tests && !dependency.by_path_alone {
+                    // Only such a one is left out when the package is published.
+                    let rule = format!("`{other}` is for tests: `{other} = {{ path = \"…\" }}`");
+                    faults.push(fault(file, dependency.line, &rule));
+                }
+                let allowed = member.needs.contains(&other)
+                    || (for_tests && member.tests_need.contains(&other));
+                if !allowed {
+                    let rule = format!(
+                        "`{owner}` must not depend on `{other}`, only on {:?} of ours",
+                        member.needs
+                    );
+                    faults.push(fault(file, dependency.line, &rule));
                 }
             }
         }
     }
     faults
+}
+
+/// `fab-program` is what a robot's own program links, so what it reaches is held too.
+fn reach_faults(files: &[TextFile]) -> Vec<String> {
+    let mut faults = Vec::new();
+    let is_forbidden =
+        |name: &str| PARSERS.contains(&name) || SYSTEM.contains(&name) || name.ends_with("-sys");
+    for file in files {
+        match file.path.as_str() {
+            "compiler/program/Cargo.toml" => {
+                let found = dependencies(&file.text);
+                // Our own are the business of `edge_faults`.
+                for it in found
+                    .iter()
+                    .filter(|it| !is_ours(it) && is_forbidden(it.package()))
+                {
+                    let rule = format!("`fab-program` must not need `{}`", it.package());
+                    faults.push(fault(file, it.line, &rule));
+                }
+            }
+            "Cargo.lock" => {
+                for name in reached(&file.text, "fab-program") {
+                    if is_forbidden(&name) {
+                        let rule = format!("`fab-program` must not reach `{name}`");
+                        faults.push(fault(file, 1, &rule));
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    faults
+}
+
+/// A package is built from its own folder alone; what only tests include is not packaged.
+fn include_faults(files: &[TextFile]) -> Vec<String> {
+    const OPENINGS: [&str; 4] = [
+        "include_str!(\"",
+        "include_bytes!(\"",
+        "include!(\"",
+        "#[path = \"",
+    ];
+    let mut faults = Vec::new();
+    for file in files.iter().filter(|file| file.path.ends_with(".rs")) {
+        let package = package_of(&file.path);
+        let own = &file.path[package.len()..];
+        if !own.trim_start_matches('/').starts_with("src/") || file.path == NOT_PACKAGED {
+            continue;
+        }
+        let mut line_before = "";
+        for (line, content) in numbered(&file.text) {
+            let opening = OPENINGS
+                .iter()
+                .find_map(|opening| content.trim_start().split_once(opening))
+                .filter(|(before, _)| !before.starts_with("//"));
+            let target = opening.and_then(|(_, rest)| rest.split('"').next());
+            if let Some(target) = target.filter(|_| line_before.trim() != "#[cfg(test)]") {
+                let whole = resolved(&file.path, target);
+                if package_of(&whole) != package || whole.starts_with("..") {
+                    let rule = format!("`{target}` lies outside of the package's folder");
+                    faults.push(fault(file, line, &rule));
+                }
+            }
+            line_before = content;
+        }
+    }
+    faults
+}
+
+/// The folder of the package that a path belongs to; empty for the root's own.
+fn package_of(path: &str) -> &'static str {
+    let holds = |folder: &str| {
+        path.strip_prefix(folder)
+            .is_some_and(|rest| rest.starts_with('/'))
+    };
+    let folders = MEMBERS.iter().map(|member| member.folder);
+    let inner = folders.filter(|folder| holds(folder));
+    inner.max_by_key(|folder| folder.len()).unwrap_or("")
+}
+
+/// A path that is named in a file, from the root.
+fn resolved(file: &str, target: &str) -> String {
+    let mut parts: Vec<&str> = file.split('/').collect();
+    parts.pop();
+    for part in target.split('/') {
+        match part {
+            ".." if parts.last().is_some_and(|last| *last != "..") => drop(parts.pop()),
+            part => parts.push(part),
+        }
+    }
+    parts.join("/")
 }
 
 /// Our own crates need no reason: the edges between them are drawn above.
@@ -259,8 +491,7 @@ fn reason_faults(files: &[TextFile]) -> Vec<String> {
         .filter(|file| file.path.ends_with("Cargo.toml"))
     {
         for dependency in dependencies(&file.text) {
-            let ours = EDGES.iter().any(|(name, _)| dependency.is(name));
-            if !ours && !dependency.has_reason {
+            if !is_ours(&dependency) && !dependency.has_reason {
                 let rule = format!(
                     "`{}` needs a comment that says what it is for",
                     dependency.name
@@ -299,12 +530,6 @@ fn form_faults(files: &[TextFile]) -> Vec<String> {
                 1,
                 "a Rust file starts with `//!` and what it is for",
             ));
-        }
-        let n_lines = file.text.lines().count();
-        let excepted = LONG_FILES.iter().any(|(path, _)| *path == file.path);
-        if n_lines > MAX_LINES && !excepted && !file.path.contains("/fixtures/") {
-            let rule = format!("{n_lines} lines, {MAX_LINES} at most: split it by subject");
-            faults.push(fault(file, MAX_LINES + 1, &rule));
         }
     }
     faults

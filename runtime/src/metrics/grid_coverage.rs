@@ -238,18 +238,6 @@ mod tests {
     }
 
     #[test]
-    fn a_flat_t_shirt_covers_nearly_all_of_itself() {
-        let outline = Outline::new(include_str!("../../../sim/outlines/t_shirt.txt"));
-        let grid = grid(50, 50);
-        let flat = flat_with(&grid, &outline);
-        let covered = outlined_coverage(&flat, &grid, Some(&outline)).unwrap_or_default();
-        assert!((0.95..1.0).contains(&covered), "{covered}");
-        // Over the area of the whole square it would be far less.
-        let there: Vec<_> = flat.into_iter().filter(|point| point[0] < 1.0).collect();
-        assert!(coverage(&there, &grid).is_some_and(|it| it < 0.8));
-    }
-
-    #[test]
     fn what_has_no_particle_has_no_coverage() {
         let (grid, points) = (grid(2, 2), [[0.0; 3]; 4]);
         let none = Outline::new("..\n..\n");

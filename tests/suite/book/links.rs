@@ -88,6 +88,8 @@ fn peer_mdbook_builds_the_book_and_every_link_in_it_leads_somewhere() {
             continue;
         }
         n_pages += 1;
+        // mdBook makes a folder's README its index.
+        let chapter = chapter.replace("README", "index");
         let file = book.join(format!("{chapter}.html"));
         let html = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{chapter}: {error}"));
         for target in ["href=\"", "src=\""]

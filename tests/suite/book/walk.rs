@@ -52,13 +52,21 @@ const NOT_RUN: [(&str, &str); 6] = [
 
 /// Blocks that another test runs: the page, the language, the file of that test.
 const TESTED_ELSEWHERE: [(&str, &str, &str); 5] = [
-    ("docs/build.md", "python", "compiler/tests/emitted/docs.rs"),
+    (
+        "docs/build.md",
+        "python",
+        "compiler/emit/tests/emitted/docs.rs",
+    ),
     (
         "docs/build.md",
         "python-jinja2",
-        "compiler/tests/emitted/docs.rs",
+        "compiler/emit/tests/emitted/docs.rs",
     ),
-    ("docs/build.md", "rust", "compiler/tests/emitted/docs.rs"),
+    (
+        "docs/build.md",
+        "rust",
+        "compiler/emit/tests/emitted/docs.rs",
+    ),
     ("docs/simulator.md", "rust", "tests/suite/book.rs"),
     ("docs/review.md", "yaml", "tests/suite/review/documented.rs"),
 ];

@@ -4,6 +4,7 @@
 //! numbers from 1. It knows as much of TOML and Rust as the rules need and no more; it judges
 //! nothing.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
@@ -36,13 +37,22 @@ pub struct Dependency {
     package: Option<String>,
     pub line: usize,
     pub has_reason: bool,
+    pub purpose: Purpose,
+    /// Whether it is found by its folder alone, so that cargo leaves it out of the published manifest.
+    pub by_path_alone: bool,
+}
+
+/// What a dependency is needed for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    Build,
+    Tests,
 }
 
 impl Dependency {
-    /// Whether this is our crate of that name, under whatever name it is imported.
-    pub fn is(&self, ours: &str) -> bool {
-        let package = self.package.as_ref().unwrap_or(&self.name);
-        package == ours
+    /// The name of the package, under whatever name it is imported.
+    pub fn package(&self) -> &str {
+        self.package.as_ref().unwrap_or(&self.name)
     }
 }
 
@@ -52,6 +62,7 @@ impl Dependency {
 pub fn dependencies(manifest: &str) -> Vec<Dependency> {
     let mut found: Vec<Dependency> = Vec::new();
     let (mut in_list, mut in_table, mut comment_above) = (false, false, false);
+    let mut purpose = Purpose::Build;
     for (line, content) in numbered(manifest) {
         let hash = content.match_indices('#').map(|(at, _)| at);
         let hash = hash
@@ -79,6 +90,10 @@ pub fn dependencies(manifest: &str) -> Vec<Dependency> {
                 .filter(|_| !header.starts_with("workspace"))
                 .map(|end| &header[end..]);
             in_list = rest == Some("");
+            purpose = match header.contains("dev-dependencies") {
+                true => Purpose::Tests,
+                false => Purpose::Build,
+            };
             name = rest.and_then(|rest| rest.strip_prefix('.'));
             in_table = name.is_some();
         } else if in_list && toml.starts_with(|first: char| first.is_alphanumeric()) {
@@ -96,11 +111,41 @@ pub fn dependencies(manifest: &str) -> Vec<Dependency> {
                 package: value_of("package"),
                 line,
                 has_reason,
+                purpose,
+                by_path_alone: toml.contains("path =")
+                    && !toml.contains("version")
+                    && !toml.contains("workspace"),
             });
         }
         comment_above = toml.is_empty() && has_comment;
     }
     found
+}
+
+/// Lists the packages that one reaches by Cargo.lock, itself left out, in order of name.
+///
+/// A lock file does not tell tests from builds, so the answer may hold more than a build needs.
+pub fn reached(lock: &str, package: &str) -> Vec<String> {
+    let mut found = BTreeSet::new();
+    let mut pending = vec![package.to_owned()];
+    while let Some(name) = pending.pop() {
+        let header = format!("name = \"{name}\"\n");
+        for entry in lock
+            .split("[[package]]\n")
+            .filter(|it| it.starts_with(&header))
+        {
+            let (_, list) = entry.split_once("dependencies = [").unwrap_or_default();
+            let (list, _) = list.split_once(']').unwrap_or_default();
+            for other in list.split('"').skip(1).step_by(2) {
+                // `"name version"` where several versions are locked.
+                let other = other.split(' ').next().unwrap_or_default();
+                if found.insert(other.to_owned()) {
+                    pending.push(other.to_owned());
+                }
+            }
+        }
+    }
+    found.into_iter().collect()
 }
 
 /// Whether a line of code uses a name in the reserved sense.
@@ -208,9 +253,21 @@ fn read_folder(folder: &Path, prefix: &str, files: &mut Vec<TextFile>) {
 }
 
 fn is_text(path: &str) -> bool {
-    const KINDS: [&str; 13] = [
-        "rs", "toml", "md", "fab", "sh", "pest", "py", "txt", "json", "yml", "snap", "Makefile",
+    const KINDS: [&str; 14] = [
+        "rs",
+        "toml",
+        "md",
+        "fab",
+        "sh",
+        "pest",
+        "py",
+        "txt",
+        "json",
+        "yml",
+        "snap",
+        "Makefile",
         ".ci/run",
+        "Cargo.lock",
     ];
     KINDS
         .iter()
