@@ -53,6 +53,8 @@ pub enum Verb {
     Test(TestArguments),
     /// Says what a diagnostic means and what to do, by an example.
     Explain(ExplainArguments),
+    /// Lists every word of the language with its arguments, ranges and meaning.
+    Vocabulary(VocabularyArguments),
     /// Prints the exact messages that a model gets, without asking one.
     Render(render::RenderArguments),
     /// Pins what tasks say to models as snapshots beside their files; `--check` fails where they differ.
@@ -112,6 +114,7 @@ impl Verb {
             Verb::Check(arguments) => arguments.json,
             Verb::Test(arguments) => arguments.json,
             Verb::Explain(_) | Verb::Completions(_) => false,
+            Verb::Vocabulary(arguments) => arguments.json,
             Verb::Render(arguments) => arguments.json,
             Verb::Snap(arguments) => arguments.json,
             Verb::Build(arguments) => arguments.json,
@@ -203,6 +206,14 @@ pub struct ExplainArguments {
     /// Write a page of Markdown for each code, and `index.md`, into this folder.
     #[arg(long, value_name = "DIR", conflicts_with = "code")]
     pub pages: Option<PathBuf>,
+}
+
+/// Arguments of `vocabulary`.
+#[derive(Args)]
+pub struct VocabularyArguments {
+    /// Print one JSON document, for editors.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `build`.

@@ -55,6 +55,7 @@ mod sim;
 #[cfg(feature = "runtime")]
 mod subgoals;
 mod test;
+mod vocabulary;
 mod watch;
 
 #[cfg(feature = "runtime")]
@@ -104,6 +105,7 @@ fn run(verb: Verb) -> Exit {
         }
         Verb::Test(arguments) => test::run(&arguments),
         Verb::Explain(arguments) => explain::run(&arguments),
+        Verb::Vocabulary(arguments) => vocabulary::run(&arguments),
         Verb::Render(arguments) if arguments.watch => {
             let entry = std::slice::from_ref(&arguments.task.file);
             watch::run(entry, &watch::used::rendered(&arguments), || {

@@ -36,49 +36,26 @@
 //! # Ok::<(), LoadError>(())
 //! ```
 
-mod ast;
 mod check;
 pub mod diag;
 pub mod explain;
 mod form;
+pub mod lang;
 mod load;
+mod loader;
 mod merge;
 mod path;
 pub mod proof;
-mod source;
 
 pub use check::MAX_INHERITED_BYTES;
 pub use fab_grammar::is_keyword;
+pub use fab_grammar::{FileId, Source, Sources, Span, line_and_column};
 pub use load::{MAX_FILES, MAX_TOTAL_BYTES, MAX_USE_DEPTH};
+pub use loader::{LoadError, Loader};
 pub use merge::MAX_EXTENDS_DEPTH;
-pub use source::{FileId, Source, Sources, Span, line_and_column};
 
 use diag::{Diagnostic, Report, Severity};
 use fab_program::{Program, Test};
-
-/// Gives the compiler texts; all its access to the outside.
-pub trait Loader {
-    /// Returns the text of a file.
-    ///
-    /// `name` is the entry as the caller of [`compile`] named it, or the path of a `use`, resolved
-    /// relative to the file that uses it: `/` between folders, without `.` and with `..` only in front.
-    fn load(&self, name: &str) -> Result<String, LoadError>;
-}
-
-/// Why a file cannot be read.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LoadError {
-    /// The reason, naming the file: lower case, no full stop.
-    pub message: String,
-}
-
-impl std::fmt::Display for LoadError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.message)
-    }
-}
-
-impl std::error::Error for LoadError {}
 
 /// What came of a compilation.
 #[derive(Clone, Debug)]
@@ -125,13 +102,14 @@ pub fn compile_for(
     grid: Option<[u32; 2]>,
 ) -> Result<Compiled, LoadError> {
     let mut report = Report::default();
-    let loaded = load::load(entry, loader, &mut report)?;
+    let texts = load::read(entry, loader, &mut report)?;
+    let loaded = load::Loaded::of(&texts);
     let checked = check::check(&loaded, grid, &mut report);
     Ok(Compiled {
         programs: checked.programs,
         tests: checked.tests,
         left_out: report.left_out(),
         diagnostics: report.into_sorted(),
-        sources: loaded.sources,
+        sources: texts.sources,
     })
 }

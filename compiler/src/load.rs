@@ -4,12 +4,12 @@
 //! and of `use`. Bounded by [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`]; no path leads out of the
 //! entry's folder, but into a folder `lib` that lies beside it.
 
-use crate::ast::{self, Text};
-use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report};
+use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported};
 use crate::form;
+use crate::loader::{LoadError, Loader};
 use crate::path;
-use crate::source::{FileId, Sources, Span};
-use crate::{LoadError, Loader};
+use fab_grammar::ast::{Experts, Name, Task};
+use fab_grammar::{FileId, Sources, Span, Tree};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most files in one compilation.
@@ -21,83 +21,143 @@ pub const MAX_USE_DEPTH: usize = 16;
 /// The most text in one compilation, bytes.
 pub const MAX_TOTAL_BYTES: usize = 4 << 20;
 
-/// Every file of a compilation, in the order in which they were first read.
-pub(crate) struct Loaded {
+/// The texts of a compilation, parsed, in the order in which they were first read.
+#[derive(Default)]
+pub(crate) struct Texts {
     pub sources: Sources,
-    pub files: Vec<ast::File>,
+    trees: Vec<Tree>,
     /// For each file, its path as seen from the entry's folder: the same wherever the folder lies.
     pub portable_names: Vec<String>,
     /// For each file, itself and those that it uses, directly or through others.
     reach: Vec<BTreeSet<FileId>>,
-    /// For each file, where the first task of each name stands in it; names are looked up once per task.
-    task_index: Vec<BTreeMap<String, usize>>,
+    /// For each file, the proof that its form is wrong, where it is.
+    faults: Vec<Option<Reported>>,
+}
+
+/// One file as it is written.
+pub(crate) struct LoadedFile<'a> {
+    pub id: FileId,
+    pub experts: Vec<Experts<'a>>,
+    pub tasks: Vec<Task<'a>>,
+    /// The words of everything that does not fit: a name among them may be declared there.
+    pub unparsed_words: BTreeSet<&'a str>,
+    /// Where the first task of each name stands; names are looked up once per task.
+    task_index: BTreeMap<&'a str, usize>,
     /// Likewise for lists of experts.
-    experts_index: Vec<BTreeMap<String, usize>>,
+    experts_index: BTreeMap<&'a str, usize>,
+}
+
+/// Every file of a compilation, and who sees what.
+pub(crate) struct Loaded<'a> {
+    pub texts: &'a Texts,
+    pub files: Vec<LoadedFile<'a>>,
     /// For each task and list of experts, by its name's place, the bytes from there to the next one.
     sizes: BTreeMap<Span, usize>,
     /// The names' places of the tasks that others extend.
     extended: BTreeSet<Span>,
 }
 
-impl Loaded {
+impl<'a> Loaded<'a> {
+    /// Views the files of `texts`.
+    pub fn of(texts: &'a Texts) -> Loaded<'a> {
+        let mut sizes = BTreeMap::new();
+        let mut files = Vec::with_capacity(texts.trees.len());
+        for tree in &texts.trees {
+            let file = tree.view();
+            let (tasks, experts): (Vec<_>, Vec<_>) =
+                (file.tasks().collect(), file.experts().collect());
+            let names = tasks.iter().map(|task| task.name());
+            let lists = experts.iter().map(|list| list.name());
+            sizes.extend(self::sizes(
+                names.clone().chain(lists.clone()),
+                tree.text().len(),
+            ));
+            files.push(LoadedFile {
+                id: file.span().file,
+                task_index: first_of_each_name(names),
+                experts_index: first_of_each_name(lists),
+                unparsed_words: file.unparsed_words(),
+                tasks,
+                experts,
+            });
+        }
+        let mut loaded = Loaded {
+            texts,
+            files,
+            sizes,
+            extended: BTreeSet::new(),
+        };
+        let tasks = loaded.files.iter().flat_map(|file| &file.tasks);
+        let bases = tasks.filter_map(|task| task.extends());
+        loaded.extended = bases
+            .filter_map(|base| loaded.task(base.span().file, base.text()))
+            .map(|task| task.name().span())
+            .collect();
+        loaded
+    }
+
     /// Finds the first task of that name that `file` sees.
-    pub fn task(&self, file: FileId, name: &str) -> Option<&ast::Task> {
-        self.reach[file.0].iter().find_map(|seen| {
-            let at = self.task_index[seen.0].get(name)?;
-            Some(&self.files[seen.0].tasks[*at])
-        })
+    pub fn task(&self, file: FileId, name: &str) -> Option<Task<'a>> {
+        self.visible_from(file)
+            .find_map(|seen| Some(seen.tasks[*seen.task_index.get(name)?]))
     }
 
     /// Finds the first list of experts of that name that `file` sees.
-    pub fn experts(&self, file: FileId, name: &str) -> Option<&ast::Experts> {
-        self.reach[file.0].iter().find_map(|seen| {
-            let at = self.experts_index[seen.0].get(name)?;
-            Some(&self.files[seen.0].experts[*at])
-        })
+    pub fn experts(&self, file: FileId, name: &str) -> Option<Experts<'a>> {
+        self.visible_from(file)
+            .find_map(|seen| Some(seen.experts[*seen.experts_index.get(name)?]))
     }
 
     /// Returns about how many bytes of text the item of that name has.
-    pub fn size(&self, name: &ast::Ident) -> usize {
-        self.sizes.get(&name.span).copied().unwrap_or(0)
+    pub fn size(&self, name: Name<'a>) -> usize {
+        self.sizes.get(&name.span()).copied().unwrap_or(0)
     }
 
     /// Returns whether another task extends this one.
-    pub fn is_extended(&self, task: &ast::Task) -> bool {
-        self.extended.contains(&task.name.span)
+    pub fn is_extended(&self, task: Task<'a>) -> bool {
+        self.extended.contains(&task.name().span())
     }
 
     /// Returns the files whose declarations `file` sees, in the order in which they were read.
-    pub fn visible_from(&self, file: FileId) -> impl Iterator<Item = &ast::File> {
-        self.reach[file.0].iter().map(|seen| &self.files[seen.0])
+    pub fn visible_from(&self, file: FileId) -> impl Iterator<Item = &LoadedFile<'a>> {
+        self.texts.reach[file.index()]
+            .iter()
+            .map(|seen| &self.files[seen.index()])
     }
 
     /// Returns the entry file.
-    pub fn entry(&self) -> &ast::File {
+    pub fn entry(&self) -> &LoadedFile<'a> {
         &self.files[0]
+    }
+
+    /// Returns the proof that the form of a file is wrong, where it is.
+    pub fn fault(&self, file: FileId) -> Option<Reported> {
+        self.texts.faults[file.index()]
+    }
+
+    /// Returns the text of a place.
+    pub fn written(&self, span: Span) -> &'a str {
+        self.texts.sources.text(span)
+    }
+
+    /// Returns where a place stands: its file, as seen from the entry's folder, and its line.
+    pub fn place(&self, file: FileId, byte: usize) -> (String, u32) {
+        let (line, _) = self.texts.sources.get(file).line_and_column(byte);
+        (self.texts.portable_names[file.index()].clone(), line as u32)
     }
 }
 
 /// Reads `entry` and what it uses; fails only where the entry cannot be loaded.
-pub(crate) fn load(
+pub(crate) fn read(
     entry: &str,
     loader: &dyn Loader,
     report: &mut Report,
-) -> Result<Loaded, LoadError> {
+) -> Result<Texts, LoadError> {
     let text = loader.load(entry)?;
-    let loaded = Loaded {
-        sources: Sources::default(),
-        files: Vec::new(),
-        portable_names: Vec::new(),
-        reach: Vec::new(),
-        task_index: Vec::new(),
-        experts_index: Vec::new(),
-        sizes: BTreeMap::new(),
-        extended: BTreeSet::new(),
-    };
     let mut reading = Reading {
         loader,
         report,
-        loaded,
+        texts: Texts::default(),
         keys: Vec::new(),
         unreadable: BTreeMap::new(),
         total_bytes: 0,
@@ -105,17 +165,9 @@ pub(crate) fn load(
     };
     let file = reading.add(entry.to_owned(), path::file_name(entry).to_owned(), text);
     reading.follow(file);
-    let mut loaded = reading.loaded;
-    close(&mut loaded.reach);
-    loaded.extended = loaded
-        .files
-        .iter()
-        .flat_map(|file| &file.tasks)
-        .filter_map(|task| task.extends.as_ref())
-        .filter_map(|base| loaded.task(base.span.file, &base.text))
-        .map(|task| task.name.span)
-        .collect();
-    Ok(loaded)
+    let mut texts = reading.texts;
+    close(&mut texts.reach);
+    Ok(texts)
 }
 
 /// Adds to each file's reach what the files in it reach.
@@ -126,7 +178,7 @@ fn close(reach: &mut [BTreeSet<FileId>]) {
         for file in 0..reach.len() {
             let further: BTreeSet<FileId> = reach[file]
                 .iter()
-                .flat_map(|seen| reach[seen.0].iter().copied())
+                .flat_map(|seen| reach[seen.index()].iter().copied())
                 .collect();
             grown |= further.len() > reach[file].len();
             reach[file].extend(further);
@@ -140,7 +192,7 @@ fn close(reach: &mut [BTreeSet<FileId>]) {
 struct Reading<'a> {
     loader: &'a dyn Loader,
     report: &'a mut Report,
-    loaded: Loaded,
+    texts: Texts,
     /// Each file's normalised name, by which it is known again.
     keys: Vec<String>,
     /// Files that could not be read, and why; none is asked for twice.
@@ -152,74 +204,70 @@ struct Reading<'a> {
 
 impl Reading<'_> {
     fn add(&mut self, name: String, portable_name: String, text: String) -> FileId {
-        let parsed = fab_grammar::parse(&text);
         self.total_bytes += text.len();
         self.keys.push(path::beside("", &name));
-        let file = self.loaded.sources.add(name, text);
-        let told = parsed.faults.len().min(MAX_FINDINGS);
-        self.report.pass_over(parsed.faults.len() - told, file);
-        for fault in &parsed.faults[..told] {
-            self.report.push(form::diagnose(
-                fault,
-                file,
-                &self.loaded.sources.get(file).text,
-            ));
+        let file = self.texts.sources.add(name, text);
+        let text = &self.texts.sources.get(file).text;
+        let parsed = fab_grammar::parse(file, text);
+        let shown = parsed.faults.len().min(MAX_FINDINGS);
+        self.report.count_further(parsed.faults.len() - shown, file);
+        for fault in &parsed.faults[..shown] {
+            self.report.error(form::diagnose(fault, text));
         }
-        let lowered = ast::lower(file, &parsed.tree);
-        let tasks = || lowered.tasks.iter().map(|task| &task.name);
-        let experts = || lowered.experts.iter().map(|experts| &experts.name);
-        self.loaded.task_index.push(first_of_each_name(tasks()));
-        self.loaded
-            .experts_index
-            .push(first_of_each_name(experts()));
-        let end = self.loaded.sources.get(file).text.len();
-        self.loaded
-            .sizes
-            .extend(sizes(tasks().chain(experts()), end));
-        self.loaded.files.push(lowered);
-        self.loaded.portable_names.push(portable_name);
-        self.loaded.reach.push(BTreeSet::from([file]));
+        self.texts.faults.push(
+            self.report
+                .error_in(file)
+                .filter(|_| !parsed.faults.is_empty()),
+        );
+        self.texts.trees.push(parsed.tree);
+        self.texts.portable_names.push(portable_name);
+        self.texts.reach.push(BTreeSet::from([file]));
         file
     }
 
     /// Reads what a file uses; recursion is bounded by [`MAX_USE_DEPTH`].
     fn follow(&mut self, file: FileId) {
         self.open.push(file);
-        for used in self.loaded.files[file.0].uses.clone() {
-            if let Some(target) = self.reach(file, &used) {
-                self.loaded.reach[file.0].insert(target);
+        let uses = self.texts.trees[file.index()].view().uses();
+        let paths: Vec<_> = uses
+            .map(|used| (used.path().span(), used.path().plain()))
+            .collect();
+        for (span, path) in paths {
+            // A file that cannot be reached is reported; the others are read all the same.
+            if let Ok(target) = self.reach(file, span, path) {
+                self.texts.reach[file.index()].insert(target);
             }
         }
         self.open.pop();
     }
 
-    fn reach(&mut self, file: FileId, used: &Text) -> Option<FileId> {
-        let Some(written) = used.plain() else {
+    fn reach(
+        &mut self,
+        file: FileId,
+        span: Span,
+        path: Option<String>,
+    ) -> Result<FileId, Reported> {
+        let Some(written) = path else {
             let message = "the path of a `use` has a placeholder";
-            self.report.push(
-                Diagnostic::new(Code::BadPath, used.span, message).help("write the path itself"),
-            );
-            return None;
+            let diagnostic = Diagnostic::new(Code::BadPath, span, message);
+            return Err(self.report.error(diagnostic.help("write the path itself")));
         };
         if let Some(fault) = path::fault(&written) {
-            self.report.push(Diagnostic::new(
-                Code::BadPath,
-                used.span,
-                format!("the path `{written}` {fault}"),
-            ));
-            return None;
+            let message = format!("the path `{written}` {fault}");
+            return Err(self
+                .report
+                .error(Diagnostic::new(Code::BadPath, span, message)));
         }
-        let here = &self.loaded.portable_names[file.0];
+        let here = &self.texts.portable_names[file.index()];
         let Some(portable_name) = path::within_or_library(here, &written) else {
             let message = format!("the path `{written}` leads out of the folder of the first file");
-            self.report
-                .push(Diagnostic::new(Code::BadPath, used.span, message).help(
-                    "move the file beside the first one or below, or into a folder `lib` beside the first one's; or check a file higher up",
-                ));
-            return None;
+            return Err(self.report.error(Diagnostic::new(Code::BadPath, span, message).help(
+                "move the file beside the first one or below, or into a folder `lib` beside the first one's; or check a file higher up",
+            )));
         };
-        let name = path::beside(&self.loaded.sources.get(file).name, &written);
-        if let Some(known) = self.keys.iter().position(|key| *key == name).map(FileId) {
+        let name = path::beside(&self.texts.sources.get(file).name, &written);
+        if let Some(known) = self.keys.iter().position(|key| *key == name) {
+            let known = self.texts.trees[known].root().span().file;
             if self.open.contains(&known) {
                 let message = format!("`{written}` is used in a circle");
                 let label = if known == file {
@@ -228,9 +276,9 @@ impl Reading<'_> {
                     "leads back to this file"
                 };
                 self.report
-                    .push(Diagnostic::new(Code::CircularUse, used.span, message).label(label));
+                    .error(Diagnostic::new(Code::CircularUse, span, message).label(label));
             }
-            return Some(known);
+            return Ok(known);
         }
         let is_known_bad = self.unreadable.contains_key(&name);
         let n_asked = self.keys.len() + self.unreadable.len();
@@ -238,31 +286,29 @@ impl Reading<'_> {
             let message = format!(
                 "`{written}` is not read: at most {MAX_FILES} files are, each at most {MAX_USE_DEPTH} `use`s deep"
             );
-            self.report
-                .push(Diagnostic::new(Code::TooManyFiles, used.span, message));
-            return None;
+            return Err(self
+                .report
+                .error(Diagnostic::new(Code::TooManyFiles, span, message)));
         }
         match self.read(&name) {
             Ok(text) if self.total_bytes + text.len() > MAX_TOTAL_BYTES => {
                 let message = format!(
                     "`{written}` is left out: with it the files have more than {MAX_TOTAL_BYTES} bytes"
                 );
-                self.report
-                    .push(Diagnostic::new(Code::TooManyFiles, used.span, message));
-                None
+                Err(self
+                    .report
+                    .error(Diagnostic::new(Code::TooManyFiles, span, message)))
             }
             Ok(text) => {
                 let target = self.add(name, portable_name, text);
                 self.follow(target);
-                Some(target)
+                Ok(target)
             }
             Err(error) => {
-                self.report.push(
-                    Diagnostic::new(Code::UnreadableUse, used.span, error.message).help(format!(
-                        "paths are relative to the file that they stand in: this one is `{name}`"
-                    )),
-                );
-                None
+                let diagnostic = Diagnostic::new(Code::UnreadableUse, span, error.message);
+                Err(self.report.error(diagnostic.help(format!(
+                    "paths are relative to the file that they stand in: this one is `{name}`"
+                ))))
             }
         }
     }
@@ -277,20 +323,20 @@ impl Reading<'_> {
     }
 }
 
-fn first_of_each_name<'a>(names: impl Iterator<Item = &'a ast::Ident>) -> BTreeMap<String, usize> {
+fn first_of_each_name<'a>(names: impl Iterator<Item = Name<'a>>) -> BTreeMap<&'a str, usize> {
     let mut index = BTreeMap::new();
     for (at, name) in names.enumerate() {
-        index.entry(name.text.clone()).or_insert(at);
+        index.entry(name.text()).or_insert(at);
     }
     index
 }
 
 /// Returns the bytes from each name to the next, or to the end.
 fn sizes<'a>(
-    names: impl Iterator<Item = &'a ast::Ident>,
+    names: impl Iterator<Item = Name<'a>>,
     end: usize,
 ) -> impl Iterator<Item = (Span, usize)> {
-    let mut spans: Vec<Span> = names.map(|name| name.span).collect();
+    let mut spans: Vec<Span> = names.map(|name| name.span()).collect();
     spans.sort();
     let ends: Vec<usize> = spans
         .iter()

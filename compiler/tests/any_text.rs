@@ -18,7 +18,7 @@ fn survive(text: &str) {
     let json = diag::to_json(&compiled.diagnostics, &compiled.sources);
     assert_eq!(json.as_array().unwrap().len(), compiled.diagnostics.len());
     // A task without an error is a program, or is said to be a base.
-    let has_task = fab_grammar::parse(text)
+    let has_task = fab_grammar::parse(fab_grammar::FileId::FIRST, text)
         .tree
         .nodes()
         .any(|node| node.kind() == fab_grammar::Kind::Task);

@@ -13,7 +13,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, Expr, Item, ItemUse, Macro, Token, UseTree, Visibility};
 
 /// The most files of the compiler that may lie in circles: lower it when there are fewer.
-const MAX_FILES_IN_CIRCLES: usize = 51;
+const MAX_FILES_IN_CIRCLES: usize = 0;
 
 #[test]
 fn no_file_of_program_or_emit_lies_in_a_circle_of_imports() {
@@ -78,7 +78,7 @@ fn read(folder: &Path, above: &[String], texts: &mut BTreeMap<Module, String>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
-        let module = [above, &[name.clone()]].concat();
+        let module = [above, std::slice::from_ref(&name)].concat();
         if path.is_dir() {
             read(&path, &module, texts);
         } else if path.extension().is_some_and(|ending| ending == "rs") {

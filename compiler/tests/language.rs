@@ -33,22 +33,25 @@ fn the_table_of_codes_is_complete() {
     assert_eq!(rows, expected, "write:\n{}", expected.join("\n"));
 }
 
+/// The tables between markers are those that the compiler's own tables give; `FABC_WRITE_DOCS=1` writes them.
 #[test]
-fn the_list_of_words_that_name_nothing_is_complete() {
+fn the_tables_of_the_reference_are_those_of_the_compiler() {
     let text = reference();
-    let (_, listed) = text.split_once("```text\n").unwrap();
-    let (listed, _) = listed.split_once("```").unwrap();
-    let listed: Vec<&str> = listed.split_whitespace().collect();
-    let words = text
-        .split(|character: char| !character.is_ascii_alphanumeric() && character != '_')
-        .filter(|word| !word.is_empty());
-    for word in words.filter(|word| word.starts_with(|first: char| first.is_ascii_alphabetic())) {
-        assert_eq!(
-            fab_grammar::is_keyword(word),
-            listed.contains(&word),
-            "{word}"
+    let refreshed = fab_compiler::lang::refreshed(&text).expect("each table has its end");
+    if std::env::var_os("FABC_WRITE_DOCS").is_some() {
+        fs::write(common::workspace().join("docs/language.md"), refreshed).unwrap();
+        return;
+    }
+    for (name, _) in fab_compiler::lang::tables() {
+        assert!(
+            text.contains(&format!("<!-- table: {name} -->")),
+            "`{name}` stands nowhere"
         );
     }
+    assert!(
+        text == refreshed,
+        "write them: FABC_WRITE_DOCS=1 cargo test -p fab-compiler --test language"
+    );
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! What can be wrong with the form of a text, as facts; the compiler puts them into words.
 
-use std::ops::Range;
+use crate::source::Span;
 
 /// One place where the form is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// The bytes at fault.
-    pub span: Range<usize>,
+    pub span: Span,
     /// What is wrong.
     pub problem: Problem,
 }
@@ -57,7 +57,7 @@ pub enum Problem {
         /// The block's keyword.
         block: String,
         /// Where the block opens.
-        opened: Range<usize>,
+        opened: Span,
     },
     /// A block has no name.
     MissingName {

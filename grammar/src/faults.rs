@@ -7,25 +7,22 @@
 use crate::fault::{Fault, Problem};
 use crate::measure::{is_word, measure, token_at, unexpected};
 use crate::rules::Rule;
+use crate::source::Span;
 use crate::tree::{Kind, Node, Tree};
-use crate::vocabulary::{EXAMPLE, ITEMS, SECTIONS, STAGE, SUBGOALS, TEST, VERIFY, parts};
-use std::ops::Range;
+use crate::vocabulary::{block, words};
 
 /// Returns every fault of a tree, in source order.
 pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
     let mut faults = Vec::new();
     for parent in tree.nodes() {
         let mut previous: Option<Node<'_>> = None;
-        for child in parent.children() {
-            if child.kind().is_trivia() {
-                continue;
-            }
-            faults.extend(judge(tree, parent, previous, child));
+        for child in parent.children().filter(|child| !child.kind().is_trivia()) {
+            faults.extend(judge(parent, previous, child));
             previous = Some(child);
         }
         faults.extend(lacking(parent));
     }
-    faults.sort_by_key(|fault| (fault.span.start, fault.span.end));
+    faults.sort_by_key(|fault| fault.span);
     drop_consequences(tree, &mut faults);
     faults
 }
@@ -34,216 +31,165 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
 fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
     let swallowed = tree
         .nodes()
-        .any(|node| node.kind() == Kind::NoTriple && node.span().start == tree.text().len());
+        .any(|node| node.kind() == Kind::NoTriple && node.range().start == tree.text().len());
     if swallowed {
         faults.retain(|fault| !matches!(fault.problem, Problem::MissingClose { .. }));
     }
 }
 
-fn judge(
-    tree: &Tree,
-    parent: Node<'_>,
-    previous: Option<Node<'_>>,
-    node: Node<'_>,
-) -> Option<Fault> {
-    let fault = |span, problem| Some(Fault { span, problem });
-    match node.kind() {
-        Kind::NoOpen => {
-            let end = previous.map_or(node.span().start, |head| trimmed(head).end);
-            let has_name_fault = previous.is_some_and(|head| lacking(head).is_some());
-            if has_name_fault {
-                None
-            } else {
-                fault(
-                    end..end,
-                    Problem::MissingOpen {
-                        block: block_word(parent),
-                    },
-                )
-            }
+fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<Fault> {
+    let span = trimmed(node);
+    let first = |bytes: usize, span: Span| Span {
+        end: span.start + bytes,
+        ..span
+    };
+    let (span, problem) = match node.kind() {
+        Kind::NoOpen if previous.is_none_or(|head| lacking(head).is_none()) => {
+            let head = trimmed(previous.unwrap_or(node));
+            let problem = Problem::MissingOpen {
+                block: block_word(parent),
+            };
+            let end = Span {
+                start: head.end,
+                ..head
+            };
+            (end, problem)
         }
         Kind::NoClose => {
             let opened = parent.child(Kind::Open)?.span();
-            fault(
-                opened.clone(),
-                Problem::MissingClose {
-                    block: block_word(parent),
-                    opened,
-                },
-            )
+            let problem = Problem::MissingClose {
+                block: block_word(parent),
+                opened,
+            };
+            (opened, problem)
         }
-        Kind::NoQuote => fault(parent.span(), Problem::UnclosedString),
-        Kind::NoTriple => fault(
-            parent.span().start..parent.span().start + 3,
-            Problem::UnclosedText,
-        ),
+        Kind::NoQuote => (parent.span(), Problem::UnclosedString),
+        Kind::NoTriple => (first(3, parent.span()), Problem::UnclosedText),
         Kind::Surplus if lacking(parent).is_none() => {
-            let span = trimmed(node);
-            fault(
-                span.clone(),
-                Problem::Surplus {
-                    found: tree.text()[span].to_owned(),
-                },
-            )
+            let found = node.text().trim().to_owned();
+            (span, Problem::Surplus { found })
         }
-        Kind::CurlyText => fault(
-            node.span(),
-            Problem::WrongQuotes {
-                right: requoted(node.text(), 3, "\"\"\""),
-            },
-        ),
-        Kind::CurlyString | Kind::SingleString => fault(
-            node.span(),
-            Problem::WrongQuotes {
-                right: requoted(node.text(), 1, "\""),
-            },
-        ),
-        Kind::BadEscape => fault(node.span(), Problem::BadEscape),
+        Kind::CurlyText => (node.span(), wrong_quotes(node, "\"\"\"")),
+        Kind::CurlyString | Kind::SingleString => (node.span(), wrong_quotes(node, "\"")),
+        Kind::BadEscape => (node.span(), Problem::BadEscape),
         // A placeholder stands on one line, so that texts keep their lines.
         Kind::Placeholder if node.text().contains(['\n', '\r']) => {
-            let start = node.span().start;
-            fault(start..start + 2, Problem::LoneBraces)
+            (first(2, node.span()), Problem::LoneBraces)
         }
-        Kind::LoneBraces => fault(node.span(), Problem::LoneBraces),
-        Kind::Stray => Some(stray(tree, node)),
-        Kind::Junk | Kind::JunkSection => junk(tree, parent, previous, node),
+        Kind::LoneBraces => (node.span(), Problem::LoneBraces),
+        Kind::Stray => return Some(stray(node)),
+        Kind::Junk | Kind::JunkSection => return junk(parent, previous, node),
         Kind::JunkCondition | Kind::JunkGuard => {
-            let span = trimmed(node);
-            Some(
-                measure(tree, Rule::only_expr, span.clone())
-                    .unwrap_or_else(|| unexpected(tree, span.start, span.end, Vec::new())),
-            )
+            let measured = measure(node.tree(), Rule::only_expr, span);
+            return measured.or_else(|| Some(unexpected(node.tree(), span, Vec::new())));
         }
-        _ => None,
-    }
+        _ => return None,
+    };
+    Some(Fault { span, problem })
 }
 
 /// Reports a head without a name, and a check without a condition.
 fn lacking(node: Node<'_>) -> Option<Fault> {
-    match node.kind() {
-        Kind::TaskHead
-        | Kind::Extends
-        | Kind::StageHead
-        | Kind::CheckHead
-        | Kind::ExpertsHead
-        | Kind::VariantHead
-            if node.child(Kind::Name).is_none() =>
-        {
-            let word = node.children().find(|child| child.kind() == Kind::Token)?;
-            let span = node
-                .child(Kind::Surplus)
-                .map_or(word.span().end..word.span().end, trimmed);
-            Some(Fault {
-                span,
-                problem: Problem::MissingName {
-                    after: word.text().to_owned(),
-                },
-            })
-        }
-        Kind::Check
-            if node.child(Kind::Expr).is_none() && node.child(Kind::JunkCondition).is_none() =>
-        {
-            let close = node.child(Kind::Open).and(node.child(Kind::Close))?;
-            let problem = Problem::Unexpected {
-                found: Some("}".to_owned()),
-                expected: vec!["a condition"],
-            };
-            Some(Fault {
-                span: close.span(),
-                problem,
-            })
-        }
-        _ => None,
+    let needs_name = match node.kind() {
+        Kind::Extends => true,
+        Kind::Head => matches!(
+            node.parent()?.kind(),
+            Kind::Task | Kind::Stage | Kind::Check | Kind::Experts | Kind::Variant
+        ),
+        _ => false,
+    };
+    if needs_name && node.child(Kind::Name).is_none() {
+        let word = node.child(Kind::Token)?;
+        let behind = Span {
+            start: word.span().end,
+            ..word.span()
+        };
+        let problem = Problem::MissingName {
+            after: word.text().to_owned(),
+        };
+        let span = node.child(Kind::Surplus).map_or(behind, trimmed);
+        return Some(Fault { span, problem });
     }
+    let has = |kind| node.child(kind).is_some();
+    if node.kind() != Kind::Check || !has(Kind::Open) || has(Kind::Expr) || has(Kind::JunkCondition)
+    {
+        return None;
+    }
+    let problem = Problem::Unexpected {
+        found: Some("}".to_owned()),
+        expected: vec!["a condition"],
+    };
+    let span = node.child(Kind::Close)?.span();
+    Some(Fault { span, problem })
 }
 
 /// Returns the keyword of a block.
 fn block_word(block: Node<'_>) -> String {
-    let word = block
-        .children()
-        .next()
-        .and_then(|head| head.text().split_whitespace().next());
+    let head = block.children().next().map_or("", Node::text);
+    let word = head.split_whitespace().next();
     word.unwrap_or_default().to_owned()
 }
 
-fn stray(tree: &Tree, node: Node<'_>) -> Fault {
+fn stray(node: Node<'_>) -> Fault {
+    let tree = node.tree();
     let span = trimmed(node);
-    let first = token_at(tree.text(), span.start, span.end);
-    let word_span = span.start..span.start + first.len();
-    if first == "}" {
-        return Fault {
-            span: word_span,
-            problem: Problem::StrayClose,
+    let first = token_at(tree.text(), span.range());
+    let items = words(Kind::File);
+    let problem = if first == "}" {
+        Problem::StrayClose
+    } else if words(Kind::Task).contains(&first) && !items.contains(&first) {
+        Problem::OutsideTask {
+            word: first.to_owned(),
+        }
+    } else {
+        let line = tree.text()[span.range()].split(['\n', '\r']).next();
+        let line = Span {
+            end: span.start + line.map_or(0, str::len),
+            ..span
         };
-    }
-    if SECTIONS.contains(&first) && !ITEMS.contains(&first) {
-        return Fault {
-            span: word_span,
-            problem: Problem::OutsideTask {
-                word: first.to_owned(),
-            },
-        };
-    }
-    if ITEMS.contains(&first) {
-        let line_end = tree.text()[span.clone()]
-            .find(['\n', '\r'])
-            .map_or(span.end, |length| span.start + length);
-        if let Some(fault) = measure(tree, Rule::only_item, span.start..line_end) {
+        if items.contains(&first)
+            && let Some(fault) = measure(tree, Rule::only_item, line)
+        {
             return fault;
         }
-    }
-    if is_word(first) {
-        let problem = Problem::UnknownWord {
+        if !is_word(first) {
+            return unexpected(tree, span, Vec::new());
+        }
+        Problem::UnknownWord {
             word: first.to_owned(),
-            known: ITEMS,
+            known: items,
             block: None,
-        };
-        return Fault {
-            span: word_span,
-            problem,
-        };
-    }
-    unexpected(tree, span.start, span.end, Vec::new())
+        }
+    };
+    let span = Span {
+        end: span.start + first.len(),
+        ..span
+    };
+    Fault { span, problem }
 }
 
-fn junk(
-    tree: &Tree,
-    parent: Node<'_>,
-    previous: Option<Node<'_>>,
-    node: Node<'_>,
-) -> Option<Fault> {
-    let (rule, known): (Rule, &'static [&'static str]) = match parent.kind() {
-        Kind::Task => (Rule::only_section, SECTIONS),
-        Kind::Variant => (Rule::only_section, parts()),
-        Kind::Annotate => (Rule::only_keypoint, &[]),
-        Kind::Example => (Rule::only_example_part, EXAMPLE),
-        Kind::Test => (Rule::only_test_part, TEST),
-        Kind::Subgoals => (Rule::only_subgoals_part, SUBGOALS),
-        Kind::Keypoints => (Rule::only_keypoint, &[]),
-        Kind::Actions => (Rule::only_field, &[]),
-        Kind::Stage => (Rule::only_stage_part, STAGE),
-        Kind::Verify => (Rule::only_verify_part, VERIFY),
-        Kind::Experts => (Rule::only_sequence, &["sequence"]),
-        _ => (Rule::only_fold, &["fold"]),
-    };
+fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<Fault> {
+    let tree = node.tree();
+    let known = words(parent.kind());
     let span = trimmed(node);
-    let first = token_at(tree.text(), span.start, span.end);
+    let first = token_at(tree.text(), span.range());
     let follows_junk =
         previous.is_some_and(|before| matches!(before.kind(), Kind::Junk | Kind::JunkSection));
-    if follows_junk && !looks_like_statement(&tree.text()[span.clone()], first, known) {
+    if follows_junk && !looks_like_statement(node.kind(), node.text().trim(), first, known) {
         return None;
     }
-    if first == "," && span.len() == 1 {
-        return Some(Fault {
-            span,
-            problem: Problem::TrailingComma,
-        });
+    if first == "," && span.range().len() == 1 {
+        let problem = Problem::TrailingComma;
+        return Some(Fault { span, problem });
     }
     // A remainder is measured together with the statement before it: that knows what may follow.
     let continued = previous.filter(|before| is_statement(before.kind()) && before.is_cut());
-    let start = continued.map_or(span.start, |before| before.span().start);
-    if let Some(fault) = measure(tree, rule, start..span.end)
-        && fault.span.start > start
+    let whole = Span {
+        start: continued.map_or(span.start, |before| before.range().start),
+        ..span
+    };
+    if let Some(fault) = measure(tree, block(parent.kind())?.line(), whole)
+        && fault.span.start > whole.start
     {
         return Some(fault);
     }
@@ -253,29 +199,26 @@ fn junk(
             known,
             block: Some(block_word(parent)),
         };
-        return Some(Fault {
-            span: span.start..span.start + first.len(),
-            problem,
-        });
+        let span = Span {
+            end: span.start + first.len(),
+            ..span
+        };
+        return Some(Fault { span, problem });
     }
-    let expected = if known.is_empty() {
-        vec!["a name"]
-    } else {
-        Vec::new()
-    };
-    Some(unexpected(tree, span.start, span.end, expected))
+    let begins_with_name = known.is_empty();
+    let expected = begins_with_name.then_some("a name");
+    Some(unexpected(tree, span, expected.into_iter().collect()))
 }
 
 /// Returns whether a line of junk could be a statement of its own.
-fn looks_like_statement(line: &str, first: &str, known: &[&str]) -> bool {
+fn looks_like_statement(kind: Kind, line: &str, first: &str, known: &[&str]) -> bool {
     let rest = line[first.len()..].trim_start_matches([' ', '\t']);
     if known.is_empty() {
-        is_word(first) && rest.starts_with([':', '='])
-    } else {
-        // Only sections are recognised misspelt: inside of them an unclosed block would look the same.
-        let are_sections = known.contains(&"verify");
-        known.contains(&first) || are_sections && is_word(first) && opens_block(rest)
+        return is_word(first) && rest.starts_with([':', '=']);
     }
+    // Only sections are recognised misspelt: inside of them an unclosed block would look the same.
+    let is_section = kind == Kind::JunkSection;
+    known.contains(&first) || is_section && is_word(first) && opens_block(rest)
 }
 
 /// Returns whether a line goes on with `{`, or with a name or a text and `{`: a block, perhaps misspelt.
@@ -286,34 +229,22 @@ fn opens_block(rest: &str) -> bool {
 }
 
 fn is_statement(kind: Kind) -> bool {
-    !matches!(
-        kind,
-        Kind::Open
-            | Kind::NoOpen
-            | Kind::Junk
-            | Kind::JunkSection
-            | Kind::TaskHead
-            | Kind::Extends
-            | Kind::StageHead
-            | Kind::SubgoalsHead
-            | Kind::DemonstrateHead
-            | Kind::KeypointsHead
-            | Kind::ActionsHead
-            | Kind::VerifyHead
-            | Kind::ExpertsHead
-            | Kind::SequenceHead
-            | Kind::AnnotateHead
-            | Kind::VariantHead
-            | Kind::ExampleHead
-            | Kind::TestHead
-    )
+    let begins_block = matches!(kind, Kind::Head | Kind::Extends | Kind::Open | Kind::NoOpen);
+    !begins_block && !kind.is_junk()
 }
 
-fn trimmed(node: Node<'_>) -> Range<usize> {
+/// Returns a node's place without the blanks around it.
+fn trimmed(node: Node<'_>) -> Span {
     let span = node.span();
     let start = span.end - node.text().trim_start().len();
     let end = start + node.text().trim().len();
-    start..end
+    Span { start, end, ..span }
+}
+
+/// Writes a text with straight quotes.
+fn wrong_quotes(node: Node<'_>, quotes: &str) -> Problem {
+    let right = requoted(node.text(), quotes.len(), quotes);
+    Problem::WrongQuotes { right }
 }
 
 /// Replaces `count` characters at either end by straight quotes.

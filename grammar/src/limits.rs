@@ -4,7 +4,7 @@
 //! can exhaust the stack of the parser or of those who walk its tree.
 
 use crate::fault::{Fault, Problem};
-use std::ops::Range;
+use crate::source::{FileId, Span};
 
 /// The longest text that is parsed, bytes.
 pub const MAX_BYTES: usize = 1 << 20;
@@ -24,24 +24,22 @@ pub fn limit_calls(calls: Option<std::num::NonZeroUsize>) {
 }
 
 /// Accepts a text that is short and flat enough to be parsed.
-pub(crate) fn check(text: &str) -> Result<(), Fault> {
+pub(crate) fn check(file: FileId, text: &str) -> Result<(), Fault> {
     if text.len() > MAX_BYTES {
         let problem = Problem::TooLong {
             bytes: text.len(),
             limit: MAX_BYTES,
         };
-        return Err(Fault {
-            span: 0..0,
-            problem,
-        });
+        let span = Span::new(file, 0..0);
+        return Err(Fault { span, problem });
     }
-    match beyond(text) {
+    match beyond(file, text) {
         Some(fault) => Err(fault),
         None => Ok(()),
     }
 }
 
-pub(crate) fn too_deep(span: Range<usize>) -> Fault {
+pub(crate) fn too_deep(span: Span) -> Fault {
     Fault {
         span,
         problem: Problem::TooDeep { limit: MAX_NESTING },
@@ -49,7 +47,7 @@ pub(crate) fn too_deep(span: Range<usize>) -> Fault {
 }
 
 /// Returns the first bracket, or the first word, beyond its limit.
-fn beyond(text: &str) -> Option<Fault> {
+fn beyond(file: FileId, text: &str) -> Option<Fault> {
     let bytes = text.as_bytes();
     let mut depth = 0usize;
     let mut at = 0;
@@ -60,7 +58,7 @@ fn beyond(text: &str) -> Option<Fault> {
             b'(' | b'{' => {
                 depth += 1;
                 if depth > MAX_NESTING {
-                    return Some(too_deep(at..at + 1));
+                    return Some(too_deep(Span::new(file, at..at + 1)));
                 }
                 at += 1;
             }
@@ -79,7 +77,7 @@ fn beyond(text: &str) -> Option<Fault> {
                         limit: MAX_WORD_BYTES,
                     };
                     return Some(Fault {
-                        span: at..at + length,
+                        span: Span::new(file, at..at + length),
                         problem,
                     });
                 }

@@ -2,6 +2,7 @@
 
 use crate::fault::{Fault, Problem};
 use crate::rules::{FabParser, Rule};
+use crate::source::Span;
 use crate::tree::Tree;
 use crate::vocabulary;
 use pest::Parser;
@@ -9,8 +10,8 @@ use pest::error::{ErrorVariant, InputLocation};
 use std::ops::Range;
 
 /// Parses a piece by a strict rule and returns where and why that fails.
-pub(crate) fn measure(tree: &Tree, rule: Rule, span: Range<usize>) -> Option<Fault> {
-    let error = FabParser::parse(rule, &tree.text()[span.clone()]).err()?;
+pub(crate) fn measure(tree: &Tree, rule: Rule, span: Span) -> Option<Fault> {
+    let error = FabParser::parse(rule, &tree.text()[span.range()]).err()?;
     let offset = match error.location {
         InputLocation::Pos(at) => at,
         InputLocation::Span((start, _)) => start,
@@ -32,19 +33,27 @@ pub(crate) fn measure(tree: &Tree, rule: Rule, span: Range<usize>) -> Option<Fau
             expected.push(words);
         }
     }
-    Some(unexpected(tree, span.start + offset, span.end, expected))
+    Some(unexpected(
+        tree,
+        Span {
+            start: span.start + offset,
+            ..span
+        },
+        expected,
+    ))
 }
 
-/// Names what stands at `at`; beyond `end` that is the end of the line.
-pub(crate) fn unexpected(tree: &Tree, at: usize, end: usize, expected: Vec<&'static str>) -> Fault {
+/// Names what stands where `span` begins; if that is nothing, it is the end of the line.
+pub(crate) fn unexpected(tree: &Tree, span: Span, expected: Vec<&'static str>) -> Fault {
     let text = tree.text();
+    let at = span.start;
     let at = at + (text[at..].len() - text[at..].trim_start_matches([' ', '\t', '\u{a0}']).len());
-    let found = token_at(text, at, end.max(at));
+    let found = token_at(text, at..span.end.max(at));
     if found.is_empty() || found.starts_with('#') {
         // Point right behind the last word, not at the next line.
         let at = text[..at].trim_end().len();
         return Fault {
-            span: at..at,
+            span: tree.span(at..at),
             problem: Problem::Unexpected {
                 found: None,
                 expected,
@@ -52,7 +61,7 @@ pub(crate) fn unexpected(tree: &Tree, at: usize, end: usize, expected: Vec<&'sta
         };
     }
     Fault {
-        span: at..at + found.len(),
+        span: tree.span(at..at + found.len()),
         problem: Problem::Unexpected {
             found: Some(found.to_owned()),
             expected,
@@ -60,9 +69,9 @@ pub(crate) fn unexpected(tree: &Tree, at: usize, end: usize, expected: Vec<&'sta
     }
 }
 
-/// Returns the word, number, text or sign at a place, cut at `end`.
-pub(crate) fn token_at(text: &str, at: usize, end: usize) -> &str {
-    let rest = &text[at..end];
+/// Returns the word, number, text or sign that a piece of text begins with.
+pub(crate) fn token_at(text: &str, range: Range<usize>) -> &str {
+    let rest = &text[range];
     let word = |character: char| character.is_alphanumeric() || character == '_';
     let Some(first) = rest.chars().next() else {
         return "";

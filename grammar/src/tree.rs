@@ -1,16 +1,22 @@
 //! The lossless syntax tree: every byte of the text lies in exactly one leaf.
 //!
+//! In: what pest found. Out: a [`Tree`] of [`Node`]s, each with its [`Kind`] and [`Span`]. What a node means
+//! is left to the views in [`ast`](crate::ast).
+//!
 //! Nodes are kept in one list in the order in which they begin, so that neither walking nor dropping
 //! a tree recurses.
 
 use crate::rules::Rule;
+use crate::source::{FileId, Span};
 use pest::Token;
 use pest::iterators::Pairs;
+use std::fmt;
 use std::ops::Range;
 
 /// A syntax tree and the text it stands for.
 #[derive(Clone, Debug)]
 pub struct Tree {
+    file: FileId,
     text: String,
     entries: Vec<Entry>,
 }
@@ -23,19 +29,12 @@ struct Entry {
     end: u32,
     /// Index of the first entry after this one's descendants.
     next: u32,
+    /// Index of the entry that this one lies in; the root lies in itself.
+    parent: u32,
 }
 
 impl Entry {
-    fn new(kind: Kind, span: Range<usize>, next: usize) -> Entry {
-        Entry {
-            kind,
-            start: span.start as u32,
-            end: span.end as u32,
-            next: next as u32,
-        }
-    }
-
-    fn span(&self) -> Range<usize> {
+    fn range(&self) -> Range<usize> {
         self.start as usize..self.end as usize
     }
 
@@ -45,14 +44,14 @@ impl Entry {
 }
 
 /// A place in a [`Tree`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Node<'t> {
     tree: &'t Tree,
     index: usize,
 }
 
 macro_rules! kinds {
-    ($($kind:ident $rule:ident $what:literal,)*) => {
+    ($($kind:ident $($rule:ident)|+, $what:literal;)*) => {
         /// What a node is. Words and signs of the language itself are [`Kind::Token`].
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Kind {
@@ -64,14 +63,27 @@ macro_rules! kinds {
         }
 
         impl Kind {
+            /// Returns whether it does not fit the language.
+            pub fn is_junk(self) -> bool {
+                matches!(
+                    self,
+                    Kind::Junk
+                        | Kind::JunkSection
+                        | Kind::JunkCondition
+                        | Kind::JunkGuard
+                        | Kind::Stray
+                        | Kind::Surplus
+                )
+            }
+
             /// Returns whether it says nothing: blanks and comments.
             pub fn is_trivia(self) -> bool {
                 matches!(self, Kind::Space | Kind::Comment)
             }
 
-            fn of(rule: Rule) -> Kind {
+            pub(crate) fn of(rule: Rule) -> Kind {
                 match rule {
-                    $(Rule::$rule => Kind::$kind,)*
+                    $($(Rule::$rule)|+ => Kind::$kind,)*
                     _ => Kind::Token,
                 }
             }
@@ -80,145 +92,135 @@ macro_rules! kinds {
 }
 
 kinds! {
-    Comment COMMENT "`# …` to the end of the line.",
-    File file "The whole file.",
-    UseFile use_file "`use \"…\"`.",
-    Experts experts "`experts NAME { … }` of a file.",
-    ExpertsHead experts_head "Its first words.",
-    Sequence sequence "`sequence { … }`.",
-    SequenceHead sequence_head "Its first word.",
-    Fold fold "`fold A -> B, …`.",
-    Move r#move "`A -> B at F`.",
-    Task task "`task NAME … { … }`.",
-    TaskHead task_head "Its first words.",
-    Extends extends "`extends NAME`.",
-    Constant constant "`const NAME = …`.",
-    Cloth cloth "`cloth …`.",
-    Camera camera "`camera …`.",
-    Picker picker "`picker …`.",
-    Goal goal "`goal …`.",
-    Horizon horizon "`horizon …`.",
-    ExpertsUsed experts_used "`experts NAME` of a task.",
-    Demos demos "`demos STAGE from \"…\"`.",
-    Subgoals subgoals "`subgoals { … }`.",
-    SubgoalsHead subgoals_head "Its first word.",
-    Demonstrate demonstrate "`demonstrate { … }`.",
-    DemonstrateHead demonstrate_head "Its first word.",
-    Image image "`image \"…\" arrow (…) -> (…)`.",
-    Pair pair "`(…, …)`.",
-    Keypoints keypoints "`keypoints { … }`.",
-    KeypointsHead keypoints_head "Its first word.",
-    Keypoint keypoint "`NAME = …`.",
-    Annotate annotate "`annotate { … }`.",
-    AnnotateHead annotate_head "Its first word.",
-    Actions actions "`actions { … }`.",
-    ActionsHead actions_head "Its first word.",
-    Field field "`NAME: one of …`, or `NAME: any of MASK`.",
-    AnyOf any_of "`any of MASK`.",
-    Component component "`component NAME …`.",
-    OverrideComponent override_component "`override component NAME …`.",
-    Without without "`without component NAME, …`.",
-    OverrideCheck override_check "`override check NAME { … } else \"…\"`.",
-    WithoutCheck without_check "`without check NAME, …`.",
-    Stage stage "`stage NAME { … }`.",
-    StageHead stage_head "Its first words.",
-    Model model "`model …`.",
-    Setting setting "`NAME`, or `NAME VALUE`.",
-    Show show "`show …`.",
-    Picture picture "`… with NAME`.",
-    Say say "`say …`.",
-    System system "`system …`.",
-    Saying saying "A name or a text.",
-    Read read "`read NAME from \"…\"`.",
-    Example example "`example { … }` of a stage.",
-    ExampleHead example_head "Its first word.",
-    Reply reply "`reply \"…\"`, with or without a stage's name.",
-    Verify verify "`verify { … }`.",
-    VerifyHead verify_head "Its first word.",
-    Check check "`check NAME { … } else \"…\"`.",
-    CheckHead check_head "Its first words.",
-    Attempts attempts "`attempts N`.",
-    WithPicture with_picture "`with picture`.",
-    Relax relax "`then without NAME, …`.",
-    ElseSkip else_skip "`else skip`.",
-    Result result "`result overlap > N, retries N else \"…\"`.",
-    Retries retries "`retries N`.",
-    Guard guard "`when …`.",
-    Variant variant "`variant NAME { … }`.",
-    VariantHead variant_head "Its first words.",
-    Ablate ablate "`ablate NAME, …`.",
-    Test test "`test \"…\" { … }`.",
-    TestHead test_head "Its first words.",
-    Given given "`given NAME = …`.",
-    Expect expect "`expect NAME`.",
-    Expr expr "Parts joined by `or`.",
-    Conjunction conjunction "Parts joined by `and`.",
-    Negation negation "A part after any number of `not`.",
-    Relation relation "An operand, compared or not.",
-    Margin margin "`N of`.",
-    ToWord to_word "`to`.",
-    Operand operand "A value, converted or not.",
-    Target target "What it is converted to.",
-    Heading heading "`from A to B`.",
-    Group group "`( … )`, one part or two.",
-    Call call "`NAME( … )`.",
-    Argument argument "`NAME: …`, or the value alone.",
-    Label label "An argument's name.",
-    Compare compare "A sign of comparison.",
-    Quantity quantity "A number and its unit.",
-    Number number "The number.",
-    Unit unit "The unit.",
-    KnownUnit known_unit "A unit that stands apart from its number.",
-    BlockText block_text "A text between triple quotes.",
-    BlockChars block_chars "Literal characters of it.",
-    String string "A text between quotes.",
-    StringChars string_chars "Literal characters of it.",
-    Escape escape "`\\\"` or `\\\\`.",
-    BadEscape bad_escape "A `\\` before anything else.",
-    Placeholder placeholder "`{{ … }}` in a text.",
-    Path path "Names joined by dots.",
-    Literal literal "A literal text in a placeholder.",
-    LoneBraces lone_braces "`{{` that begins no placeholder.",
-    Name name "A name.",
-    CurlyText curly_text "A long text in typographic quotes.",
-    CurlyString curly_string "A text in typographic quotes.",
-    SingleString single_string "A text in single quotes.",
-    NoOpen no_open "Where a `{` is missing.",
-    NoClose no_close "Where a `}` is missing.",
-    NoQuote no_quote "Where a `\"` is missing.",
-    NoTriple no_triple "Where triple quotes are missing.",
-    Open open "`{`.",
-    Close close "`}`.",
-    Arrow arrow "`->`.",
-    NotWord not_word "`not`.",
-    Surplus surplus "What stands between a block's name and its `{`.",
-    Junk junk "A line that does not fit its block.",
-    JunkSection junk_section "A line that does not fit its task.",
-    JunkCondition junk_condition "What does not fit as a check's condition.",
-    JunkGuard junk_guard "What does not fit behind `when`.",
-    Stray stray "What belongs to no item of the file.",
+    Comment COMMENT, "`# …` to the end of the line.";
+    File file, "The whole file.";
+    Head experts_head | sequence_head | task_head | subgoals_head | demonstrate_head | keypoints_head | annotate_head | actions_head | stage_head | example_head | verify_head | check_head | variant_head | test_head,
+        "The first words of a block, up to its `{`.";
+    UseFile use_file, "`use \"…\"`.";
+    Experts experts, "`experts NAME { … }` of a file.";
+    Sequence sequence, "`sequence { … }`.";
+    Fold fold, "`fold A -> B, …`.";
+    Move r#move, "`A -> B at F`.";
+    Task task, "`task NAME … { … }`.";
+    Extends extends, "`extends NAME`.";
+    Constant constant, "`const NAME = …`.";
+    Statement statement, "`cloth …`, `goal …`: a word and its value.";
+    StatementWord statement_word, "The word.";
+    ExpertsUsed experts_used, "`experts NAME` of a task.";
+    Demos demos, "`demos STAGE from \"…\"`.";
+    Subgoals subgoals, "`subgoals { … }`.";
+    Demonstrate demonstrate, "`demonstrate { … }`.";
+    Image image, "`image \"…\" arrow (…) -> (…)`.";
+    Pair pair, "`(…, …)`.";
+    Keypoints keypoints, "`keypoints { … }`.";
+    Keypoint keypoint, "`NAME = …`.";
+    Annotate annotate, "`annotate { … }`.";
+    Actions actions, "`actions { … }`.";
+    Field field, "`NAME: one of …`, or `NAME: any of MASK`.";
+    AnyOf any_of, "`any of MASK`.";
+    Component component, "`component NAME …`.";
+    OverrideComponent override_component, "`override component NAME …`.";
+    Without without, "`without component NAME, …`.";
+    OverrideCheck override_check, "`override check NAME { … } else \"…\"`.";
+    WithoutCheck without_check, "`without check NAME, …`.";
+    Stage stage, "`stage NAME { … }`.";
+    Model model, "`model …`.";
+    Setting setting, "`NAME`, or `NAME VALUE`.";
+    Show show, "`show …`.";
+    Picture picture, "`… with NAME`.";
+    Say say, "`say …`.";
+    System system, "`system …`.";
+    Saying saying, "A name or a text.";
+    Read read, "`read NAME from \"…\"`.";
+    Example example, "`example { … }` of a stage.";
+    Reply reply, "`reply \"…\"`, with or without a stage's name.";
+    Verify verify, "`verify { … }`.";
+    Check check, "`check NAME { … } else \"…\"`.";
+    Attempts attempts, "`attempts N`.";
+    WithPicture with_picture, "`with picture`.";
+    Relax relax, "`then without NAME, …`.";
+    ElseSkip else_skip, "`else skip`.";
+    Result result, "`result overlap > N, retries N else \"…\"`.";
+    Retries retries, "`retries N`.";
+    Guard guard, "`when …`.";
+    Variant variant, "`variant NAME { … }`.";
+    Ablate ablate, "`ablate NAME, …`.";
+    Test test, "`test \"…\" { … }`.";
+    Given given, "`given NAME = …`.";
+    Expect expect, "`expect NAME`.";
+    Expr expr, "Parts joined by `or`.";
+    Conjunction conjunction, "Parts joined by `and`.";
+    Negation negation, "A part after any number of `not`.";
+    Relation relation, "An operand, compared or not.";
+    Margin margin, "`N of`.";
+    Operand operand, "A value, converted or not.";
+    Target target, "What it is converted to.";
+    Heading heading, "`from A to B`.";
+    Group group, "`( … )`, one part or two.";
+    Call call, "`NAME( … )`.";
+    Argument argument, "`NAME: …`, or the value alone.";
+    Label label, "An argument's name.";
+    Compare compare, "A sign of comparison.";
+    Quantity quantity, "A number and its unit.";
+    Unit unit | apart_unit, "The unit.";
+    BlockText block_text, "A text between triple quotes.";
+    BlockChars block_chars, "Literal characters of it.";
+    String string, "A text between quotes.";
+    StringChars string_chars, "Literal characters of it.";
+    Escape escape, "`\\\"` or `\\\\`.";
+    BadEscape bad_escape, "A `\\` before anything else.";
+    Placeholder placeholder, "`{{ … }}` in a text.";
+    Path path, "Names joined by dots.";
+    Literal literal, "A literal text in a placeholder.";
+    LoneBraces lone_braces, "`{{` that begins no placeholder.";
+    Name name, "A name.";
+    CurlyText curly_text, "A long text in typographic quotes.";
+    CurlyString curly_string, "A text in typographic quotes.";
+    SingleString single_string, "A text in single quotes.";
+    NoOpen no_open, "Where a `{` is missing.";
+    NoClose no_close, "Where a `}` is missing.";
+    NoQuote no_quote, "Where a `\"` is missing.";
+    NoTriple no_triple, "Where triple quotes are missing.";
+    Open open, "`{`.";
+    Close close, "`}`.";
+    Surplus surplus, "What stands between a block's name and its `{`.";
+    Junk junk, "A line that does not fit its block.";
+    JunkSection junk_section, "A line that does not fit its task.";
+    JunkCondition junk_condition, "What does not fit as a check's condition.";
+    JunkGuard junk_guard, "What does not fit behind `when`.";
+    Stray stray, "What belongs to no item of the file.";
 }
 
 impl Tree {
     /// Makes the tree of a text that is not parsed.
-    pub(crate) fn junk(text: &str) -> Tree {
+    pub(crate) fn junk(file: FileId, text: &str) -> Tree {
         // Only a text that is too long to be parsed could be longer than an entry can say.
-        let end = text.floor_char_boundary(text.len().min(u32::MAX as usize));
-        let stray = |kind, next| Entry::new(kind, 0..end, next);
+        let end = text.floor_char_boundary(text.len().min(u32::MAX as usize)) as u32;
+        let entry = |kind| Entry {
+            kind,
+            start: 0,
+            end,
+            next: 2,
+            parent: 0,
+        };
         Tree {
+            file,
             text: text.to_owned(),
-            entries: vec![stray(Kind::File, 2), stray(Kind::Stray, 2)],
+            entries: vec![entry(Kind::File), entry(Kind::Stray)],
         }
     }
 
     /// Keeps what pest found, and fills the gaps between with words, signs and blanks.
-    pub(crate) fn from_pairs(text: &str, pairs: Pairs<'_, Rule>) -> Tree {
-        let mut tree = Tree {
-            text: text.to_owned(),
-            entries: Vec::new(),
+    pub(crate) fn from_pairs(file: FileId, text: &str, pairs: Pairs<'_, Rule>) -> Tree {
+        let mut builder = Builder {
+            tree: Tree {
+                file,
+                text: text.to_owned(),
+                entries: Vec::new(),
+            },
+            open: Vec::new(),
+            cursor: 0,
         };
-        let mut open = Vec::new();
-        let mut cursor = 0;
         for token in pairs.tokens() {
             match token {
                 Token::Start {
@@ -227,56 +229,16 @@ impl Tree {
                 | Token::End {
                     rule: Rule::EOI, ..
                 } => {}
-                Token::Start { rule, pos } => {
-                    // Before the file's own node there is nothing to fill.
-                    if !open.is_empty() {
-                        tree.fill(cursor..pos.pos());
-                    }
-                    cursor = pos.pos();
-                    open.push(tree.entries.len());
-                    tree.entries
-                        .push(Entry::new(Kind::of(rule), cursor..cursor, 0));
-                }
-                Token::End { pos, .. } => {
-                    let index = open.pop().expect("pest closes only what it opened");
-                    if tree.entries.len() > index + 1 {
-                        tree.fill(cursor..pos.pos());
-                    }
-                    cursor = pos.pos();
-                    tree.close(index, cursor);
-                }
+                Token::Start { rule, pos } => builder.open(Kind::of(rule), pos.pos()),
+                Token::End { pos, .. } => builder.close(pos.pos()),
             }
         }
-        tree
+        builder.tree
     }
 
-    /// Ends a node; blanks and comments at its end become its neighbours, so that a span ends with a word.
-    fn close(&mut self, index: usize, mut end: usize) {
-        let mut next = self.entries.len();
-        let is_file = self.entries[index].kind == Kind::File;
-        while !is_file && next > index + 1 && self.entries[next - 1].kind.is_trivia() {
-            next -= 1;
-            end = self.entries[next].span().start;
-        }
-        self.entries[index].end = end as u32;
-        self.entries[index].next = next as u32;
-    }
-
-    fn fill(&mut self, gap: Range<usize>) {
-        let is_space = |character: char| character.is_whitespace();
-        let mut start = gap.start;
-        while start < gap.end {
-            let rest = &self.text[start..gap.end];
-            let spaces = rest.starts_with(is_space);
-            let length = rest
-                .find(|character| is_space(character) != spaces)
-                .unwrap_or(rest.len());
-            let kind = if spaces { Kind::Space } else { Kind::Token };
-            let next = self.entries.len() + 1;
-            self.entries
-                .push(Entry::new(kind, start..start + length, next));
-            start += length;
-        }
+    /// Returns the file that the text is of.
+    pub fn file(&self) -> FileId {
+        self.file
     }
 
     /// Returns the text.
@@ -286,15 +248,21 @@ impl Tree {
 
     /// Returns the node of the whole file.
     pub fn root(&self) -> Node<'_> {
-        Node {
-            tree: self,
-            index: 0,
-        }
+        self.node(0)
+    }
+
+    /// Makes the span of some of its bytes.
+    pub(crate) fn span(&self, range: Range<usize>) -> Span {
+        Span::new(self.file, range)
+    }
+
+    fn node(&self, index: usize) -> Node<'_> {
+        Node { tree: self, index }
     }
 
     /// Returns every node, each before its children.
     pub fn nodes(&self) -> impl Iterator<Item = Node<'_>> {
-        (0..self.entries.len()).map(|index| Node { tree: self, index })
+        (0..self.entries.len()).map(|index| self.node(index))
     }
 
     /// Returns the nodes without children in source order; their texts make up the whole text.
@@ -302,9 +270,95 @@ impl Tree {
         self.nodes()
             .filter(|node| node.entry().next() == node.index + 1)
     }
+
+    /// Returns the innermost node that holds the byte at `offset`; at or beyond the end, the last byte's.
+    pub fn node_at(&self, offset: usize) -> Node<'_> {
+        let offset = offset.min(self.text.len().saturating_sub(1));
+        let after = self
+            .entries
+            .partition_point(|entry| entry.range().start <= offset);
+        // Every byte is in a leaf; what begins behind that leaf and holds nothing is passed over.
+        let last = self.node(after.saturating_sub(1));
+        std::iter::once(last)
+            .chain(last.ancestors())
+            .find(|node| node.range().contains(&offset))
+            .unwrap_or(self.root())
+    }
+}
+
+/// A tree in the making.
+struct Builder {
+    tree: Tree,
+    /// The nodes that are not ended, outermost first.
+    open: Vec<usize>,
+    /// Up to where the text is in leaves.
+    cursor: usize,
+}
+
+impl Builder {
+    fn push(&mut self, kind: Kind, range: Range<usize>) {
+        let entries = &mut self.tree.entries;
+        entries.push(Entry {
+            kind,
+            start: range.start as u32,
+            end: range.end as u32,
+            next: entries.len() as u32 + 1,
+            parent: self.open.last().copied().unwrap_or(0) as u32,
+        });
+    }
+
+    fn open(&mut self, kind: Kind, at: usize) {
+        // Before the file's own node there is nothing to fill.
+        if !self.open.is_empty() {
+            self.fill(at);
+        }
+        self.cursor = at;
+        self.push(kind, at..at);
+        self.open.push(self.tree.entries.len() - 1);
+    }
+
+    /// Ends a node; blanks and comments at its end become its neighbours, so that a span ends with a word.
+    fn close(&mut self, at: usize) {
+        let index = *self.open.last().expect("pest closes only what it opened");
+        if self.tree.entries.len() > index + 1 {
+            self.fill(at);
+        }
+        self.open.pop();
+        self.cursor = at;
+        let entries = &mut self.tree.entries;
+        let Entry { kind, parent, .. } = entries[index];
+        let (mut end, mut next) = (at as u32, entries.len());
+        while kind != Kind::File && next > index + 1 && entries[next - 1].kind.is_trivia() {
+            next -= 1;
+            end = entries[next].start;
+            entries[next].parent = parent;
+        }
+        entries[index].end = end;
+        entries[index].next = next as u32;
+    }
+
+    /// Makes leaves of the words and blanks up to `end`.
+    fn fill(&mut self, end: usize) {
+        let mut start = self.cursor;
+        while start < end {
+            let rest = &self.tree.text[start..end];
+            let is_space = rest.starts_with(char::is_whitespace);
+            let length = rest
+                .find(|character: char| character.is_whitespace() != is_space)
+                .unwrap_or(rest.len());
+            let kind = if is_space { Kind::Space } else { Kind::Token };
+            self.push(kind, start..start + length);
+            start += length;
+        }
+    }
 }
 
 impl<'t> Node<'t> {
+    /// Returns the tree that it is of.
+    pub fn tree(self) -> &'t Tree {
+        self.tree
+    }
+
     fn entry(self) -> &'t Entry {
         &self.tree.entries[self.index]
     }
@@ -314,21 +368,36 @@ impl<'t> Node<'t> {
         self.entry().kind
     }
 
+    /// Returns its bytes' place in its file.
+    pub fn span(self) -> Span {
+        self.tree.span(self.range())
+    }
+
     /// Returns its bytes' place in the text.
-    pub fn span(self) -> Range<usize> {
-        self.entry().span()
+    pub fn range(self) -> Range<usize> {
+        self.entry().range()
     }
 
     /// Returns its text.
     pub fn text(self) -> &'t str {
-        &self.tree.text[self.span()]
+        &self.tree.text[self.range()]
+    }
+
+    /// Returns the node that it lies in; None for the whole file.
+    pub fn parent(self) -> Option<Node<'t>> {
+        (self.index > 0).then(|| self.tree.node(self.entry().parent as usize))
+    }
+
+    /// Returns the nodes that it lies in, innermost first.
+    pub fn ancestors(self) -> impl Iterator<Item = Node<'t>> {
+        std::iter::successors(self.parent(), |node| node.parent())
     }
 
     /// Returns whether something that does not fit follows on the same line, so that the node is only a part of what was meant.
     pub fn is_cut(self) -> bool {
         for entry in &self.tree.entries[self.entry().next()..] {
             let ends_line =
-                entry.kind.is_trivia() && self.tree.text[entry.span()].contains(['\n', '\r']);
+                entry.kind.is_trivia() && self.tree.text[entry.range()].contains(['\n', '\r']);
             if ends_line || !entry.kind.is_trivia() {
                 return matches!(entry.kind, Kind::Junk | Kind::JunkSection);
             }
@@ -341,10 +410,7 @@ impl<'t> Node<'t> {
         let end = self.entry().next();
         let mut index = self.index + 1;
         std::iter::from_fn(move || {
-            let child = (index < end).then_some(Node {
-                tree: self.tree,
-                index,
-            })?;
+            let child = (index < end).then(|| self.tree.node(index))?;
             index = child.entry().next();
             Some(child)
         })
@@ -352,11 +418,17 @@ impl<'t> Node<'t> {
 
     /// Returns the first child of a kind.
     pub fn child(self, kind: Kind) -> Option<Node<'t>> {
-        self.children().find(|child| child.kind() == kind)
+        self.all(kind).next()
     }
 
     /// Returns the children of a kind.
     pub fn all(self, kind: Kind) -> impl Iterator<Item = Node<'t>> {
         self.children().filter(move |child| child.kind() == kind)
+    }
+}
+
+impl fmt::Debug for Node<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{:?}@{:?}", self.kind(), self.range())
     }
 }

@@ -1,10 +1,25 @@
-//! What the grammar's rules are called when one of them is expected.
+//! The words of the language, and what the grammar's rules are called when one of them is expected.
+//!
+//! The words stand in `fab.pest` alone: they are read from its text here.
 
-use crate::rules::{FabParser, Rule};
-use pest::Parser;
+use crate::rules::Rule;
+use crate::tree::Kind;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::LazyLock;
+
+const GRAMMAR: &str = include_str!("fab.pest");
 
 /// Returns how a person would name what `rule` matches; none where it says nothing by itself.
 pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
+    static WORDS: LazyLock<BTreeMap<Rule, String>> = LazyLock::new(|| {
+        let word = |rule: &Rule| {
+            Some((
+                *rule,
+                format!("`{}`", format!("{rule:?}").strip_suffix("_word")?),
+            ))
+        };
+        Rule::all_rules().iter().filter_map(word).collect()
+    });
     let words = match rule {
         Rule::name | Rule::label | Rule::path => "a name",
         Rule::target => "a unit",
@@ -17,18 +32,21 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         | Rule::operand
         | Rule::heading => "a value",
         Rule::quantity | Rule::number => "a number",
-        Rule::block_text | Rule::string | Rule::triple | Rule::quote | Rule::curly_text => {
-            "a text in quotes"
-        }
-        Rule::curly_string | Rule::single_string => "a text in quotes",
-        Rule::fold => "`fold`",
+        Rule::block_text
+        | Rule::string
+        | Rule::triple
+        | Rule::quote
+        | Rule::curly_text
+        | Rule::curly_string
+        | Rule::single_string => "a text in quotes",
         Rule::r#move => "a fold such as `corner(back_left) -> center`",
         Rule::pair => "a pixel such as `(12px, 40px)`",
         Rule::saying => "a component or a text",
         Rule::picture => "a picture such as `subgoal(now)`",
-        Rule::reply => "`reply`",
         Rule::setting => "a setting such as `temperature 0`",
         Rule::argument => "an argument",
+        Rule::compare => "a comparison",
+        Rule::one_word => "`one of`",
         Rule::open => "`{`",
         Rule::close => "`}`",
         Rule::open_paren => "`(`",
@@ -37,31 +55,19 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::colon => "`:`",
         Rule::equals => "`=`",
         Rule::arrow => "`->`",
-        Rule::compare => "a comparison",
-        Rule::arrow_word => "`arrow`",
-        Rule::at_word => "`at`",
-        Rule::and_word => "`and`",
-        Rule::component_word => "`component`",
-        Rule::check | Rule::check_head | Rule::check_word => "`check`",
-        Rule::else_word | Rule::else_skip => "`else`",
-        Rule::guard | Rule::when_word => "`when`",
-        Rule::in_word => "`in`",
-        Rule::to_word => "`to`",
-        Rule::then_word | Rule::relax => "`then`",
-        Rule::without_word => "`without`",
-        Rule::extends_word => "`extends`",
-        Rule::from_word => "`from`",
-        Rule::of_word | Rule::margin => "`of`",
-        Rule::one_word => "`one of`",
-        Rule::or_word => "`or`",
-        Rule::with_word | Rule::with_picture => "`with`",
-        Rule::picture_word => "`picture`",
-        Rule::skip_word => "`skip`",
-        Rule::overlap_word => "`overlap`",
         Rule::above => "`>`",
-        Rule::retries_word | Rule::retries => "`retries`",
-        Rule::within_word => "`within`",
-        _ => return None,
+        Rule::fold => return expectation(Rule::fold_word),
+        Rule::reply => return expectation(Rule::reply_word),
+        Rule::check | Rule::check_head => return expectation(Rule::check_word),
+        Rule::else_skip => return expectation(Rule::else_word),
+        Rule::guard => return expectation(Rule::when_word),
+        Rule::relax => return expectation(Rule::then_word),
+        Rule::margin => return expectation(Rule::of_word),
+        Rule::with_picture => return expectation(Rule::with_word),
+        Rule::retries => return expectation(Rule::retries_word),
+        // What is offered beside them says enough.
+        Rule::any_word | Rule::not_word => return None,
+        _ => return WORDS.get(&rule).map(String::as_str),
     };
     Some(words)
 }
@@ -84,63 +90,194 @@ pub(crate) fn is_continuation(rule: Rule) -> bool {
             | Rule::else_skip
             | Rule::retries
             | Rule::unit
-            | Rule::known_unit
+            | Rule::apart_unit
             | Rule::open_paren
     )
 }
 
-/// The words that begin a file's items.
-pub(crate) const ITEMS: &[&str] = &["use", "task", "experts"];
-
-/// The words that begin a task's sections.
-pub(crate) const SECTIONS: &[&str] = &[
-    "const",
-    "cloth",
-    "camera",
-    "picker",
-    "goal",
-    "horizon",
-    "subgoals",
-    "experts",
-    "demos",
-    "keypoints",
-    "annotate",
-    "actions",
-    "component",
-    "override",
-    "without",
-    "stage",
-    "verify",
-    "variant",
-    "ablate",
-    "test",
+/// The kinds of block, each with the strict rule of its lines.
+const BLOCKS: &[(Rule, Rule)] = &[
+    (Rule::file, Rule::only_item),
+    (Rule::experts, Rule::only_sequence),
+    (Rule::sequence, Rule::only_fold),
+    (Rule::task, Rule::only_section),
+    (Rule::variant, Rule::only_part),
+    (Rule::subgoals, Rule::only_subgoals_line),
+    (Rule::demonstrate, Rule::only_fold),
+    (Rule::keypoints, Rule::only_keypoint),
+    (Rule::annotate, Rule::only_keypoint),
+    (Rule::actions, Rule::only_field),
+    (Rule::stage, Rule::only_stage_line),
+    (Rule::example, Rule::only_example_line),
+    (Rule::verify, Rule::only_verify_line),
+    (Rule::test, Rule::only_test_line),
 ];
 
-/// The words that begin a variant's sections: all but the last three of a task's.
-pub(crate) fn parts() -> &'static [&'static str] {
-    &SECTIONS[..SECTIONS.len() - 3]
+/// A kind of block, and the words that may begin a line of it.
+#[derive(Clone, Debug)]
+pub struct Block {
+    kind: Kind,
+    name: String,
+    words: Vec<&'static str>,
+    line: Rule,
 }
 
-/// The words that begin a line of `subgoals`.
-pub(crate) const SUBGOALS: &[&str] = &["demonstrate", "image"];
+impl Block {
+    /// Returns what a node of such a block is.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
 
-/// The words that begin a line of a stage.
-pub(crate) const STAGE: &[&str] = &["model", "show", "system", "say", "read", "example"];
+    /// Returns its keyword; `file` for a whole file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
 
-/// The words that begin a line of an example.
-pub(crate) const EXAMPLE: &[&str] = &["say", "image", "reply"];
+    /// Returns the words in the order of the reference; none where a line begins with a name.
+    pub fn words(&self) -> &[&'static str] {
+        &self.words
+    }
 
-/// The words that begin a line of a test.
-pub(crate) const TEST: &[&str] = &["given", "reply", "expect"];
+    /// Returns the strict rule of its lines.
+    pub(crate) fn line(&self) -> Rule {
+        self.line
+    }
+}
 
-/// The words that begin a line of `verify`.
-pub(crate) const VERIFY: &[&str] = &["check", "attempts", "result"];
+/// Returns every kind of block, outer ones first.
+pub fn blocks() -> &'static [Block] {
+    static ALL: LazyLock<Vec<Block>> = LazyLock::new(|| {
+        let block = |(block, line): &(Rule, Rule)| Block {
+            kind: Kind::of(*block),
+            name: format!("{block:?}"),
+            words: first_words(&format!("{line:?}")),
+            line: *line,
+        };
+        BLOCKS.iter().map(block).collect()
+    });
+    &ALL
+}
 
-/// Returns whether a word of the language can name nothing.
+/// Returns the kind of block that a node of `kind` is.
+pub(crate) fn block(kind: Kind) -> Option<&'static Block> {
+    blocks().iter().find(|block| block.kind == kind)
+}
+
+/// Returns the words that may begin a line in a block; none where lines begin with names, and in what is no block.
+pub fn words(kind: Kind) -> &'static [&'static str] {
+    block(kind).map_or(&[], Block::words)
+}
+
+/// Returns the words that can name nothing: those that begin or join statements, and Jinja's own.
+pub fn keywords() -> &'static [&'static str] {
+    static ALL: LazyLock<Vec<&str>> = LazyLock::new(|| first_words("keyword"));
+    &ALL
+}
+
+/// Returns whether a word can name nothing.
 pub fn is_keyword(word: &str) -> bool {
-    word.starts_with(|character: char| character.is_ascii_alphabetic() || character == '_')
-        && word
-            .bytes()
-            .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
-        && FabParser::parse(Rule::name, word).is_err()
+    keywords().contains(&word)
+}
+
+/// Collects the words that a text of the rule can begin with, as they stand in the grammar.
+///
+/// Recursion ends, for no rule of the grammar begins with itself.
+fn first_words(rule: &str) -> Vec<&'static str> {
+    let mut words = Vec::new();
+    // Whether what comes next is the beginning, here and where each open bracket stands.
+    let mut is_first = true;
+    let mut brackets = vec![is_first];
+    for sign in signs(definition(rule)) {
+        match sign {
+            "(" => brackets.push(is_first),
+            ")" => {
+                brackets.pop();
+                is_first = false;
+            }
+            "|" => is_first = brackets.last().copied().unwrap_or(true),
+            "SOI" | "~" => {}
+            _ if is_first => {
+                is_first = false;
+                let found = match sign.strip_prefix('"') {
+                    Some(quoted) => vec![quoted.trim_end_matches('"')],
+                    None => first_words(sign),
+                };
+                words.extend(found);
+            }
+            _ => {}
+        }
+    }
+    let mut seen = BTreeSet::new();
+    words.retain(|word| {
+        word.starts_with(|first: char| first.is_ascii_alphabetic()) && seen.insert(*word)
+    });
+    words
+}
+
+/// Returns what stands between a rule's braces; nothing for what is no rule of the grammar.
+fn definition(rule: &str) -> &'static str {
+    let rule = GRAMMAR.split_once(&format!("\n{rule} "));
+    let body = rule
+        .and_then(|(_, rest)| rest.split_once("}\n"))
+        .and_then(|(rule, _)| rule.split_once('{'));
+    body.map_or("", |(_, body)| body)
+}
+
+/// Splits a rule into its names, quoted words and signs.
+fn signs(rule: &str) -> impl Iterator<Item = &str> {
+    let mut rest = rule;
+    std::iter::from_fn(move || {
+        rest = rest.trim_start();
+        let first = rest.chars().next()?;
+        let is_word = |character: char| character.is_ascii_alphanumeric() || character == '_';
+        let length = match first {
+            '"' => rest[1..].find('"').map_or(rest.len(), |end| end + 2),
+            _ if is_word(first) => rest.find(|next| !is_word(next)).unwrap_or(rest.len()),
+            _ => first.len_utf8(),
+        };
+        let (sign, after) = rest.split_at(length);
+        rest = after;
+        Some(sign)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_words_of_blocks_are_read_from_the_grammar() {
+        assert_eq!(words(Kind::File), ["use", "task", "experts"]);
+        assert_eq!(words(Kind::Verify), ["check", "attempts", "result"]);
+        assert_eq!(words(Kind::Experts), ["sequence"]);
+        assert_eq!(words(Kind::Keypoints), [""; 0]);
+        assert!(words(Kind::Task).starts_with(words(Kind::Variant)));
+        assert!(words(Kind::Task).ends_with(&["variant", "ablate", "test"]));
+        assert!(words(Kind::Task).starts_with(&["const", "cloth", "camera"]));
+    }
+
+    /// pest needs some lists a second time, to look ahead; they must say the same.
+    #[test]
+    fn lists_of_words_agree() {
+        let sorted = |words: &[&'static str]| words.iter().copied().collect::<BTreeSet<_>>();
+        let mut sections = sorted(&first_words("section_word"));
+        sections.insert("test");
+        assert_eq!(sections, sorted(words(Kind::Task)));
+        let mut listed = sorted(keywords());
+        listed.extend(first_words("soft_word"));
+        for rule in Rule::all_rules() {
+            for word in first_words(&format!("{rule:?}")) {
+                assert!(
+                    listed.contains(word),
+                    "`{word}` is neither a keyword nor a soft word"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn keywords_name_nothing() {
+        assert!(is_keyword("goal") && is_keyword("None"));
+        assert!(!is_keyword("cloth") && !is_keyword("goals") && !is_keyword("_"));
+    }
 }

@@ -79,6 +79,7 @@ pub mod measures;
 pub mod pointing;
 pub mod render;
 pub mod reply;
+pub mod samples;
 pub mod scene;
 pub mod space;
 pub mod test;
@@ -86,6 +87,7 @@ pub mod tokens;
 pub mod units;
 pub mod verify;
 pub mod vocabulary;
+pub mod words;
 
 pub use data::actions::{ActionField, Choices, Direction, LengthChoice, Proposal, Value};
 pub use data::annotate::{Layer, Mark, Spot};

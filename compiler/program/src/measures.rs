@@ -445,7 +445,7 @@ const fn call(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vocabulary::samples;
+    use crate::samples;
 
     #[test]
     fn every_measure_is_made_from_the_arguments_that_its_row_declares() {

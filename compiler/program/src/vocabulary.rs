@@ -13,6 +13,8 @@ use crate::data::points::{Heading, Point};
 use crate::data::shape::KeypointShape;
 use crate::units::{self, Dimension};
 
+pub use crate::words::Word;
+
 /// A function that a task may call, and what it makes.
 #[derive(Clone, Copy, Debug)]
 pub struct Call<Make> {
@@ -98,6 +100,8 @@ pub enum Kind {
     Between(Range),
     /// One word of a closed set.
     Word(&'static [Word]),
+    /// Likewise, of a set that has a noun: `a colour`, without its article.
+    NameOf(&'static str, &'static [Word]),
     /// The name of a keypoint of one of these shapes; of an earlier one where a keypoint is declared.
     Keypoint(&'static [KeypointShape]),
     /// `depth < LIMIT`, the limit in the range.
@@ -117,35 +121,6 @@ pub enum Kind {
     /// A word of the set, or the path of a file with this ending.
     WordOrFile(&'static [Word], &'static str),
 }
-
-/// A word of a closed set.
-#[derive(Clone, Copy, Debug)]
-pub struct Word {
-    /// The word.
-    pub name: &'static str,
-    /// What it means, a few words.
-    pub doc: &'static str,
-}
-
-/// Gives an enumeration its words: how a task writes each value, and what it means.
-macro_rules! words {
-    ($type:ident { $($word:literal => $variant:ident, $doc:literal;)* }) => {
-        impl $type {
-            /// The words of a task, in the order in which messages list them.
-            pub const WORDS: &'static [$crate::vocabulary::Word] =
-                &[$($crate::vocabulary::Word { name: $word, doc: $doc }),*];
-
-            /// Returns what a word of a task means; None where it is no such word.
-            pub fn from_word(word: &str) -> Option<$type> {
-                match word {
-                    $($word => Some($type::$variant),)*
-                    _ => None,
-                }
-            }
-        }
-    };
-}
-pub(crate) use words;
 
 /// The numbers that are accepted, both ends included, stated once and as authors write them.
 #[derive(Clone, Copy, Debug)]
@@ -412,47 +387,5 @@ impl Args {
             .iter()
             .find(|(known, _)| *known == name)
             .map(|(_, value)| value)
-    }
-}
-
-#[cfg(test)]
-pub(crate) mod samples {
-    //! Arguments that fit a signature, made from its kinds alone.
-
-    use super::*;
-    use crate::data::points::End;
-
-    /// Returns arguments of which every one is given, and arguments of which none is that need not be.
-    pub(crate) fn of(signature: &Signature) -> [Args; 2] {
-        let given = |arg: &Arg| (arg.name, value(&arg.kind));
-        let least = |arg: &Arg| match arg.default {
-            None => given(arg),
-            Some(Default::Number(number)) => (arg.name, ArgValue::Number(number)),
-            Some(Default::Word(word)) => (arg.name, ArgValue::Word(word)),
-            Some(Default::CameraSide) => (arg.name, ArgValue::Number(224.0)),
-            Some(Default::Nothing) => (arg.name, ArgValue::Nothing),
-        };
-        [
-            Args(signature.args.iter().map(given).collect()),
-            Args(signature.args.iter().map(least).collect()),
-        ]
-    }
-
-    fn value(kind: &Kind) -> ArgValue {
-        let point = || Point::Last { end: End::Pick };
-        match kind {
-            Kind::Quantity(range)
-            | Kind::Whole(range)
-            | Kind::Odd(range)
-            | Kind::DepthLimit(range) => ArgValue::Number(units::base(range.to)),
-            Kind::Between(range) => ArgValue::Between([range.from, range.to].map(units::base)),
-            Kind::Word(words) | Kind::WordOrFile(words, _) => ArgValue::Word(words[0].name),
-            Kind::Keypoint(_) | Kind::DirectionField => ArgValue::Name("name".to_owned()),
-            Kind::Pixel => ArgValue::Pixel(PixelPoint::new(40, 52)),
-            Kind::Point => ArgValue::Point(point()),
-            Kind::Spot => ArgValue::Spot(Spot::One { point: point() }),
-            Kind::Heading => ArgValue::Heading(Heading::Constant { vector: [1.0, 0.0] }),
-            Kind::ClothPoint => ArgValue::ClothPoint(ClothPoint::Center),
-        }
     }
 }

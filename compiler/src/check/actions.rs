@@ -1,395 +1,339 @@
-//! `actions { pick: one of corners … }`.
+//! `actions { pick: one of corners … }`: the fields of an answer, and what each may be.
 
-use super::Context;
-use super::constants::{is_broken, resolved};
-use super::keypoints::wrong_kind;
+use super::context::{Context, Fields};
+use super::expressions::{Scope, fixed_deg, keypoint, wrong_shape};
 use super::names::Meaning;
-use super::quantity::{Measure, Quantity, quantity};
-use super::values::{fixed_deg, length_unit};
-use crate::ast::{self, Expr, ExprKind, Field, Ident};
-use crate::diag::{Code, Diagnostic, nearest};
+use super::quantity::{measured, noun, out_of_range, quantity_of};
+use crate::diag::{Code, Diagnostic, Reported, nearest};
+use crate::lang::actions::{ChoiceKind, FIELDS, FieldRow, field as moving_field};
 use crate::merge::unique;
+use crate::proof::MAX_FIELDS;
+use fab_grammar::Span;
+use fab_grammar::ast::{Actions, Expr, Field, Name};
 use fab_program::exact::vector_of;
-use fab_program::{ActionField, Choices, Direction, KeypointShape, LengthChoice};
+use fab_program::units::Dimension;
+use fab_program::{ActionField, Choices, Direction, KeypointShape, LengthChoice, LengthUnit};
 use std::collections::BTreeMap;
 
-/// The fields that move the cloth.
-pub(super) const FIELDS: [&str; 4] = ["pick", "place", "direction", "distance"];
-
-/// The most fields of an action, and choices of a field.
-const MAX_FIELDS: usize = 16;
+/// The most choices that a field lists; a keypoint among them may be many points.
 const MAX_CHOICES: usize = 256;
 
 /// Builds the action space.
-pub(crate) fn check(part: &ast::Actions, context: &mut Context<'_>) -> Vec<ActionField> {
+pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fields<'a> {
     unique(
-        part.fields.iter().map(|field| &field.name),
+        part.fields().map(|field| field.name()),
         "field",
         context.report,
     );
-    if let Some(beyond) = part.fields.get(MAX_FIELDS) {
-        let message = format!("an action has at most {MAX_FIELDS} fields");
-        context.push(Diagnostic::new(Code::OutOfRange, beyond.name.span, message));
-        return Vec::new();
-    }
-    let fields: Vec<ActionField> = part
-        .fields
+    let beyond = part
+        .fields()
+        .nth(MAX_FIELDS)
+        .map(|field| field.name().span());
+    let within = context.bounded(beyond, || {
+        format!("an action has at most {MAX_FIELDS} fields")
+    });
+    let fields = part.fields().map(|field| {
+        let name = field.name().text();
+        (name, within.and_then(|()| self::field(field, context)))
+    });
+    let list: Vec<(&str, Result<ActionField, Reported>)> = fields.collect();
+    let right = list
         .iter()
-        .filter_map(|field| self::field(field, context))
-        .collect();
-    if !part.has_faults && fields.len() == part.fields.len() {
-        completeness(part, &fields, context);
-    }
-    fields
+        .try_for_each(|(_, field)| field.as_ref().map(drop).map_err(|it| *it));
+    // A field that is wrong may be the one that is missing.
+    let complete = right.and_then(|()| {
+        let mut complete = Ok(());
+        for fault in incomplete(part) {
+            complete = Err(context.missing(part.is_damaged(), part.span().file, fault));
+        }
+        complete
+    });
+    Fields { list, complete }
 }
 
-/// Reports an action that moves nothing, or moves it in two ways.
-fn completeness(part: &ast::Actions, fields: &[ActionField], context: &mut Context<'_>) {
-    let has = |name: &str| fields.iter().any(|field| field.name == name);
-    // A field that moves nothing may be one that does, misspelt.
-    for field in &part.fields {
-        let name = field.name.text.as_str();
-        let meant = nearest(name, FIELDS).filter(|meant| !has(meant));
-        if let Some(meant) = meant
-            && !FIELDS.contains(&name)
+/// Says why an action moves nothing, or moves the cloth in two ways.
+fn incomplete(part: Actions<'_>) -> Vec<Diagnostic> {
+    let has = |name: &str| part.fields().any(|field| field.name().text() == name);
+    for name in part.fields().map(|field| field.name()) {
+        let lacking = FIELDS.iter().map(|row| row.name).filter(|name| !has(name));
+        if moving_field(name.text()).is_none()
+            && let Some(meant) = nearest(name.text(), lacking)
         {
-            context.push(
-                Diagnostic::new(
-                    Code::UnknownField,
-                    field.name.span,
-                    format!("the field `{name}` moves nothing"),
-                )
-                .meant(field.name.span, meant),
-            );
-            return;
+            let message = format!("the field `{}` moves nothing", name.text());
+            let diagnostic = Diagnostic::new(Code::UnknownField, name.span(), message);
+            return vec![diagnostic.meant(name.span(), meant)];
         }
     }
-    let missing = |message: String, help: &str| {
-        Diagnostic::new(Code::MissingField, part.span, message).help(help)
-    };
-    if !has("pick") {
-        let help = "write `pick: one of …`";
-        context.push(missing("the action has no `pick`".to_owned(), help));
-    }
-    let others = [has("direction"), has("distance")];
-    match (has("place"), others) {
-        (true, [false, false]) | (false, [true, true]) => {}
-        (false, [false, false]) => context.push(missing(
-            "the action has no `place`".to_owned(),
+    let place = match [has("place"), has("direction"), has("distance")] {
+        [true, false, false] | [false, true, true] => None,
+        [false, false, false] => Some((
+            "the action has no `place`",
             "write `place: one of …`, or a `direction` and a `distance`",
         )),
-        (false, [direction, _]) => {
-            let (there, lacking) = if direction {
-                ("direction", "distance")
-            } else {
-                ("distance", "direction")
-            };
-            context.push(missing(
-                format!("the action has a `{there}` and no `{lacking}`"),
-                "the place follows from the pick, a direction and a distance",
-            ));
-        }
-        (true, _) => context.push(missing(
-            "the action has a `place` beside a direction or a distance".to_owned(),
+        [false, true, false] => Some((
+            "the action has a `direction` and no `distance`",
+            "the place follows from the pick, a direction and a distance",
+        )),
+        [false, false, true] => Some((
+            "the action has a `distance` and no `direction`",
+            "the place follows from the pick, a direction and a distance",
+        )),
+        [true, ..] => Some((
+            "the action has a `place` beside a direction or a distance",
             "the place is either chosen, or follows from a direction and a distance",
         )),
-    }
+    };
+    let pick = (!has("pick")).then_some(("the action has no `pick`", "write `pick: one of …`"));
+    let fault =
+        |(message, help)| Diagnostic::new(Code::MissingField, part.head_span(), message).help(help);
+    [pick, place].into_iter().flatten().map(fault).collect()
 }
 
-fn field(part: &Field, context: &mut Context<'_>) -> Option<ActionField> {
-    let name = part.name.text.clone();
-    if let Some(mask) = &part.any_of {
-        return region(&name, mask, context);
-    }
-    if let Some(beyond) = part.one_of.get(MAX_CHOICES) {
-        let message = format!("a field has at most {MAX_CHOICES} choices");
-        context.push(Diagnostic::new(Code::OutOfRange, beyond.span, message));
-        return None;
-    }
-    if part.one_of.iter().any(|choice| is_broken(choice, context)) {
-        return None;
-    }
-    if let Some(bare) = part.one_of.iter().find(|choice| is_bare(choice, context)) {
-        let written = context.written(bare.span);
-        let unit = if name == "direction" { "deg" } else { "mm" };
-        let message = format!("`{written}` has no unit");
-        context.push(
-            Diagnostic::new(Code::MissingUnit, bare.span, message)
-                .help(format!("write `{written}{unit}`, or words in quotes")),
-        );
-        return None;
-    }
-    let kinds: Vec<Kind> = part
-        .one_of
-        .iter()
-        .map(|choice| Kind::of(choice, context))
-        .collect();
-    let first = *kinds.first()?;
-    if let Some(other) = kinds.iter().position(|kind| *kind != first) {
-        let message = format!(
-            "`{name}` offers {} and {}",
-            first.words(),
-            kinds[other].words()
-        );
-        context.push(
-            Diagnostic::new(Code::MixedChoices, part.one_of[other].span, message).also(
-                part.one_of[0].span,
-                format!("this is one of {}", first.words()),
-            ),
-        );
-        return None;
-    }
-    if let Some(wanted) = Kind::wanted(&name).filter(|wanted| *wanted != first) {
-        let message = format!("`{name}` offers {}, not {}", wanted.words(), first.words());
-        context.push(
-            Diagnostic::new(Code::MixedChoices, part.one_of[0].span, message)
-                .help(wanted.example()),
-        );
-        return None;
-    }
-    let choices = match first {
-        Kind::Points => points(part, context),
-        Kind::Directions => directions(part, context),
-        Kind::Lengths => lengths(part, context),
-        Kind::Words => words(part, context),
-    }?;
-    Some(ActionField { name, choices })
-}
-
-/// Returns whether a choice is a number without a unit.
-fn is_bare(choice: &Expr, context: &Context<'_>) -> bool {
-    matches!(
-        resolved(choice, context).kind,
-        ExprKind::Quantity { unit: None, .. }
-    )
-}
-
-/// What a field offers.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Points,
-    Directions,
-    Lengths,
-    Words,
-}
-
-impl Kind {
-    fn of(choice: &Expr, context: &Context<'_>) -> Kind {
-        match &resolved(choice, context).kind {
-            ExprKind::Quantity {
-                unit: Some(unit), ..
-            } if matches!(
-                unit.text.as_str(),
-                "deg" | "rad" | "°" | "degree" | "degrees"
-            ) =>
-            {
-                Kind::Directions
-            }
-            ExprKind::Quantity { .. } => Kind::Lengths,
-            ExprKind::Text(_) => Kind::Words,
-            _ => Kind::Points,
-        }
-    }
-
-    /// Returns what a field of that name must offer.
-    fn wanted(name: &str) -> Option<Kind> {
-        match name {
-            "pick" | "place" => Some(Kind::Points),
-            "direction" => Some(Kind::Directions),
-            "distance" => Some(Kind::Lengths),
-            _ => None,
-        }
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            Kind::Points => "points",
-            Kind::Directions => "directions",
-            Kind::Lengths => "lengths",
-            Kind::Words => "words",
-        }
-    }
-
-    fn example(self) -> &'static str {
-        match self {
-            Kind::Points => "write the names of keypoints, such as `one of corners, center`",
-            Kind::Directions => "write angles, such as `one of 0deg, 90deg, 180deg, 270deg`",
-            Kind::Lengths => "write lengths on the table, such as `one of 0.25edge, 0.5edge`",
-            Kind::Words => "write words in quotes, such as `one of \"soft\", \"firm\"`",
-        }
-    }
+fn field<'a>(part: Field<'a>, context: &mut Context<'a, '_>) -> Result<ActionField, Reported> {
+    let row = moving_field(part.name().text());
+    let choices = match part.any_of() {
+        Some(mask) => region(mask, row, context),
+        None => listed(part, row, context),
+    };
+    Ok(ActionField {
+        name: part.name().text().to_owned(),
+        choices: choices?,
+    })
 }
 
 /// Builds a field that may be any pixel of a mask.
-fn region(name: &str, mask: &Ident, context: &mut Context<'_>) -> Option<ActionField> {
-    if let Some(wanted) = Kind::wanted(name).filter(|wanted| *wanted != Kind::Points) {
-        let message = format!("`{name}` offers {}, not points", wanted.words());
-        context
-            .push(Diagnostic::new(Code::MixedChoices, mask.span, message).help(wanted.example()));
-        return None;
-    }
-    match context.names.get(&mask.text) {
-        Some(Meaning::Keypoint(None | Some(KeypointShape::Mask))) => {}
-        Some(Meaning::Keypoint(Some(shape))) => {
-            context.push(wrong_kind(mask, shape, "a mask"));
-            return None;
-        }
-        _ => {
-            let is_mask = |meaning| matches!(meaning, Meaning::Keypoint(Some(KeypointShape::Mask)));
-            context.unknown("mask", mask, context.names.that(is_mask));
-            return None;
-        }
-    }
-    Some(ActionField {
-        name: name.to_owned(),
-        choices: Choices::Region {
-            mask: mask.text.clone(),
-        },
-    })
+fn region<'a>(
+    mask: Name<'a>,
+    row: Option<&FieldRow>,
+    context: &mut Context<'a, '_>,
+) -> Result<Choices, Reported> {
+    offers(row, ChoiceKind::Points, mask.span(), context)?;
+    let shapes = [KeypointShape::Mask];
+    let mask = keypoint(Expr::Name(mask), &shapes, Scope::Everywhere, context)?;
+    Ok(Choices::Region { mask })
 }
 
-fn points(part: &Field, context: &mut Context<'_>) -> Option<Choices> {
-    let names: Vec<Ident> = part
-        .one_of
+/// Builds a field that is one of a list, all of one kind.
+fn listed<'a>(
+    part: Field<'a>,
+    row: Option<&FieldRow>,
+    context: &mut Context<'a, '_>,
+) -> Result<Choices, Reported> {
+    let (name, list) = (part.name(), part.one_of().collect::<Vec<Expr<'a>>>());
+    context.bounded(list.get(MAX_CHOICES).map(|beyond| beyond.span()), || {
+        format!("a field has at most {MAX_CHOICES} choices")
+    })?;
+    let Some(first) = list.first() else {
+        let message = format!("`{}` offers nothing", name.text());
+        let diagnostic = Diagnostic::new(Code::MissingField, name.span(), message);
+        return Err(context.missing(true, name.span().file, diagnostic));
+    };
+    let kinds: Vec<ChoiceKind> = list
         .iter()
-        .map(|choice| Ident {
-            text: context.loaded.sources.text(choice.span).to_owned(),
-            span: choice.span,
-        })
-        .collect();
-    unique(names.iter(), "choice", context.report);
-    let offered = names
-        .iter()
-        .filter(|choice| is_offered(choice, context))
-        .map(|choice| choice.text.clone());
-    Some(Choices::Points {
-        keypoints: offered.collect(),
-    })
-}
-
-/// Returns whether a choice names points; reports it where not.
-fn is_offered(choice: &Ident, context: &mut Context<'_>) -> bool {
-    let are_points = |shape| matches!(shape, KeypointShape::Points | KeypointShape::Point);
-    match context.names.get(&choice.text) {
-        Some(Meaning::Keypoint(Some(shape))) if !are_points(shape) => {
-            context.push(wrong_kind(choice, shape, "points to choose from"));
-            false
-        }
-        Some(Meaning::Keypoint(_)) => true,
-        _ => {
-            let has_points = |meaning| matches!(meaning, Meaning::Keypoint(shape) if shape.is_none_or(are_points));
-            context.unknown("keypoint", choice, context.names.that(has_points));
-            false
-        }
+        .map(|choice| kind(*choice, row, context))
+        .collect::<Result<_, _>>()?;
+    let kind = kinds[0];
+    if let Some(other) = kinds.iter().position(|other| *other != kind) {
+        let message = format!(
+            "`{}` offers {} and {}",
+            name.text(),
+            kind.noun(),
+            kinds[other].noun()
+        );
+        let diagnostic = Diagnostic::new(Code::MixedChoices, list[other].span(), message);
+        let label = format!("this is one of {}", kind.noun());
+        return Err(context.error(diagnostic.also(first.span(), label)));
+    }
+    offers(row, kind, first.span(), context)?;
+    match kind {
+        ChoiceKind::Points => points(&list, context),
+        ChoiceKind::Directions => directions(&list, context),
+        ChoiceKind::Lengths => lengths(name, &list, context),
+        ChoiceKind::Words => words(&list, context),
     }
 }
 
-fn directions(part: &Field, context: &mut Context<'_>) -> Option<Choices> {
-    let mut choices = Vec::with_capacity(part.one_of.len());
-    let mut seen = BTreeMap::new();
-    for choice in &part.one_of {
-        let deg = fixed_deg(choice, context)?;
-        if let Some(first) = seen.insert(deg.to_bits(), choice.span) {
-            twice(choice, first, context);
-        }
-        choices.push(Direction {
-            deg,
-            vector: vector_of(deg),
+fn kind<'a>(
+    choice: Expr<'a>,
+    row: Option<&FieldRow>,
+    context: &mut Context<'a, '_>,
+) -> Result<ChoiceKind, Reported> {
+    let Some(quantity) = quantity_of(choice, context)? else {
+        let is_word = matches!(choice, Expr::Text(_));
+        return Ok(if is_word {
+            ChoiceKind::Words
+        } else {
+            ChoiceKind::Points
         });
-    }
-    Some(Choices::Directions { choices })
+    };
+    let Some(unit) = quantity.unit() else {
+        let written = context.written(choice.span());
+        let unit = row
+            .map_or(ChoiceKind::Lengths, |row| row.choices)
+            .usual_unit();
+        let message = format!("`{written}` has no unit");
+        let diagnostic = Diagnostic::new(Code::MissingUnit, choice.span(), message);
+        return Err(
+            context.error(diagnostic.help(format!("write `{written}{unit}`, or words in quotes")))
+        );
+    };
+    Ok(ChoiceKind::of_unit(unit.text()))
 }
 
-fn lengths(part: &Field, context: &mut Context<'_>) -> Option<Choices> {
-    let mut choices = Vec::with_capacity(part.one_of.len());
-    let mut first_unit: Option<String> = None;
-    let mut seen = BTreeMap::new();
-    for choice in &part.one_of {
-        let Quantity {
-            value,
-            measure,
-            number,
-            unit,
-        } = quantity(choice, context)?;
-        if measure != Measure::Length {
-            let written = context.written(choice.span);
-            let message = format!("expected a length on the table, found `{written}`");
-            let code = if measure == Measure::Number {
-                Code::MissingUnit
-            } else {
-                Code::MixedFrames
-            };
-            context.push(
-                Diagnostic::new(code, choice.span, message)
-                    .label(format!("this is {}", measure.noun()))
-                    .help("the arm moves over the table: write such as `0.25edge` or `50mm`"),
-            );
-            return None;
-        }
-        if number <= 0.0 {
-            let written = context.written(choice.span);
-            let message = format!("`{written}` is out of range");
-            context.push(
-                Diagnostic::new(Code::OutOfRange, choice.span, message)
-                    .help("accepted are lengths above zero"),
-            );
-            return None;
-        }
-        if let Some(first) = &first_unit
-            && *first != unit
-        {
-            let message = format!(
-                "`{}` offers lengths in `{first}` and in `{unit}`",
-                part.name.text
-            );
-            context.push(
-                Diagnostic::new(Code::MixedChoices, choice.span, message)
-                    .help("write all of them in one unit, which prompts and answers use"),
-            );
-            return None;
-        }
-        first_unit = Some(unit);
-        if let Some(first) = seen.insert(number.to_bits(), choice.span) {
-            twice(choice, first, context);
-        }
-        // Without a cloth the task is no program, and `edge` has no size.
-        choices.push(LengthChoice {
-            value: number,
-            m: value,
-        });
-    }
-    Some(Choices::Lengths {
-        unit: length_unit(&first_unit?)?,
-        choices,
-    })
-}
-
-fn words(part: &Field, context: &mut Context<'_>) -> Option<Choices> {
-    let mut choices: Vec<String> = Vec::with_capacity(part.one_of.len());
-    let mut seen = BTreeMap::new();
-    for choice in &part.one_of {
-        let ExprKind::Text(text) = &choice.kind else {
-            return None;
-        };
-        let word = text.plain().filter(|word| !word.trim().is_empty());
-        let Some(word) = word else {
-            let message = "a choice is a word without `{{ … }}`";
-            context.push(Diagnostic::new(Code::EmptyText, choice.span, message));
-            return None;
-        };
-        if let Some(first) = seen.insert(word.to_lowercase(), choice.span) {
-            twice(choice, first, context);
-        }
-        choices.push(word);
-    }
-    Some(Choices::Words { choices })
-}
-
-fn twice(choice: &Expr, first: crate::source::Span, context: &mut Context<'_>) {
-    let written = context.written(choice.span);
-    let message = format!("the choice `{written}` is offered twice");
-    context.push(
-        Diagnostic::new(Code::DuplicateName, choice.span, message)
-            .also(first, "offered here first"),
+/// Reports choices of another kind than a field that moves the cloth must offer.
+fn offers(
+    row: Option<&FieldRow>,
+    kind: ChoiceKind,
+    span: Span,
+    context: &mut Context<'_, '_>,
+) -> Result<(), Reported> {
+    let Some(row) = row.filter(|row| row.choices != kind) else {
+        return Ok(());
+    };
+    let message = format!(
+        "`{}` offers {}, not {}",
+        row.name,
+        row.choices.noun(),
+        kind.noun()
     );
+    let diagnostic = Diagnostic::new(Code::MixedChoices, span, message);
+    Err(context.error(diagnostic.help(format!("write such as `{}`", row.example))))
+}
+
+// ---- choices by kind -----------------------------------------------------------------------------
+
+/// Reads every choice, and reports those whose key an earlier one has.
+fn distinct<'a, K: Ord, T>(
+    list: &[Expr<'a>],
+    context: &mut Context<'a, '_>,
+    mut read: impl FnMut(Expr<'a>, &mut Context<'a, '_>) -> Result<(K, T), Reported>,
+) -> Result<Vec<T>, Reported> {
+    let mut seen: BTreeMap<K, Span> = BTreeMap::new();
+    let choices = list.iter().map(|choice| {
+        let (key, value) = read(*choice, context)?;
+        let Some(first) = seen.insert(key, choice.span()) else {
+            return Ok(value);
+        };
+        let message = format!(
+            "the choice `{}` is offered twice",
+            context.written(choice.span())
+        );
+        let diagnostic = Diagnostic::new(Code::DuplicateName, choice.span(), message);
+        Err(context.error(diagnostic.also(first, "offered here first")))
+    });
+    let choices: Vec<Result<T, Reported>> = choices.collect();
+    choices.into_iter().collect()
+}
+
+fn points<'a>(list: &[Expr<'a>], context: &mut Context<'a, '_>) -> Result<Choices, Reported> {
+    let are_points = |shape| matches!(shape, KeypointShape::Points | KeypointShape::Point);
+    let keypoints = distinct(list, context, |choice, context| {
+        let written = context.loaded.written(choice.span());
+        match (choice, context.names.get(written)) {
+            (Expr::Name(_), Some(Meaning::Keypoint(Some(shape)))) if are_points(shape) => {
+                Ok((written, written.to_owned()))
+            }
+            (Expr::Name(name), Some(Meaning::Keypoint(shape))) => {
+                Err(wrong_shape(name, shape, "points to choose from", context))
+            }
+            _ => {
+                let offered = context.names.that(
+                    |meaning| matches!(meaning, Meaning::Keypoint(shape) if shape.is_none_or(are_points)),
+                );
+                Err(context.unknown_at("keypoint", written, choice.span(), offered))
+            }
+        }
+    })?;
+    Ok(Choices::Points { keypoints })
+}
+
+fn directions<'a>(list: &[Expr<'a>], context: &mut Context<'a, '_>) -> Result<Choices, Reported> {
+    let choices = distinct(list, context, |choice, context| {
+        let deg = fixed_deg(choice, context)?;
+        Ok((
+            deg.to_bits(),
+            Direction {
+                deg,
+                vector: vector_of(deg),
+            },
+        ))
+    })?;
+    Ok(Choices::Directions { choices })
+}
+
+fn lengths<'a>(
+    field: Name<'a>,
+    list: &[Expr<'a>],
+    context: &mut Context<'a, '_>,
+) -> Result<Choices, Reported> {
+    let read = distinct(list, context, |choice, context| {
+        let (unit, length) = length(choice, context)?;
+        Ok(((unit.name, length.value.to_bits()), (unit, length)))
+    })?;
+    let unit = read[0].0;
+    if let Some(other) = read.iter().position(|(own, _)| *own != unit) {
+        let (first, other, span) = (unit.name, read[other].0.name, list[other].span());
+        let message = format!(
+            "`{}` offers lengths in `{first}` and in `{other}`",
+            field.text()
+        );
+        let diagnostic = Diagnostic::new(Code::MixedChoices, span, message);
+        let help = "write all of them in one unit, which prompts and answers use";
+        return Err(context.error(diagnostic.help(help)));
+    }
+    Ok(Choices::Lengths {
+        unit,
+        choices: read.into_iter().map(|(_, length)| length).collect(),
+    })
+}
+
+fn length<'a>(
+    choice: Expr<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<(LengthUnit, LengthChoice), Reported> {
+    const WANTED: &str = "a length on the table";
+    let Some(found) = measured(choice, context)? else {
+        let diagnostic = context.unexpected(Code::WrongForm, choice, WANTED);
+        return Err(context.error(diagnostic));
+    };
+    let Some(unit) = LengthUnit::find(found.unit) else {
+        let code = match found.dimension {
+            Dimension::Number => Code::MissingUnit,
+            Dimension::Length | Dimension::Pixels | Dimension::Angle => Code::MixedFrames,
+        };
+        let diagnostic = context.unexpected(code, choice, WANTED);
+        let diagnostic = diagnostic.label(format!("this is {}", noun(found.dimension)));
+        let help = "the arm moves over the table: write such as `0.25edge` or `50mm`";
+        return Err(context.error(diagnostic.help(help)));
+    };
+    if found.number <= 0.0 {
+        return Err(out_of_range(
+            choice,
+            "accepted are lengths above zero",
+            context,
+        ));
+    }
+    // Without a cloth the task is no program, and `edge` has no size.
+    Ok((
+        unit,
+        LengthChoice {
+            value: found.number,
+            m: found.value,
+        },
+    ))
+}
+
+fn words<'a>(list: &[Expr<'a>], context: &mut Context<'a, '_>) -> Result<Choices, Reported> {
+    let choices = distinct(list, context, |choice, context| {
+        let word = match choice {
+            Expr::Text(text) if !text.is_blank() => text.plain(),
+            _ => None,
+        };
+        let word = word.ok_or_else(|| {
+            let message = "a choice is a word without `{{ … }}`";
+            context.fault(Code::EmptyText, choice.span(), message)
+        })?;
+        Ok((word.to_lowercase(), word))
+    })?;
+    Ok(Choices::Words { choices })
 }

@@ -1,199 +1,181 @@
-//! Arguments of a call: which there are, which are given.
+//! Gives each argument of a call to its row.
+//!
+//! In: a call, and the rows of its name. Out: the row that fits the labels, and its arguments with their expressions.
+//! Reading the expressions is left to [`super::expressions`].
 
-use super::Context;
-use crate::ast::{Argument, Expr, ExprKind, Ident};
-use crate::diag::{Code, Diagnostic, among, nearest};
-use crate::source::Span;
+use super::context::Context;
+use crate::diag::{Code, Diagnostic, Reported, among, nearest};
+use fab_grammar::Span;
+use fab_grammar::ast::{Argument, Call, Expr, Name};
+use fab_program::vocabulary::{Arg, Place, Signature};
 
-/// One argument that a call takes.
-pub(crate) struct Parameter {
-    pub name: &'static str,
-    pub given: Given,
-    pub need: Need,
-}
+/// The most arguments of a call that takes any number of them.
+const MAX_ARGUMENTS: usize = 1000;
 
-/// How an argument is given.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Given {
-    /// By its place: `grid(55, 44)`.
-    Bare,
-    /// By its name: `image: 224px`.
-    Named,
-    /// One or more, all that have no name.
-    Rest,
-}
+/// The arguments of a call, each with what is written for it; several of [`Place::Rest`].
+pub(crate) type Bound<'a> = Vec<(&'static Arg, Expr<'a>)>;
 
-/// Whether an argument must be given.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Need {
-    Required,
-    Optional,
-}
-
-pub(crate) const fn bare(name: &'static str) -> Parameter {
-    Parameter {
-        name,
-        given: Given::Bare,
-        need: Need::Required,
-    }
-}
-
-pub(crate) const fn named(name: &'static str) -> Parameter {
-    Parameter {
-        name,
-        given: Given::Named,
-        need: Need::Required,
-    }
-}
-
-pub(crate) const fn rest(name: &'static str) -> Parameter {
-    Parameter {
-        name,
-        given: Given::Rest,
-        need: Need::Required,
-    }
-}
-
-pub(crate) const fn optional(name: &'static str) -> Parameter {
-    Parameter {
-        name,
-        given: Given::Named,
-        need: Need::Optional,
-    }
-}
-
-/// The arguments of one call, by the parameters' names.
-pub(crate) struct Bound<'e> {
-    values: Vec<(&'static str, &'e Expr)>,
-    rest: Vec<&'e Expr>,
-}
-
-impl<'e> Bound<'e> {
-    /// Returns the arguments without a name, where the call takes any number of them.
-    pub fn rest(&self) -> &[&'e Expr] {
-        &self.rest
-    }
-
-    pub fn get(&self, name: &str) -> Option<&'e Expr> {
-        self.values
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map(|(_, value)| *value)
-    }
-}
-
-/// Gives each argument to its parameter; None, with a report, where they do not fit.
-pub(crate) fn bind<'e>(
-    call: &Ident,
-    arguments: &'e [Argument],
-    parameters: &[Parameter],
-    context: &mut Context<'_>,
-) -> Option<Bound<'e>> {
-    let mut bound = Bound {
-        values: Vec::new(),
-        rest: Vec::new(),
+/// Returns the row that a call means, among those of its name: the one with most of the labels, and as many places.
+pub(crate) fn form<'s>(
+    call: Call<'_>,
+    rows: impl Iterator<Item = &'s Signature>,
+) -> Option<(usize, &'s Signature)> {
+    let n_given = call.arguments().count();
+    let fit = |signature: &Signature| {
+        let labels = call.arguments().filter_map(|argument| argument.label());
+        let known = labels
+            .filter(|label| parameter(signature, label.text()).is_some())
+            .count();
+        (known, n_given == 0 && signature.args.is_empty())
     };
-    let rest = parameters
+    let named = rows
+        .enumerate()
+        .filter(|(_, row)| row.name == call.name().text());
+    // The first of equal ones: `max_by_key` takes the last.
+    named.fold(None, |best, (index, row)| match best {
+        Some((_, before)) if fit(before) >= fit(row) => best,
+        _ => Some((index, row)),
+    })
+}
+
+fn parameter(signature: &Signature, label: &str) -> Option<&'static Arg> {
+    let mut named = signature
+        .args
         .iter()
-        .find(|parameter| parameter.given == Given::Rest);
-    let mut places = parameters
+        .filter(|arg| arg.place == Place::Named);
+    named.find(|arg| arg.name == label)
+}
+
+/// Gives each argument to its parameter, and reports all that do not fit.
+pub(crate) fn bind<'a>(
+    call: Call<'a>,
+    signature: &Signature,
+    context: &mut Context<'a, '_>,
+) -> Result<Bound<'a>, Reported> {
+    let mut bound: Bound<'a> = Vec::with_capacity(signature.args.len());
+    let mut places = signature
+        .args
         .iter()
-        .filter(|parameter| parameter.given == Given::Bare);
-    let mut fits = true;
-    for argument in arguments {
-        if let (None, Some(rest)) = (&argument.label, rest) {
-            bound.rest.push(&argument.value);
-            if bound.rest.len() == 1 {
-                bound.values.push((rest.name, &argument.value));
-            }
-            continue;
-        }
-        let parameter = match &argument.label {
-            None => places
-                .next()
-                .ok_or_else(|| Box::new(surplus(call, argument, parameters, context))),
-            Some(label) => named_parameter(call, label, parameters),
+        .filter(|arg| arg.place != Place::Named);
+    let mut place = places.next();
+    let mut fits = Ok(());
+    for argument in call.arguments() {
+        let arg = match argument.label() {
+            Some(label) => parameter(signature, label.text())
+                .ok_or_else(|| unknown_label(call.name(), label, signature)),
+            None => match place {
+                Some(arg) => {
+                    if arg.place == Place::Positional {
+                        place = places.next();
+                    }
+                    Ok(arg)
+                }
+                None => Err(surplus(call.name(), argument, signature, context)),
+            },
         };
-        let parameter = match parameter {
-            Ok(parameter) => parameter,
+        let arg = match arg {
+            Ok(arg) => arg,
             Err(diagnostic) => {
-                context.push(*diagnostic);
-                fits = false;
+                fits = Err(context.error(diagnostic));
                 continue;
             }
         };
-        if let Some(first) = bound.get(parameter.name) {
-            let span = argument
-                .label
-                .as_ref()
-                .map_or(argument.value.span, |label| label.span);
-            let message = format!("`{}` is given twice", parameter.name);
-            context.push(
-                Diagnostic::new(Code::WrongArguments, span, message)
-                    .also(first.span, "given here first"),
-            );
-            fits = false;
-        } else {
-            bound.values.push((parameter.name, &argument.value));
+        let first = bound.iter().find(|(known, _)| known.name == arg.name);
+        match first {
+            Some((_, first)) if arg.place != Place::Rest => {
+                let span = argument
+                    .label()
+                    .map_or(argument.value().span(), |label| label.span());
+                let message = format!("`{}` is given twice", arg.name);
+                let diagnostic = Diagnostic::new(Code::WrongArguments, span, message);
+                fits = Err(context.error(diagnostic.also(first.span(), "given here first")));
+            }
+            _ => bound.push((arg, argument.value())),
+        }
+        if bound.len() > MAX_ARGUMENTS {
+            let span = argument.value().span();
+            let message = format!("at most {MAX_ARGUMENTS} are listed");
+            return Err(context.fault(Code::OutOfRange, span, message));
         }
     }
-    let missing: Vec<&str> = parameters
-        .iter()
-        .filter(|parameter| parameter.need == Need::Required && bound.get(parameter.name).is_none())
-        .map(|parameter| parameter.name)
-        .collect();
     // A wrong name probably stands for a missing one; one report is enough.
-    if !missing.is_empty() && fits {
+    fits?;
+    let is_given = |arg: &Arg| bound.iter().any(|(known, _)| known.name == arg.name);
+    let missing = signature
+        .args
+        .iter()
+        .filter(|arg| arg.default.is_none() && !is_given(arg));
+    let missing: Vec<&str> = missing.map(|arg| arg.name).collect();
+    if !missing.is_empty() {
         let message = format!(
             "`{}` lacks {}",
-            call.text,
+            signature.name,
             among(missing).replace(" or ", " and ")
         );
-        context.push(
-            Diagnostic::new(Code::WrongArguments, call.span, message)
-                .help(format!("write `{}`", form(call, parameters))),
-        );
-        fits = false;
+        let diagnostic = Diagnostic::new(Code::WrongArguments, call.name().span(), message);
+        return Err(context.error(diagnostic.help(format!("write `{}`", signature.form()))));
     }
-    fits.then_some(bound)
+    for (arg, value) in &bound {
+        lonely(arg, *value, &bound, context)?;
+    }
+    Ok(bound)
 }
 
-fn named_parameter<'p>(
-    call: &Ident,
-    label: &Ident,
-    parameters: &'p [Parameter],
-) -> Result<&'p Parameter, Box<Diagnostic>> {
-    let named = || {
-        parameters
-            .iter()
-            .filter(|parameter| parameter.given == Given::Named)
+/// Reports an argument that makes no sense without another.
+fn lonely(
+    arg: &Arg,
+    value: Expr<'_>,
+    bound: &Bound<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<(), Reported> {
+    let Some(needs) = arg.needs else {
+        return Ok(());
     };
-    if let Some(parameter) = named().find(|parameter| parameter.name == label.text) {
-        return Ok(parameter);
+    let other = bound.iter().find(|(known, _)| known.name == needs.arg);
+    let is_there = match other {
+        None => false,
+        Some((_, Expr::Name(word))) if !needs.words.is_empty() => {
+            needs.words.contains(&word.text())
+        }
+        Some(_) => true,
+    };
+    if is_there {
+        return Ok(());
     }
-    let diagnostic = Diagnostic::new(
-        Code::WrongArguments,
-        label.span,
-        format!("`{}` takes no `{}`", call.text, label.text),
-    );
-    let near = nearest(&label.text, named().map(|parameter| parameter.name));
-    Err(Box::new(match near {
-        Some(meant) => diagnostic.meant(label.span, meant),
-        None => diagnostic.help(format!("write `{}`", form(call, parameters))),
-    }))
+    let wanted = match needs.words.first() {
+        None => format!("{}: …", needs.arg),
+        Some(word) => format!("{}: {word}", needs.arg),
+    };
+    let message = format!("`{}` means nothing without `{wanted}`", arg.name);
+    let diagnostic = Diagnostic::new(Code::WrongArguments, value.span(), message);
+    Err(context.error(diagnostic.help(format!(
+        "write `{wanted}` beside it, or leave `{}` out",
+        arg.name
+    ))))
+}
+
+fn unknown_label(call: Name<'_>, label: Name<'_>, signature: &Signature) -> Diagnostic {
+    let message = format!("`{}` takes no `{}`", call.text(), label.text());
+    let diagnostic = Diagnostic::new(Code::WrongArguments, label.span(), message);
+    let named = signature
+        .args
+        .iter()
+        .filter(|arg| arg.place == Place::Named);
+    match nearest(label.text(), named.map(|arg| arg.name)) {
+        Some(meant) => diagnostic.meant(label.span(), meant),
+        None => diagnostic.help(format!("write `{}`", signature.form())),
+    }
 }
 
 fn surplus(
-    call: &Ident,
-    argument: &Argument,
-    parameters: &[Parameter],
-    context: &Context<'_>,
+    call: Name<'_>,
+    argument: Argument<'_>,
+    signature: &Signature,
+    context: &Context<'_, '_>,
 ) -> Diagnostic {
-    let span = argument.value.span;
-    let before = &context.loaded.sources.get(span.file).text[..span.start];
-    let is_number = matches!(argument.value.kind, ExprKind::Quantity { .. });
-    if let Some(whole) = before.strip_suffix(',')
-        && is_number
+    let span = argument.value().span();
+    let before = &context.loaded.texts.sources.get(span.file).text[..span.start];
+    if let (Some(whole), Expr::Quantity(_)) = (before.strip_suffix(','), argument.value())
         && whole.ends_with(|last: char| last.is_ascii_digit())
     {
         let comma = Span {
@@ -205,30 +187,18 @@ fn surplus(
         return Diagnostic::new(Code::WrongArguments, comma, message)
             .help("write `.`, or a blank behind the comma if these are two numbers");
     }
-    let n_bare = parameters
+    let places = signature
+        .args
         .iter()
-        .filter(|parameter| parameter.given == Given::Bare)
-        .count();
-    let message = match n_bare {
-        0 => format!("`{}` takes its arguments by name", call.text),
-        1 => format!("`{}` takes one argument without a name", call.text),
-        _ => format!("`{}` takes {n_bare} arguments without a name", call.text),
+        .filter(|arg| arg.place == Place::Positional);
+    let message = match places.count() {
+        0 => format!("`{}` takes its arguments by name", call.text()),
+        1 => format!("`{}` takes one argument without a name", call.text()),
+        n_places => format!(
+            "`{}` takes {n_places} arguments without a name",
+            call.text()
+        ),
     };
-    Diagnostic::new(Code::WrongArguments, argument.value.span, message)
-        .help(format!("write `{}`", form(call, parameters)))
-}
-
-/// Writes how the call looks when it is complete.
-fn form(call: &Ident, parameters: &[Parameter]) -> String {
-    let part = |parameter: &Parameter| match (parameter.given, parameter.need) {
-        (Given::Bare, _) => parameter.name.to_uppercase(),
-        (Given::Rest, _) => format!("{}, …", parameter.name.to_uppercase()),
-        (Given::Named, Need::Required) => format!("{}: …", parameter.name),
-        (Given::Named, Need::Optional) => format!("[{}: …]", parameter.name),
-    };
-    format!(
-        "{}({})",
-        call.text,
-        parameters.iter().map(part).collect::<Vec<_>>().join(", ")
-    )
+    Diagnostic::new(Code::WrongArguments, span, message)
+        .help(format!("write `{}`", signature.form()))
 }

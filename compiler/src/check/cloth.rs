@@ -1,182 +1,166 @@
-//! `cloth grid(55, 44)`, `cloth square(250mm)`, `cloth rectangle(338mm, 269mm)`.
+//! `cloth grid(55, 44)`, `camera top_down(…)` and `picker drop`: what lies there, what sees it, what moves it.
 
-use super::Context;
-use super::arguments::{Bound, bare, bind, optional};
-use super::quantity::{Measure, Wanted, quantity, read, read_whole};
-use crate::ast::{Expr, ExprKind, Ident, Statement};
-use crate::diag::{Code, Diagnostic};
-use fab_program::{Cloth, ClothStart};
+use super::context::{Context, Declared};
+use super::expressions::{Scope, call, name_of};
+use crate::diag::{Code, Diagnostic, Reported, among};
+use crate::lang::calls::{CAMERAS, CLOTHS, SPACING_M, particle_limits};
+use fab_grammar::ast::{Expr, Statement};
+use fab_program::vocabulary::{ArgValue, Call, Signature};
+use fab_program::{Camera, Cloth, Picker};
 
-/// Distance between particles, metres: the grid that the paper's cloths have (protocol, section 1).
-const SPACING_M: f64 = 0.00625;
+/// Reads a statement by its word; nothing where it is not there.
+pub(super) fn statement<'a, T>(
+    statement: Option<Statement<'a>>,
+    read: impl FnOnce(Statement<'a>) -> Result<T, Reported>,
+) -> Declared<T> {
+    statement.map(read).transpose()
+}
 
-/// The most particles on a side; their number grows with the square.
-const MAX_SIDE: u32 = 200;
-
-const COUNT: Wanted = Wanted {
-    measure: Measure::Number,
-    range: 2.0..=MAX_SIDE as f64,
-    range_words: "a count of particles from `2` to `200`",
-};
-
-/// Half a spacing more and the side would round to another particle.
-const SIDE: Wanted = Wanted {
-    measure: Measure::Length,
-    range: SPACING_M..=SPACING_M * (MAX_SIDE - 1) as f64,
-    range_words: "a side from `6.25mm` to `1243.75mm`",
-};
-
-/// Builds the cloth.
-pub(crate) fn check(statement: &Statement, context: &mut Context<'_>) -> Option<Cloth> {
-    let (name, arguments) = match &statement.value.kind {
-        ExprKind::Call { name, arguments } => (name, arguments.as_slice()),
-        _ => {
-            context.push(wrong_form(&statement.value));
-            return None;
+/// Reads how large the cloth is, and how it lies.
+pub(crate) fn cloth<'a>(
+    statement: Statement<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Cloth, Reported> {
+    let signatures = CLOTHS.iter().map(signature);
+    let Expr::Call(written) = statement.value() else {
+        return Err(wrong_form(
+            statement.value(),
+            "a cloth",
+            signatures,
+            context,
+        ));
+    };
+    let (row, args, bound) = call("cloth", written, signatures, Scope::Everywhere, context)?;
+    for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
+        // Only `edge` has no size before there is a cloth.
+        if matches!(value, ArgValue::Number(number) if number.is_nan()) {
+            let message = "a side of the cloth is counted in the cloth's own side";
+            let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
+            return Err(context.error(diagnostic.help("write a length such as `250mm`")));
         }
-    };
-    let parameters: &[_] = match name.text.as_str() {
-        "grid" | "rectangle" => &[bare("width"), bare("depth"), optional("start")],
-        "square" => &[bare("side"), optional("start")],
-        _ => {
-            context.unknown("cloth", name, ["grid", "rectangle", "square"]);
-            return None;
-        }
-    };
-    let bound = bind(name, arguments, parameters, context)?;
-    let start = bound
-        .get("start")
-        .map_or(Some(ClothStart::Flat), |start| self::start(start, context));
-    let cloth = match context.grid {
-        Some(grid) => replaced(grid, statement, context),
-        None => sized(name, statement, &bound, context),
-    };
-    Some(Cloth {
-        start: start?,
-        ..cloth?
-    })
+    }
+    let cloth = (CLOTHS[row].make)(&args);
+    if let Some(grid) = context.grid {
+        return replaced(cloth, grid, statement, context);
+    }
+    rounded(&cloth, &args.0, statement, context);
+    Ok(cloth)
+}
+
+fn signature<T>(row: &'static Call<T>) -> &'static Signature {
+    &row.signature
+}
+
+fn wrong_form(
+    value: Expr<'_>,
+    wanted: &str,
+    rows: impl Iterator<Item = &'static Signature>,
+    context: &mut Context<'_, '_>,
+) -> Reported {
+    let forms: Vec<String> = rows.map(Signature::form).collect();
+    let message = format!("expected {wanted}");
+    let diagnostic = Diagnostic::new(Code::WrongForm, value.span(), message);
+    context.error(diagnostic.help(format!("write {}", among(forms.iter().map(String::as_str)))))
 }
 
 /// Takes the grid that a caller gives in place of the declared one.
 fn replaced(
+    declared: Cloth,
     [dimx, dimy]: [u32; 2],
-    statement: &Statement,
-    context: &mut Context<'_>,
-) -> Option<Cloth> {
-    if [dimx, dimy].iter().any(|dim| !(2..=MAX_SIDE).contains(dim)) {
-        let message = format!("the start has {dimx} by {dimy} particles in this cloth's place");
-        context.push(
-            Diagnostic::new(Code::OutOfRange, statement.value.span, message).help(format!(
-                "right would be from 2 to {MAX_SIDE} particles on each side"
-            )),
-        );
-        return None;
+    statement: Statement<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<Cloth, Reported> {
+    let [least, most] = particle_limits();
+    if [dimx, dimy].iter().all(|dim| (least..=most).contains(dim)) {
+        return Ok(Cloth {
+            dimx,
+            dimy,
+            ..declared
+        });
     }
-    Some(Cloth {
-        dimx,
-        dimy,
-        spacing_m: SPACING_M,
-        start: ClothStart::Flat,
-    })
+    let message = format!("the start has {dimx} by {dimy} particles in this cloth's place");
+    let diagnostic = Diagnostic::new(Code::OutOfRange, statement.value().span(), message);
+    let help = format!("right would be from {least} to {most} particles on each side");
+    Err(context.error(diagnostic.help(help)))
 }
 
-fn sized(
-    name: &Ident,
-    statement: &Statement,
-    bound: &Bound<'_>,
-    context: &mut Context<'_>,
-) -> Option<Cloth> {
-    match name.text.as_str() {
-        "grid" => {
-            let dimx = read_whole(bound.get("width")?, &COUNT, context);
-            let dimy = read_whole(bound.get("depth")?, &COUNT, context);
-            Some(Cloth {
-                dimx: dimx?,
-                dimy: dimy?,
-                spacing_m: SPACING_M,
-                start: ClothStart::Flat,
-            })
-        }
-        "square" => measured(statement, bound, ["side", "side"], context),
-        _ => measured(statement, bound, ["width", "depth"], context),
-    }
-}
-
-/// Reads how the cloth lies at first.
-fn start(expr: &Expr, context: &mut Context<'_>) -> Option<ClothStart> {
-    match &expr.kind {
-        ExprKind::Name(name) if name == "flat" => Some(ClothStart::Flat),
-        ExprKind::Name(name) if name == "crumpled" => Some(ClothStart::Crumpled),
-        ExprKind::Text(text) => {
-            let file = super::files::named(text, "a start file", context)?;
-            if !file.path.ends_with(".npy") {
-                let written = context.written(expr.span);
-                let message = format!("{written} names no start file");
-                context.push(Diagnostic::new(Code::WrongForm, expr.span, message).help(
-                    "a start file ends in `.npy`; `flat` and `crumpled` stand without quotes",
-                ));
-                return None;
-            }
-            Some(ClothStart::File { file })
-        }
-        _ => {
-            let found = context.written(expr.span);
-            let message = format!("expected a way to lie, found `{found}`");
-            context.push(Diagnostic::new(Code::WrongForm, expr.span, message).help(
-                "write `start: flat`, `start: crumpled`, or the path of a start file in quotes",
-            ));
-            None
-        }
-    }
-}
-
-fn wrong_form(value: &Expr) -> Diagnostic {
-    Diagnostic::new(Code::WrongForm, value.span, "expected a cloth")
-        .help("write `grid(55, 44)` for particles, `square(250mm)` or `rectangle(338mm, 269mm)` for sides")
-}
-
-fn measured(
-    statement: &Statement,
-    bound: &Bound<'_>,
-    sides: [&str; 2],
-    context: &mut Context<'_>,
-) -> Option<Cloth> {
-    for side in sides {
-        if let Some(side) = bound.get(side)
-            && quantity(side, context).is_some_and(|side| side.unit == "edge")
-        {
-            let message = "a side of the cloth is counted in the cloth's own side";
-            context.push(
-                Diagnostic::new(Code::WrongQuantity, side.span, message)
-                    .help("write a length such as `250mm`"),
-            );
-            return None;
-        }
-    }
-    let [width_m, depth_m] =
-        sides.map(|side| bound.get(side).and_then(|side| read(side, &SIDE, context)));
-    let (width_m, depth_m) = (width_m?, depth_m?);
-    let particles = |side_m: f64| (side_m / SPACING_M).round() as u32 + 1;
-    let cloth = Cloth {
-        dimx: particles(width_m),
-        dimy: particles(depth_m),
-        spacing_m: SPACING_M,
-        start: ClothStart::Flat,
-    };
+/// Notes where a cloth of whole particles is not exactly as large as stated.
+fn rounded(
+    cloth: &Cloth,
+    args: &[(&str, ArgValue)],
+    statement: Statement<'_>,
+    context: &mut Context<'_, '_>,
+) {
+    let Cloth { dimx, dimy, .. } = *cloth;
     let side_mm = |n_particles: u32| f64::from(n_particles - 1) * SPACING_M * 1000.0;
-    let is_exact =
-        |side_m: f64, n_particles: u32| (side_m * 1000.0 - side_mm(n_particles)).abs() < 1e-6;
-    if !is_exact(width_m, cloth.dimx) || !is_exact(depth_m, cloth.dimy) {
-        let Cloth { dimx, dimy, .. } = cloth;
+    let is_exact = |(name, value): &(&str, ArgValue)| match (*name, value) {
+        ("width", ArgValue::Number(m)) => (m * 1000.0 - side_mm(dimx)).abs() < 1e-6,
+        ("depth" | "side", ArgValue::Number(m)) => (m * 1000.0 - side_mm(dimy)).abs() < 1e-6,
+        _ => true,
+    };
+    let is_grid = matches!(statement.value(), Expr::Call(call) if call.name().text() == "grid");
+    if is_grid || args.iter().all(is_exact) {
+        return;
+    }
+    let message = format!(
+        "the cloth has {dimx} by {dimy} particles and so sides of {}mm and {}mm",
+        side_mm(dimx),
+        side_mm(dimy)
+    );
+    let diagnostic = Diagnostic::new(Code::Rounded, statement.value().span(), message);
+    context.remark(diagnostic.help(format!("`grid({dimx}, {dimy})` says the same exactly")));
+}
+
+/// Reads where the camera is, and what it sees.
+pub(crate) fn camera<'a>(
+    statement: Statement<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Camera, Reported> {
+    let signatures = CAMERAS.iter().map(signature);
+    let Expr::Call(written) = statement.value() else {
+        return Err(wrong_form(
+            statement.value(),
+            "a camera",
+            signatures,
+            context,
+        ));
+    };
+    let (row, args, _) = call("camera", written, signatures, Scope::Everywhere, context)?;
+    Ok((CAMERAS[row].make)(&args))
+}
+
+/// Warns where the flat cloth, however it is turned, does not fit into the picture.
+pub(crate) fn fits_picture(
+    laid: Statement<'_>,
+    seen: Statement<'_>,
+    context: &mut Context<'_, '_>,
+) {
+    let (Ok(Some(cloth)), Ok(Some(camera))) = (&context.cloth, &context.camera) else {
+        return;
+    };
+    let view_m = 2.0 * camera.height_m * (camera.fov_rad / 2.0).tan();
+    let side_m = |n_particles: u32| f64::from(n_particles - 1) * cloth.spacing_m;
+    let diagonal_m = side_m(cloth.dimx).hypot(side_m(cloth.dimy));
+    if diagonal_m > view_m {
         let message = format!(
-            "the cloth has {dimx} by {dimy} particles and so sides of {}mm and {}mm",
-            side_mm(dimx),
-            side_mm(dimy)
+            "the camera sees {:.0}mm of the table, and the cloth is {:.0}mm from corner to corner",
+            view_m * 1000.0,
+            diagonal_m * 1000.0
         );
-        context.push(
-            Diagnostic::new(Code::Rounded, statement.value.span, message)
-                .help(format!("`grid({dimx}, {dimy})` says the same exactly")),
+        let diagnostic = Diagnostic::new(Code::CameraSeesTooLittle, laid.value().span(), message);
+        context.remark(
+            diagnostic
+                .also(seen.value().span(), "the camera")
+                .help("raise the camera, or widen its field of view"),
         );
     }
-    Some(cloth)
+}
+
+/// Reads how the cloth is carried and let go.
+pub(crate) fn picker(
+    statement: Statement<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<Picker, Reported> {
+    let name = name_of(statement.value(), "picker", Picker::WORDS, context)?;
+    Ok(Picker::from_word(name).unwrap_or_default())
 }

@@ -1,235 +1,199 @@
-//! Conditions: comparisons, `P within N of MASK`, `last`, joined by `and`, `or`, `not`.
+//! Conditions: comparisons, `POINT within N of MASK`, `last`, joined by `and`, `or`, `not`.
 
-use super::Context;
-use super::measures::keypoint;
-use super::points::point;
-use super::quantity::{Measure, Wanted, read};
-use super::values::{Frame, FramedLength, Operand, common_frame, kind_of, lowered, operand};
-use crate::ast::{Expr, ExprKind, Ident};
-use crate::diag::{Code, Diagnostic, among, nearest};
+use super::context::Context;
+use super::expressions::{
+    FramedLength, Operand, Scope, common_frame, keypoint, kind_of, operand, point,
+};
+use super::quantity::{out_of_range, read};
+use crate::diag::{Code, Diagnostic, Reported, among, nearest};
+use crate::lang::conditions::{ANGLE_BETWEEN, MARGIN, SIGNS, Sign, WORDS, sign as meaning};
+use fab_grammar::ast::{Compare, Expr, Name, Within};
 use fab_program::exact::cos_deg;
 use fab_program::{Choices, Comparison, Condition, KeypointShape, Length, Number};
 
-const PIXELS: Wanted = Wanted {
-    measure: Measure::Pixels,
-    range: 0.0..=10_000.0,
-    range_words: "a length from `0px` to `10000px`",
-};
-
-/// What is out of reach: a condition of components, and a value of texts.
-pub(super) const UNREACHABLE: &str = "unreachable";
-
 const FORMS: &str = "write such as `distance(pick, place) > 10px` or `pick within 8px of cloth`";
 
-/// Builds a condition; None, with a report, where it is wrong.
-pub(crate) fn check(expr: &Expr, context: &mut Context<'_>) -> Option<Condition> {
-    match &expr.kind {
-        ExprKind::All(parts) => Some(Condition::All {
-            of: all(parts, context)?,
+/// Builds a condition.
+pub(crate) fn check<'a>(
+    expr: Expr<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Condition, Reported> {
+    match expr {
+        Expr::All(all) => Ok(Condition::All {
+            of: parts(all.parts(), context)?,
         }),
-        ExprKind::Any(parts) => Some(Condition::Any {
-            of: all(parts, context)?,
+        Expr::Any(any) => Ok(Condition::Any {
+            of: parts(any.parts(), context)?,
         }),
-        ExprKind::Not(part) => Some(Condition::Not {
-            of: Box::new(check(part, context)?),
+        Expr::Not(not) => Ok(Condition::Not {
+            of: Box::new(check(not.condition(), context)?),
         }),
-        ExprKind::Compare { left, sign, right } => compare(expr, left, sign, right, context),
-        ExprKind::Within {
-            point: at,
-            margin,
-            mask,
-        } => {
-            let margin_px = margin
-                .as_ref()
-                .map_or(Some(0.0), |margin| read(margin, &PIXELS, context));
-            let point = point(at, context);
-            let shapes = [KeypointShape::Mask, KeypointShape::Box];
-            let region = keypoint(mask, &shapes, "a mask or a box", context);
-            Some(Condition::Within {
-                point: point?,
-                region: region?,
-                margin_px: margin_px?,
-            })
-        }
-        ExprKind::Name(name) if name == "last" && context.names.get(name).is_none() => {
-            Some(Condition::Last)
-        }
-        ExprKind::Name(name) if name == UNREACHABLE && context.names.get(name).is_none() => {
-            Some(Condition::Unreachable)
-        }
-        _ => {
-            let found = context.written(expr.span);
-            let message = format!("expected a condition, found `{found}`");
-            let diagnostic = Diagnostic::new(Code::WrongExpression, expr.span, message);
-            let is_truth = matches!(found.to_lowercase().as_str(), "true" | "false" | "none");
-            context.push(if is_truth {
-                diagnostic.help("a condition says what it depends on; remove what always holds")
-            } else {
-                diagnostic.help(FORMS)
-            });
-            None
-        }
+        Expr::Compare(compare) => self::compare(compare, context),
+        Expr::Within(within) => self::within(within, context),
+        _ => word(expr, context).ok_or_else(|| {
+            let diagnostic = context.unexpected(Code::WrongExpression, expr, "a condition");
+            let found = context.written(expr.span()).to_lowercase();
+            context.error(diagnostic.help(match found.as_str() {
+                "true" | "false" | "none" => {
+                    "a condition says what it depends on; remove what always holds"
+                }
+                _ => FORMS,
+            }))
+        }),
     }
 }
 
-/// Checks every part before giving up, so that each is reported.
-fn all(parts: &[Expr], context: &mut Context<'_>) -> Option<Vec<Condition>> {
-    let checked: Vec<Option<Condition>> = parts.iter().map(|part| check(part, context)).collect();
-    checked.into_iter().collect()
+/// Builds every part, so that each that is wrong is reported.
+fn parts<'a>(
+    parts: impl Iterator<Item = Expr<'a>>,
+    context: &mut Context<'a, '_>,
+) -> Result<Vec<Condition>, Reported> {
+    let parts: Vec<Result<Condition, Reported>> = parts.map(|part| check(part, context)).collect();
+    parts.into_iter().collect()
 }
 
-fn compare(
-    whole: &Expr,
-    left_expr: &Expr,
-    sign: &Ident,
-    right_expr: &Expr,
-    context: &mut Context<'_>,
-) -> Option<Condition> {
-    let left = operand(left_expr, context);
-    if let (Some(Operand::WordField(field)), ExprKind::Name(word)) = (&left, &right_expr.kind)
-        && context.names.get(word).is_none()
-    {
-        let message = format!("`{field}` is compared with `{word}`, which is no text in quotes");
-        context.push(
-            Diagnostic::new(Code::WrongExpression, right_expr.span, message)
-                .help(format!("write `\"{word}\"`"))
-                .edit(right_expr.span, format!("\"{word}\"")),
-        );
+fn within<'a>(within: Within<'a>, context: &mut Context<'a, '_>) -> Result<Condition, Reported> {
+    let margin_px = within
+        .margin()
+        .map_or(Ok(0.0), |margin| read(margin, &MARGIN, context));
+    let point = point(within.point(), context);
+    let shapes = [KeypointShape::Mask, KeypointShape::Box];
+    let region = keypoint(within.region(), &shapes, Scope::Everywhere, context);
+    Ok(Condition::Within {
+        point: point?,
+        region: region?,
+        margin_px: margin_px?,
+    })
+}
+
+/// Returns the condition that a word is by itself; nothing where it is none, or the task gives it another meaning.
+fn word(expr: Expr<'_>, context: &Context<'_, '_>) -> Option<Condition> {
+    let Expr::Name(name) = expr else {
         return None;
+    };
+    let row = WORDS.iter().find(|row| row.name == name.text());
+    let row = row.filter(|row| context.names.get(row.name).is_none())?;
+    row.condition.map(|make| make())
+}
+
+// ---- comparisons ---------------------------------------------------------------------------------
+
+fn compare<'a>(compare: Compare<'a>, context: &mut Context<'a, '_>) -> Result<Condition, Reported> {
+    let sign = compare.sign();
+    let left = operand(compare.left(), context);
+    if let (Ok(Operand::WordField(field)), Expr::Name(word)) = (&left, compare.right())
+        && context.names.get(word.text()).is_none()
+    {
+        let (span, word) = (word.span(), word.text());
+        let message = format!("`{field}` is compared with `{word}`, which is no text in quotes");
+        let diagnostic = Diagnostic::new(Code::WrongExpression, span, message);
+        let quoted = format!("\"{word}\"");
+        return Err(context.error(
+            diagnostic
+                .help(format!("write `{quoted}`"))
+                .edit(span, quoted),
+        ));
     }
-    let right = operand(right_expr, context);
-    let (left, right) = (left?, right?);
-    match (left, right) {
-        (Operand::Length(left), Operand::Length(right)) => {
-            let is = comparison(sign, "lengths", context);
-            lengths(whole, (left_expr, &left), (right_expr, &right), is, context)
-        }
+    let right = operand(compare.right(), context);
+    let left = Side {
+        expr: compare.left(),
+        value: left?,
+    };
+    let right = Side {
+        expr: compare.right(),
+        value: right?,
+    };
+    if let (Operand::Length(a), Operand::Length(b)) = (&left.value, &right.value) {
+        return lengths(compare, [a, b], context);
+    }
+    if let Some(compared) = fixed(&left, &right, sign, |is| is, context) {
+        return compared;
+    }
+    if let Some(compared) = fixed(&right, &left, sign, Comparison::reversed, context) {
+        return compared;
+    }
+    let diagnostic = unlike(compare, &left, &right, context);
+    Err(context.error(diagnostic))
+}
+
+/// One side of a comparison.
+struct Side<'a> {
+    expr: Expr<'a>,
+    value: Operand,
+}
+
+/// Compares a value with a fixed one; nothing where they are no such two.
+///
+/// - `turned`: what a sign says of the value where the fixed one may stand on the left.
+fn fixed<'a>(
+    value: &Side<'a>,
+    limit: &Side<'a>,
+    sign: Name<'a>,
+    turned: fn(Comparison) -> Comparison,
+    context: &mut Context<'a, '_>,
+) -> Option<Result<Condition, Reported>> {
+    Some(match (value.value.clone(), &limit.value) {
         (Operand::Between { a, b, .. }, Operand::Angle { deg, .. }) => {
-            let is = comparison(sign, "angles", context)?;
-            angle(right_expr, deg, context)?;
-            Some(Condition::Angle {
+            let (limit_deg, limit_cos) = (*deg, cos_deg(*deg));
+            let is = order(sign, "angles", context);
+            let accepted = ANGLE_BETWEEN
+                .contains(deg.to_radians())
+                .then_some(())
+                .ok_or_else(|| {
+                    let help = format!("accepted is {}", ANGLE_BETWEEN.words());
+                    out_of_range(limit.expr, &help, context)
+                });
+            accepted.and(is).map(|is| Condition::Angle {
                 a,
                 b,
-                is,
-                limit_deg: deg,
-                limit_cos: cos_deg(deg),
-            })
-        }
-        (Operand::Angle { deg, .. }, Operand::Between { a, b, .. }) => {
-            let is = comparison(sign, "angles", context)?.reversed();
-            angle(left_expr, deg, context)?;
-            Some(Condition::Angle {
-                a,
-                b,
-                is,
-                limit_deg: deg,
-                limit_cos: cos_deg(deg),
+                is: turned(is),
+                limit_deg,
+                limit_cos,
             })
         }
         (Operand::Counted { number, .. }, Operand::Number(limit)) => {
-            counted(number, sign, limit, std::convert::identity, context)
-        }
-        (Operand::Number(limit), Operand::Counted { number, .. }) => {
-            counted(number, sign, limit, Comparison::reversed, context)
+            counted(number, sign, *limit, turned, context)
         }
         (Operand::WordField(field), Operand::Word(word)) => {
-            words(field, word, sign, right_expr, context)
+            words(field, word, limit.expr, sign, context)
         }
-        (Operand::Word(word), Operand::WordField(field)) => {
-            words(field, word, sign, left_expr, context)
-        }
-        (left, right) => {
-            unlike(whole, (left_expr, &left), (right_expr, &right), context);
-            None
-        }
-    }
+        _ => return None,
+    })
 }
 
-/// Reports two values that cannot be compared.
-fn unlike(
-    whole: &Expr,
-    (left_expr, left): (&Expr, &Operand),
-    (right_expr, right): (&Expr, &Operand),
-    context: &mut Context<'_>,
-) {
-    let (left_kind, right_kind) = (kind_of(left), kind_of(right));
-    let written = |expr: &Expr| context.written(expr.span);
-    let (left_words, right_words) = (written(left_expr), written(right_expr));
-    let are_places = matches!(left, Operand::Point(_) | Operand::Heading);
-    let (code, span, message) = if left_kind == right_kind && are_places {
-        let message =
-            format!("`{left_words}` and `{right_words}` have no order: each is {left_kind}");
-        (Code::WrongExpression, whole.span, message)
-    } else if left_kind == right_kind {
-        let message = format!("`{left_words}` and `{right_words}` are both constants");
-        (Code::WrongExpression, whole.span, message)
-    } else if let Operand::Number(_) = right {
-        let message = format!("`{right_words}` has no unit");
-        (Code::MissingUnit, right_expr.span, message)
-    } else if let Operand::Number(_) = left {
-        let message = format!("`{left_words}` has no unit");
-        (Code::MissingUnit, left_expr.span, message)
-    } else {
-        let message = format!("{left_kind} is compared with {right_kind}");
-        (Code::WrongQuantity, right_expr.span, message)
-    };
-    let diagnostic = Diagnostic::new(code, span, message);
-    context.push(match (left, right) {
-        _ if left_kind == right_kind => diagnostic.help(FORMS),
-        (Operand::Heading, _) | (_, Operand::Heading) => {
-            diagnostic.help("write `angle_between(direction, from center to pick) < 45deg`")
-        }
-        _ => diagnostic
-            .label(format!("expected {left_kind}"))
-            .also(left_expr.span, format!("this is {left_kind}")),
-    });
-}
-
-fn lengths(
-    whole: &Expr,
-    (left_expr, left): (&Expr, &FramedLength),
-    (right_expr, right): (&Expr, &FramedLength),
-    is: Option<Comparison>,
-    context: &mut Context<'_>,
-) -> Option<Condition> {
+fn lengths<'a>(
+    compare: Compare<'a>,
+    [left, right]: [&FramedLength; 2],
+    context: &mut Context<'a, '_>,
+) -> Result<Condition, Reported> {
+    let is = order(compare.sign(), "lengths", context);
     if left.frame != right.frame {
-        let (left_words, right_words) = (
-            context.written(left_expr.span),
-            context.written(right_expr.span),
-        );
-        let to = |length: &FramedLength| match length.frame {
-            Frame::Picture => "px".to_owned(),
-            Frame::Table if length.unit == "edge" => "edge".to_owned(),
-            Frame::Table => "mm".to_owned(),
-        };
+        let [left_words, right_words] =
+            [compare.left(), compare.right()].map(|side| context.written(side.span()));
+        let noun = |length: &FramedLength| kind_of(&Operand::Length(length.clone()));
         let message = "a length in the picture is compared with a length on the table";
-        context.push(
-            Diagnostic::new(Code::MixedFrames, right_expr.span, message)
-                .label(kind_of(&Operand::Length(right.clone())))
-                .also(left_expr.span, kind_of(&Operand::Length(left.clone())))
-                .help(format!(
-                    "write `{right_words} in {}`, or `{left_words} in {}`",
-                    to(left),
-                    to(right)
-                )),
-        );
-        return None;
+        let diagnostic = Diagnostic::new(Code::MixedFrames, compare.right().span(), message)
+            .label(noun(right))
+            .also(compare.left().span(), noun(left))
+            .help(format!(
+                "write `{right_words} in {}`, or `{left_words} in {}`",
+                left.unit, right.unit
+            ));
+        return Err(context.error(diagnostic));
     }
     let frame = common_frame(&left.native, &right.native);
-    let lowered_left = lowered(&left.native, frame, context);
-    let lowered_right = lowered(&right.native, frame, context);
-    let (left, right) = (lowered_left?, lowered_right?);
+    let (left, right) = (
+        left.native.in_frame(frame, context)?,
+        right.native.in_frame(frame, context)?,
+    );
     if let (Length::Constant { .. }, Length::Constant { .. }) = (&left, &right) {
-        let found = context.written(whole.span);
-        let message = format!("`{found}` compares two constants");
-        context.push(
-            Diagnostic::new(Code::WrongExpression, whole.span, message).help(
-                "one side depends on the action or the scene, such as `distance(pick, place)`",
-            ),
-        );
-        return None;
+        let span = compare.span();
+        let message = format!("`{}` compares two constants", context.written(span));
+        let diagnostic = Diagnostic::new(Code::WrongExpression, span, message);
+        let help = "one side depends on the action or the scene, such as `distance(pick, place)`";
+        return Err(context.error(diagnostic.help(help)));
     }
-    Some(Condition::Lengths {
+    Ok(Condition::Lengths {
         left,
         is: is?,
         right,
@@ -239,105 +203,139 @@ fn lengths(
 /// Compares a number; whole ones can be equal.
 fn counted(
     number: Number,
-    sign: &Ident,
+    sign: Name<'_>,
     limit: f64,
     turned: fn(Comparison) -> Comparison,
-    context: &mut Context<'_>,
-) -> Option<Condition> {
+    context: &mut Context<'_, '_>,
+) -> Result<Condition, Reported> {
+    let is_whole = !matches!(number, Number::Coverage { .. });
     let compared = |is| Condition::Number {
         left: number.clone(),
         is,
         limit,
     };
-    let is_whole = !matches!(number, Number::Coverage { .. });
-    let equal = || Condition::All {
-        of: vec![compared(Comparison::AtLeast), compared(Comparison::AtMost)],
+    let same = || Condition::All {
+        of: [Comparison::AtLeast, Comparison::AtMost]
+            .map(compared)
+            .into(),
     };
-    match sign.text.as_str() {
-        "==" if is_whole => Some(equal()),
-        "!=" if is_whole => Some(Condition::Not {
-            of: Box::new(equal()),
+    match meaning(sign.text()) {
+        Some(Sign::Same) if is_whole => Ok(same()),
+        Some(Sign::Different) if is_whole => Ok(Condition::Not {
+            of: Box::new(same()),
         }),
-        _ => Some(compared(turned(comparison(sign, "numbers", context)?))),
+        _ => Ok(compared(turned(order(sign, "numbers", context)?))),
     }
-}
-
-fn angle(expr: &Expr, deg: f64, context: &mut Context<'_>) -> Option<()> {
-    if (0.0..=180.0).contains(&deg) {
-        return Some(());
-    }
-    let written = context.written(expr.span);
-    context.push(
-        Diagnostic::new(
-            Code::OutOfRange,
-            expr.span,
-            format!("`{written}` is out of range"),
-        )
-        .help("the angle between two directions is from `0deg` to `180deg`"),
-    );
-    None
 }
 
 fn words(
     field: String,
-    word: String,
-    sign: &Ident,
-    written: &Expr,
-    context: &mut Context<'_>,
-) -> Option<Condition> {
-    let choices = context.actions.iter().find(|known| known.name == field);
-    if let Some(Choices::Words { choices }) = choices.map(|field| &field.choices)
-        && !choices.contains(&word)
-    {
+    word: &str,
+    written: Expr<'_>,
+    sign: Name<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<Condition, Reported> {
+    let choices = match context.actions.get(&field)?.map(|field| &field.choices) {
+        Some(Choices::Words { choices }) => choices.as_slice(),
+        _ => &[],
+    };
+    if !choices.iter().any(|known| known == word) {
         let message = format!("`{field}` is never `{word}`");
-        let names: Vec<&str> = choices.iter().map(String::as_str).collect();
-        let diagnostic = Diagnostic::new(Code::UnknownName, written.span, message);
-        let diagnostic = match nearest(&word, names.iter().copied()) {
-            Some(meant) => diagnostic.meant(written.span, &format!("\"{meant}\"")),
-            None => diagnostic.help(format!("it is {}", among(names))),
+        let diagnostic = Diagnostic::new(Code::UnknownName, written.span(), message);
+        let names = || choices.iter().map(String::as_str);
+        let diagnostic = match nearest(word, names()) {
+            Some(meant) => diagnostic.meant(written.span(), &format!("\"{meant}\"")),
+            None => diagnostic.help(format!("it is {}", among(names()))),
         };
-        context.push(diagnostic);
-        return None;
+        return Err(context.error(diagnostic));
     }
-    let holds = Condition::Word { field, is: word };
-    match sign.text.as_str() {
-        "==" => Some(holds),
-        "!=" => Some(Condition::Not {
+    let holds = Condition::Word {
+        field,
+        is: word.to_owned(),
+    };
+    match meaning(sign.text()) {
+        Some(Sign::Same) => Ok(holds),
+        Some(Sign::Different) => Ok(Condition::Not {
             of: Box::new(holds),
         }),
         _ => {
-            let message = format!("words are not compared by `{}`", sign.text);
-            context.push(
-                Diagnostic::new(Code::WrongExpression, sign.span, message)
-                    .help("write `==` or `!=`"),
-            );
-            None
+            let message = format!("words are not compared by `{}`", sign.text());
+            let diagnostic = Diagnostic::new(Code::WrongExpression, sign.span(), message);
+            Err(context.error(diagnostic.help("write `==` or `!=`")))
         }
     }
 }
 
-fn comparison(sign: &Ident, what: &str, context: &mut Context<'_>) -> Option<Comparison> {
-    let (right, help) = match sign.text.as_str() {
-        "<" => return Some(Comparison::Less),
-        "<=" => return Some(Comparison::AtMost),
-        ">" => return Some(Comparison::Greater),
-        ">=" => return Some(Comparison::AtLeast),
-        "≤" => (Some("<="), "write `<=`"),
-        "≥" => (Some(">="), "write `>=`"),
-        _ => (
-            None,
-            "measured values are hardly ever equal; write `<`, `<=`, `>` or `>=`",
-        ),
-    };
-    let mut diagnostic = Diagnostic::new(
-        Code::WrongExpression,
-        sign.span,
-        format!("{what} are not compared by `{}`", sign.text),
-    )
-    .help(help);
-    if let Some(right) = right {
-        diagnostic = diagnostic.edit(sign.span, right);
+/// Returns which of two values is the larger.
+fn order(
+    sign: Name<'_>,
+    what: &str,
+    context: &mut Context<'_, '_>,
+) -> Result<Comparison, Reported> {
+    if let Some(Sign::Order(is)) = meaning(sign.text()) {
+        return Ok(is);
     }
-    context.push(diagnostic);
-    None
+    let message = format!("{what} are not compared by `{}`", sign.text());
+    let diagnostic = Diagnostic::new(Code::WrongExpression, sign.span(), message);
+    let meant = SIGNS
+        .iter()
+        .find(|row| row.misspelling == Some(sign.text()));
+    Err(context.error(match meant {
+        Some(row) => diagnostic
+            .help(format!("write `{}`", row.name))
+            .edit(sign.span(), row.name),
+        None => {
+            let orders = SIGNS
+                .iter()
+                .filter(|row| matches!(row.means, Sign::Order(_)));
+            let orders = among(orders.map(|row| row.name));
+            diagnostic.help(format!(
+                "measured values are hardly ever equal; write {orders}"
+            ))
+        }
+    }))
+}
+
+/// Says why two values cannot be compared.
+fn unlike(
+    compare: Compare<'_>,
+    left: &Side<'_>,
+    right: &Side<'_>,
+    context: &Context<'_, '_>,
+) -> Diagnostic {
+    let [left_kind, right_kind] = [left, right].map(|side| kind_of(&side.value));
+    let [left_words, right_words] = [left, right].map(|side| context.written(side.expr.span()));
+    let new = |code, span, message: String| Diagnostic::new(code, span, message);
+    if left_kind == right_kind {
+        let message = match left.value {
+            Operand::Point(_) | Operand::Heading => {
+                format!("`{left_words}` and `{right_words}` have no order: each is {left_kind}")
+            }
+            _ => format!("`{left_words}` and `{right_words}` are both constants"),
+        };
+        return new(Code::WrongExpression, compare.span(), message).help(FORMS);
+    }
+    let bare = |side: &Side<'_>, words: &str| {
+        new(
+            Code::MissingUnit,
+            side.expr.span(),
+            format!("`{words}` has no unit"),
+        )
+    };
+    let diagnostic = match (&left.value, &right.value) {
+        (_, Operand::Number(_)) => bare(right, &right_words),
+        (Operand::Number(_), _) => bare(left, &left_words),
+        _ => {
+            let message = format!("{left_kind} is compared with {right_kind}");
+            new(Code::WrongQuantity, right.expr.span(), message)
+        }
+    };
+    match (&left.value, &right.value) {
+        (Operand::Heading, _) | (_, Operand::Heading) => {
+            diagnostic.help("write `angle_between(direction, from center to pick) < 45deg`")
+        }
+        _ => diagnostic
+            .label(format!("expected {left_kind}"))
+            .also(left.expr.span(), format!("this is {left_kind}")),
+    }
 }

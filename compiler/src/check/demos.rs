@@ -1,43 +1,47 @@
 //! `demos plan from "double_straight.demos.json"`.
 
-use super::{Context, files};
-use crate::ast;
-use crate::diag::{Code, Diagnostic};
+use super::context::{Context, Declared};
+use super::files;
+use crate::diag::{Code, Diagnostic, Reported};
 use crate::merge::Merged;
+use fab_grammar::ast;
 use fab_program::{Demos, Read, Stage};
 
-/// Reads which stage is told which demonstrations; `stages` are the task's, checked.
-pub(crate) fn check(
-    part: &ast::Demos,
-    merged: &Merged<'_>,
-    stages: &[Stage],
-    context: &mut Context<'_>,
-) -> Option<Demos> {
-    let file = files::named(&part.file, "demonstrations", context);
-    let declared = || merged.stages.iter().map(|stage| stage.name.text.as_str());
-    if !declared().any(|name| name == part.stage.text) {
-        // A base may leave the stages to the tasks that extend it.
-        if declared().next().is_some() {
-            let known: Vec<&str> = declared().collect();
-            context.unknown("stage", &part.stage, known);
+/// Reads which stage is told which demonstrations; nothing in a base that leaves the stages to others.
+///
+/// - `stages`: the task's, in the order of its declarations.
+pub(crate) fn check<'a>(
+    part: ast::Demos<'a>,
+    merged: &Merged<'a>,
+    stages: &[Result<Stage, Reported>],
+    context: &mut Context<'a, '_>,
+) -> Declared<Demos> {
+    let file = files::named(part.file(), "demonstrations", context);
+    let declared = || merged.stages.iter().map(|stage| stage.name().text());
+    let Some(number) = declared().position(|name| name == part.stage().text()) else {
+        if merged.stages.is_empty() {
+            return file.map(|_| None);
         }
-        return None;
-    }
-    let stage = stages.iter().find(|stage| stage.name == part.stage.text)?;
+        return Err(context.unknown("stage", part.stage(), declared().collect::<Vec<_>>()));
+    };
+    let stage = match &stages[number] {
+        Ok(stage) => stage,
+        Err(reported) => return Err(*reported),
+    };
     if stage.read != Read::Action || !stage.show.is_empty() {
-        let message = if stage.show.is_empty() {
-            format!("the stage `{}` reads no action", stage.name)
-        } else {
-            format!("the stage `{}` shows pictures", stage.name)
+        let lacks = match stage.show.is_empty() {
+            true => "reads no action",
+            false => "shows pictures",
         };
-        context.push(
-            Diagnostic::new(Code::WrongForm, part.stage.span, message)
+        let message = format!("the stage `{}` {lacks}", stage.name);
+        let diagnostic = Diagnostic::new(Code::WrongForm, part.stage().span(), message);
+        return Err(context.error(
+            diagnostic
                 .help("demonstrations are told to a stage of words alone that reads the action"),
-        );
-        return None;
+        ));
     }
-    Some(Demos {
+    Ok(Some(Demos {
         stage: stage.name.clone(),
         file: file?,
-    })
+    }))
 }

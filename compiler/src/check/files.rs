@@ -1,37 +1,30 @@
 //! Files that a task names: pictures and particle positions.
 
-use super::Context;
-use crate::ast::Text;
-use crate::diag::{Code, Diagnostic};
+use super::context::Context;
+use crate::diag::{Code, Diagnostic, Reported};
 use crate::path;
+use fab_grammar::ast::Text;
 use fab_program::FileRef;
 
-/// Returns the file that a text names; None, with a report, where it names none below the entry's folder.
-pub(crate) fn named(text: &Text, what: &str, context: &mut Context<'_>) -> Option<FileRef> {
+/// Returns the file that a text names, below the entry's folder.
+pub(crate) fn named(
+    text: Text<'_>,
+    what: &str,
+    context: &mut Context<'_, '_>,
+) -> Result<FileRef, Reported> {
+    let bad = |message: String| Diagnostic::new(Code::BadPath, text.span(), message);
     let Some(written) = text.plain() else {
-        let message = format!("the path of {what} has a placeholder");
-        context
-            .push(Diagnostic::new(Code::BadPath, text.span, message).help("write the path itself"));
-        return None;
-    };
-    let bad = |fault: &str| {
-        Diagnostic::new(
-            Code::BadPath,
-            text.span,
-            format!("the path `{written}` {fault}"),
-        )
+        let diagnostic = bad(format!("the path of {what} has a placeholder"));
+        return Err(context.error(diagnostic.help("write the path itself")));
     };
     if let Some(fault) = path::fault(&written) {
-        context.push(bad(fault));
-        return None;
+        return Err(context.error(bad(format!("the path `{written}` {fault}"))));
     }
-    let Some(path) = path::within(&context.loaded.portable_names[text.span.file.0], &written)
-    else {
-        context.push(
-            bad("leads out of the folder of the first file")
-                .help("move it beside the first file or below"),
-        );
-        return None;
-    };
-    Some(FileRef { path })
+    let here = &context.loaded.texts.portable_names[text.span().file.index()];
+    path::within(here, &written)
+        .map(|path| FileRef { path })
+        .ok_or_else(|| {
+            let message = format!("the path `{written}` leads out of the folder of the first file");
+            context.error(bad(message).help("move it beside the first file or below"))
+        })
 }

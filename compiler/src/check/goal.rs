@@ -1,197 +1,157 @@
-//! `goal particle_distance < 40mm` and `horizon 3`.
+//! `goal particle_distance < 40mm` and `horizon 3`: when a rollout ends.
 
-use super::Context;
-use super::quantity::{Measure, Wanted, read, read_whole};
+use super::context::{Context, Declared};
+use super::quantity::{read, read_whole};
 use super::untouched;
-use crate::ast::{Expr, ExprKind, Ident, Statement};
-use crate::diag::{Code, Diagnostic};
+use crate::diag::{Code, Diagnostic, Reported, among};
+use crate::lang::goal::{METRICS, MetricRow, STEPS};
 use crate::merge::Merged;
-use fab_program::exact;
-use fab_program::{Comparison, Goal, Metric, Sequence, Subgoals};
-
-const LIMIT: Wanted = Wanted {
-    measure: Measure::Length,
-    range: 1e-6..=10.0,
-    range_words: "a distance from `0.001mm` to `10m`",
-};
-
-const STEPS: Wanted = Wanted {
-    measure: Measure::Number,
-    range: 1.0..=100.0,
-    range_words: "a number of steps from `1` to `100`",
-};
-
-const FRACTION: Wanted = Wanted {
-    measure: Measure::Number,
-    range: -1.0..=1.2,
-    range_words: "a fraction up to `1.2`",
-};
-
-const METRICS: [Metric; 3] = [
-    Metric::ParticleDistance,
-    Metric::Coverage,
-    Metric::NormalizedImprovement,
-];
-
-const FORM: &str = "write `goal particle_distance < 40mm`, `goal coverage > 0.9` or `goal normalized_improvement > 0.95`";
+use fab_grammar::ast::{Expr, Name, Statement};
+use fab_program::{Comparison, Goal, Metric, Sequence, Subgoals, exact};
 
 /// Builds the goal.
-pub(crate) fn check(
-    statement: &Statement,
-    merged: &Merged<'_>,
-    experts: &[Sequence],
-    context: &mut Context<'_>,
-) -> Option<Goal> {
-    let ExprKind::Compare { left, sign, right } = &statement.value.kind else {
-        context.push(
-            Diagnostic::new(
-                Code::WrongForm,
-                statement.value.span,
-                "expected a measure and its limit",
-            )
-            .help(FORM),
-        );
-        return None;
+pub(crate) fn check<'a>(
+    statement: Statement<'a>,
+    merged: &Merged<'a>,
+    experts: &Result<Vec<Sequence>, Reported>,
+    context: &mut Context<'a, '_>,
+) -> Result<Goal, Reported> {
+    let form = || format!("write {}", among(METRICS.iter().map(|row| row.example)));
+    let Expr::Compare(compare) = statement.value() else {
+        let message = "expected a measure and its limit";
+        let diagnostic = Diagnostic::new(Code::WrongForm, statement.value().span(), message);
+        return Err(context.error(diagnostic.help(form())));
     };
-    let metric = metric(left, context)?;
-    let is = direction(metric, sign, context)?;
-    let wanted = match metric {
-        Metric::ParticleDistance => &LIMIT,
-        Metric::Coverage | Metric::NormalizedImprovement => &FRACTION,
+    let Expr::Name(name) = compare.left() else {
+        let message = "expected the name of a measure";
+        let diagnostic = Diagnostic::new(Code::WrongForm, compare.left().span(), message);
+        return Err(context.error(diagnostic.help(form())));
     };
+    let Some(row) = METRICS
+        .iter()
+        .find(|row| row.metric.as_str() == name.text())
+    else {
+        return Err(context.unknown(
+            "measure",
+            name,
+            METRICS.iter().map(|row| row.metric.as_str()),
+        ));
+    };
+    let is = comparison(row, compare.sign(), context);
+    let limit = read(compare.right(), &row.limit, context);
     let goal = Goal {
-        metric,
-        is,
-        limit: read(right, wanted, context)?,
+        metric: row.metric,
+        is: is?,
+        limit: limit?,
     };
-    let brings_images = merged
-        .subgoals
-        .is_none_or(|part| !part.images.is_empty() && part.demonstrate.is_empty());
-    if metric == Metric::ParticleDistance
-        && experts.is_empty()
-        && merged.experts.is_none()
-        && brings_images
-        && (merged.subgoals.is_some() || !merged.stages.is_empty() && merged.cloth.is_some())
-    {
-        context.push(
-            Diagnostic::new(
-                Code::NothingToCompare,
-                statement.value.span,
-                "there is no expert's result to compare with",
-            )
-            .help("name `experts`: images do not say how the cloth ends"),
-        );
-    }
-    if let Some(cloth) = &context.cloth
+    let experts = experts.as_deref().map_err(|reported| *reported)?;
+    has_experts(&goal, statement, merged, experts, context)?;
+    if let Ok(Some(cloth)) = &context.cloth
         && let Some(score) = untouched::score(&goal, cloth, experts)
         && goal.is_met(score)
     {
-        let written = match metric {
+        let written = match goal.metric {
             Metric::ParticleDistance => format!("about {}mm", exact::written(score * 1000.0, 0)),
             _ => exact::written(score, 2),
         };
         let message = format!("an untouched cloth meets this goal: it scores {written}");
-        context.push(
-            Diagnostic::new(Code::GoalMetAtStart, statement.value.span, message)
-                .help("demand more, so that a rollout that does nothing fails"),
-        );
+        let diagnostic = Diagnostic::new(Code::GoalMetAtStart, statement.value().span(), message);
+        context.remark(diagnostic.help("demand more, so that a rollout that does nothing fails"));
     }
-    Some(goal)
-}
-
-fn metric(expr: &Expr, context: &mut Context<'_>) -> Option<Metric> {
-    let ExprKind::Name(name) = &expr.kind else {
-        context.push(
-            Diagnostic::new(Code::WrongForm, expr.span, "expected the name of a measure")
-                .help(FORM),
-        );
-        return None;
-    };
-    let found = METRICS.into_iter().find(|metric| metric.as_str() == name);
-    if found.is_none() {
-        let name = Ident {
-            text: name.clone(),
-            span: expr.span,
-        };
-        context.unknown("measure", &name, METRICS.map(Metric::as_str));
-    }
-    found
+    Ok(goal)
 }
 
 /// Returns the comparison, if it is the way in which the measure gets better.
-fn direction(metric: Metric, sign: &Ident, context: &mut Context<'_>) -> Option<Comparison> {
-    let (wanted, words, right) = match metric {
-        Metric::ParticleDistance => (["<", "<="], "below", "<"),
-        Metric::Coverage | Metric::NormalizedImprovement => ([">", ">="], "above", ">"),
-    };
-    if !wanted.contains(&sign.text.as_str()) {
-        let name = metric.as_str();
-        let message = format!(
-            "`{name}` is reached {words} its limit, not by `{}`",
-            sign.text
-        );
-        context.push(
-            Diagnostic::new(Code::WrongForm, sign.span, message)
-                .help(format!("write `{right}`"))
-                .edit(sign.span, right),
-        );
-        return None;
+fn comparison(
+    row: &MetricRow,
+    sign: Name<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<Comparison, Reported> {
+    let mut reached = row.reached.into_iter();
+    if let Some(comparison) = reached.find(|it| it.sign() == sign.text()) {
+        return Ok(comparison);
     }
-    Some(match sign.text.as_str() {
-        "<" => Comparison::Less,
-        "<=" => Comparison::AtMost,
-        ">" => Comparison::Greater,
-        _ => Comparison::AtLeast,
-    })
+    let right = row.reached[0].sign();
+    let side = if right == "<" { "below" } else { "above" };
+    let message = format!(
+        "`{}` is reached {side} its limit, not by `{}`",
+        row.metric.as_str(),
+        sign.text()
+    );
+    let diagnostic = Diagnostic::new(Code::WrongForm, sign.span(), message);
+    Err(context.error(
+        diagnostic
+            .help(format!("write `{right}`"))
+            .edit(sign.span(), right),
+    ))
+}
+
+/// Reports a distance that has nothing to be measured to.
+fn has_experts(
+    goal: &Goal,
+    statement: Statement<'_>,
+    merged: &Merged<'_>,
+    experts: &[Sequence],
+    context: &mut Context<'_, '_>,
+) -> Result<(), Reported> {
+    let are_images = merged.subgoals.is_none_or(|part| {
+        part.images().next().is_some() && part.demonstrations().next().is_none()
+    });
+    let is_meant_to_run = merged.subgoals.is_some()
+        || !merged.stages.is_empty() && merged.statement("cloth").is_some();
+    let has_none = experts.is_empty() && merged.experts.is_none();
+    if goal.metric != Metric::ParticleDistance || !has_none || !are_images || !is_meant_to_run {
+        return Ok(());
+    }
+    let message = "there is no expert's result to compare with";
+    let span = statement.value().span();
+    let diagnostic = Diagnostic::new(Code::NothingToCompare, span, message);
+    Err(context.error(diagnostic.help("name `experts`: images do not say how the cloth ends")))
 }
 
 /// Returns the most steps of a rollout: as stated, else as many as the subgoals show.
-pub(crate) fn horizon(
-    merged: &Merged<'_>,
-    subgoals: Option<&Subgoals>,
-    context: &mut Context<'_>,
-) -> Option<u32> {
-    let shown = subgoals.map(|subgoals| subgoals.steps() as u32);
-    let Some(statement) = merged.horizon else {
-        let is_runnable = merged.cloth.is_some() && !merged.stages.is_empty();
-        if merged.subgoals.is_none() && is_runnable && !merged.has_faults && !merged.is_broken {
-            let name = &merged.task.name;
-            let message = format!("`{}` has neither subgoals nor a `horizon`", name.text);
-            context.push(
-                Diagnostic::new(Code::NoHorizon, name.span, message)
-                    .help("write `horizon 10` for at most ten actions, or show `subgoals`"),
-            );
+pub(crate) fn horizon<'a>(
+    merged: &Merged<'a>,
+    subgoals: &Declared<Subgoals>,
+    context: &mut Context<'a, '_>,
+) -> Declared<u32> {
+    let shown = subgoals
+        .as_ref()
+        .map(|it| it.as_ref().map(|it| it.steps() as u32));
+    let Some(statement) = merged.statement("horizon") else {
+        let is_meant_to_run = merged.statement("cloth").is_some() && !merged.stages.is_empty();
+        if merged.subgoals.is_none() && is_meant_to_run && merged.missing_base.is_none() {
+            let name = merged.task.name();
+            let message = format!("`{}` has neither subgoals nor a `horizon`", name.text());
+            let diagnostic = Diagnostic::new(Code::NoHorizon, name.span(), message)
+                .help("write `horizon 10` for at most ten actions, or show `subgoals`");
+            return Err(context.missing(merged.is_damaged, name.span().file, diagnostic));
         }
-        return shown;
+        return shown.map_err(|reported| *reported);
     };
-    let stated = read_whole(&statement.value, &STEPS, context)?;
-    let Some(shown) = shown else {
-        return Some(stated);
+    let stated = read_whole(statement.value(), &STEPS, context)? as u32;
+    let Ok(Some(shown)) = shown else {
+        return Ok(Some(stated));
     };
-    let steps = |count: u32| {
-        if count == 1 {
-            "1 step".to_owned()
-        } else {
-            format!("{count} steps")
-        }
+    let steps = |count: u32| match count {
+        1 => "1 step".to_owned(),
+        _ => format!("{count} steps"),
     };
     let message = format!(
         "the horizon is {}, the subgoals show {}",
         steps(stated),
         steps(shown)
     );
-    let place = merged.subgoals.map_or(statement.span, |part| part.span);
+    let place = merged
+        .subgoals
+        .map_or(statement.span(), |part| part.head_span());
+    let new = |code| Diagnostic::new(code, statement.span(), message).also(place, "the subgoals");
     if stated > shown {
-        context.push(
-            Diagnostic::new(Code::HorizonTooLong, statement.span, message)
-                .also(place, "the subgoals")
-                .help(format!("write `horizon {shown}`, or show more")),
-        );
-    } else if stated < shown {
-        context.push(
-            Diagnostic::new(Code::HorizonTooShort, statement.span, message)
-                .also(place, "the subgoals"),
-        );
+        let help = format!("write `horizon {shown}`, or show more");
+        return Err(context.error(new(Code::HorizonTooLong).help(help)));
     }
-    Some(stated)
+    if stated < shown {
+        context.remark(new(Code::HorizonTooShort));
+    }
+    Ok(Some(stated))
 }

@@ -2,134 +2,39 @@
 //!
 //! In: every file as written. Out: programs of the entry file's runnable tasks, and diagnostics. Every task
 //! of every file is checked, bases too; only [`check`] makes a [`Program`], so that one is right by
-//! construction. One file per section; each gives its part of the program or nothing.
+//! construction. One file per section; each gives its part of the program, or the proof that an error was reported.
 
 mod actions;
+mod annotate;
 mod arguments;
-mod camera;
 mod cloth;
 mod conditions;
-mod constants;
+mod context;
 mod demos;
 mod examples;
-mod extractors;
+mod expressions;
 mod files;
 mod folds;
 mod goal;
 mod keypoints;
-mod layers;
-mod masks;
-mod measures;
-mod model;
 mod names;
-mod picker;
-mod pictures;
-mod points;
+mod placeholders;
 mod quantity;
-mod reads;
-mod said;
-mod shown;
-mod stages;
-mod subgoals;
+mod stage;
 mod task;
-mod templates;
-mod trials;
+mod test;
 mod untouched;
 mod uses;
-mod values;
-mod verification;
+mod variables;
+mod verify;
 
-use crate::ast::{self, Ident};
-use crate::diag::{Code, Diagnostic, Report, among, nearest};
+use crate::diag::{Code, Diagnostic, Report, Reported};
 use crate::load::Loaded;
 use crate::merge;
-use crate::source::Span;
-use fab_program::{ActionField, Camera, Cloth, Layer, Program, Test};
-use names::Names;
-use std::collections::{BTreeMap, BTreeSet};
-use templates::Variables;
-
-/// What the checks of one task share.
-pub(crate) struct Context<'a> {
-    pub loaded: &'a Loaded,
-    pub report: &'a mut Report,
-    pub names: Names<'a>,
-    pub constants: BTreeMap<&'a str, &'a ast::Keypoint>,
-    /// Each known once its section is checked; later sections depend on it.
-    pub cloth: Option<Cloth>,
-    /// The grid that takes the place of every declared one, where there is one.
-    pub grid: Option<[u32; 2]>,
-    pub camera: Option<Camera>,
-    pub actions: Vec<ActionField>,
-    pub layers: Vec<Layer>,
-    /// Every layer that is declared, rightly or not.
-    pub declared_layers: BTreeSet<&'a str>,
-    /// Layers that need the action before.
-    pub last_layers: BTreeSet<String>,
-    /// Layers that the texts of the stage under way name.
-    pub named_layers: Vec<(String, Span)>,
-    pub variables: Variables,
-}
-
-impl<'a> Context<'a> {
-    /// Returns what is known outside of tasks: nothing.
-    fn empty(loaded: &'a Loaded, report: &'a mut Report) -> Context<'a> {
-        Context {
-            loaded,
-            report,
-            names: Names::none(loaded),
-            constants: BTreeMap::new(),
-            cloth: None,
-            grid: None,
-            camera: None,
-            actions: Vec::new(),
-            layers: Vec::new(),
-            declared_layers: BTreeSet::new(),
-            last_layers: BTreeSet::new(),
-            named_layers: Vec::new(),
-            variables: Variables::default(),
-        }
-    }
-}
-
-impl Context<'_> {
-    /// Returns what stands at a place, cut to a length that fits a message.
-    pub fn written(&self, span: Span) -> String {
-        const MOST: usize = 40;
-        let text = self.loaded.sources.text(span);
-        match text.char_indices().nth(MOST) {
-            None => text.to_owned(),
-            Some((end, _)) => format!("{}…", &text[..end]),
-        }
-    }
-
-    pub fn push(&mut self, diagnostic: Diagnostic) {
-        self.report.push(diagnostic);
-    }
-
-    /// Reports a name that nothing of `kind` has, unless it may be declared where something did not fit.
-    pub fn unknown<'c>(
-        &mut self,
-        kind: &str,
-        name: &Ident,
-        candidates: impl IntoIterator<Item = &'c str>,
-    ) {
-        if self.names.may_be_declared(&name.text) {
-            return;
-        }
-        let candidates: Vec<&str> = candidates.into_iter().collect();
-        let diagnostic = Diagnostic::new(
-            Code::UnknownName,
-            name.span,
-            format!("there is no {kind} `{}`", name.text),
-        );
-        self.push(match nearest(&name.text, candidates.iter().copied()) {
-            Some(meant) => diagnostic.meant(name.span, meant),
-            None if candidates.is_empty() => diagnostic,
-            None => diagnostic.help(format!("there is {}", among(candidates))),
-        });
-    }
-}
+use context::Context;
+use fab_grammar::FileId;
+use fab_grammar::ast::Name;
+use fab_program::{Program, Test};
 
 /// What comes of checking.
 #[derive(Default)]
@@ -146,68 +51,59 @@ pub const MAX_INHERITED_BYTES: usize = 64 << 20;
 /// Checks every task of every file; returns the programs of the entry's.
 ///
 /// - `grid`: particles along X and Y of the cloth that takes the place of each task's own, where one does.
-pub(crate) fn check(loaded: &Loaded, grid: Option<[u32; 2]>, report: &mut Report) -> Checked {
+pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Report) -> Checked {
+    let files = || loaded.files.iter();
     merge::unique(
-        loaded
-            .files
-            .iter()
-            .flat_map(|file| &file.tasks)
-            .map(|task| &task.name),
+        files().flat_map(|file| &file.tasks).map(|task| task.name()),
         "task",
         report,
     );
+    let lists = files().flat_map(|file| &file.experts);
     merge::unique(
-        loaded
-            .files
-            .iter()
-            .flat_map(|file| &file.experts)
-            .map(|experts| &experts.name),
+        lists.clone().map(|list| list.name()),
         "list of experts",
         report,
     );
-    let mut context = Context::empty(loaded, report);
-    for experts in loaded.files.iter().flat_map(|file| &file.experts) {
-        folds::experts(experts, &mut context);
+    let mut context = Context::outside(loaded, report);
+    for list in lists {
+        // Broken lists are reported here once; a task that names one is told so where it does.
+        let _: Result<_, _> = folds::experts(*list, &mut context);
     }
-    let faulty_files = report.files_with_errors();
+    // An error outside of tasks counts against every task that sees its file.
+    let form_of = |file: FileId| {
+        let mut seen = loaded.visible_from(file);
+        seen.find_map(|seen| context.report.error_in(seen.id))
+            .map_or(Ok(()), Err)
+    };
+    let forms: Vec<Result<(), Reported>> = files().map(|file| form_of(file.id)).collect();
     let stamps = task::stamps(loaded);
     let mut checked = Checked::default();
     let mut merged_bytes = 0;
-    for file in &loaded.files {
+    for (file, form) in files().zip(forms) {
         let is_entry = file.id == loaded.entry().id;
-        let sees_faults = loaded
-            .visible_from(file.id)
-            .any(|seen| faulty_files.contains(&seen.id));
         for task in &file.tasks {
             // Each task has its own report: what it inherits must count against it, though it is shown once.
             let mut variants = vec![None];
             let mut number = 0;
             while number < variants.len() {
                 let mut own = Report::default();
-                let mut merged = merge::merge(task, variants[number].take(), loaded, &mut own);
-                merged.sees_faults = sees_faults;
-                merged_bytes += merged.bytes
-                    + merged.experts.map_or(0, |experts| {
-                        let name = &experts.name;
-                        let list = loaded.experts(name.span.file, &name.text);
-                        list.map_or(0, |list| loaded.size(&list.name))
-                    });
+                let merged = merge::merge(*task, variants[number].take(), loaded, &mut own);
+                let experts = merged.experts.and_then(|experts| {
+                    loaded.experts(experts.name().span().file, experts.name().text())
+                });
+                merged_bytes += merged.bytes + experts.map_or(0, |list| loaded.size(list.name()));
                 if merged_bytes > MAX_INHERITED_BYTES {
                     report.absorb(own);
-                    report.push(too_large(&task.name));
+                    report.error(too_large(task.name()));
                     return checked;
                 }
                 // Variants of tasks in other files are checked where those are compiled.
                 if number == 0 && is_entry {
                     variants.extend(merged.applicable_variants().map(Some));
                 }
-                let built = task::check(&merged, &stamps, grid, loaded, &mut own);
-                let is_right = own.errors() == 0 && !sees_faults;
+                let built = task::check(&merged, &stamps, grid, form, loaded, &mut own);
                 report.absorb(own);
-                if is_right
-                    && is_entry
-                    && let Some((program, tests)) = built
-                {
+                if let (true, Ok(Some((program, tests)))) = (is_entry, built) {
                     checked.programs.push(program);
                     checked.tests.extend(tests);
                 }
@@ -218,12 +114,12 @@ pub(crate) fn check(loaded: &Loaded, grid: Option<[u32; 2]>, report: &mut Report
     checked
 }
 
-fn too_large(name: &Ident) -> Diagnostic {
+fn too_large(name: Name<'_>) -> Diagnostic {
     let message = format!(
         "with `{}` the tasks come to more than {} MiB, counting what each inherits",
-        name.text,
+        name.text(),
         MAX_INHERITED_BYTES >> 20
     );
-    Diagnostic::new(Code::TasksTooLarge, name.span, message)
+    Diagnostic::new(Code::TasksTooLarge, name.span(), message)
         .help("nothing further is checked; extend smaller tasks, or compile the files one by one")
 }

@@ -2,17 +2,18 @@
 //!
 //! Keypoints, texts that stages read, and action fields share one space: all can be written in a text.
 
-use crate::ast::{ExprKind, Ident};
+use crate::diag::Reported;
 use crate::load::Loaded;
 use crate::merge::Merged;
-use crate::source::FileId;
-use fab_program::KeypointShape;
+use fab_grammar::FileId;
+use fab_grammar::ast::Expr;
+use fab_program::{EXTRACTORS, KeypointShape};
 use std::collections::BTreeMap;
 
 /// What a name stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Meaning {
-    /// A keypoint; no shape where its declaration is wrong.
+    /// A keypoint; no shape where its form does not say one: its declaration is wrong then.
     Keypoint(Option<KeypointShape>),
     /// What the stage of this number reads.
     Text { stage: usize },
@@ -23,19 +24,18 @@ pub(crate) enum Meaning {
 /// Every name of a task.
 pub(crate) struct Names<'a> {
     known: BTreeMap<&'a str, Meaning>,
-    loaded: &'a Loaded,
     seen_from: FileId,
-    is_broken: bool,
+    missing_base: Option<Reported>,
 }
 
 impl<'a> Names<'a> {
     /// Collects the names of a task; the shapes of its keypoints come from the form of their declarations.
-    pub fn of(merged: &Merged<'a>, loaded: &'a Loaded) -> Names<'a> {
+    pub fn of(merged: &Merged<'a>) -> Names<'a> {
         let mut known = BTreeMap::new();
         for (stage, part) in merged.stages.iter().enumerate() {
-            for read in part.read.iter().filter(|read| read.name.text != "action") {
+            for read in part.read().filter(|read| read.name().text() != "action") {
                 known
-                    .entry(read.name.text.as_str())
+                    .entry(read.name().text())
                     .or_insert(Meaning::Text { stage });
             }
         }
@@ -43,30 +43,28 @@ impl<'a> Names<'a> {
         if merged.actions.is_some() {
             known.extend(["pick", "place"].map(|field| (field, Meaning::Field)));
         }
-        for field in merged.actions.iter().flat_map(|part| &part.fields) {
-            known.insert(&field.name.text, Meaning::Field);
+        for field in merged.actions.into_iter().flat_map(|part| part.fields()) {
+            known.insert(field.name().text(), Meaning::Field);
         }
         for keypoint in merged.keypoints.iter() {
             known.insert(
-                &keypoint.name.text,
-                Meaning::Keypoint(shape(&keypoint.value.kind)),
+                keypoint.name().text(),
+                Meaning::Keypoint(shape(keypoint.value())),
             );
         }
         Names {
             known,
-            loaded,
-            seen_from: merged.task.name.span.file,
-            is_broken: merged.is_broken,
+            seen_from: merged.task.name().span().file,
+            missing_base: merged.missing_base,
         }
     }
 
     /// Returns the names outside of tasks: none.
-    pub fn none(loaded: &'a Loaded) -> Names<'a> {
+    pub fn none(seen_from: FileId) -> Names<'a> {
         Names {
             known: BTreeMap::new(),
-            loaded,
-            seen_from: loaded.entry().id,
-            is_broken: false,
+            seen_from,
+            missing_base: None,
         }
     }
 
@@ -74,44 +72,32 @@ impl<'a> Names<'a> {
         self.known.get(name).copied()
     }
 
-    /// Returns the names whose meaning is wanted, in alphabetical order; of very many names, those among the first.
-    pub fn that(&self, wanted: impl Fn(Meaning) -> bool) -> Vec<&'a str> {
+    /// Returns the names with such a meaning, in alphabetical order; of very many names, those among the first.
+    pub fn that(&self, fits: impl Fn(Meaning) -> bool) -> Vec<&'a str> {
         // They are only suggested: a file of unknown names must not be searched once for each.
         const MOST: usize = 1000;
-        self.known
-            .iter()
-            .take(MOST)
-            .filter(|(_, meaning)| wanted(**meaning))
+        let some = self.known.iter().take(MOST);
+        some.filter(|(_, meaning)| fits(**meaning))
             .map(|(name, _)| *name)
             .collect()
     }
 
-    /// Returns whether a name may be declared in a missing task or in something that does not fit.
-    pub fn may_be_declared(&self, name: &str) -> bool {
-        self.is_broken
-            || self
-                .loaded
-                .visible_from(self.seen_from)
-                .any(|file| file.junk_words.contains(name))
+    /// Returns the proof of the error in which an unknown name may be declared: a missing task, or what does not fit.
+    pub fn hidden(&self, name: &str, loaded: &Loaded<'_>) -> Option<Reported> {
+        let in_file = || {
+            let mut files = loaded.visible_from(self.seen_from);
+            let file = files.find(|file| file.unparsed_words.contains(name))?;
+            loaded.fault(file.id)
+        };
+        self.missing_base.or_else(in_file)
     }
 }
 
-fn shape(value: &ExprKind) -> Option<KeypointShape> {
-    let ExprKind::Call {
-        name: Ident { text, .. },
-        ..
-    } = value
-    else {
+fn shape(value: Expr<'_>) -> Option<KeypointShape> {
+    let Expr::Call(call) = value else {
         return None;
     };
-    match text.as_str() {
-        "mask" | "closed" | "largest" => Some(KeypointShape::Mask),
-        "bounding_box" => Some(KeypointShape::Box),
-        "contour" => Some(KeypointShape::Outline),
-        "harris" | "shi_tomasi" | "edge_middles" | "along" | "toward" | "points" => {
-            Some(KeypointShape::Points)
-        }
-        "centroid" | "center" => Some(KeypointShape::Point),
-        _ => None,
-    }
+    let mut rows = EXTRACTORS.iter();
+    let row = rows.find(|row| row.call.signature.name == call.name().text());
+    row.map(|row| row.gives)
 }

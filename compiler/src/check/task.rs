@@ -1,195 +1,207 @@
 //! Checks one task, section by section, and puts its program together.
+//!
+//! Every part of the program under construction is there, absent, or marked with the proof of its error; only where no
+//! part is broken is there a [`Program`], so that nothing can go missing from one.
 
+use super::context::{Context, Declared};
 use super::names::Names;
-use super::{
-    Context, actions, camera, cloth, constants, demos, folds, goal, keypoints, layers, picker,
-    stages, subgoals, trials, verification,
-};
-use crate::diag::{Code, Diagnostic, Report, among};
+use super::{actions, annotate, cloth, demos, folds, goal, keypoints, stage, test, verify};
+use crate::diag::{Code, Diagnostic, Report, Reported, among};
+use crate::lang::sections::{Needed, SECTIONS};
 use crate::load::Loaded;
 use crate::merge::Merged;
 use crate::proof;
 use fab_program::{PROGRAM_FORMAT, Picker, Program, SourceStamp, Test, hex};
 use sha2::{Digest, Sha256};
 
-/// Checks one task or variant; what is returned counts only where nothing was reported.
-pub(super) fn check(
-    merged: &Merged<'_>,
+/// What a task comes to: nothing for one that only others build on.
+pub(super) type Built = Declared<(Program, Vec<Test>)>;
+
+/// Checks one task or variant.
+///
+/// - `form`: the proof that a file that it sees does not parse, so that later errors may be noise.
+pub(super) fn check<'a>(
+    merged: &Merged<'a>,
     stamps: &[SourceStamp],
     grid: Option<[u32; 2]>,
-    loaded: &Loaded,
+    form: Result<(), Reported>,
+    loaded: &Loaded<'a>,
     report: &mut Report,
-) -> Option<(Program, Vec<Test>)> {
-    let mut context = Context::empty(loaded, report);
+) -> Built {
+    let mut context = Context::outside(loaded, report);
+    let context = &mut context;
     context.grid = grid;
-    context.names = Names::of(merged, loaded);
-    context.constants = merged
-        .constants
-        .iter()
-        .map(|constant| (constant.name.text.as_str(), constant))
-        .collect();
-    context.declared_layers = merged
-        .annotate
-        .iter()
-        .flat_map(|part| &part.list)
-        .map(|layer| layer.name.text.as_str())
-        .collect();
-    constants::check(merged, &mut context);
-    context.cloth = merged
-        .cloth
-        .and_then(|statement| cloth::check(statement, &mut context));
-    context.camera = merged
-        .camera
-        .and_then(|statement| camera::check(statement, &mut context));
-    if let (Some(laid), Some(seen)) = (merged.cloth, merged.camera) {
-        camera::compare(laid, seen, &mut context);
+    context.names = Names::of(merged);
+    keypoints::constants(merged, context);
+    let statement = |word| merged.statement(word);
+    context.cloth = cloth::statement(statement("cloth"), |it| cloth::cloth(it, context));
+    context.camera = cloth::statement(statement("camera"), |it| cloth::camera(it, context));
+    if let (Some(laid), Some(seen)) = (statement("cloth"), statement("camera")) {
+        cloth::fits_picture(laid, seen, context);
     }
-    let picker = merged.picker.map_or(Some(Picker::default()), |statement| {
-        picker::check(statement, &mut context)
-    });
-    let keypoints = keypoints::check(merged, &mut context);
+    let picker = cloth::statement(statement("picker"), |it| cloth::picker(it, context));
+    let keypoints = keypoints::check(merged, context);
     if let Some(part) = merged.actions {
-        context.actions = actions::check(part, &mut context);
+        context.actions = actions::check(part, context);
     }
-    context.layers = layers::check(merged, &mut context);
-    let last_layers = context.layers.iter().filter(|layer| layer.uses_last());
-    context.last_layers = last_layers.map(|layer| layer.name.clone()).collect();
+    let layers = annotate::check(merged, context);
+    context.layers = layers
+        .iter()
+        .map(|(name, layer)| (*name, layer.clone()))
+        .collect();
     let subgoals = merged
         .subgoals
-        .and_then(|part| subgoals::check(part, &mut context));
-    let experts = folds::expert_sequences(merged, subgoals.as_ref(), &mut context);
-    let horizon = goal::horizon(merged, subgoals.as_ref(), &mut context);
-    let goal = merged
-        .goal
-        .and_then(|statement| goal::check(statement, merged, &experts, &mut context));
-    let mut prompts = stages::check(merged, &mut context);
+        .map(|part| folds::subgoals(part, context))
+        .transpose();
+    let experts = folds::expert_sequences(merged, &subgoals, context);
+    let horizon = goal::horizon(merged, &subgoals, context);
+    let goal = statement("goal")
+        .map(|it| goal::check(it, merged, &experts, context))
+        .transpose();
+    let mut prompts = stage::check(merged, context);
     let demos = merged
         .demos
-        .and_then(|part| demos::check(part, merged, &prompts.stages, &mut context));
-    let verify = verification::check(merged, &mut prompts, &mut context);
-    let tests = if merged.variant.is_none() {
-        trials::check(merged, &prompts.stages, &mut context)
-    } else {
-        Vec::new()
+        .map(|part| demos::check(part, merged, &prompts.stages, context));
+    let verify = verify::check(merged, &mut prompts, context);
+    let tests = match merged.variant {
+        None => test::check(merged, &prompts, context),
+        Some(_) => Vec::new(),
     };
-    let Context {
-        cloth,
-        camera,
-        actions,
-        layers,
-        ..
-    } = context;
-    if !is_complete(merged, loaded, report) || merged.subgoals.is_some() && subgoals.is_none() {
-        return None;
-    }
+    let actions = std::mem::replace(&mut context.actions.list, Vec::new());
+    let complete = context.actions.complete;
+    let (cloth, camera) = (context.cloth.clone(), context.camera.clone());
+    let whole = completeness(merged, form, loaded, context.report)?;
+    // What was reported anywhere counts, whichever part it was about.
+    context.report.has_errors()?;
+    form?;
+    let (Some(cloth), Some(camera), Some(horizon), true) = (cloth?, camera?, horizon?, whole)
+    else {
+        return Ok(None);
+    };
+    complete?;
     let program = Program {
         format: PROGRAM_FORMAT,
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
-        task: merged.task.name.text.clone(),
+        task: merged.task.name().text().to_owned(),
         variant: merged.variant.as_ref().map(|variant| variant.name.clone()),
         sources: stamps.to_vec(),
-        cloth: cloth?,
-        camera: camera?,
-        picker: picker?,
-        subgoals,
-        experts,
-        keypoints,
-        layers,
-        actions,
-        templates: prompts.templates,
-        stages: prompts.stages,
-        demos,
-        verify,
-        horizon: horizon?,
-        goal,
+        cloth,
+        camera,
+        picker: picker?.unwrap_or_else(Picker::default),
+        subgoals: subgoals?,
+        experts: experts?,
+        keypoints: keypoints?,
+        layers: layers
+            .into_iter()
+            .map(|(_, layer)| layer)
+            .collect::<Result<_, _>>()?,
+        actions: actions
+            .into_iter()
+            .map(|(_, field)| field)
+            .collect::<Result<_, _>>()?,
+        templates: prompts.templates.into_iter().collect::<Result<_, _>>()?,
+        stages: prompts.stages.into_iter().collect::<Result<_, _>>()?,
+        demos: demos.transpose()?.flatten(),
+        verify: verify?,
+        horizon,
+        goal: goal?,
     };
-    if report.errors() == 0 && !merged.sees_faults {
-        contradictions(&program, merged, report);
-    }
-    Some((program, tests))
+    contradictions(&program, merged, context.report)?;
+    Ok(Some((
+        program,
+        tests.into_iter().collect::<Result<_, _>>()?,
+    )))
 }
 
 /// Reports where the action space contradicts itself.
-fn contradictions(program: &Program, merged: &Merged<'_>, report: &mut Report) {
+fn contradictions(
+    program: &Program,
+    merged: &Merged<'_>,
+    report: &mut Report,
+) -> Result<(), Reported> {
     let Some(part) = merged.actions else {
-        return;
+        return Ok(());
     };
+    let mut all = Ok(());
     for flaw in proof::flaws(program) {
         let field = part
-            .fields
-            .iter()
-            .find(|field| field.name.text == flaw.field);
-        let span = field.map_or(part.span, |field| field.name.span);
-        report.push(Diagnostic::new(Code::Contradiction, span, flaw.message));
+            .fields()
+            .find(|field| field.name().text() == flaw.field);
+        let span = field.map_or(part.head_span(), |field| field.name().span());
+        all = Err(report.error(Diagnostic::new(Code::Contradiction, span, flaw.message)));
     }
+    all
 }
 
 /// Returns the name and hash of every source.
-pub(super) fn stamps(loaded: &Loaded) -> Vec<SourceStamp> {
-    let stamp = |(source, name): (&crate::Source, &String)| SourceStamp {
+pub(super) fn stamps(loaded: &Loaded<'_>) -> Vec<SourceStamp> {
+    let texts = loaded.texts;
+    let sources = texts.sources.iter().zip(&texts.portable_names);
+    let stamp = |(source, name): (&fab_grammar::Source, &String)| SourceStamp {
         name: name.clone(),
         sha256: hex(&Sha256::digest(source.text.as_bytes())),
     };
-    loaded
-        .sources
-        .iter()
-        .zip(&loaded.portable_names)
-        .map(stamp)
-        .collect()
+    sources.map(stamp).collect()
 }
 
 /// Returns whether the task has all that a rollout needs, and says what it lacks.
 ///
 /// A task with cloth, subgoals or a horizon, and stages is meant to run, so that a lack of anything else is an
 /// error; one without them may serve as a base.
-fn is_complete(merged: &Merged<'_>, loaded: &Loaded, report: &mut Report) -> bool {
-    let lacks = |parts: &[(&'static str, bool)]| -> Vec<&'static str> {
-        parts
-            .iter()
-            .filter(|(_, is_there)| !is_there)
-            .map(|(name, _)| *name)
-            .collect()
+fn completeness(
+    merged: &Merged<'_>,
+    form: Result<(), Reported>,
+    loaded: &Loaded<'_>,
+    report: &mut Report,
+) -> Result<bool, Reported> {
+    let lacking = |needed: Needed| -> Vec<&'static str> {
+        let rows = SECTIONS.iter().filter(|row| row.needed == needed);
+        let lacks = rows.filter(|row| !is_there(row.word, merged));
+        lacks.map(|row| row.word).collect()
     };
-    let own = lacks(&[
-        ("cloth", merged.cloth.is_some()),
-        (
-            "subgoals",
-            merged.subgoals.is_some() || !merged.needs_subgoals(),
-        ),
-        ("stage", !merged.stages.is_empty()),
-    ]);
-    let shared = lacks(&[
-        ("camera", merged.camera.is_some()),
-        ("keypoints", !merged.keypoints.is_empty()),
-        ("actions", merged.actions.is_some()),
-    ]);
-    let is_complete = own.is_empty() && shared.is_empty();
-    if is_complete || merged.has_faults || merged.is_broken {
-        return is_complete;
+    let (own, shared) = (lacking(Needed::ByEachTask), lacking(Needed::ByARun));
+    if own.is_empty() && shared.is_empty() {
+        return Ok(true);
     }
-    let name = &merged.task.name;
+    if let Some(reported) = merged.missing_base {
+        return Err(reported);
+    }
+    let name = merged.task.name();
+    if merged.is_damaged {
+        return form.map(|()| false);
+    }
     if own.is_empty() {
+        let mut all = Ok(false);
         for section in shared {
-            let message = format!("`{}` has no `{section}`", name.text);
-            report.push(
-                Diagnostic::new(Code::MissingSection, name.span, message)
-                    .help("write the section, or extend a task that has it"),
-            );
+            let message = format!("`{}` has no `{section}`", name.text());
+            let diagnostic = Diagnostic::new(Code::MissingSection, name.span(), message);
+            all =
+                Err(report
+                    .error(diagnostic.help("write the section, or extend a task that has it")));
         }
-        return false;
+        return all;
     }
     let is_base = loaded.is_extended(merged.task);
-    if !is_base && !merged.sees_faults && name.span.file == loaded.entry().id {
+    if !is_base && form.is_ok() && name.span().file == loaded.entry().id {
         let lacking: Vec<&str> = own.into_iter().chain(shared).collect();
         let message = format!(
             "`{}` cannot run by itself: it has no {}",
-            name.text,
+            name.text(),
             among(lacking)
         );
-        report.push(
-            Diagnostic::new(Code::BaseOnly, name.span, message)
-                .help("that is right for a task that others extend"),
-        );
+        let diagnostic = Diagnostic::new(Code::BaseOnly, name.span(), message);
+        report.remark(diagnostic.help("that is right for a task that others extend"));
     }
-    false
+    Ok(false)
+}
+
+/// Returns whether a task has a section that it needs.
+fn is_there(word: &str, merged: &Merged<'_>) -> bool {
+    match word {
+        "subgoals" => merged.subgoals.is_some() || !merged.needs_subgoals(),
+        "stage" => !merged.stages.is_empty(),
+        "keypoints" => !merged.keypoints.is_empty(),
+        "actions" => merged.actions.is_some(),
+        word => merged.statement(word).is_some(),
+    }
 }

@@ -3,7 +3,29 @@
 //! A code keeps its meaning for ever; the name describes the fault, not the cure. `examples/` holds a file for each code,
 //! which `explain` shows.
 
-use super::Severity::{self, Error, Note, Warning};
+use Severity::{Error, Note, Warning};
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// The task cannot run.
+    Error,
+    /// It can run, but hardly as it is meant.
+    Warning,
+    /// Good to know.
+    Note,
+}
+
+impl Severity {
+    /// Returns the lower-case word.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+            Severity::Note => "note",
+        }
+    }
+}
 
 /// What is known about a code.
 #[derive(Clone, Copy, Debug)]

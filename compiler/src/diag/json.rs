@@ -1,7 +1,7 @@
 //! Diagnostics for tools and editors; the fields are fixed by the command line's contract.
 
-use super::{Certainty, Diagnostic};
-use crate::source::{Source, Sources, Span};
+use super::diagnostic::{Certainty, Diagnostic};
+use fab_grammar::{Source, Sources, Span};
 use serde_json::{Map, Value, json};
 
 /// Writes diagnostics as an array of objects `code, severity, message, file, start, end, labels, help, edits`.

@@ -1,8 +1,9 @@
 //! Diagnostics for people, in the look of rustc.
 
-use super::{Diagnostic, Severity};
-use crate::source::{FileId, Source, Sources, Span};
+use super::codes::Severity;
+use super::diagnostic::Diagnostic;
 use annotate_snippets::{Annotation, AnnotationKind, Element, Level, Origin, Renderer, Snippet};
+use fab_grammar::{FileId, Source, Sources, Span};
 use std::ops::Range;
 
 /// The most findings that are written out; the rest is counted.

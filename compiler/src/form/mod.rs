@@ -5,12 +5,13 @@
 mod slips;
 
 use crate::diag::{Code, Diagnostic, among, nearest};
-use crate::source::{FileId, Span};
+use fab_grammar::Span;
 use fab_grammar::{Fault, Problem};
+use slips::listed;
 
-/// Words a fault of `text`, the whole text of `file`.
-pub(crate) fn diagnose(fault: &Fault, file: FileId, text: &str) -> Diagnostic {
-    let span = Span::new(file, fault.span.clone());
+/// Words a fault of `text`, a whole file.
+pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
+    let span = fault.span;
     match &fault.problem {
         Problem::TooLong { bytes, limit } => {
             Diagnostic::new(Code::FileTooLong, span, format!("the file has {bytes} bytes, at most {limit} are accepted"))
@@ -99,13 +100,5 @@ fn unknown_word(span: Span, word: &str, known: &[&str], block: Option<&str>) -> 
             "a line here begins with {}",
             among(known.iter().copied())
         )),
-    }
-}
-
-/// Joins expectations, which carry their own backticks.
-pub(super) fn listed(expected: &[&str]) -> String {
-    match expected {
-        [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
-        _ => expected.concat(),
     }
 }

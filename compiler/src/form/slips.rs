@@ -1,8 +1,7 @@
 //! Slips that people make again and again: signs and words of other languages and of handwriting.
 
-use super::listed;
 use crate::diag::{Code, Diagnostic};
-use crate::source::Span;
+use fab_grammar::Span;
 
 /// Words what stands at `span` if it is a known slip.
 ///
@@ -120,4 +119,12 @@ fn is_in_condition(before: &str) -> bool {
 fn is_decimal_comma(before: &str, after: &str) -> bool {
     let is_digit = |character: char| character.is_ascii_digit();
     before.ends_with(is_digit) && after.starts_with(is_digit)
+}
+
+/// Joins expectations, which carry their own backticks.
+pub(super) fn listed(expected: &[&str]) -> String {
+    match expected {
+        [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
+        _ => expected.concat(),
+    }
 }

@@ -1,13 +1,13 @@
-//! Lists of parts that have names.
+//! Lists of parts that have names, and statements that stand once.
 
-use crate::ast::Ident;
 use crate::diag::{Code, Diagnostic, Report, among, nearest};
-use crate::source::Span;
+use fab_grammar::Span;
+use fab_grammar::ast::Name;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Parts in order, found by name.
 pub(crate) struct Indexed<'a, T> {
-    list: Vec<Option<&'a T>>,
+    list: Vec<Option<T>>,
     places: BTreeMap<&'a str, usize>,
 }
 
@@ -20,9 +20,9 @@ impl<T> Default for Indexed<'_, T> {
     }
 }
 
-impl<'a, T> Indexed<'a, T> {
+impl<'a, T: Copy> Indexed<'a, T> {
     /// Replaces the part of that name in its place, or adds one.
-    pub fn put(&mut self, name: &'a str, part: &'a T) {
+    pub fn put(&mut self, name: &'a str, part: T) {
         match self.places.get(name) {
             Some(place) => self.list[*place] = Some(part),
             None => {
@@ -34,9 +34,9 @@ impl<'a, T> Indexed<'a, T> {
 
     /// Merges a block of parts: one of a known name takes the old one's place, new ones that stand above it in the block
     /// come directly before it, and all others come after.
-    pub fn put_block(&mut self, block: &'a [T], name: impl Fn(&'a T) -> &'a str) {
-        let mut before: BTreeMap<usize, Vec<&'a T>> = BTreeMap::new();
-        let mut new: Vec<&'a T> = Vec::new();
+    pub fn put_block(&mut self, block: impl Iterator<Item = T>, name: impl Fn(T) -> &'a str) {
+        let mut before: BTreeMap<usize, Vec<T>> = BTreeMap::new();
+        let mut new: Vec<T> = Vec::new();
         for part in block {
             match self.places.get(name(part)) {
                 Some(place) => {
@@ -65,21 +65,21 @@ impl<'a, T> Indexed<'a, T> {
     }
 
     /// Takes a part out.
-    pub fn remove(&mut self, name: &str) -> Option<&'a T> {
+    pub fn remove(&mut self, name: &str) -> Option<T> {
         let place = self.places.remove(name)?;
         self.list[place].take()
     }
 
-    pub fn get(&self, name: &str) -> Option<&'a T> {
+    pub fn get(&self, name: &str) -> Option<T> {
         self.places.get(name).and_then(|place| self.list[*place])
     }
 
-    /// Returns the place of a part among those that ever were there; later ones have higher numbers.
+    /// Returns the place of a part among all that were ever there; later ones have higher numbers.
     pub fn place(&self, name: &str) -> Option<usize> {
         self.places.get(name).copied()
     }
 
-    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &'a T> {
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = T> {
         self.list.iter().filter_map(|part| *part)
     }
 
@@ -93,69 +93,72 @@ impl<'a, T> Indexed<'a, T> {
 }
 
 /// Returns the one statement there should be, and reports further ones.
-pub(crate) fn once<'a, T>(
-    list: &'a [T],
+pub(crate) fn once<T: Copy>(
+    list: impl IntoIterator<Item = T>,
     what: &str,
-    span: impl Fn(&T) -> Span,
+    span: impl Fn(T) -> Span,
     report: &mut Report,
-) -> Option<&'a T> {
-    let first = list.first()?;
-    for again in &list[1..] {
-        report.push(
-            Diagnostic::new(
-                Code::Repeated,
-                span(again),
-                format!("{what} is stated twice"),
-            )
-            .also(span(first), "stated here first"),
-        );
+) -> Option<T> {
+    let mut list = list.into_iter();
+    let first = list.next()?;
+    for again in list {
+        report.error(repeated(what, span(first), span(again)));
     }
     Some(first)
 }
 
+/// Says that a statement stands a second time.
+pub(super) fn repeated(what: &str, first: Span, again: Span) -> Diagnostic {
+    let message = format!("`{what}` is stated twice");
+    Diagnostic::new(Code::Repeated, again, message).also(first, "stated here first")
+}
+
 /// Reports names that appear twice.
-pub(crate) fn unique<'a>(names: impl Iterator<Item = &'a Ident>, kind: &str, report: &mut Report) {
-    let mut seen: BTreeMap<&str, &Ident> = BTreeMap::new();
+pub(crate) fn unique<'a>(
+    names: impl IntoIterator<Item = Name<'a>>,
+    kind: &str,
+    report: &mut Report,
+) {
+    let mut seen: BTreeMap<&str, Name<'_>> = BTreeMap::new();
     for name in names {
-        match seen.get(name.text.as_str()) {
-            Some(first) => report.push(
-                Diagnostic::new(
-                    Code::DuplicateName,
-                    name.span,
-                    format!("the {kind} `{}` is declared twice", name.text),
-                )
-                .also(first.span, "declared here first"),
-            ),
+        match seen.get(name.text()) {
+            Some(first) => {
+                let message = format!("the {kind} `{}` is declared twice", name.text());
+                report.error(
+                    Diagnostic::new(Code::DuplicateName, name.span(), message)
+                        .also(first.span(), "declared here first"),
+                );
+            }
             None => {
-                seen.insert(&name.text, name);
+                seen.insert(name.text(), name);
             }
         }
     }
 }
 
-/// What can be done to an inherited part by name, and cannot where there is none of that name.
-pub(super) struct ToInherited {
+/// What is done to an inherited part by name; an error where there is none of that name.
+pub(super) struct Change {
     code: Code,
-    words: &'static str,
+    verb: &'static str,
 }
 
-pub(super) const OVERRIDE: ToInherited = ToInherited {
+pub(super) const OVERRIDE: Change = Change {
     code: Code::NothingToOverride,
-    words: "override",
+    verb: "override",
 };
 
-pub(super) const LEAVE_OUT: ToInherited = ToInherited {
+pub(super) const LEAVE_OUT: Change = Change {
     code: Code::NothingToRemove,
-    words: "leave out",
+    verb: "leave out",
 };
 
-impl ToInherited {
+impl Change {
     /// Says that nothing of that name is inherited, and what is.
-    pub fn report(&self, kind: &str, name: &Ident, inherited: &BTreeSet<&str>) -> Diagnostic {
-        let message = format!("there is no {kind} `{}` to {}", name.text, self.words);
-        let diagnostic = Diagnostic::new(self.code, name.span, message);
-        match nearest(&name.text, inherited.iter().copied()) {
-            Some(meant) => diagnostic.meant(name.span, meant),
+    pub fn impossible(&self, kind: &str, name: Name<'_>, inherited: &BTreeSet<&str>) -> Diagnostic {
+        let message = format!("there is no {kind} `{}` to {}", name.text(), self.verb);
+        let diagnostic = Diagnostic::new(self.code, name.span(), message);
+        match nearest(name.text(), inherited.iter().copied()) {
+            Some(meant) => diagnostic.meant(name.span(), meant),
             None if inherited.is_empty() => diagnostic.help(format!(
                 "only {kind}s of an extended task can be meant; this one inherits none"
             )),

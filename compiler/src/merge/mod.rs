@@ -1,4 +1,4 @@
-//! Joins a task with those that it extends, and with one of its variants.
+//! Joins a task with the tasks that it extends, and with one of its variants.
 //!
 //! A section of the task replaces the extended task's whole section. Only five merge by name: a constant, a
 //! keypoint or a stage of the same name takes the old one's place, others come after (new keypoints directly before the
@@ -7,86 +7,92 @@
 //! `verify` are replaced and left out likewise. A variant is joined like a task that extends the one it
 //! stands in.
 
-mod checks;
-mod components;
 mod lists;
-mod variants;
 
 pub(crate) use lists::{Indexed, once, unique};
-pub(crate) use variants::{Change, VariantOf};
 
-use crate::ast::{
-    Actions, Body, Check, Component, Demos, ExprKind, Ident, Keypoint, Keypoints, Reference, Stage,
-    Statement, Subgoals, Task, Verify,
-};
-use crate::diag::{Code, Diagnostic, Report, among, nearest};
+use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
 use crate::load::Loaded;
-use crate::source::{FileId, Span};
-use std::collections::BTreeSet;
+use fab_grammar::Span;
+use fab_grammar::ast::{
+    Actions, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints, Name,
+    NamedValue, Stage, Statement, Subgoals, Task, Verify,
+};
+use lists::{LEAVE_OUT, OVERRIDE, repeated};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The most tasks below one.
 pub const MAX_EXTENDS_DEPTH: usize = 16;
 
+/// The most variants of a task; each is checked as a task of its own.
+pub(crate) const MAX_VARIANTS: usize = 64;
+
 /// A task with everything that it inherits.
 pub(crate) struct Merged<'a> {
-    pub task: &'a Task,
+    pub task: Task<'a>,
     /// The variant that it is, where it is one.
     pub variant: Option<VariantOf<'a>>,
-    pub constants: Indexed<'a, Keypoint>,
-    pub cloth: Option<&'a Statement>,
-    pub camera: Option<&'a Statement>,
-    pub picker: Option<&'a Statement>,
-    pub goal: Option<&'a Statement>,
-    pub horizon: Option<&'a Statement>,
-    pub subgoals: Option<&'a Subgoals>,
-    pub experts: Option<&'a Reference>,
-    pub demos: Option<&'a Demos>,
-    pub keypoints: Indexed<'a, Keypoint>,
-    pub annotate: Option<&'a Keypoints>,
-    pub actions: Option<&'a Actions>,
-    pub components: Indexed<'a, Component>,
+    pub constants: Indexed<'a, NamedValue<'a>>,
+    /// Sections of one value, by their words.
+    pub statements: BTreeMap<&'a str, Statement<'a>>,
+    pub subgoals: Option<Subgoals<'a>>,
+    pub experts: Option<ExpertsUsed<'a>>,
+    pub demos: Option<Demos<'a>>,
+    pub keypoints: Indexed<'a, NamedValue<'a>>,
+    pub annotate: Option<Keypoints<'a>>,
+    pub actions: Option<Actions<'a>>,
+    pub components: Indexed<'a, Component<'a>>,
     /// Components that were there and are left out.
     pub removed: BTreeSet<&'a str>,
-    pub stages: Indexed<'a, Stage>,
+    pub stages: Indexed<'a, Stage<'a>>,
     /// Where attempts and results are stated; what is checked, `checks` says.
-    pub verify: Option<&'a Verify>,
-    pub checks: Indexed<'a, Check>,
+    pub verify: Option<Verify<'a>>,
+    pub checks: Indexed<'a, Check<'a>>,
     /// Checks that `verify` declares and that are left out.
     pub removed_checks: BTreeSet<&'a str>,
     /// The variants that the task and those below it declare.
     pub variants: Vec<VariantOf<'a>>,
     /// The length of everything in it, bytes.
     pub bytes: usize,
-    /// Whether something of it is missing because of an error that is already reported.
-    pub has_faults: bool,
-    /// Whether a file that it sees has an error of form, so that what follows from its parts says little.
-    pub sees_faults: bool,
-    /// Whether a task below it is missing, so that an unknown name may be declared there.
-    pub is_broken: bool,
+    /// Whether something in it does not fit, so that what is missing may stand there.
+    pub is_damaged: bool,
+    /// The proof that a task below it is missing, where one is: an unknown name may be declared there.
+    pub missing_base: Option<Reported>,
 }
 
-/// Finds the task of that name that `file` sees.
-pub(crate) fn find_task<'a>(loaded: &'a Loaded, file: FileId, name: &str) -> Option<&'a Task> {
-    loaded.task(file, name)
+/// A variant that can be chosen.
+#[derive(Clone)]
+pub(crate) struct VariantOf<'a> {
+    /// Its name.
+    pub name: String,
+    /// What it does to the task.
+    pub change: VariantChange<'a>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// What a variant does.
+#[derive(Clone, Copy)]
+pub(crate) enum VariantChange<'a> {
+    /// It replaces and adds sections, under a name of its own.
+    Body(Body<'a>),
+    /// It leaves out a component.
+    Without(Name<'a>),
 }
 
 /// Joins `task` with those below it, and `variant` on top.
 pub(crate) fn merge<'a>(
-    task: &'a Task,
+    task: Task<'a>,
     variant: Option<VariantOf<'a>>,
-    loaded: &'a Loaded,
+    loaded: &Loaded<'a>,
     report: &mut Report,
 ) -> Merged<'a> {
-    let (chain, is_broken) = chain(task, loaded, report);
+    let (chain, missing_base) = chain(task, loaded, report);
     let mut merged = Merged {
         task,
         variant,
         constants: Indexed::default(),
-        cloth: None,
-        camera: None,
-        picker: None,
-        goal: None,
-        horizon: None,
+        statements: BTreeMap::new(),
         subgoals: None,
         experts: None,
         demos: None,
@@ -101,111 +107,250 @@ pub(crate) fn merge<'a>(
         removed_checks: BTreeSet::new(),
         variants: Vec::new(),
         bytes: 0,
-        has_faults: false,
-        sees_faults: false,
-        is_broken,
+        is_damaged: false,
+        missing_base,
     };
     for task in chain.into_iter().rev() {
-        merged.add(&task.body, report);
+        merged.add(task.body(), report);
         merged.add_variants(task, report);
     }
     match merged.variant.as_ref().map(|variant| variant.change) {
-        Some(Change::Body(body)) => merged.add(body, report),
-        Some(Change::Without(name)) => merged.leave_out(name, report),
+        Some(VariantChange::Body(body)) => merged.add(body, report),
+        Some(VariantChange::Without(name)) => merged.leave_out(name, report),
         None => {}
     }
     merged
 }
 
-/// Returns the task and those below it, and whether one of them is missing.
-fn chain<'a>(task: &'a Task, loaded: &'a Loaded, report: &mut Report) -> (Vec<&'a Task>, bool) {
+/// Returns the task and those below it, and the proof that one of them is missing, where one is.
+fn chain<'a>(
+    task: Task<'a>,
+    loaded: &Loaded<'a>,
+    report: &mut Report,
+) -> (Vec<Task<'a>>, Option<Reported>) {
     let mut chain = vec![task];
     let mut above = task;
-    while let Some(base) = &above.extends {
-        let Some(found) = find_task(loaded, base.span.file, &base.text) else {
-            report.push(unknown_task(base, loaded));
-            return (chain, true);
+    while let Some(base) = above.extends() {
+        let Some(found) = loaded.task(base.span().file, base.text()) else {
+            return (chain, Some(report.error(unknown_task(base, loaded))));
         };
-        if chain.iter().any(|known| known.name.span == found.name.span) {
-            let message = format!("`{}` extends itself", base.text);
+        let is_known = |known: &Task<'_>| known.name().span() == found.name().span();
+        if chain.iter().any(is_known) {
+            let message = format!("`{}` extends itself", base.text());
             let through = if chain.len() > 1 {
                 "leads back here"
             } else {
                 "this is the task itself"
             };
-            report.push(Diagnostic::new(Code::CircularExtends, base.span, message).label(through));
-            return (chain, true);
+            let diagnostic = Diagnostic::new(Code::CircularExtends, base.span(), message);
+            return (chain, Some(report.error(diagnostic.label(through))));
         }
         if chain.len() > MAX_EXTENDS_DEPTH {
             let message = format!("more than {MAX_EXTENDS_DEPTH} tasks extend each other");
-            report.push(Diagnostic::new(Code::ExtendsTooDeep, base.span, message));
-            return (chain, true);
+            let diagnostic = Diagnostic::new(Code::ExtendsTooDeep, base.span(), message);
+            return (chain, Some(report.error(diagnostic)));
         }
         chain.push(found);
         above = found;
     }
-    (chain, false)
+    (chain, None)
 }
 
-fn unknown_task(base: &Ident, loaded: &Loaded) -> Diagnostic {
-    let diagnostic = Diagnostic::new(
-        Code::UnknownName,
-        base.span,
-        format!("there is no task `{}`", base.text),
-    );
+fn unknown_task(base: Name<'_>, loaded: &Loaded<'_>) -> Diagnostic {
+    let message = format!("there is no task `{}`", base.text());
+    let diagnostic = Diagnostic::new(Code::UnknownName, base.span(), message);
     let seen = || {
         loaded
-            .visible_from(base.span.file)
+            .visible_from(base.span().file)
             .flat_map(|file| &file.tasks)
-            .map(|task| task.name.text.as_str())
+            .map(|task| task.name().text())
     };
-    let unseen = loaded
-        .files
-        .iter()
-        .find(|file| loaded.task(file.id, &base.text).is_some());
-    match (nearest(&base.text, seen()), unseen) {
+    let mut files = loaded.files.iter();
+    let unseen = files.find(|file| loaded.task(file.id, base.text()).is_some());
+    match (nearest(base.text(), seen()), unseen) {
         (_, Some(file)) => diagnostic.help(format!(
             "it is declared in `{}`; add a `use` of that file",
-            loaded.sources.get(file.id).name
+            loaded.texts.sources.get(file.id).name
         )),
-        (Some(meant), _) => diagnostic.meant(base.span, meant),
+        (Some(meant), _) => diagnostic.meant(base.span(), meant),
         _ => diagnostic.help(format!("this file sees {}", among(seen()))),
     }
 }
 
 impl<'a> Merged<'a> {
-    fn add(&mut self, body: &'a Body, report: &mut Report) {
-        let statement = |statement: &Statement| statement.span;
-        self.cloth = once(&body.cloth, "`cloth`", statement, report).or(self.cloth);
-        self.camera = once(&body.camera, "`camera`", statement, report).or(self.camera);
-        self.picker = once(&body.picker, "`picker`", statement, report).or(self.picker);
-        self.goal = once(&body.goal, "`goal`", statement, report).or(self.goal);
-        self.horizon = once(&body.horizon, "`horizon`", statement, report).or(self.horizon);
+    fn add(&mut self, body: Body<'a>, report: &mut Report) {
+        let mut statements: BTreeMap<&str, Statement<'_>> = BTreeMap::new();
+        for statement in body.statements() {
+            let word = statement.word().text();
+            let first = *statements.entry(word).or_insert(statement);
+            if first.span() != statement.span() {
+                report.error(repeated(word, first.span(), statement.span()));
+            }
+        }
+        self.statements.append(&mut statements);
         self.subgoals =
-            once(&body.subgoals, "`subgoals`", |part| part.span, report).or(self.subgoals);
-        self.experts = once(&body.experts, "`experts`", |part| part.span, report).or(self.experts);
-        self.demos = once(&body.demos, "`demos`", |part| part.span, report).or(self.demos);
+            once(body.subgoals(), "subgoals", |it| it.head_span(), report).or(self.subgoals);
+        self.experts = once(body.experts(), "experts", |it| it.span(), report).or(self.experts);
+        self.demos = once(body.demos(), "demos", |it| it.span(), report).or(self.demos);
         self.annotate =
-            once(&body.annotate, "`annotate`", |part| part.span, report).or(self.annotate);
-        self.actions = once(&body.actions, "`actions`", |part| part.span, report).or(self.actions);
-        let keypoints = once(&body.keypoints, "`keypoints`", |part| part.span, report)
-            .map_or(&[][..], |part| &part.list);
-        let names = |list: &'a [Keypoint]| list.iter().map(|part| &part.name);
-        unique(names(&body.constants), "constant", report);
-        unique(names(keypoints), "keypoint", report);
-        unique(body.stages.iter().map(|stage| &stage.name), "stage", report);
-        for constant in &body.constants {
-            self.constants.put(&constant.name.text, constant);
+            once(body.annotate(), "annotate", |it| it.head_span(), report).or(self.annotate);
+        self.actions =
+            once(body.actions(), "actions", |it| it.head_span(), report).or(self.actions);
+        let keypoints = once(body.keypoints(), "keypoints", |it| it.head_span(), report);
+        let keypoints = || keypoints.into_iter().flat_map(|part| part.list());
+        unique(body.constants().map(|it| it.name()), "constant", report);
+        unique(keypoints().map(|it| it.name()), "keypoint", report);
+        unique(body.stages().map(|it| it.name()), "stage", report);
+        for constant in body.constants() {
+            self.constants.put(constant.name().text(), constant);
         }
         self.keypoints
-            .put_block(keypoints, |keypoint| &keypoint.name.text);
-        for stage in &body.stages {
-            self.stages.put(&stage.name.text, stage);
+            .put_block(keypoints(), |keypoint| keypoint.name().text());
+        for stage in body.stages() {
+            self.stages.put(stage.name().text(), stage);
         }
         self.add_components(body, report);
         self.add_checks(body, report);
-        self.has_faults |= body.has_faults;
-        self.bytes += body.bytes;
+        self.is_damaged |= body.is_damaged();
+        self.bytes += body.bytes();
+    }
+
+    // ---- components ----------------------------------------------------------------------------
+
+    /// Adds and replaces components.
+    fn add_components(&mut self, body: Body<'a>, report: &mut Report) {
+        unique(body.components().map(|it| it.name()), "component", report);
+        let inherited = self.component_names();
+        for name in body.without() {
+            self.leave_out(name, report);
+        }
+        for component in body.components() {
+            let name = component.name();
+            let is_inherited =
+                inherited.contains(name.text()) && !self.removed.contains(name.text());
+            match component.declares() {
+                Declares::New if is_inherited => {
+                    let message =
+                        format!("`{}` replaces a component of an extended task", name.text());
+                    let diagnostic =
+                        Diagnostic::new(Code::NotMarkedAsOverride, name.span(), message)
+                            .help("write `override component` to replace its text");
+                    report.error(match self.components.get(name.text()) {
+                        Some(before) => diagnostic.also(before.name().span(), "declared here"),
+                        None => diagnostic,
+                    });
+                }
+                Declares::Override if !is_inherited && self.missing_base.is_none() => {
+                    report.error(OVERRIDE.impossible("component", name, &inherited));
+                    continue;
+                }
+                Declares::New | Declares::Override => {}
+            }
+            self.removed.remove(name.text());
+            self.components.put(name.text(), component);
+        }
+    }
+
+    /// Leaves a component out; an error where there is none.
+    fn leave_out(&mut self, name: Name<'a>, report: &mut Report) {
+        if self.components.remove(name.text()).is_some() {
+            self.removed.insert(name.text());
+        } else if self.missing_base.is_none() && !self.removed.contains(name.text()) {
+            let inherited = self.component_names();
+            report.error(LEAVE_OUT.impossible("component", name, &inherited));
+        }
+    }
+
+    fn component_names(&self) -> BTreeSet<&'a str> {
+        self.components
+            .iter()
+            .map(|component| component.name().text())
+            .collect()
+    }
+
+    // ---- checks --------------------------------------------------------------------------------
+
+    /// Takes the checks of a `verify`, or changes single ones of those that are there.
+    fn add_checks(&mut self, body: Body<'a>, report: &mut Report) {
+        let changed = || body.override_checks().map(|check| check.name());
+        if let Some(verify) = once(body.verify(), "verify", |it| it.head_span(), report) {
+            for name in changed().chain(body.without_checks()) {
+                report.error(beside(name, verify));
+            }
+            unique(verify.checks().map(|check| check.name()), "check", report);
+            self.verify = Some(verify);
+            self.checks = Indexed::default();
+            self.removed_checks.clear();
+            for check in verify.checks() {
+                self.checks.put(check.name().text(), check);
+            }
+            return;
+        }
+        unique(changed(), "check", report);
+        let inherited: BTreeSet<&str> = self.check_names().collect();
+        for name in body.without_checks() {
+            if self.checks.remove(name.text()).is_some() {
+                self.removed_checks.insert(name.text());
+            } else if self.missing_base.is_none() && !self.removed_checks.contains(name.text()) {
+                report.error(LEAVE_OUT.impossible("check", name, &inherited));
+            }
+        }
+        let left: BTreeSet<&str> = self.check_names().collect();
+        for check in body.override_checks() {
+            if left.contains(check.name().text()) {
+                self.checks.put(check.name().text(), check);
+            } else if self.missing_base.is_none() {
+                report.error(OVERRIDE.impossible("check", check.name(), &left));
+            }
+        }
+    }
+
+    /// Returns the names of all checks, in their order.
+    pub fn check_names(&self) -> impl Iterator<Item = &'a str> {
+        self.checks.iter().map(|check| check.name().text())
+    }
+
+    // ---- variants ------------------------------------------------------------------------------
+
+    /// Adds the variants of one task; a later one of the same name takes the earlier one's place.
+    fn add_variants(&mut self, task: Task<'a>, report: &mut Report) {
+        let declared = task.variants().map(|variant| VariantOf {
+            name: variant.name().text().to_owned(),
+            change: VariantChange::Body(variant.body()),
+            span: variant.name().span(),
+        });
+        let ablated = task.ablated().map(|name| VariantOf {
+            name: format!("without_{}", name.text()),
+            change: VariantChange::Without(name),
+            span: name.span(),
+        });
+        let mut own: Vec<VariantOf<'a>> = Vec::new();
+        for variant in declared.chain(ablated) {
+            if let Some(first) = own.iter().find(|known| known.name == variant.name) {
+                let message = format!("the variant `{}` is declared twice", variant.name);
+                report.error(
+                    Diagnostic::new(Code::DuplicateName, variant.span, message)
+                        .also(first.span, "declared here first"),
+                );
+                continue;
+            }
+            if own.len() >= MAX_VARIANTS {
+                let message = format!("a task has at most {MAX_VARIANTS} variants");
+                report.error(Diagnostic::new(Code::OutOfRange, variant.span, message));
+                break;
+            }
+            own.push(variant);
+        }
+        for variant in own {
+            match self
+                .variants
+                .iter_mut()
+                .find(|known| known.name == variant.name)
+            {
+                Some(known) => *known = variant,
+                None => self.variants.push(variant),
+            }
+        }
     }
 
     /// Returns the variants that make a difference: what is not there cannot be ablated.
@@ -213,25 +358,39 @@ impl<'a> Merged<'a> {
         self.variants
             .iter()
             .filter(|variant| match variant.change {
-                Change::Body(_) => true,
-                Change::Without(name) => !self.removed.contains(name.text.as_str()),
+                VariantChange::Body(_) => true,
+                VariantChange::Without(name) => !self.removed.contains(name.text()),
             })
             .cloned()
     }
 
-    /// Returns whether one of the task's own components is declared at a place.
-    pub fn is_own_component(&self, span: Span) -> bool {
-        let own = &self.task.body.components;
-        // They are in source order.
-        own.binary_search_by_key(&span, |component| component.name.span)
-            .is_ok()
+    // ---- what follows ----------------------------------------------------------------------------
+
+    /// Returns the section of one value that begins with `word`.
+    pub fn statement(&self, word: &str) -> Option<Statement<'a>> {
+        self.statements.get(word).copied()
     }
 
     /// Returns whether a rollout needs subgoals: where a stage shows one, or results are compared with them.
     pub fn needs_subgoals(&self) -> bool {
-        let compares = self.verify.is_some_and(|verify| !verify.results.is_empty());
-        compares || self.stages.iter().flat_map(|stage| &stage.show).any(|show| {
-            show.list.iter().any(|(picture, _)| !matches!(&picture.kind, ExprKind::Name(name) if name == "scene"))
-        })
+        let compares = self
+            .verify
+            .is_some_and(|verify| verify.results().next().is_some());
+        let shown = self.stages.iter().flat_map(|stage| stage.show());
+        let mut pictures = shown.flat_map(|show| show.pictures());
+        let is_scene =
+            |value: Expr<'_>| matches!(value, Expr::Name(name) if name.text() == "scene");
+        compares || pictures.any(|picture| !is_scene(picture.value()))
     }
+}
+
+/// Says that a single check is not changed where all of them are stated anew.
+fn beside(name: Name<'_>, verify: Verify<'_>) -> Diagnostic {
+    let message = format!(
+        "`{}` is no longer inherited: the `verify` beside it states all checks anew",
+        name.text()
+    );
+    Diagnostic::new(Code::Repeated, name.span(), message)
+        .also(verify.head_span(), "stated here")
+        .help("change the check in that `verify`, and drop this line")
 }

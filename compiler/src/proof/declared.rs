@@ -1,6 +1,6 @@
 //! What is wrong with a declared action space before any answer is tried.
 
-use super::{Flaws, MAX_CHOICES, MAX_FIELDS};
+use super::flaws::{Flaws, MAX_CHOICES, MAX_FIELDS};
 use fab_program::exact::{vector_of, written};
 use fab_program::space::{self, DECIMALS};
 use fab_program::{ActionField, Choices, Program};

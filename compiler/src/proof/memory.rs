@@ -2,7 +2,7 @@
 //!
 //! [`super::flaws`] depends on the parts of a program in [`key`] alone, so that remembering changes no result.
 
-use super::Flaw;
+use super::flaws::Flaw;
 use fab_program::{Extractor, Program};
 use std::collections::BTreeMap;
 use std::sync::Mutex;

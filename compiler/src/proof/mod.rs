@@ -5,6 +5,7 @@
 //! choices. Points are those of two generated scenes. The work is bounded and the same every time.
 
 mod declared;
+mod flaws;
 mod memory;
 mod others;
 mod scene;
@@ -15,27 +16,10 @@ use fab_program::reply;
 use fab_program::space;
 use fab_program::verify::{self, Verdict};
 use fab_program::{ActionField, Choices, Program, Value};
+pub use flaws::{Flaw, MAX_CHOICES, MAX_FIELDS};
+
+use flaws::Flaws;
 use scene::Generated;
-
-/// The most choices of one field; more are no list that a model can choose from.
-pub const MAX_CHOICES: usize = 1_000;
-
-/// The most fields of an action.
-pub const MAX_FIELDS: usize = 16;
-
-/// The most flaws that are reported.
-const MAX_FLAWS: usize = 50;
-
-/// A contradiction in an action space.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Flaw {
-    /// The field.
-    pub field: String,
-    /// The value as prompts write it; empty where the field as a whole is flawed.
-    pub value: String,
-    /// What is wrong, lower case and without a full stop.
-    pub message: String,
-}
 
 /// Returns what contradicts itself in a program's action space; nothing where it is consistent.
 ///
@@ -71,30 +55,6 @@ fn prove(program: &Program) -> Vec<Flaw> {
     let proof = Proof::of(program, &one);
     proof.check_answer(0, &reply::schema(program, &proof.offered), &mut found);
     found.list
-}
-
-/// What was found so far.
-#[derive(Default)]
-struct Flaws {
-    list: Vec<Flaw>,
-    /// Whether values cannot be tried at all.
-    is_hopeless: bool,
-}
-
-impl Flaws {
-    fn push(&mut self, field: &ActionField, value: &str, message: String) {
-        let is_known = self
-            .list
-            .iter()
-            .any(|flaw| flaw.field == field.name && flaw.value == value);
-        if !is_known && self.list.len() < MAX_FLAWS {
-            self.list.push(Flaw {
-                field: field.name.clone(),
-                value: value.to_owned(),
-                message,
-            });
-        }
-    }
 }
 
 /// A program in one scene.

@@ -63,11 +63,11 @@ fn bytes(programs: &[Program]) -> Vec<u8> {
 
 /// Holds a tree to its promises: leaves tile the text, children lie in their parents, junk has a fault.
 fn tree(text: &str) {
-    let parsed = fab_grammar::parse(text);
+    let parsed = fab_grammar::parse(fab_grammar::FileId::FIRST, text);
     let mut at = 0;
     for leaf in parsed.tree.leaves() {
         assert_eq!(leaf.span().start, at, "the leaves do not tile the text");
-        assert_eq!(leaf.text(), &text[leaf.span()]);
+        assert_eq!(leaf.text(), &text[leaf.range()]);
         at = leaf.span().end;
     }
     assert_eq!(at, text.len(), "the leaves end before the text");
@@ -87,7 +87,7 @@ fn tree(text: &str) {
         "there is junk and no fault"
     );
     for fault in &parsed.faults {
-        assert!(text.get(fault.span.clone()).is_some(), "{fault:?}");
+        assert!(text.get(fault.span.range()).is_some(), "{fault:?}");
     }
 }
 

@@ -1,5 +1,6 @@
 //! The camera, and the pixels that every point of a task is given in.
 
+use crate::words::words;
 use serde::{Deserialize, Serialize};
 
 /// A camera that looks straight down.
@@ -31,6 +32,11 @@ pub enum ImageUp {
     /// World +X, so that image right is -Y (the paper's smoothing).
     X,
 }
+
+words! { ImageUp {
+    "x" => X, "the table's x axis is up in the picture, and y to the left";
+    "y" => Y, "the table's y axis is up in the picture, and x to the right";
+} }
 
 /// A whole pixel of the camera image: column from the left, row from the top, written `[u, v]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

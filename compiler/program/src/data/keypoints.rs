@@ -2,7 +2,8 @@
 
 use crate::data::camera::PixelPoint;
 use crate::data::shape::KeypointShape;
-use crate::vocabulary::{Arg, Args, Call, Default, Kind, Range, Signature, words};
+use crate::vocabulary::{Arg, Args, Call, Default, Kind, Range, Signature};
+use crate::words::words;
 use serde::{Deserialize, Serialize};
 
 /// Something found in every observation.
@@ -553,7 +554,8 @@ const CLOSING: Range = Range::new("a side", (1.0, "px"), (200.0, "px"));
 const N_POINTS: Range = Range::plain("a number of points", 1.0, 1000.0);
 const QUALITY: Range = Range::plain("a fraction", 0.0, 1.0).above();
 const SPACING: Range = Range::new("a distance", (0.0, "px"), (2048.0, "px"));
-const IMAGE: Range = Range::new("a picture's side", (16.0, "px"), (2048.0, "px"));
+/// The side of a picture.
+pub const IMAGE: Range = Range::new("a picture's side", (16.0, "px"), (2048.0, "px"));
 const BLOCK: Range = Range::new("an odd side", (1.0, "px"), (31.0, "px"));
 const HARRIS_K: Range = Range::plain("a number", 0.001, 0.25);
 const SHARE: Range = Range::plain("a share", 0.001, 0.999);
@@ -609,7 +611,7 @@ const fn row(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vocabulary::samples;
+    use crate::samples;
 
     #[test]
     fn every_extractor_is_made_from_the_arguments_that_its_row_declares() {

@@ -1,5 +1,6 @@
 //! How a world takes the cloth, carries it and lets it go.
 
+use crate::words::words;
 use serde::{Deserialize, Serialize};
 
 /// The two ways of the paper's environments.
@@ -13,8 +14,7 @@ pub enum Picker {
     Drop,
 }
 
-impl Picker {
-    /// Every way, with the name that a task gives it.
-    pub const NAMES: [(&'static str, Picker); 2] =
-        [("put_down", Picker::PutDown), ("drop", Picker::Drop)];
-}
+words! { Picker {
+    "put_down" => PutDown, "carries the cloth low and puts it down before it lets go";
+    "drop" => Drop, "carries the cloth and lets it fall from there";
+} }

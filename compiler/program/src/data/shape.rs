@@ -26,4 +26,11 @@ impl KeypointShape {
             KeypointShape::Point => "a point",
         }
     }
+
+    /// Returns the same without its article.
+    pub fn name(self) -> &'static str {
+        self.words()
+            .trim_start_matches("an ")
+            .trim_start_matches("a ")
+    }
 }

@@ -32,7 +32,17 @@ pub struct Sources {
 
 /// Which file of a [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct FileId(pub(crate) usize);
+pub struct FileId(usize);
+
+impl FileId {
+    /// The file that is read first.
+    pub const FIRST: FileId = FileId(0);
+
+    /// Returns its place among the files of its [`Sources`], from 0.
+    pub fn index(self) -> usize {
+        self.0
+    }
+}
 
 /// A piece of one file, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,7 +56,8 @@ pub struct Span {
 }
 
 impl Span {
-    pub(crate) fn new(file: FileId, range: Range<usize>) -> Span {
+    /// Makes the span of some bytes of a file.
+    pub fn new(file: FileId, range: Range<usize>) -> Span {
         Span {
             file,
             start: range.start,
@@ -61,7 +72,8 @@ impl Span {
 }
 
 impl Sources {
-    pub(crate) fn add(&mut self, name: String, text: String) -> FileId {
+    /// Adds a file and returns where it stands.
+    pub fn add(&mut self, name: String, text: String) -> FileId {
         let marks = marks(&text);
         self.list.push(Source { name, text, marks });
         FileId(self.list.len() - 1)

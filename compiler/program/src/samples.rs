@@ -1,0 +1,43 @@
+//! Arguments that fit a signature, made from its kinds alone: tests hold every row to what it declares.
+
+use crate::data::annotate::Spot;
+use crate::data::camera::PixelPoint;
+use crate::data::folds::ClothPoint;
+use crate::data::points::{End, Heading, Point};
+use crate::units;
+use crate::vocabulary::{Arg, ArgValue, Args, Default, Kind, Signature};
+
+/// Returns arguments of which every one is given, and arguments of which none is that need not be.
+pub fn of(signature: &Signature) -> [Args; 2] {
+    let given = |arg: &Arg| (arg.name, value(&arg.kind));
+    let least = |arg: &Arg| match arg.default {
+        None => given(arg),
+        Some(Default::Number(number)) => (arg.name, ArgValue::Number(number)),
+        Some(Default::Word(word)) => (arg.name, ArgValue::Word(word)),
+        Some(Default::CameraSide) => (arg.name, ArgValue::Number(224.0)),
+        Some(Default::Nothing) => (arg.name, ArgValue::Nothing),
+    };
+    [
+        Args(signature.args.iter().map(given).collect()),
+        Args(signature.args.iter().map(least).collect()),
+    ]
+}
+
+fn value(kind: &Kind) -> ArgValue {
+    let point = || Point::Last { end: End::Pick };
+    match kind {
+        Kind::Quantity(range) | Kind::Whole(range) | Kind::Odd(range) | Kind::DepthLimit(range) => {
+            ArgValue::Number(units::base(range.to))
+        }
+        Kind::Between(range) => ArgValue::Between([range.from, range.to].map(units::base)),
+        Kind::Word(words) | Kind::NameOf(_, words) | Kind::WordOrFile(words, _) => {
+            ArgValue::Word(words[0].name)
+        }
+        Kind::Keypoint(_) | Kind::DirectionField => ArgValue::Name("name".to_owned()),
+        Kind::Pixel => ArgValue::Pixel(PixelPoint::new(40, 52)),
+        Kind::Point => ArgValue::Point(point()),
+        Kind::Spot => ArgValue::Spot(Spot::One { point: point() }),
+        Kind::Heading => ArgValue::Heading(Heading::Constant { vector: [1.0, 0.0] }),
+        Kind::ClothPoint => ArgValue::ClothPoint(ClothPoint::Center),
+    }
+}

@@ -1,0 +1,30 @@
+//! Closed sets of words: how a task writes each value of an enumeration.
+
+/// A word of a closed set.
+#[derive(Clone, Copy, Debug)]
+pub struct Word {
+    /// The word.
+    pub name: &'static str,
+    /// What it means, a few words.
+    pub doc: &'static str,
+}
+
+/// Gives an enumeration its words: how a task writes each value, and what it means.
+macro_rules! words {
+    ($type:ident { $($word:literal => $variant:ident, $doc:literal;)* }) => {
+        impl $type {
+            /// The words of a task, in the order in which messages list them.
+            pub const WORDS: &'static [$crate::words::Word] =
+                &[$($crate::words::Word { name: $word, doc: $doc }),*];
+
+            /// Returns what a word of a task means; None where it is no such word.
+            pub fn from_word(word: &str) -> Option<$type> {
+                match word {
+                    $($word => Some($type::$variant),)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+pub(crate) use words;

@@ -1,0 +1,86 @@
+//! `annotate { corner_dots = dot(corners, color: blue) … }`: what is drawn on the camera's picture.
+
+use super::context::Context;
+use super::expressions::{Scope, call};
+use super::uses::needs_action;
+use crate::diag::{Code, Diagnostic, Reported};
+use crate::lang::annotate::{COLOR, MARKS, POINTS, rgb};
+use crate::merge::{Merged, unique};
+use fab_grammar::ast::{Expr, NamedValue};
+use fab_program::Depends;
+use fab_program::vocabulary::{ArgValue, Args};
+use fab_program::{Layer, Spot};
+
+/// The most layers.
+const MAX_LAYERS: usize = 32;
+
+/// Builds the layers in order.
+pub(crate) fn check<'a>(
+    merged: &Merged<'a>,
+    context: &mut Context<'a, '_>,
+) -> Vec<(&'a str, Result<Layer, Reported>)> {
+    let layers = || merged.annotate.into_iter().flat_map(|part| part.list());
+    unique(layers().map(|layer| layer.name()), "layer", context.report);
+    let beyond = layers().nth(MAX_LAYERS).map(|layer| layer.name().span());
+    let within = context.bounded(beyond, || format!("at most {MAX_LAYERS} layers are drawn"));
+    let layer = |declared: NamedValue<'a>| {
+        (
+            declared.name().text(),
+            within.and_then(|()| layer(declared, context)),
+        )
+    };
+    layers().map(layer).collect()
+}
+
+fn layer<'a>(declared: NamedValue<'a>, context: &mut Context<'a, '_>) -> Result<Layer, Reported> {
+    let name = declared.name();
+    let is_free = match context.names.get(name.text()) {
+        None => Ok(()),
+        Some(_) => {
+            let message = format!("the name `{}` is declared twice", name.text());
+            let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);
+            let help = "layers share one space of names with keypoints, texts and fields";
+            Err(context.error(diagnostic.help(help)))
+        }
+    };
+    let Expr::Call(written) = declared.value() else {
+        let forms: Vec<String> = MARKS
+            .iter()
+            .map(|row| format!("`{}`", row.signature.form()))
+            .collect();
+        let message = "expected something to draw";
+        let diagnostic = Diagnostic::new(Code::WrongForm, declared.value().span(), message);
+        return Err(context.error(diagnostic.help(format!("write {}", forms.join(" or ")))));
+    };
+    let signatures = MARKS.iter().map(|row| &row.signature);
+    let (row, args, bound) = call("mark", written, signatures, Scope::Everywhere, context)?;
+    let mut is_known = Ok(());
+    for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
+        if let ArgValue::Point(point) = value
+            && point.uses().action
+        {
+            is_known = Err(needs_action(expr.span(), context));
+        }
+    }
+    is_free.and(is_known)?;
+    let mark = (MARKS[row].make)(&args);
+    let words = words(MARKS[row].signature.name, &args);
+    Ok(Layer {
+        name: name.text().to_owned(),
+        rgb: rgb(args.word(COLOR.name)),
+        mark,
+        words,
+    })
+}
+
+/// Returns what a prompt calls a layer, without an article: `blue dots`, `red ring`.
+fn words(mark: &str, args: &Args) -> String {
+    let color = args.word(COLOR.name);
+    let ending = match (args.spots(POINTS.name).as_slice(), mark) {
+        // A mark without a list of points is drawn once.
+        ([] | [Spot::One { .. }], _) => "",
+        (_, "cross") => "es",
+        _ => "s",
+    };
+    format!("{color} {mark}{ending}")
+}

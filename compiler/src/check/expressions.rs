@@ -1,0 +1,884 @@
+//! Reads expressions: points, directions, values, and the arguments of calls by their kinds.
+//!
+//! In: an expression and what is expected there. Out: its part of the program. Lengths carry the frame in which they are
+//! compared, the picture or the table; what the camera makes of the one in the other is converted only where `in` says so.
+
+use super::arguments::{Bound, bind, form};
+use super::context::Context;
+use super::names::Meaning;
+use super::quantity::{measured, no_conversion, out_of_range, quantity_of, read, read_whole};
+use super::{files, uses};
+use crate::diag::{Code, Diagnostic, Reported, among, nearest};
+use crate::lang::calls::CLOTH_POINTS;
+use fab_grammar::ast::{Call, Expr, Name};
+use fab_program::Depends;
+use fab_program::exact::{normalised_deg, vector_of};
+use fab_program::measures::{MEASURES, Measure};
+use fab_program::units::{self, Dimension};
+use fab_program::vocabulary::{ArgValue, Args, Default, Kind, Place, Range, Signature, Word};
+use fab_program::{
+    Choices, ClothPoint, End, Heading, KeypointShape, Length, Number, PixelPoint, Point, Spot,
+};
+
+// ---- calls ---------------------------------------------------------------------------------------
+
+/// What a call may name as a keypoint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scope {
+    /// Keypoints above the one of this place, in its declaration.
+    Above(usize),
+    /// All of them.
+    Everywhere,
+}
+
+/// Reads a call by its row; of several rows of its name, the one that fits.
+///
+/// - `rows`: the signatures of all calls of this kind, such as `extractor`.
+pub(crate) fn call<'a>(
+    kind: &str,
+    call: Call<'a>,
+    rows: impl Iterator<Item = &'static Signature> + Clone,
+    scope: Scope,
+    context: &mut Context<'a, '_>,
+) -> Result<(usize, Args, Bound<'a>), Reported> {
+    let Some((row, signature)) = form(call, rows.clone()) else {
+        return Err(context.unknown(kind, call.name(), rows.map(|row| row.name)));
+    };
+    let bound = bind(call, signature, context)?;
+    let mut values = Vec::with_capacity(signature.args.len());
+    let mut all = Ok(());
+    for (index, (arg, expr)) in bound.iter().enumerate() {
+        // Of several that are alike the first slip is probably all there is.
+        if all.is_err() && arg.place == Place::Rest && index > 0 {
+            break;
+        }
+        match argument(*expr, arg.kind, scope, context) {
+            Ok(value) => values.push((arg.name, value)),
+            Err(reported) => all = Err(reported),
+        }
+    }
+    all?;
+    for arg in signature.args {
+        let is_given = bound.iter().any(|(known, _)| known.name == arg.name);
+        if let Some(default) = arg.default.filter(|_| !is_given) {
+            values.push((arg.name, by_default(default, context)?));
+        }
+    }
+    Ok((row, Args(values), bound))
+}
+
+fn by_default(default: Default, context: &Context<'_, '_>) -> Result<ArgValue, Reported> {
+    Ok(match default {
+        Default::Number(number) => ArgValue::Number(number),
+        Default::Word(word) => ArgValue::Word(word),
+        Default::Nothing => ArgValue::Nothing,
+        // A base without a camera is no program, so its side does not matter.
+        Default::CameraSide => {
+            let camera = context.camera.as_ref().map_err(|reported| *reported)?;
+            ArgValue::Number(camera.as_ref().map_or(0.0, |it| f64::from(it.image_px)))
+        }
+    })
+}
+
+/// Reads one argument by its kind.
+fn argument<'a>(
+    expr: Expr<'a>,
+    kind: Kind,
+    scope: Scope,
+    context: &mut Context<'a, '_>,
+) -> Result<ArgValue, Reported> {
+    Ok(match kind {
+        Kind::Quantity(range) => ArgValue::Number(read(expr, &range, context)?),
+        Kind::Whole(range) => ArgValue::Number(read_whole(expr, &range, context)?),
+        Kind::Odd(range) => {
+            let number = read_whole(expr, &range, context)?;
+            if number % 2.0 != 1.0 {
+                return Err(out_of_range(
+                    expr,
+                    &format!("accepted is {}", range.words()),
+                    context,
+                ));
+            }
+            ArgValue::Number(number)
+        }
+        Kind::Between(range) => ArgValue::Between(between(expr, &range, context)?),
+        Kind::Word(words) => ArgValue::Word(word(expr, words, context)?),
+        Kind::NameOf(noun, words) => ArgValue::Word(name_of(expr, noun, words, context)?),
+        Kind::Keypoint(shapes) => ArgValue::Name(keypoint(expr, shapes, scope, context)?),
+        Kind::DepthLimit(range) => ArgValue::Number(depth_limit(expr, &range, context)?),
+        Kind::Pixel => ArgValue::Pixel(pixel_in_picture(expr, context)?),
+        Kind::Point => ArgValue::Point(point(expr, context)?),
+        Kind::Spot => ArgValue::Spot(spot(expr, context)?),
+        Kind::Heading => ArgValue::Heading(heading(expr, context)?),
+        Kind::DirectionField => ArgValue::Name(direction_field(expr, context)?),
+        Kind::ClothPoint => ArgValue::ClothPoint(cloth_point(expr, context)?),
+        Kind::WordOrFile(words, ending) => word_or_file(expr, words, ending, context)?,
+    })
+}
+
+/// Reads `A to B`.
+fn between<'a>(
+    expr: Expr<'a>,
+    range: &Range,
+    context: &mut Context<'a, '_>,
+) -> Result<[f64; 2], Reported> {
+    let Expr::Range(ends) = expr else {
+        let diagnostic = context.unexpected(Code::WrongForm, expr, "a range");
+        let help = format!("write `A to B`, each {}", range.words());
+        return Err(context.error(diagnostic.help(help)));
+    };
+    let low = read(ends.low(), range, context);
+    let high = read(ends.high(), range, context);
+    let [low, high] = [low?, high?];
+    if low > high && !range.wraps {
+        let written = context.written(expr.span());
+        let message = format!("the range `{written}` ends below its beginning");
+        return Err(context.fault(Code::OutOfRange, expr.span(), message));
+    }
+    Ok([low, high])
+}
+
+/// Reads a word of a closed set.
+pub(super) fn word(
+    expr: Expr<'_>,
+    words: &'static [Word],
+    context: &mut Context<'_, '_>,
+) -> Result<&'static str, Reported> {
+    if let Expr::Name(name) = expr
+        && let Some(word) = words.iter().find(|word| word.name == name.text())
+    {
+        return Ok(word.name);
+    }
+    let diagnostic = context.unexpected(Code::WrongForm, expr, &among(names(words)));
+    Err(context.error(diagnostic))
+}
+
+/// Reads a word of a closed set that has a noun, such as a colour.
+pub(super) fn name_of(
+    expr: Expr<'_>,
+    noun: &str,
+    words: &'static [Word],
+    context: &mut Context<'_, '_>,
+) -> Result<&'static str, Reported> {
+    let Expr::Name(name) = expr else {
+        let diagnostic = context.unexpected(Code::WrongForm, expr, &among(names(words)));
+        return Err(context.error(diagnostic));
+    };
+    context.word(noun, name, words)
+}
+
+fn names(words: &'static [Word]) -> impl Iterator<Item = &'static str> {
+    words.iter().map(|word| word.name)
+}
+
+fn word_or_file(
+    expr: Expr<'_>,
+    words: &'static [Word],
+    ending: &str,
+    context: &mut Context<'_, '_>,
+) -> Result<ArgValue, Reported> {
+    let Expr::Text(text) = expr else {
+        let word = word(expr, words, context);
+        return word.map(ArgValue::Word);
+    };
+    let file = files::named(text, "a start file", context)?;
+    if !file.path.ends_with(ending) {
+        let written = context.written(expr.span());
+        let message = format!("{written} names no `{ending}` file");
+        let help = format!(
+            "the path ends in `{ending}`; {} stand without quotes",
+            among(names(words)).replace(" or ", " and ")
+        );
+        return Err(
+            context.error(Diagnostic::new(Code::WrongForm, expr.span(), message).help(help))
+        );
+    }
+    Ok(ArgValue::File(file))
+}
+
+fn depth_limit<'a>(
+    expr: Expr<'a>,
+    range: &Range,
+    context: &mut Context<'a, '_>,
+) -> Result<f64, Reported> {
+    let limit = match expr {
+        Expr::Compare(compare)
+            if compare.sign().text() == "<"
+                && matches!(compare.left(), Expr::Name(name) if name.text() == "depth") =>
+        {
+            compare.right()
+        }
+        _ => {
+            let diagnostic = Diagnostic::new(
+                Code::WrongForm,
+                expr.span(),
+                "expected a limit of the depth",
+            );
+            return Err(context
+                .error(diagnostic.help(
+                    "write `mask(depth < 646mm)`: the pixels nearer to the camera than that",
+                )));
+        }
+    };
+    let below_m = read(limit, range, context)?;
+    if let Ok(Some(camera)) = &context.camera
+        && below_m >= camera.height_m
+    {
+        let message = format!(
+            "the mask reaches the table, which is {}mm from the camera",
+            fab_program::exact::written(camera.height_m * 1000.0, 3)
+        );
+        let diagnostic = Diagnostic::new(Code::MaskSeesTable, limit.span(), message);
+        context.remark(diagnostic.help("a flat cloth lies about 5 mm above the table"));
+    }
+    Ok(below_m)
+}
+
+// ---- keypoints and pixels ------------------------------------------------------------------------
+
+/// Returns the name of a keypoint of one of these shapes.
+pub(super) fn keypoint(
+    expr: Expr<'_>,
+    shapes: &[KeypointShape],
+    scope: Scope,
+    context: &mut Context<'_, '_>,
+) -> Result<String, Reported> {
+    let words: Vec<&str> = shapes.iter().map(|shape| shape.words()).collect();
+    let words = words.join(" or ");
+    let Expr::Name(name) = expr else {
+        return Err(match scope {
+            Scope::Above(_) => {
+                let message = format!("expected the name of {words}");
+                context.fault(Code::WrongForm, expr.span(), message)
+            }
+            Scope::Everywhere => {
+                let diagnostic = context.unexpected(Code::WrongExpression, expr, &words);
+                context.error(diagnostic)
+            }
+        });
+    };
+    let Some(Meaning::Keypoint(shape)) = context.names.get(name.text()) else {
+        let fits =
+            |meaning| matches!(meaning, Meaning::Keypoint(Some(shape)) if shapes.contains(&shape));
+        let kinds: Vec<&str> = shapes.iter().map(|shape| shape.name()).collect();
+        return Err(context.unknown(&kinds.join(" or "), name, context.names.that(fits)));
+    };
+    if let Scope::Above(place) = scope {
+        let found = context.keypoints.get(name.text());
+        if found.is_none_or(|(found, _)| *found >= place) {
+            let message = format!("`{}` is declared only below", name.text());
+            let diagnostic = Diagnostic::new(Code::NotYetKnown, name.span(), message);
+            return Err(context.error(diagnostic.help("an extractor uses keypoints above it")));
+        }
+    }
+    match shape {
+        Some(shape) if shapes.contains(&shape) => Ok(name.text().to_owned()),
+        shape => Err(wrong_shape(name, shape, &words, context)),
+    }
+}
+
+/// Reports a keypoint of the wrong shape; one that has none is reported where it is declared.
+pub(super) fn wrong_shape(
+    name: Name<'_>,
+    shape: Option<KeypointShape>,
+    wanted: &str,
+    context: &mut Context<'_, '_>,
+) -> Reported {
+    if let (None, Some((_, Err(reported)))) = (shape, context.keypoints.get(name.text())) {
+        return *reported;
+    }
+    let message = format!("expected {wanted}, found `{}`", name.text());
+    let diagnostic = Diagnostic::new(Code::WrongKindOfName, name.span(), message);
+    context.error(match shape {
+        Some(KeypointShape::Mask) => diagnostic.label("this is a mask, a set of pixels"),
+        Some(shape) => diagnostic.label(format!("this is {}", shape.words())),
+        None => diagnostic,
+    })
+}
+
+/// The numbers of a pixel: those of the largest picture that is read.
+pub(crate) const PIXEL: Range = Range::new("a pixel", (0.0, "px"), (8191.0, "px"));
+
+/// Reads the two numbers of a pixel.
+pub(super) fn pixel<'a>(
+    [u, v]: [Expr<'a>; 2],
+    context: &mut Context<'a, '_>,
+) -> Result<PixelPoint, Reported> {
+    let u = read_whole(u, &PIXEL, context);
+    let v = read_whole(v, &PIXEL, context);
+    Ok(PixelPoint::new(u? as i32, v? as i32))
+}
+
+/// Reads a pixel that lies in the camera's picture.
+fn pixel_in_picture<'a>(
+    expr: Expr<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<PixelPoint, Reported> {
+    let Expr::Pair(pair) = expr else {
+        let diagnostic = context.unexpected(Code::WrongForm, expr, "a pixel");
+        return Err(context.error(diagnostic.help("write `(40px, 52px)`")));
+    };
+    let pixel = pixel(pair.parts(), context)?;
+    if let Ok(Some(camera)) = &context.camera
+        && pixel.u.max(pixel.v) >= camera.image_px as i32
+    {
+        let written = context.written(expr.span());
+        let message = format!("`{written}` lies outside of the picture");
+        let diagnostic = Diagnostic::new(Code::OutOfRange, expr.span(), message);
+        return Err(context.error(
+            diagnostic
+                .help("the camera's `image` says how large the picture is; pixels count from 0"),
+        ));
+    }
+    Ok(pixel)
+}
+
+// ---- points of the cloth -------------------------------------------------------------------------
+
+/// Reads a point of the cloth.
+pub(super) fn cloth_point<'a>(
+    expr: Expr<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<ClothPoint, Reported> {
+    let forms = || {
+        let forms: Vec<String> = CLOTH_POINTS
+            .iter()
+            .map(|row| row.signature.form())
+            .collect();
+        let forms = std::iter::once("center").chain(forms.iter().map(String::as_str));
+        format!("write {}", among(forms))
+    };
+    match expr {
+        Expr::Name(name) if name.text() == "center" => Ok(ClothPoint::Center),
+        Expr::Call(call) => {
+            let signatures = CLOTH_POINTS.iter().map(|row| &row.signature);
+            let Some(_) = form(call, signatures.clone()) else {
+                let name = call.name();
+                let message = format!("`{}` is no point of the cloth", name.text());
+                let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
+                let near = nearest(name.text(), signatures.map(|row| row.name));
+                return Err(context.error(match near {
+                    Some(meant) => diagnostic.meant(name.span(), meant),
+                    None => diagnostic.help(forms()),
+                }));
+            };
+            turned_name(call, context)?;
+            let (row, args, bound) = self::call(
+                "point of the cloth",
+                call,
+                signatures,
+                Scope::Everywhere,
+                context,
+            )?;
+            let is_center = |value: &ArgValue| *value == ArgValue::ClothPoint(ClothPoint::Center);
+            let center = args
+                .0
+                .iter()
+                .zip(&bound)
+                .find(|((_, value), _)| is_center(value));
+            if let Some((_, (_, expr))) = center {
+                let message = "`center` is a point of the table, not of the cloth";
+                let diagnostic = Diagnostic::new(Code::WrongForm, expr.span(), message);
+                return Err(context.error(
+                    diagnostic.help("write `point(0.5, 0.5)` for the middle of the cloth"),
+                ));
+            }
+            Ok((CLOTH_POINTS[row].make)(&args))
+        }
+        _ => {
+            let diagnostic = context.unexpected(Code::WrongForm, expr, "a point of the cloth");
+            let found = context.written(expr.span());
+            Err(context.error(match nearest(&found, ["center"]) {
+                Some(meant) => diagnostic.meant(expr.span(), meant),
+                None => diagnostic.help(forms()),
+            }))
+        }
+    }
+}
+
+/// Reports `corner(top_left)`: the picture's top is the cloth's back.
+fn turned_name(call: Call<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported> {
+    let Some(Expr::Name(place)) = call.arguments().next().map(|argument| argument.value()) else {
+        return Ok(());
+    };
+    let turned = place
+        .text()
+        .replace("top", "back")
+        .replace("bottom", "front");
+    let rows = CLOTH_POINTS
+        .iter()
+        .filter(|row| row.signature.name == call.name().text());
+    let mut sets = rows.filter_map(|row| match row.signature.args {
+        [arg] => match arg.kind {
+            Kind::NameOf(_, words) => Some(words),
+            _ => None,
+        },
+        _ => None,
+    });
+    if turned == place.text() || !sets.any(|set| set.iter().any(|word| word.name == turned)) {
+        return Ok(());
+    }
+    let message = format!("there is no {} `{}`", call.name().text(), place.text());
+    let help = format!("write `{turned}`: back is the top of the picture, front its bottom");
+    let diagnostic = Diagnostic::new(Code::UnknownName, place.span(), message).help(help);
+    Err(context.error(diagnostic.edit(place.span(), turned)))
+}
+
+// ---- points of the picture -----------------------------------------------------------------------
+
+/// Reads a point.
+pub(crate) fn point<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Point, Reported> {
+    match expr {
+        Expr::Path(path) => match path.text() {
+            "last.pick" => Ok(Point::Last { end: End::Pick }),
+            "last.place" => Ok(Point::Last { end: End::Place }),
+            text => {
+                Err(context.unknown_at("point", text, path.span(), ["last.pick", "last.place"]))
+            }
+        },
+        Expr::Call(call) if is_measure_of_point(call) => match measure(call, context)? {
+            Measure::Point(point) => Ok(point),
+            _ => Err(not_a_point(expr, context)),
+        },
+        Expr::Name(name) => named_point(name, context),
+        _ => Err(not_a_point(expr, context)),
+    }
+}
+
+fn not_a_point(expr: Expr<'_>, context: &mut Context<'_, '_>) -> Reported {
+    let diagnostic = context.unexpected(Code::WrongExpression, expr, "a point");
+    context.error(diagnostic.help("points are `pick`, `place`, `last.pick`, `last.place`, `mirror(…)` and keypoints that are one point"))
+}
+
+fn named_point(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<Point, Reported> {
+    let text = name.text().to_owned();
+    match context.names.get(&text) {
+        Some(Meaning::Field) => match context.actions.get(&text)? {
+            Some(field) if field.is_point() => Ok(Point::Action { field: text }),
+            Some(_) => {
+                let message = format!("expected a point, found `{text}`");
+                let diagnostic = Diagnostic::new(Code::WrongKindOfName, name.span(), message);
+                Err(context.error(diagnostic.label("this field of the action is no point")))
+            }
+            None => carried(name, context),
+        },
+        Some(Meaning::Keypoint(Some(KeypointShape::Point))) => Ok(Point::Keypoint { name: text }),
+        Some(Meaning::Keypoint(shape)) => Err(wrong_shape(name, shape, "one point", context)),
+        None if text == "last" => {
+            let message = "`last` is a condition, not a point";
+            let diagnostic = Diagnostic::new(Code::WrongExpression, name.span(), message);
+            Err(context.error(diagnostic.help("write `last.pick` or `last.place`")))
+        }
+        Some(Meaning::Text { .. }) | None => {
+            let candidates = context.names.that(is_point);
+            Err(context.unknown("point", name, candidates))
+        }
+    }
+}
+
+fn is_point(meaning: Meaning) -> bool {
+    matches!(
+        meaning,
+        Meaning::Field | Meaning::Keypoint(Some(KeypointShape::Point))
+    )
+}
+
+/// Returns where an action by direction and distance leads: the `place` that it does not declare.
+fn carried(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<Point, Reported> {
+    context.actions.complete?;
+    for field in ["pick", "direction", "distance"] {
+        if context.actions.get(field)?.is_none() {
+            return Err(context.unknown("point", name, []));
+        }
+    }
+    Ok(Point::Carried {
+        from: Box::new(Point::Action {
+            field: "pick".to_owned(),
+        }),
+        direction: "direction".to_owned(),
+        distance: "distance".to_owned(),
+        px_per_m: context.px_per_m()?,
+    })
+}
+
+/// Reads a place of a drawing: known before an action is proposed.
+fn spot<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Spot, Reported> {
+    if let Expr::Name(name) = expr
+        && context.names.get(name.text()) == Some(Meaning::Keypoint(Some(KeypointShape::Points)))
+    {
+        return Ok(Spot::Points {
+            keypoint: name.text().to_owned(),
+        });
+    }
+    let point = point(expr, context)?;
+    if point.uses().action {
+        return Err(uses::needs_action(expr.span(), context));
+    }
+    Ok(Spot::One { point })
+}
+
+// ---- directions ----------------------------------------------------------------------------------
+
+/// Returns whether an expression can only be a direction.
+pub(super) fn is_heading(expr: Expr<'_>, context: &Context<'_, '_>) -> bool {
+    match expr {
+        Expr::Heading(_) => true,
+        Expr::Path(path) => path
+            .text()
+            .strip_prefix("last.")
+            .is_some_and(|field| is_direction(field, context)),
+        Expr::Name(name) => is_direction(name.text(), context),
+        _ => false,
+    }
+}
+
+fn is_direction(name: &str, context: &Context<'_, '_>) -> bool {
+    let field = context.actions.get(name);
+    matches!(field, Ok(Some(field)) if matches!(field.choices, Choices::Directions { .. }))
+}
+
+/// Reads a direction.
+pub(crate) fn heading<'a>(
+    expr: Expr<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Heading, Reported> {
+    match expr {
+        Expr::Heading(heading) => {
+            let from = point(heading.from(), context);
+            let to = point(heading.to(), context);
+            Ok(Heading::FromTo {
+                from: from?,
+                to: to?,
+            })
+        }
+        Expr::Path(path) if is_heading(expr, context) => Ok(Heading::Last {
+            field: path.text().trim_start_matches("last.").to_owned(),
+        }),
+        Expr::Name(name) if is_direction(name.text(), context) => Ok(Heading::Field {
+            field: name.text().to_owned(),
+        }),
+        _ if quantity_of(expr, context)?.is_some() => Ok(Heading::Constant {
+            vector: vector_of(fixed_deg(expr, context)?),
+        }),
+        _ => {
+            if let Expr::Name(name) = expr {
+                // A field that is wrong is reported where it is declared.
+                context.actions.get(name.text())?;
+            }
+            let diagnostic = context.unexpected(Code::WrongExpression, expr, "a direction");
+            Err(context.error(diagnostic.help("write `from center to pick`, an angle such as `45deg`, or a field of the action that is a direction")))
+        }
+    }
+}
+
+/// Returns a fixed direction, degrees within one turn.
+pub(crate) fn fixed_deg<'a>(
+    expr: Expr<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<f64, Reported> {
+    match constant(expr, context)? {
+        Operand::Angle { deg, .. } => Ok(normalised_deg(deg)),
+        other => {
+            let message = format!("expected a direction, found {}", kind_of(&other));
+            let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
+            Err(context.error(
+                diagnostic.help(
+                    "write an angle such as `45deg`, counter-clockwise from the image's right",
+                ),
+            ))
+        }
+    }
+}
+
+fn direction_field(expr: Expr<'_>, context: &mut Context<'_, '_>) -> Result<String, Reported> {
+    if let Expr::Name(name) = expr {
+        if is_direction(name.text(), context) {
+            return Ok(name.text().to_owned());
+        }
+        context.actions.get(name.text())?;
+    }
+    let diagnostic = context.unexpected(Code::WrongExpression, expr, "a field that is a direction");
+    Err(context.error(diagnostic))
+}
+
+// ---- values --------------------------------------------------------------------------------------
+
+/// Where a length is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Frame {
+    Picture,
+    Table,
+}
+
+/// A value.
+#[derive(Clone, Debug)]
+pub(crate) enum Operand {
+    Length(FramedLength),
+    /// A fixed angle, degrees, and the unit that it is written in.
+    Angle {
+        deg: f64,
+        unit: &'static str,
+    },
+    Between {
+        a: Heading,
+        b: Heading,
+        unit: &'static str,
+    },
+    Number(f64),
+    Counted {
+        number: Number,
+        as_percent: AsPercent,
+    },
+    Point(Point),
+    Heading,
+    /// A field that is a word.
+    WordField(String),
+    Word(String),
+}
+
+/// Whether a fraction is written as a percentage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum AsPercent {
+    Yes,
+    No,
+}
+
+/// A length and the frame that it is compared in.
+#[derive(Clone, Debug)]
+pub(crate) struct FramedLength {
+    pub native: NativeLength,
+    pub frame: Frame,
+    /// The unit that it is written in.
+    pub unit: &'static str,
+}
+
+/// A length as it is known.
+#[derive(Clone, Debug)]
+pub(crate) enum NativeLength {
+    /// Pixels.
+    Picture(f64),
+    /// Metres.
+    Table(f64),
+    /// A measure of the picture, pixels.
+    Measured(Length),
+    /// A field that is a length on the table.
+    Field(String),
+}
+
+impl NativeLength {
+    fn is_table(&self) -> bool {
+        matches!(self, NativeLength::Table(_) | NativeLength::Field(_))
+    }
+
+    /// Returns the length in pixels or in metres.
+    pub fn in_frame(&self, frame: Frame, context: &Context<'_, '_>) -> Result<Length, Reported> {
+        let constant = |value: f64| Length::Constant { value };
+        Ok(match (self, frame) {
+            (NativeLength::Picture(px), Frame::Picture) => constant(*px),
+            (NativeLength::Picture(px), Frame::Table) => constant(px / context.px_per_m()?),
+            (NativeLength::Table(m), Frame::Table) => constant(*m),
+            (NativeLength::Table(m), Frame::Picture) => constant(m * context.px_per_m()?),
+            (NativeLength::Measured(length), _) => length.clone(),
+            (NativeLength::Field(field), frame) => Length::Field {
+                field: field.clone(),
+                scale: if frame == Frame::Table {
+                    1.0
+                } else {
+                    context.px_per_m()?
+                },
+            },
+        })
+    }
+}
+
+/// Returns the frame in which two lengths can both be known: the picture, where one is measured in it.
+pub(crate) fn common_frame(a: &NativeLength, b: &NativeLength) -> Frame {
+    if a.is_table() && b.is_table() {
+        Frame::Table
+    } else {
+        Frame::Picture
+    }
+}
+
+/// Reads a value.
+pub(crate) fn operand<'a>(
+    expr: Expr<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Operand, Reported> {
+    match expr {
+        Expr::Converted(converted) => {
+            let value = operand(converted.value(), context)?;
+            convert(value, converted.target(), context)
+        }
+        _ if quantity_of(expr, context)?.is_some() => constant(expr, context),
+        Expr::Name(name) => named(name, expr, context),
+        Expr::Path(_) | Expr::Heading(_) if is_heading(expr, context) => {
+            heading(expr, context).map(|_| Operand::Heading)
+        }
+        Expr::Path(_) => point(expr, context).map(Operand::Point),
+        Expr::Text(text) => text.plain().map(Operand::Word).ok_or_else(|| {
+            let message = "a word to compare with has no `{{ … }}`";
+            context.fault(Code::WrongExpression, expr.span(), message)
+        }),
+        Expr::Call(call) => Ok(match measure(call, context)? {
+            Measure::Length(length) => Operand::Length(FramedLength {
+                native: NativeLength::Measured(length),
+                frame: Frame::Picture,
+                unit: "px",
+            }),
+            Measure::Angle { a, b } => Operand::Between { a, b, unit: "deg" },
+            Measure::Number(number) => Operand::Counted {
+                number,
+                as_percent: AsPercent::No,
+            },
+            Measure::Point(point) => Operand::Point(point),
+            Measure::Nearest { .. } => {
+                let message = format!(
+                    "`{0}` is written in texts, as `{{{{ {0}(…) }}}}`",
+                    call.name().text()
+                );
+                return Err(context.fault(Code::WrongExpression, expr.span(), message));
+            }
+        }),
+        _ => {
+            let diagnostic = context.unexpected(Code::WrongExpression, expr, "a value");
+            Err(context.error(diagnostic.help("write such as `distance(pick, place)` or `10px`")))
+        }
+    }
+}
+
+fn is_measure_of_point(call: Call<'_>) -> bool {
+    let mut rows = MEASURES.iter().map(|row| row.signature);
+    rows.any(|row| row.name == call.name().text() && row.gives == "a point")
+}
+
+/// Reads a measure: `distance(pick, place)`.
+pub(super) fn measure<'a>(
+    call: Call<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Measure, Reported> {
+    let signatures = MEASURES.iter().map(|row| &row.signature);
+    let (row, args, _) = self::call("measure", call, signatures, Scope::Everywhere, context)?;
+    let px_per_m = context.px_per_m();
+    let flat_px = context
+        .area_m2()
+        .and_then(|area_m2| Ok(area_m2 * px_per_m? * px_per_m?));
+    match MEASURES[row].measure(&args, flat_px.ok()) {
+        Some(measure) => Ok(measure),
+        // Only where cloth or camera are wrong is there no flat cloth to compare with.
+        None => Err(flat_px
+            .err()
+            .unwrap_or_else(|| context.unknown("measure", call.name(), []))),
+    }
+}
+
+fn constant<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Operand, Reported> {
+    let Some(found) = measured(expr, context)? else {
+        let diagnostic = context.unexpected(Code::WrongExpression, expr, "a number and its unit");
+        return Err(context.error(diagnostic));
+    };
+    // Numbers of absurd size would overflow when they are squared.
+    if found.value.abs() > 1e6 {
+        let help = "accepted are values up to a million in pixels, metres or degrees";
+        return Err(out_of_range(expr, help, context));
+    }
+    let is_length = matches!(found.dimension, Dimension::Length | Dimension::Pixels);
+    if is_length && found.value < 0.0 {
+        return Err(out_of_range(expr, "a length is never negative", context));
+    }
+    let unit = found.unit;
+    let length = |native, frame| {
+        Operand::Length(FramedLength {
+            native,
+            frame,
+            unit,
+        })
+    };
+    Ok(match found.dimension {
+        Dimension::Pixels => length(NativeLength::Picture(found.value), Frame::Picture),
+        Dimension::Length => length(NativeLength::Table(found.value), Frame::Table),
+        // Whole degrees stay whole: they are not passed through radians.
+        Dimension::Angle => Operand::Angle {
+            deg: found.deg(),
+            unit,
+        },
+        Dimension::Number => Operand::Number(found.value),
+    })
+}
+
+fn named<'a>(
+    name: Name<'a>,
+    expr: Expr<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Operand, Reported> {
+    let text = name.text();
+    match context.names.get(text) {
+        Some(Meaning::Field) => match context.actions.get(text)?.map(|field| &field.choices) {
+            Some(Choices::Lengths { unit, .. }) => Ok(Operand::Length(FramedLength {
+                native: NativeLength::Field(text.to_owned()),
+                frame: Frame::Table,
+                unit: unit.name,
+            })),
+            Some(Choices::Directions { .. }) => Ok(Operand::Heading),
+            Some(Choices::Words { .. }) => Ok(Operand::WordField(text.to_owned())),
+            _ => point(expr, context).map(Operand::Point),
+        },
+        None if text == "step" => Ok(Operand::Counted {
+            number: Number::Step,
+            as_percent: AsPercent::No,
+        }),
+        None if text != "last" => {
+            let mut candidates = context.names.that(is_point);
+            candidates.extend(context.constants.keys());
+            Err(context.unknown("value", name, candidates))
+        }
+        _ => point(expr, context).map(Operand::Point),
+    }
+}
+
+fn convert(
+    value: Operand,
+    target: Name<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<Operand, Reported> {
+    let found = units::find(target.text());
+    let unit = found.map_or("", |unit| unit.name);
+    Ok(match (value, found.map(|unit| unit.dimension)) {
+        (Operand::Length(length), Some(Dimension::Pixels)) => Operand::Length(FramedLength {
+            frame: Frame::Picture,
+            unit,
+            ..length
+        }),
+        (Operand::Length(length), Some(Dimension::Length)) => Operand::Length(FramedLength {
+            frame: Frame::Table,
+            unit,
+            ..length
+        }),
+        (Operand::Angle { deg, .. }, Some(Dimension::Angle)) => Operand::Angle { deg, unit },
+        (Operand::Between { a, b, .. }, Some(Dimension::Angle)) => Operand::Between { a, b, unit },
+        (Operand::Counted { number, .. }, None) if target.text() == "percent" => Operand::Counted {
+            number,
+            as_percent: AsPercent::Yes,
+        },
+        (value, _) => {
+            let message = format!("{} has no size in `{}`", kind_of(&value), target.text());
+            return Err(no_conversion(target, message, context));
+        }
+    })
+}
+
+/// Says what a value is.
+pub(crate) fn kind_of(value: &Operand) -> &'static str {
+    match value {
+        Operand::Length(FramedLength {
+            frame: Frame::Picture,
+            ..
+        }) => "a length in the picture",
+        Operand::Length(_) => "a length on the table",
+        Operand::Angle { .. } | Operand::Between { .. } => "an angle",
+        Operand::Number(_) | Operand::Counted { .. } => "a number",
+        Operand::Point(_) => "a point",
+        Operand::Heading => "a direction",
+        Operand::WordField(_) | Operand::Word(_) => "a word",
+    }
+}

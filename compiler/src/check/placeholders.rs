@@ -1,0 +1,408 @@
+//! Texts become templates: each `{{ … }}` is looked up, and everything else stands for itself.
+//!
+//! In: a text, where it is said, and what is known of the task. Out: a [`Template`] in the portable Jinja subset. A
+//! value that is known already is written into it; one that is known only when the text is said becomes a variable. A
+//! `{` that Jinja could take for its own is escaped.
+
+use super::context::Context;
+use super::expressions::{
+    AsPercent, Frame, FramedLength, NativeLength, Operand, measure, operand, wrong_shape,
+};
+use super::names::Meaning;
+use super::uses::{needs_action, needs_last};
+use crate::diag::{Code, Diagnostic, Reported};
+use crate::lang::conditions::UNREACHABLE;
+use fab_grammar::Span;
+use fab_grammar::ast::{Expr, Name, Path, Piece, Text};
+use fab_program::Depends;
+use fab_program::measures::Measure;
+use fab_program::render::Jinja;
+use fab_program::space::{self, DECIMALS};
+use fab_program::units::{self, Unit};
+use fab_program::{
+    Choices, Condition, KeypointShape, Length, NumberFormat, OVERLAP, Placeholder, Point, Template,
+    Variable, exact,
+};
+use std::collections::BTreeMap;
+
+/// The most bytes of one text.
+const MAX_TEXT_BYTES: usize = 16 << 10;
+
+/// The placeholder that spells out the answer's format.
+const FORMAT: &str = "actions.format";
+
+/// The placeholder that says how a point is written.
+const POINTS: &str = "actions.points";
+
+/// Where a text is said, which decides what it may name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TextPlace {
+    /// In the stage of this number: keypoints, and what earlier stages read.
+    Stage(usize),
+    /// In the message of a check: all of these and the action's fields.
+    Message,
+    /// In the message about a step's result: keypoints, and the overlap.
+    Result,
+    /// Nowhere yet: a component that no stage says.
+    Nowhere,
+}
+
+/// Where and under which condition a text is said.
+#[derive(Clone, Copy)]
+pub(crate) struct TextScope<'s> {
+    pub place: TextPlace,
+    /// Whether the text is said only where there was an action before.
+    pub has_last: bool,
+    /// What introduces the text, for advice on its condition.
+    pub guarded: &'s str,
+}
+
+impl TextScope<'_> {
+    /// Reports a value that depends on the action before, unless there always was one.
+    fn require_last(self, span: Span, context: &mut Context<'_, '_>) -> Result<(), Reported> {
+        if self.has_last || self.place == TextPlace::Nowhere {
+            return Ok(());
+        }
+        Err(needs_last(span, self.guarded, context))
+    }
+}
+
+/// Builds the template of a text.
+pub(crate) fn template<'a>(
+    name: &str,
+    text: Text<'a>,
+    when: Option<Condition>,
+    scope: TextScope<'_>,
+    context: &mut Context<'a, '_>,
+) -> Result<Template, Reported> {
+    let n_bytes = text.literal_bytes();
+    if text.is_blank() {
+        return Err(context.fault(Code::EmptyText, text.span(), "the text is empty"));
+    }
+    if n_bytes > MAX_TEXT_BYTES {
+        let message =
+            format!("the text has {n_bytes} bytes, at most {MAX_TEXT_BYTES} are accepted");
+        return Err(context.fault(Code::TextTooLong, text.span(), message));
+    }
+    single_braces(text, context);
+    let mut jinja = Jinja::default();
+    let mut variables: BTreeMap<String, Placeholder> = BTreeMap::new();
+    let mut all = Ok(());
+    for piece in text.pieces() {
+        let expr = match piece {
+            Piece::Literal(literal) => {
+                jinja.literal(&literal);
+                continue;
+            }
+            Piece::Value(expr) => expr,
+        };
+        match resolve(expr, scope, context) {
+            Ok(Resolved::Words(words)) => jinja.literal(&words),
+            Ok(Resolved::Later(value)) => {
+                let written = context.loaded.written(expr.span());
+                let name = context.variables.name(&value, written);
+                jinja.variable(&name);
+                variables.insert(name, *value);
+            }
+            Err(reported) => all = Err(reported),
+        }
+    }
+    all?;
+    let (declared_in, line) = context.loaded.place(text.span().file, text.start());
+    let variables = variables
+        .into_iter()
+        .map(|(name, value)| Variable { name, value })
+        .collect();
+    Ok(Template {
+        name: name.to_owned(),
+        when,
+        text: jinja.finish(),
+        variables,
+        declared_in,
+        line,
+    })
+}
+
+/// Warns of `{name}` where the name has a value: a brace was probably forgotten.
+fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
+    const LONGEST: usize = 64;
+    let span = text.span();
+    let source = context.loaded.written(span);
+    for (at, _) in source.match_indices('{') {
+        let rest = &source[at + 1..];
+        let Some(length) = rest.bytes().take(LONGEST).position(|byte| byte == b'}') else {
+            continue;
+        };
+        let name = rest[..length].trim_matches(' ');
+        let is_value = context.names.get(name).is_some()
+            || context.constants.contains_key(name)
+            || context.layers.contains_key(name)
+            || [FORMAT, POINTS].contains(&name);
+        // Two braces are a placeholder, or behind wrong quotes reported already.
+        let is_double = source[..at].ends_with('{') || rest[length + 1..].starts_with('}');
+        if !is_value || is_double {
+            continue;
+        }
+        let range = at..at + length + 2;
+        let written = &source[range.clone()];
+        let message = format!("`{written}` stands for itself, not for the value `{name}`");
+        let span = Span::new(span.file, span.start + range.start..span.start + range.end);
+        let diagnostic = Diagnostic::new(Code::SingleBraces, span, message);
+        context.remark(diagnostic.help(format!("write `{{{{ {name} }}}}` for the value")));
+    }
+}
+
+// ---- placeholders --------------------------------------------------------------------------------
+
+/// What a placeholder becomes.
+enum Resolved {
+    /// Words that are known now.
+    Words(String),
+    /// A value that is known when the text is said.
+    Later(Box<Placeholder>),
+}
+
+fn later(value: Placeholder) -> Resolved {
+    Resolved::Later(Box::new(value))
+}
+
+/// Finds what a placeholder stands for, and reports what is not known where the text is said.
+fn resolve<'a>(
+    expr: Expr<'a>,
+    scope: TextScope<'_>,
+    context: &mut Context<'a, '_>,
+) -> Result<Resolved, Reported> {
+    let resolved = match expr {
+        Expr::Name(name) if !context.constants.contains_key(name.text()) => {
+            named(name, scope, context)?
+        }
+        Expr::Path(path) => dotted(path, context)?,
+        Expr::Call(call) => match measure(call, context)? {
+            Measure::Nearest { field, to } => later(Placeholder::Nearest { field, to }),
+            _ => written(expr, context)?,
+        },
+        _ => written(expr, context)?,
+    };
+    if let Resolved::Later(value) = &resolved {
+        let uses = value.uses();
+        if uses.action && matches!(scope.place, TextPlace::Stage(_) | TextPlace::Result) {
+            return Err(needs_action(expr.span(), context));
+        }
+        if uses.last {
+            scope.require_last(expr.span(), context)?;
+        }
+    }
+    Ok(resolved)
+}
+
+fn named<'a>(
+    name: Name<'a>,
+    scope: TextScope<'_>,
+    context: &mut Context<'a, '_>,
+) -> Result<Resolved, Reported> {
+    let text = name.text().to_owned();
+    if let Some(layer) = context.layers.get(name.text()) {
+        let layer = layer.as_ref().map_err(|reported| *reported)?;
+        let (words, uses_last) = (layer.words.clone(), layer.uses_last());
+        if uses_last {
+            scope.require_last(name.span(), context)?;
+        }
+        context.named_layers.push((text, name.span()));
+        return Ok(Resolved::Words(words));
+    }
+    Ok(later(match context.names.get(name.text()) {
+        Some(Meaning::Keypoint(Some(KeypointShape::Points))) => {
+            Placeholder::Points { keypoint: text }
+        }
+        Some(Meaning::Keypoint(Some(KeypointShape::Point))) => Placeholder::Point {
+            point: Point::Keypoint { name: text },
+        },
+        Some(Meaning::Keypoint(shape)) => {
+            let wanted = "something that can be written as text";
+            return Err(wrong_shape(name, shape, wanted, context));
+        }
+        Some(Meaning::Text { stage }) => {
+            let is_read = match scope.place {
+                TextPlace::Stage(here) => stage < here,
+                TextPlace::Message | TextPlace::Nowhere => true,
+                TextPlace::Result => false,
+            };
+            if !is_read {
+                let message = format!("`{text}` is not read before this stage");
+                let diagnostic = Diagnostic::new(Code::NotYetKnown, name.span(), message);
+                return Err(context.error(diagnostic.help(
+                    "stages run in order; a text is known to the stages after the one that reads it",
+                )));
+            }
+            Placeholder::Text { name: text }
+        }
+        Some(Meaning::Field) => match context.actions.get(name.text())? {
+            Some(_) => Placeholder::Field { field: text },
+            // The place that a direction and a distance lead to.
+            None => return written(Expr::Name(name), context),
+        },
+        None if text == OVERLAP && scope.place == TextPlace::Result => {
+            Placeholder::Text { name: text }
+        }
+        None if text == UNREACHABLE => Placeholder::Unreachable,
+        None if text == "step" => return written(Expr::Name(name), context),
+        None => {
+            let candidates = candidates(scope.place, context);
+            return Err(context.unknown("value", name, candidates));
+        }
+    }))
+}
+
+/// Returns the names that a text could name in its place.
+fn candidates<'a>(place: TextPlace, context: &Context<'a, '_>) -> Vec<&'a str> {
+    let mut names = context.names.that(|meaning| match (meaning, place) {
+        (Meaning::Keypoint(shape), _) => {
+            matches!(shape, Some(KeypointShape::Points | KeypointShape::Point))
+        }
+        (Meaning::Text { stage }, TextPlace::Stage(here)) => stage < here,
+        (Meaning::Field, TextPlace::Stage(_)) | (_, TextPlace::Result) => false,
+        (_, TextPlace::Message | TextPlace::Nowhere) => true,
+    });
+    names.extend(context.constants.keys());
+    names.extend(context.layers.keys());
+    names.extend([FORMAT, POINTS]);
+    names
+}
+
+/// Finds `actions.format`, `FIELD.choices`, `last.pick` and the like.
+fn dotted<'a>(path: Path<'a>, context: &mut Context<'a, '_>) -> Result<Resolved, Reported> {
+    let text = path.text();
+    match text {
+        FORMAT => return Ok(later(Placeholder::Format)),
+        POINTS => return Ok(later(Placeholder::PointForm)),
+        "last.pick" | "last.place" => return written(Expr::Path(path), context),
+        _ => {}
+    }
+    let of_choices = text.strip_suffix(".choices");
+    if let Some(name) = of_choices
+        && let Some(field) = context.actions.get(name)?
+    {
+        return Ok(match &field.choices {
+            Choices::Points { .. } => later(Placeholder::Choices {
+                field: name.to_owned(),
+            }),
+            Choices::Region { mask } => Resolved::Words(space::any_of(mask)),
+            _ => Resolved::Words(space::listed(field, &space::declared(field))),
+        });
+    }
+    let of_last = text.strip_prefix("last.");
+    if let Some(name) = of_last
+        && context.actions.get(name)?.is_some()
+    {
+        return Ok(later(Placeholder::LastField {
+            field: name.to_owned(),
+        }));
+    }
+    // A field that the action lacks is reported where the action is declared.
+    if of_choices
+        .or(of_last)
+        .and_then(|name| context.names.get(name))
+        == Some(Meaning::Field)
+    {
+        context.actions.complete?;
+    }
+    let choices = context
+        .actions
+        .right()
+        .map(|field| format!("{}.choices", field.name));
+    let choices: Vec<String> = choices.collect();
+    let known = [FORMAT, POINTS, "last.pick", "last.place"].into_iter();
+    let known = known.chain(choices.iter().map(String::as_str));
+    Err(context.unknown_at("value", text, path.span(), known))
+}
+
+// ---- how values are written ----------------------------------------------------------------------
+
+/// Writes any value.
+fn written<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Resolved, Reported> {
+    let plain = |factor, decimals, unit: &str| NumberFormat {
+        factor,
+        decimals,
+        unit: unit.to_owned(),
+    };
+    Ok(match operand(expr, context)? {
+        Operand::Length(length) => self::length(&length, context)?,
+        Operand::Angle { deg, unit } => Resolved::Words(number(deg, &of_degrees(unit))),
+        Operand::Between { a, b, unit } => later(Placeholder::Angle {
+            a,
+            b,
+            written: of_degrees(unit),
+        }),
+        Operand::Number(value) => Resolved::Words(exact::written(value, DECIMALS)),
+        Operand::Counted { number, as_percent } => {
+            let written = match as_percent {
+                AsPercent::Yes => plain(100.0, 0, "%"),
+                AsPercent::No => plain(1.0, 3, ""),
+            };
+            later(Placeholder::Number { number, written })
+        }
+        Operand::Point(point) => later(Placeholder::Point { point }),
+        Operand::WordField(field) => later(Placeholder::Field { field }),
+        Operand::Word(word) => Resolved::Words(word),
+        Operand::Heading => {
+            let message = format!(
+                "the direction `{}` has no text",
+                context.written(expr.span())
+            );
+            let diagnostic = Diagnostic::new(Code::WrongExpression, expr.span(), message);
+            return Err(context.error(
+                diagnostic
+                    .help("write `nearest(direction, …)` for the choice that is nearest to it"),
+            ));
+        }
+    })
+}
+
+fn unit(name: &str) -> &'static Unit {
+    units::find(name).expect("the unit of a value is one of the units")
+}
+
+/// Says how a number is written in a unit.
+///
+/// - `factor`: what the number is multiplied by to be in the unit.
+fn in_unit(unit: &Unit, factor: f64) -> NumberFormat {
+    NumberFormat {
+        factor,
+        decimals: unit.decimals,
+        unit: format!(" {}", unit.name),
+    }
+}
+
+/// Says how degrees are written in a unit of angles.
+fn of_degrees(name: &str) -> NumberFormat {
+    let unit = unit(name);
+    in_unit(unit, units::base((1.0, "deg")) / unit.size)
+}
+
+fn length(length: &FramedLength, context: &Context<'_, '_>) -> Result<Resolved, Reported> {
+    let unit = unit(length.unit);
+    let size = if unit.size.is_nan() {
+        context.edge_m()?
+    } else {
+        unit.size
+    };
+    // A measure of the picture stays in pixels, also where it is written as a length on the table.
+    let is_measured = matches!(length.native, NativeLength::Measured(_));
+    let base = match length.frame {
+        Frame::Table if is_measured => context.px_per_m()?,
+        Frame::Table | Frame::Picture => 1.0,
+    };
+    let written = in_unit(unit, 1.0 / size / base);
+    Ok(match length.native.in_frame(length.frame, context)? {
+        // How long a pixel is depends on the picture that the model is sent, which is known later.
+        Length::Constant { value } if length.frame == Frame::Table => {
+            Resolved::Words(number(value, &written))
+        }
+        length => later(Placeholder::Length { length, written }),
+    })
+}
+
+fn number(value: f64, written: &NumberFormat) -> String {
+    let digits = exact::written(value * written.factor, usize::from(written.decimals));
+    format!("{digits}{}", written.unit)
+}

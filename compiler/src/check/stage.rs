@@ -1,0 +1,669 @@
+//! `stage plan { model text … say … read action }`: the questions to models, and the texts in them.
+//!
+//! In: the stages and components of a task. Out: a stage for each declaration, and a template for each text that one
+//! says. Examples are read in [`super::examples`], the values in texts in [`super::placeholders`].
+
+use super::conditions;
+use super::context::Context;
+use super::examples;
+use super::placeholders::{TextPlace, TextScope, template};
+use super::quantity::{read as read_number, read_whole};
+use super::uses::{needs_action, needs_last};
+use crate::diag::{Code, Diagnostic, Reported, among};
+use crate::lang::stage::{DRAWINGS, MODELS, PICTURE_ROWS, PICTURES, SETTINGS};
+use crate::merge::{Merged, once, unique};
+use fab_grammar::Span;
+use fab_grammar::ast::{self, Expr, Name, Saying, Sayings, Text};
+use fab_program::Depends;
+use fab_program::vocabulary::Kind;
+use fab_program::{self as program, Condition, Layers, ModelRole, Picture, Read, Template};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The most bytes that all texts of one stage may have.
+const MAX_STAGE_BYTES: usize = 64 << 10;
+
+/// The most stages: each is a model call per step.
+const MAX_STAGES: usize = 16;
+
+/// The most pictures in one question.
+const MAX_PICTURES: usize = 16;
+
+/// The stages, and every text that they say.
+pub(crate) struct Prompts {
+    /// In the order of their declarations.
+    pub stages: Vec<Result<program::Stage, Reported>>,
+    pub templates: Vec<Result<Template, Reported>>,
+}
+
+/// Builds the stages of a task and their texts.
+pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> Prompts {
+    let n_stages = merged.stages.len();
+    let beyond = merged
+        .stages
+        .iter()
+        .nth(MAX_STAGES)
+        .map(|stage| stage.name().span());
+    let within = context.bounded(beyond, || {
+        format!("there are {n_stages} stages, at most {MAX_STAGES} are accepted")
+    });
+    if let Err(reported) = within {
+        return Prompts {
+            stages: vec![Err(reported); n_stages],
+            templates: Vec::new(),
+        };
+    }
+    let mut builder = Builder {
+        merged,
+        templates: Vec::new(),
+        places: BTreeMap::new(),
+        said: BTreeMap::new(),
+        layers: Vec::new(),
+    };
+    let stages = merged.stages.iter().enumerate();
+    let stages = stages
+        .map(|(number, stage)| builder.stage(number, stage, context))
+        .collect();
+    action_readers(merged, context);
+    read_names(merged, context);
+    builder.unsaid(context);
+    builder.layers(context);
+    Prompts {
+        stages,
+        templates: builder.in_order(),
+    }
+}
+
+/// Reports where the action is not read by the last stage alone.
+fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+    let mut earlier = merged.stages.iter();
+    let Some(last) = earlier.next_back() else {
+        return;
+    };
+    let action = |stage: ast::Stage<'_>| {
+        let read = stage.read().find(|read| read.name().text() == "action");
+        read.map(|read| read.span())
+    };
+    let report = |span, message| Diagnostic::new(Code::ActionReadElsewhere, span, message);
+    for stage in earlier {
+        if let Some(span) = action(stage) {
+            let name = stage.name().text();
+            let message = format!("`{name}` reads the action, but it is not the last stage");
+            context.error(report(span, message).also(last.name().span(), "this is the last stage"));
+        }
+    }
+    if let (None, Some(read)) = (action(last), last.read().next()) {
+        let name = last.name().text();
+        let message = format!("the last stage, `{name}`, does not read the action");
+        context.error(report(read.span(), message).help("write `read action`"));
+    }
+}
+
+/// Reports texts that are read under a name that something else has.
+fn read_names(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+    let keypoints = merged.keypoints.iter().map(|keypoint| keypoint.name());
+    let fields = merged.actions.into_iter().flat_map(|part| part.fields());
+    let reads = merged
+        .stages
+        .iter()
+        .flat_map(|stage| stage.read())
+        .map(|read| read.name());
+    let texts = reads.filter(|name| name.text() != "action");
+    unique(
+        keypoints
+            .chain(fields.map(|field| field.name()))
+            .chain(texts),
+        "name",
+        context.report,
+    );
+}
+
+/// Builds the condition under which a component is said.
+pub(crate) fn guard<'a>(
+    expr: Expr<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Condition, Reported> {
+    let when = conditions::check(expr, context)?;
+    let uses = when.uses();
+    if uses.action {
+        return Err(needs_action(expr.span(), context));
+    }
+    if uses.last && !when.implies_last() {
+        return Err(needs_last(expr.span(), "… when last and …", context));
+    }
+    Ok(when)
+}
+
+/// The layers that a stage's texts name, and whether one of its pictures shows them.
+struct StageLayers {
+    named: Vec<(String, Span)>,
+    shown: Result<bool, Reported>,
+}
+
+struct Builder<'m, 'a> {
+    merged: &'m Merged<'a>,
+    templates: Vec<(String, Result<Template, Reported>)>,
+    /// Where each template is, by its name.
+    places: BTreeMap<String, usize>,
+    /// Each component that a stage says, with the last stage that says it.
+    said: BTreeMap<&'a str, usize>,
+    /// For each stage.
+    layers: Vec<StageLayers>,
+}
+
+impl<'a> Builder<'_, 'a> {
+    fn stage(
+        &mut self,
+        number: usize,
+        stage: ast::Stage<'a>,
+        context: &mut Context<'a, '_>,
+    ) -> Result<program::Stage, Reported> {
+        let model = once(stage.model(), "model", ast::Model::span, context.report);
+        let show = once(stage.show(), "show", ast::Show::span, context.report);
+        let say = once(stage.say(), "say", Sayings::span, context.report);
+        let system = once(stage.system(), "system", Sayings::span, context.report);
+        let read = once(stage.read(), "read", ast::Read::span, context.report);
+        let model = required(
+            model,
+            "model",
+            "write `model vision` or `model text`",
+            stage,
+            context,
+        );
+        let say = required(
+            say,
+            "say",
+            "write `say` and components or a text",
+            stage,
+            context,
+        );
+        let how = "write `read action`, or `read NAME from \"…{NAME}\"`";
+        let read = required(read, "read", how, stage, context);
+
+        let (role, settings) = match model {
+            Ok(line) => self::model(line, context),
+            Err(reported) => (Err(reported), Err(reported)),
+        };
+        let pictures = show.map_or(Vec::new(), |line| self::pictures(line, context));
+        let showable = show.map_or(Ok(()), |line| {
+            let role = role.and_then(|role| Ok((role, model?)));
+            self.showable(stage, line, role, &pictures, context)
+        });
+
+        context.named_layers.clear();
+        let system = system.map_or(Ok(Vec::new()), |line| {
+            self.sayings(number, stage, "system", line, context)
+        });
+        let say = say.and_then(|line| self.sayings(number, stage, "say", line, context));
+        let names = system.iter().chain(say.iter()).flatten();
+        let n_bytes: usize = names.map(|name| self.n_bytes(name)).sum();
+        let beyond = (n_bytes > MAX_STAGE_BYTES).then(|| {
+            let name = stage.name();
+            let message = format!(
+                "the texts of `{}` have {n_bytes} bytes, at most {MAX_STAGE_BYTES} are accepted",
+                name.text()
+            );
+            context.fault(Code::TextTooLong, name.span(), message)
+        });
+        let named = std::mem::take(&mut context.named_layers);
+        self.layers.push(StageLayers {
+            named,
+            shown: shows_layers(&pictures),
+        });
+
+        let read = read.and_then(|line| self::read(line, context));
+        let examples = examples::check(stage, role, read.as_ref().map_err(|it| *it), context);
+        showable?;
+        beyond.map_or(Ok(()), Err)?;
+        let settings = settings?;
+        Ok(program::Stage {
+            name: stage.name().text().to_owned(),
+            model: role?,
+            temperature: settings.get("temperature").copied(),
+            top_p: settings.get("top_p").copied(),
+            max_tokens: settings.get("tokens").map(|tokens| *tokens as u32),
+            system: system?,
+            examples: examples.into_iter().collect::<Result<_, _>>()?,
+            say: say?,
+            show: pictures.into_iter().collect::<Result<_, _>>()?,
+            read: read?,
+        })
+    }
+
+    /// Reports pictures for a model that sees none, and layers to draw where none are declared.
+    fn showable(
+        &self,
+        stage: ast::Stage<'a>,
+        show: ast::Show<'a>,
+        model: Result<(ModelRole, ast::Model<'a>), Reported>,
+        pictures: &[Result<Picture, Reported>],
+        context: &mut Context<'a, '_>,
+    ) -> Result<(), Reported> {
+        let mut all = Ok(());
+        if let Ok((ModelRole::Text, model)) = model {
+            let message = format!(
+                "the text model of `{}` is shown pictures",
+                stage.name().text()
+            );
+            let diagnostic = Diagnostic::new(Code::PicturesForTextModel, show.span(), message);
+            let diagnostic = diagnostic.help("write `model vision`, or remove `show`");
+            all = Err(context.error(diagnostic.also(model.span(), "asks a text model")));
+        }
+        if let (Ok(true), None) = (shows_layers(pictures), self.merged.annotate) {
+            let message = "no annotations are declared";
+            let diagnostic = Diagnostic::new(Code::NothingToDraw, show.span(), message);
+            let help = "add `annotate { … }`, or write `show scene`";
+            all = Err(context.error(diagnostic.help(help)));
+        }
+        all
+    }
+
+    // ---- texts -----------------------------------------------------------------------------------
+
+    /// Returns the names of the templates that a line says, and builds each that is not built yet.
+    fn sayings(
+        &mut self,
+        number: usize,
+        stage: ast::Stage<'a>,
+        part: &str,
+        line: Sayings<'a>,
+        context: &mut Context<'a, '_>,
+    ) -> Result<Vec<String>, Reported> {
+        let mut names = Vec::new();
+        let mut n_texts = 0;
+        let mut all = Ok(());
+        for saying in line.list() {
+            match saying {
+                Saying::Component(name) => match self.component(number, name, context) {
+                    Ok(name) => names.extend(name),
+                    Err(reported) => all = Err(reported),
+                },
+                Saying::Text(text) => {
+                    n_texts += 1;
+                    let suffix = if n_texts == 1 {
+                        String::new()
+                    } else {
+                        format!(".{n_texts}")
+                    };
+                    let name = format!("{}.{part}{suffix}", stage.name().text());
+                    self.build(&name, "component NAME", text, Ok(None), number, context);
+                    names.push(name);
+                }
+            }
+        }
+        all?;
+        if names.is_empty() && part == "say" {
+            let message = format!("nothing is left for `{}` to say", stage.name().text());
+            let span = self.merged.task.name().span();
+            let diagnostic = Diagnostic::new(Code::StageIncomplete, span, message);
+            return Err(context.error(diagnostic.also(line.span(), "all of this is left out")));
+        }
+        Ok(names)
+    }
+
+    /// Returns the name of a component's template; nothing for a component that is left out.
+    fn component(
+        &mut self,
+        number: usize,
+        name: Name<'a>,
+        context: &mut Context<'a, '_>,
+    ) -> Result<Option<String>, Reported> {
+        let text = name.text();
+        let Some(component) = self.merged.components.get(text) else {
+            if self.merged.removed.contains(text) {
+                return Ok(None);
+            }
+            let all = self
+                .merged
+                .components
+                .iter()
+                .map(|component| component.name().text());
+            return Err(context.unknown("component", name, all));
+        };
+        // Checked again in each stage that says it, because later stages know more names.
+        if self.said.insert(text, number) != Some(number) {
+            let when = component
+                .when()
+                .map(|expr| guard(expr, context))
+                .transpose();
+            let guarded = format!("component {text}");
+            self.build(text, &guarded, component.text(), when, number, context);
+        }
+        Ok(Some(text.to_owned()))
+    }
+
+    /// Builds a template, or checks one that is built for another stage too.
+    ///
+    /// - `guarded`: how the declaration of a component begins that can say the text under a condition.
+    fn build(
+        &mut self,
+        name: &str,
+        guarded: &str,
+        text: Text<'a>,
+        when: Result<Option<Condition>, Reported>,
+        stage: usize,
+        context: &mut Context<'a, '_>,
+    ) {
+        let has_last = match &when {
+            Ok(when) => when.as_ref().is_some_and(Condition::implies_last),
+            // The text is checked as if the condition were right.
+            Err(_) => true,
+        };
+        let scope = TextScope {
+            place: TextPlace::Stage(stage),
+            has_last,
+            guarded,
+        };
+        let template = match when {
+            Ok(when) => template(name, text, when, scope, context),
+            Err(reported) => template(name, text, None, scope, context).and(Err(reported)),
+        };
+        match self.places.get(name) {
+            Some(place) if template.is_err() => self.templates[*place].1 = template,
+            Some(_) => {}
+            None => {
+                self.places.insert(name.to_owned(), self.templates.len());
+                self.templates.push((name.to_owned(), template));
+            }
+        }
+    }
+
+    /// Returns the length of a template that is right.
+    fn n_bytes(&self, name: &str) -> usize {
+        let template = self.places.get(name).map(|place| &self.templates[*place].1);
+        template.map_or(0, |template| {
+            template.as_ref().map_or(0, |it| it.text.len())
+        })
+    }
+
+    /// Returns the components as they are declared, then the texts of the stages.
+    fn in_order(self) -> Vec<Result<Template, Reported>> {
+        let components = &self.merged.components;
+        let mut templates = self.templates;
+        templates.sort_by_key(|(name, _)| components.place(name).unwrap_or(usize::MAX));
+        templates
+            .into_iter()
+            .map(|(_, template)| template)
+            .collect()
+    }
+
+    // ---- all stages together ---------------------------------------------------------------------
+
+    /// Checks the components that no stage says, and warns of those that the task itself declares.
+    fn unsaid(&mut self, context: &mut Context<'a, '_>) {
+        let merged = self.merged;
+        let own: BTreeSet<Span> = merged
+            .task
+            .body()
+            .components()
+            .map(|component| component.name().span())
+            .collect();
+        let can_say = !merged.stages.is_empty() && merged.missing_base.is_none();
+        for component in merged.components.iter() {
+            let name = component.name();
+            if self.said.contains_key(name.text()) {
+                continue;
+            }
+            let when = component
+                .when()
+                .map(|expr| guard(expr, context))
+                .transpose();
+            let scope = TextScope {
+                place: TextPlace::Nowhere,
+                has_last: true,
+                guarded: "",
+            };
+            let template = template(name.text(), component.text(), None, scope, context);
+            if let Err(reported) = when.and(template) {
+                self.templates.push((name.text().to_owned(), Err(reported)));
+            }
+            if can_say && own.contains(&name.span()) {
+                let message = format!("the component `{}` is said nowhere", name.text());
+                let diagnostic = Diagnostic::new(Code::SaidNowhere, name.span(), message);
+                let help = "name it in a stage's `say` or `system`, or remove it";
+                context.remark(diagnostic.help(help));
+            }
+        }
+    }
+
+    /// Reports layers that are drawn and not named, or named and not drawn.
+    fn layers(&self, context: &mut Context<'a, '_>) {
+        for stage in &self.layers {
+            for (layer, span) in stage.named.iter().filter(|_| stage.shown == Ok(false)) {
+                let message = format!("no picture of this stage shows `{layer}`");
+                let diagnostic = Diagnostic::new(Code::LayerNotShown, *span, message);
+                let help = "write `show scene with annotations` in the stage";
+                context.error(diagnostic.help(help));
+            }
+        }
+        // What a variant leaves out is not the author's slip.
+        let merged = self.merged;
+        if merged.stages.is_empty() || merged.variant.is_some() || merged.is_damaged {
+            return;
+        }
+        let named = self.layers.iter().flat_map(|stage| &stage.named);
+        let named: BTreeSet<&str> = named.map(|(layer, _)| layer.as_str()).collect();
+        for layer in merged.annotate.into_iter().flat_map(|part| part.list()) {
+            let name = layer.name().text();
+            if matches!(context.layers.get(name), Some(Ok(_))) && !named.contains(name) {
+                let message = format!("the layer `{name}` is drawn and no prompt says what it is");
+                let diagnostic = Diagnostic::new(Code::LayerNotNamed, layer.name().span(), message);
+                let help = format!("write `{{{{ {name} }}}}` in a text of the stage that shows it");
+                context.error(diagnostic.help(help));
+            }
+        }
+    }
+}
+
+/// Returns a line that a stage must have.
+fn required<T>(
+    line: Option<T>,
+    what: &str,
+    how: &str,
+    stage: ast::Stage<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<T, Reported> {
+    line.ok_or_else(|| {
+        let name = stage.name();
+        let message = format!("the stage `{}` has no `{what}`", name.text());
+        let diagnostic = Diagnostic::new(Code::StageIncomplete, name.span(), message).help(how);
+        context.missing(stage.is_damaged(), name.span().file, diagnostic)
+    })
+}
+
+// ---- model ---------------------------------------------------------------------------------------
+
+/// The numbers behind a model's settings, by their names.
+type Settings = BTreeMap<&'static str, f64>;
+
+/// Reads `model text, temperature 0, tokens 769`: which model is asked, and how.
+fn model<'a>(
+    line: ast::Model<'a>,
+    context: &mut Context<'a, '_>,
+) -> (Result<ModelRole, Reported>, Result<Settings, Reported>) {
+    unique(
+        line.settings().map(|setting| setting.name()),
+        "setting",
+        context.report,
+    );
+    let mut list = line.settings();
+    let Some(kind) = list.next() else {
+        let diagnostic = Diagnostic::new(Code::WrongForm, line.span(), "expected a kind of model");
+        let reported = context.missing(true, line.span().file, diagnostic);
+        return (Err(reported), Err(reported));
+    };
+    let role = context
+        .word("kind of model", kind.name(), MODELS)
+        .map(|word| match word {
+            "vision" => ModelRole::Vision,
+            _ => ModelRole::Text,
+        });
+    let mut settings = Ok(Settings::new());
+    if let Some(value) = kind.value() {
+        let message = format!("`{}` takes no number", kind.name().text());
+        settings = Err(context.fault(Code::WrongForm, value.span(), message));
+    }
+    for setting in list {
+        match (self::setting(setting, context), &mut settings) {
+            (Ok((name, number)), Ok(settings)) => {
+                settings.insert(name, number);
+            }
+            (Err(reported), _) => settings = Err(reported),
+            (Ok(_), Err(_)) => {}
+        }
+    }
+    (role, settings)
+}
+
+fn setting<'a>(
+    setting: ast::Setting<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<(&'static str, f64), Reported> {
+    let name = setting.name();
+    let Some(row) = SETTINGS.iter().find(|row| row.name == name.text()) else {
+        return Err(context.unknown("setting", name, SETTINGS.iter().map(|row| row.name)));
+    };
+    let (Kind::Quantity(range) | Kind::Whole(range)) = row.kind else {
+        unreachable!("every row of the settings is a number");
+    };
+    let Some(value) = setting.value() else {
+        let message = format!("`{}` needs a number", row.name);
+        let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
+        let help = format!("write `{} {}`", row.name, range.from.0);
+        return Err(context.error(diagnostic.help(help)));
+    };
+    let number = match row.kind {
+        Kind::Whole(_) => read_whole(value, &range, context)?,
+        _ => read_number(value, &range, context)?,
+    };
+    Ok((row.name, number))
+}
+
+// ---- show ----------------------------------------------------------------------------------------
+
+/// Reads `show subgoal(now) with arrow, subgoal(next)`: the pictures of a question.
+fn pictures<'a>(
+    line: ast::Show<'a>,
+    context: &mut Context<'a, '_>,
+) -> Vec<Result<Picture, Reported>> {
+    let beyond = line
+        .pictures()
+        .nth(MAX_PICTURES)
+        .map(|picture| picture.value().span());
+    let within = context.bounded(beyond, || {
+        format!("at most {MAX_PICTURES} pictures are shown at once")
+    });
+    match within {
+        Ok(()) => line
+            .pictures()
+            .map(|picture| self::picture(picture, context))
+            .collect(),
+        Err(reported) => vec![Err(reported)],
+    }
+}
+
+fn picture<'a>(
+    picture: ast::Picture<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Picture, Reported> {
+    let written = form(picture.value());
+    let row = PICTURE_ROWS
+        .iter()
+        .find(|row| row.word.name == written)
+        .ok_or_else(|| {
+            let diagnostic = context.unexpected(Code::WrongForm, picture.value(), "a picture");
+            let known = among(PICTURES.iter().map(|word| word.name));
+            context.error(diagnostic.help(format!("write {known}")))
+        });
+    let drawings = row.map_or(DRAWINGS, |row| row.drawings);
+    let drawing = picture
+        .with()
+        .map(|name| context.word("drawing", name, drawings))
+        .transpose()?;
+    row.map(|row| {
+        if drawing.is_some() {
+            row.drawn
+        } else {
+            row.bare
+        }
+    })
+}
+
+/// Writes a name, or a call with names, as the rows of pictures do.
+fn form(value: Expr<'_>) -> String {
+    match value {
+        Expr::Name(name) => name.text().to_owned(),
+        Expr::Call(call) => {
+            let arguments = call.arguments().map(|it| match (it.label(), it.value()) {
+                (None, Expr::Name(name)) => name.text(),
+                _ => "…",
+            });
+            format!(
+                "{}({})",
+                call.name().text(),
+                arguments.collect::<Vec<_>>().join(", ")
+            )
+        }
+        _ => String::new(),
+    }
+}
+
+/// Returns whether a picture shows the task's layers; a wrong one may be meant to.
+fn shows_layers(pictures: &[Result<Picture, Reported>]) -> Result<bool, Reported> {
+    let drawn = Picture::Scene {
+        layers: Layers::Drawn,
+    };
+    if pictures.contains(&Ok(drawn)) {
+        return Ok(true);
+    }
+    pictures
+        .iter()
+        .try_fold(false, |_, picture| picture.map(|_| false))
+}
+
+// ---- read ----------------------------------------------------------------------------------------
+
+/// Reads `read action` or `read NAME from "…{NAME}"`: what is taken from an answer.
+fn read(line: ast::Read<'_>, context: &mut Context<'_, '_>) -> Result<Read, Reported> {
+    let name = line.name().text();
+    let hole = format!("{{{name}}}");
+    let help = match name {
+        "action" => "write `read action` alone".to_owned(),
+        _ => format!("write `read {name} from \"Instructions: {hole}\"`"),
+    };
+    let mut refuse = |span, message: String| {
+        let diagnostic = Diagnostic::new(Code::BadPattern, span, message);
+        Err(context.error(diagnostic.help(help.as_str())))
+    };
+    let (name, pattern) = match (name, line.pattern()) {
+        ("action", None) => return Ok(Read::Action),
+        ("action", Some(pattern)) => {
+            return refuse(
+                pattern.span(),
+                "`action` is read in its own format".to_owned(),
+            );
+        }
+        (_, None) => {
+            let message = format!("it is not said where `{name}` begins in the answer");
+            return refuse(line.span(), message);
+        }
+        (name, Some(pattern)) => (name.to_owned(), pattern),
+    };
+    let Some(written) = pattern.plain() else {
+        return refuse(pattern.span(), "a pattern has no `{{ … }}`".to_owned());
+    };
+    let Some((before, after)) = written.split_once(&hole) else {
+        return refuse(pattern.span(), format!("the pattern has no `{hole}`"));
+    };
+    let (before, after) = (before.trim(), after.trim());
+    if before.is_empty() {
+        return refuse(pattern.span(), format!("no words stand before `{hole}`"));
+    }
+    if after.contains(&hole) {
+        return refuse(pattern.span(), format!("the pattern has `{hole}` twice"));
+    }
+    Ok(Read::Text {
+        name,
+        before: before.to_owned(),
+        after: after.to_owned(),
+    })
+}

@@ -1,0 +1,306 @@
+//! `test "…" { given … reply "…" expect … }`: what must come of an answer.
+
+use super::context::{Context, Declared};
+use super::examples::plain;
+use super::expressions;
+use super::names::Meaning;
+use super::quantity::read_whole;
+use super::stage::Prompts;
+use crate::diag::{Code, Diagnostic, Reported};
+use crate::lang::test::{EXPECTATIONS, GIVEN, STEP};
+use crate::merge::{Merged, once};
+use fab_grammar::ast::{self, Expr, Name, Reply};
+use fab_program::verify::OFFERED;
+use fab_program::{Expect, Given, KeypointShape, PixelPoint, Read, Stage, Test};
+
+/// The most tests of a task.
+const MAX_TESTS: usize = 1000;
+
+/// The most points that a test gives for one keypoint.
+const MAX_POINTS: usize = 1000;
+
+/// Builds the tests of a task.
+pub(crate) fn check<'a>(
+    merged: &Merged<'a>,
+    prompts: &Prompts,
+    context: &mut Context<'a, '_>,
+) -> Vec<Result<Test, Reported>> {
+    let beyond = merged
+        .task
+        .tests()
+        .nth(MAX_TESTS)
+        .map(|test| test.head_span());
+    let within = context.bounded(beyond, || format!("a task has at most {MAX_TESTS} tests"));
+    if let Err(reported) = within {
+        return vec![Err(reported)];
+    }
+    let tests = merged.task.tests();
+    tests
+        .filter_map(|test| one(test, merged, prompts, context).transpose())
+        .collect()
+}
+
+/// Builds one test; nothing in a base without a stage that could be answered.
+fn one<'a>(
+    test: ast::Test<'a>,
+    merged: &Merged<'a>,
+    prompts: &Prompts,
+    context: &mut Context<'a, '_>,
+) -> Declared<Test> {
+    let reply = once(test.replies(), "reply", Reply::span, context.report);
+    let expect = once(test.expect(), "expect", ast::Expect::span, context.report);
+    let name = required(test.name(), "a name in quotes", test, context);
+    let reply = required(reply, "`reply`", test, context);
+    let expect = required(expect, "`expect`", test, context);
+
+    let name = name.and_then(|name| plain(name, context));
+    let given = self::given(test, context);
+    let said = reply.and_then(|reply| plain(reply.text(), context));
+    let stage = reply.and_then(|reply| answered(reply, merged, prompts, context));
+    let expect = expect.and_then(|line| match stage? {
+        Some((_, stage)) => self::expect(line, stage, merged, context).map(Some),
+        None => Ok(None),
+    });
+    let (name, given, said) = (name?, given?, said?);
+    let (Some((stage, _)), Some(expect)) = (stage?, expect?) else {
+        return Ok(None);
+    };
+    let (declared_in, line) = context.loaded.place(test.span().file, test.span().start);
+    let task = merged.task.name().text().to_owned();
+    Ok(Some(Test {
+        name,
+        task,
+        given,
+        stage,
+        reply: said,
+        expect,
+        declared_in,
+        line,
+    }))
+}
+
+fn required<T>(
+    part: Option<T>,
+    what: &str,
+    test: ast::Test<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<T, Reported> {
+    part.ok_or_else(|| {
+        let span = test.head_span();
+        let message = format!("the test lacks {what}");
+        let diagnostic = Diagnostic::new(Code::TestIncomplete, span, message);
+        let help = "write `test \"what it shows\" { given … reply \"…\" expect accept }`";
+        context.missing(test.is_damaged(), span.file, diagnostic.help(help))
+    })
+}
+
+/// Finds the stage that is answered, the last one where none is named; nothing in a base without stages.
+fn answered<'p>(
+    reply: Reply<'_>,
+    merged: &Merged<'_>,
+    prompts: &'p Prompts,
+    context: &mut Context<'_, '_>,
+) -> Declared<(usize, &'p Stage)> {
+    let names = || merged.stages.iter().map(|stage| stage.name().text());
+    let number = match reply.stage() {
+        None => prompts.stages.len().checked_sub(1),
+        Some(name) => match names().position(|known| known == name.text()) {
+            None => return Err(context.unknown("stage", name, names())),
+            number => number,
+        },
+    };
+    let stage = |number: usize| prompts.stages[number].as_ref().map(|stage| (number, stage));
+    number.map(stage).transpose().map_err(|reported| *reported)
+}
+
+// ---- given ---------------------------------------------------------------------------------------
+
+/// Pick and place of the action before, each where it is given.
+type Last = [Option<Result<PixelPoint, Reported>>; 2];
+
+fn given<'a>(test: ast::Test<'a>, context: &mut Context<'a, '_>) -> Result<Given, Reported> {
+    let mut given = Given {
+        step: 1,
+        ..Given::default()
+    };
+    let mut last: Last = [None, None];
+    let mut all = Ok(());
+    for part in test.given() {
+        if let Err(reported) = give(part, &mut given, &mut last, context) {
+            all = Err(reported);
+        }
+    }
+    given.last = match last {
+        [None, None] => None,
+        [Some(pick), Some(place)] => Some([pick?, place?]),
+        [Some(_), None] | [None, Some(_)] => {
+            let message = "the action before has a pick and a place";
+            let diagnostic = Diagnostic::new(Code::TestIncomplete, test.head_span(), message);
+            let help = "give both `last.pick` and `last.place`";
+            return Err(context.error(diagnostic.help(help)));
+        }
+    };
+    all.map(|()| given)
+}
+
+/// Adds what one line gives.
+fn give<'a>(
+    part: ast::Given<'a>,
+    given: &mut Given,
+    last: &mut Last,
+    context: &mut Context<'a, '_>,
+) -> Result<(), Reported> {
+    use KeypointShape::{Box, Mask, Outline, Point, Points};
+    let name = part.name();
+    let text = name.text().to_owned();
+    match (name.text(), context.names.get(name.text())) {
+        ("last.pick", _) => last[0] = Some(point(part, context)),
+        ("last.place", _) => last[1] = Some(point(part, context)),
+        ("step", _) => given.step = read_whole(single(part, context)?, &STEP, context)? as u32,
+        (_, Some(Meaning::Text { .. })) => {
+            let said = part
+                .text()
+                .ok_or_else(|| expected(part, "a text in quotes", context))?;
+            given.texts.push((text, plain(said, context)?));
+        }
+        (_, Some(Meaning::Keypoint(Some(Points | Point)))) => {
+            given.points.push((text, points(part, context)?));
+        }
+        (_, Some(Meaning::Keypoint(Some(Mask | Box)))) => {
+            given.regions.push((text, rectangle(part, context)?));
+        }
+        (_, Some(Meaning::Keypoint(Some(Outline)))) => {
+            let message = "no check and no text depends on an outline";
+            return Err(context.fault(Code::WrongKindOfName, name.span(), message));
+        }
+        (_, Some(Meaning::Keypoint(None))) => {
+            return Err(expressions::wrong_shape(name, None, "a keypoint", context));
+        }
+        (_, Some(Meaning::Field) | None) => {
+            let mut candidates = context.names.that(|meaning| meaning != Meaning::Field);
+            candidates.extend(GIVEN.iter().map(|word| word.name));
+            return Err(context.unknown("value to give", name, candidates));
+        }
+    }
+    Ok(())
+}
+
+/// Reports that something else is given than what is expected.
+fn expected(part: ast::Given<'_>, what: &str, context: &mut Context<'_, '_>) -> Reported {
+    let name = part.name();
+    let text = part.text().map(|text| text.span());
+    let value = || part.values().next().map(|value| value.span());
+    let span = text.or_else(value).unwrap_or(name.span());
+    let found = context.written(span);
+    let message = format!("expected {what} for `{}`, found `{found}`", name.text());
+    context.fault(Code::WrongForm, span, message)
+}
+
+fn single<'a>(part: ast::Given<'a>, context: &mut Context<'a, '_>) -> Result<Expr<'a>, Reported> {
+    let mut values = part.values();
+    match (part.text(), values.next(), values.next()) {
+        (None, Some(value), None) => Ok(value),
+        _ => Err(expected(part, "one value", context)),
+    }
+}
+
+fn point<'a>(part: ast::Given<'a>, context: &mut Context<'a, '_>) -> Result<PixelPoint, Reported> {
+    let value = single(part, context)?;
+    pixel(value, part, context)
+}
+
+fn pixel<'a>(
+    value: Expr<'a>,
+    part: ast::Given<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<PixelPoint, Reported> {
+    match value {
+        Expr::Pair(pair) => expressions::pixel(pair.parts(), context),
+        _ => Err(expected(part, "a pixel such as `(40px, 52px)`", context)),
+    }
+}
+
+fn points<'a>(
+    part: ast::Given<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Vec<PixelPoint>, Reported> {
+    if !(1..=MAX_POINTS).contains(&part.values().count()) {
+        let what = "pixels such as `(40px, 52px), (180px, 52px)`";
+        return Err(expected(part, what, context));
+    }
+    let points = part.values().map(|value| pixel(value, part, context));
+    let points: Vec<Result<PixelPoint, Reported>> = points.collect();
+    points.into_iter().collect()
+}
+
+/// Reads `(40px, 52px) to (180px, 170px)`.
+fn rectangle<'a>(
+    part: ast::Given<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<[PixelPoint; 2], Reported> {
+    let Expr::Range(corners) = single(part, context)? else {
+        let what = "a rectangle such as `(40px, 52px) to (180px, 170px)`";
+        return Err(expected(part, what, context));
+    };
+    let low = pixel(corners.low(), part, context);
+    let high = pixel(corners.high(), part, context);
+    Ok([low?, high?])
+}
+
+// ---- expect --------------------------------------------------------------------------------------
+
+fn expect<'a>(
+    line: ast::Expect<'a>,
+    stage: &Stage,
+    merged: &Merged<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Expect, Reported> {
+    let reads_action = stage.read == Read::Action;
+    match context.word("expectation", line.what(), EXPECTATIONS)? {
+        "malformed" => Ok(Expect::Malformed),
+        "text" if reads_action => Err(mismatch(
+            line,
+            &format!("the stage `{}` reads the action", stage.name),
+            context,
+        )),
+        "text" => match line.text() {
+            Some(text) => plain(text, context).map(|text| Expect::Text { text }),
+            None => Err(mismatch(line, "it is not said which text is read", context)),
+        },
+        _ if !reads_action => Err(mismatch(
+            line,
+            &format!("the stage `{}` reads a text", stage.name),
+            context,
+        )),
+        "accept" => Ok(Expect::Accept),
+        _ => match line.check() {
+            Some(check) => reject(check, merged, context),
+            None => Err(mismatch(
+                line,
+                "it is not said which check refuses",
+                context,
+            )),
+        },
+    }
+}
+
+fn mismatch(line: ast::Expect<'_>, message: &str, context: &mut Context<'_, '_>) -> Reported {
+    let diagnostic = Diagnostic::new(Code::TestIncomplete, line.span(), message);
+    context.error(diagnostic.help(
+        "an action is expected as `accept`, `reject(CHECK)` or `malformed`, a text as `text \"…\"` or `malformed`",
+    ))
+}
+
+fn reject(
+    check: Name<'_>,
+    merged: &Merged<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<Expect, Reported> {
+    let mut known = merged.check_names().chain([OFFERED]);
+    if known.any(|known| known == check.text()) {
+        return Ok(Expect::Reject {
+            check: check.text().to_owned(),
+        });
+    }
+    Err(context.unknown("check", check, merged.check_names().chain([OFFERED])))
+}

@@ -1,0 +1,246 @@
+//! `verify { check NAME { … } else "…" … attempts 3 }`: which answers are refused, and what a model is told.
+
+use super::conditions;
+use super::context::Context;
+use super::placeholders::{TextPlace, TextScope, template};
+use super::quantity::{read, read_whole};
+use super::stage::Prompts;
+use super::uses::needs_last;
+use crate::diag::{Code, Diagnostic, Reported, among, nearest};
+use crate::lang::verify::{ATTEMPTS, DEFAULT_ATTEMPTS, DEFAULT_RETRIES, OVERLAP, RETRIES, given};
+use crate::merge::{Merged, once, unique};
+use fab_grammar::ast::{self, Attempts, Expr, Name, Phrase};
+use fab_program::Depends;
+use fab_program::{Check, Condition, Exhausted, ModelRole, Read, ResultCheck, Verify};
+
+/// The most checks of one task.
+const MAX_CHECKS: usize = 100;
+
+/// The name of the template of what is said of a result.
+const RESULT: &str = "result";
+
+/// Builds the checks, and adds their messages to the prompts' templates.
+pub(crate) fn check<'a>(
+    merged: &Merged<'a>,
+    prompts: &mut Prompts,
+    context: &mut Context<'a, '_>,
+) -> Result<Verify, Reported> {
+    let part = merged.verify;
+    let stated = || part.into_iter().flat_map(|part| part.checks());
+    context.bounded(
+        stated().nth(MAX_CHECKS).map(|beyond| beyond.name().span()),
+        || {
+            format!(
+                "there are {} checks, at most {MAX_CHECKS} are accepted",
+                stated().count()
+            )
+        },
+    )?;
+    let checks = merged
+        .checks
+        .iter()
+        .map(|check| self::declared(check, prompts, context));
+    let checks: Vec<Result<Check, Reported>> = checks.collect();
+    let attempts = part.into_iter().flat_map(|part| part.attempts());
+    let attempts = once(attempts, "attempts", |it| it.span(), context.report);
+    let count = attempts.map_or(Ok(DEFAULT_ATTEMPTS), |it| {
+        read_whole(it.count(), &ATTEMPTS.range, context)
+    });
+    let relaxed = attempts.map_or(Ok(Vec::new()), |it| relaxed(it, merged, context));
+    let picture = attempts.and_then(|it| it.with_picture());
+    let picture = picture
+        .map(|it| shows_refused(it, prompts, context))
+        .transpose();
+    let results = part.into_iter().flat_map(|part| part.results());
+    let result = once(results, "result", |it| it.span(), context.report);
+    let result = result
+        .map(|it| self::result(it, prompts, context))
+        .transpose();
+    Ok(Verify {
+        checks: checks.into_iter().collect::<Result<_, _>>()?,
+        attempts: count? as u32,
+        relaxed: relaxed?,
+        with_picture: picture?.is_some(),
+        exhausted: match attempts.and_then(|it| it.else_skip()) {
+            Some(_) => Exhausted::Skips,
+            None => Exhausted::Ends,
+        },
+        result: result?,
+    })
+}
+
+// ---- checks of an answer -------------------------------------------------------------------------
+
+fn declared<'a>(
+    check: ast::Check<'a>,
+    prompts: &mut Prompts,
+    context: &mut Context<'a, '_>,
+) -> Result<Check, Reported> {
+    let name = check.name();
+    let is_free = match given(name.text()) {
+        None => Ok(()),
+        Some(row) => {
+            let message = format!("every task has a check `{}` already", row.name);
+            let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);
+            let help = format!("it refuses {}; choose another name", row.refuses);
+            Err(context.error(diagnostic.help(help)))
+        }
+    };
+    let when = check.when().map(|expr| (expr, condition(expr, context)));
+    // Where the guard is wrong, the rest is checked as if there was an action before.
+    let implies_last =
+        |when: &Result<Condition, _>| when.as_ref().map_or(true, |it| it.implies_last());
+    let has_last = when.as_ref().is_some_and(|(_, when)| implies_last(when));
+    let known =
+        |condition: Condition, expr: Expr<'a>, guarded: &str, context: &mut Context<'a, '_>| {
+            match condition.uses().last && !has_last {
+                true => Err(needs_last(expr.span(), guarded, context)),
+                false => Ok(condition),
+            }
+        };
+    let when = when
+        .map(|(expr, when)| known(when?, expr, "… when last and …", context))
+        .transpose();
+    let guarded = format!("check {}", name.text());
+    let lacks = |code, what: &str| {
+        let message = format!("the check `{}` does not say {what}", name.text());
+        Diagnostic::new(code, check.head_span(), message)
+    };
+    let file = name.span().file;
+    let holds = match check.condition() {
+        Some(expr) => {
+            condition(expr, context).and_then(|holds| known(holds, expr, &guarded, context))
+        }
+        None => {
+            let diagnostic = lacks(Code::WrongExpression, "what must hold");
+            Err(context.missing(true, file, diagnostic))
+        }
+    };
+    let message = format!("check.{}", name.text());
+    let Some(text) = check.message() else {
+        let diagnostic = lacks(Code::MissingMessage, "why it refuses");
+        let diagnostic = diagnostic.help("add `else \"…\"` behind the condition");
+        return Err(context.missing(check.is_damaged(), file, diagnostic));
+    };
+    let scope = TextScope {
+        place: TextPlace::Message,
+        has_last,
+        guarded: &guarded,
+    };
+    prompts
+        .templates
+        .push(template(&message, text, None, scope, context));
+    is_free?;
+    Ok(Check {
+        name: name.text().to_owned(),
+        when: when?,
+        holds: holds?,
+        message,
+    })
+}
+
+/// Builds a condition of a check; emitted verifiers judge it too, which do not know what is out of reach.
+fn condition<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Condition, Reported> {
+    let condition = conditions::check(expr, context)?;
+    if !condition.uses().reach {
+        return Ok(condition);
+    }
+    let message = "what is out of reach is no condition of a check";
+    let diagnostic = Diagnostic::new(Code::WrongExpression, expr.span(), message);
+    Err(context.error(diagnostic.help(
+        "such points are never offered; a component can speak of them: `component NAME when unreachable`",
+    )))
+}
+
+// ---- attempts ------------------------------------------------------------------------------------
+
+/// Reports a refused action on a picture for a stage whose model sees none.
+fn shows_refused(
+    with_picture: Phrase<'_>,
+    prompts: &Prompts,
+    context: &mut Context<'_, '_>,
+) -> Result<(), Reported> {
+    let mut acting = prompts
+        .stages
+        .iter()
+        .flatten()
+        .filter(|stage| matches!(stage.read, Read::Action));
+    let Some(stage) = acting.next().filter(|stage| stage.model == ModelRole::Text) else {
+        return Ok(());
+    };
+    let message = format!(
+        "the stage `{}` asks a text model, and a correction would show it a picture",
+        stage.name
+    );
+    let diagnostic = Diagnostic::new(Code::PicturesForTextModel, with_picture.span(), message);
+    Err(context
+        .error(diagnostic.help("write `model vision` in that stage, or leave out `with picture`")))
+}
+
+/// Returns the checks that are left out at last.
+fn relaxed<'a>(
+    attempts: Attempts<'a>,
+    merged: &Merged<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Vec<String>, Reported> {
+    unique(attempts.relaxed(), "check", context.report);
+    // A check that the task does not inherit is left out from the first question on.
+    let there = attempts
+        .relaxed()
+        .filter(|name| !merged.removed_checks.contains(name.text()));
+    let relaxed = there.map(|name| match merged.checks.get(name.text()) {
+        Some(_) => Ok(name.text().to_owned()),
+        None => Err(not_relaxed(name, merged, context)),
+    });
+    let relaxed: Vec<Result<String, Reported>> = relaxed.collect();
+    relaxed.into_iter().collect()
+}
+
+/// Reports a name that no check has, or one that stays.
+fn not_relaxed<'a>(name: Name<'a>, merged: &Merged<'a>, context: &mut Context<'a, '_>) -> Reported {
+    let new = |message: String| Diagnostic::new(Code::NothingToRemove, name.span(), message);
+    if let Some(row) = given(name.text()) {
+        let diagnostic = new(format!("`{}` cannot be left out", row.name));
+        return context.error(diagnostic.help(format!("{} cannot be carried out", row.refuses)));
+    }
+    if let Some(reported) = context.names.hidden(name.text(), context.loaded) {
+        return reported;
+    }
+    let diagnostic = new(format!("there is no check `{}` to leave out", name.text()));
+    context.error(match nearest(name.text(), merged.check_names()) {
+        Some(meant) => diagnostic.meant(name.span(), meant),
+        None => diagnostic.help(format!("there is {}", among(merged.check_names()))),
+    })
+}
+
+// ---- the result of a step ------------------------------------------------------------------------
+
+fn result<'a>(
+    part: ast::ResultCheck<'a>,
+    prompts: &mut Prompts,
+    context: &mut Context<'a, '_>,
+) -> Result<ResultCheck, Reported> {
+    let overlap_above = read(part.above(), &OVERLAP.range, context);
+    let retries = part.retries();
+    let retries = retries.map_or(Ok(DEFAULT_RETRIES), |it| {
+        read_whole(it, &RETRIES.range, context)
+    });
+    let Some(text) = part.message() else {
+        let message = "`result` does not say what a model is told before a step is asked again";
+        let diagnostic = Diagnostic::new(Code::MissingMessage, part.span(), message);
+        return Err(context.error(diagnostic.help("add `else \"…\"` at its end")));
+    };
+    let scope = TextScope {
+        place: TextPlace::Result,
+        has_last: true,
+        guarded: RESULT,
+    };
+    prompts
+        .templates
+        .push(template(RESULT, text, None, scope, context));
+    Ok(ResultCheck {
+        overlap_above: overlap_above?,
+        retries: retries? as u32,
+        message: RESULT.to_owned(),
+    })
+}

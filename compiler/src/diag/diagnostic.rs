@@ -1,0 +1,119 @@
+//! One finding, as data.
+
+use super::codes::{Code, Severity};
+use fab_grammar::Span;
+
+/// One finding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Which kind of fault.
+    pub code: Code,
+    /// How bad it is.
+    pub severity: Severity,
+    /// What is wrong, with which values: lower case, no full stop.
+    pub message: String,
+    /// The main place.
+    pub span: Span,
+    /// What the main place is marked with; may be empty.
+    pub label: String,
+    /// Other places that matter.
+    pub labels: Vec<Label>,
+    /// What would be right.
+    pub help: Vec<String>,
+    /// Changes that repair it; all of one certainty.
+    pub edits: Vec<Edit>,
+}
+
+/// A second place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Label {
+    /// Where.
+    pub span: Span,
+    /// What is there.
+    pub text: String,
+}
+
+/// A change to a source.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Edit {
+    /// What is replaced; empty: an insertion.
+    pub span: Span,
+    /// By what.
+    pub replacement: String,
+    /// Whether it is what the author meant.
+    pub certainty: Certainty,
+}
+
+/// Whether a change is what the author meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Certainty {
+    /// There is no other way to read it; `fabc check --fix` makes the change.
+    Certain,
+    /// It is the nearest name; only the author knows.
+    Likely,
+}
+
+impl Diagnostic {
+    /// Reports a fault with its code's own severity.
+    pub(crate) fn new(code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
+        Diagnostic {
+            code,
+            severity: code.entry().severity,
+            message: message.into(),
+            span,
+            label: String::new(),
+            labels: Vec::new(),
+            help: Vec::new(),
+            edits: Vec::new(),
+        }
+    }
+
+    /// Marks the main place with words.
+    pub(crate) fn label(mut self, text: impl Into<String>) -> Diagnostic {
+        self.label = text.into();
+        self
+    }
+
+    /// Adds a second place.
+    pub(crate) fn also(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
+        self.labels.push(Label {
+            span,
+            text: text.into(),
+        });
+        self
+    }
+
+    /// Adds what would be right.
+    pub(crate) fn help(mut self, text: impl Into<String>) -> Diagnostic {
+        self.help.push(text.into());
+        self
+    }
+
+    /// Adds a change that certainly repairs it.
+    pub(crate) fn edit(self, span: Span, replacement: impl Into<String>) -> Diagnostic {
+        self.with_edit(span, replacement.into(), Certainty::Certain)
+    }
+
+    /// Adds a change to the nearest name, and says so.
+    pub(crate) fn meant(self, span: Span, meant: &str) -> Diagnostic {
+        self.help(format!("did you mean `{meant}`?")).with_edit(
+            span,
+            meant.to_owned(),
+            Certainty::Likely,
+        )
+    }
+
+    /// Adds a change that probably repairs it, but may not be all that is needed.
+    pub(crate) fn likely(self, span: Span, replacement: impl Into<String>) -> Diagnostic {
+        self.with_edit(span, replacement.into(), Certainty::Likely)
+    }
+
+    fn with_edit(mut self, span: Span, replacement: String, certainty: Certainty) -> Diagnostic {
+        self.edits.push(Edit {
+            span,
+            replacement,
+            certainty,
+        });
+        self
+    }
+}

@@ -1,0 +1,119 @@
+//! Collects what is found, and proves that an error was reported.
+
+use super::codes::{Code, Severity};
+use super::diagnostic::Diagnostic;
+use fab_grammar::{FileId, Span};
+use std::collections::{BTreeMap, BTreeSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+/// The most findings of each severity that are kept; the rest is counted.
+///
+/// A file of a megabyte can hold a hundred thousand, which nobody reads and which take longer to write than to find.
+pub const MAX_FINDINGS: usize = 1000;
+
+/// Proof that an error was reported; only a [`Report`] makes one.
+///
+/// What cannot be built because of an error is `Err(Reported)`, so that nothing goes missing without a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Reported(());
+
+/// Collects findings, each once.
+#[derive(Debug, Default)]
+pub(crate) struct Report {
+    found: Vec<Diagnostic>,
+    /// Place, code and digest of the message of each; a finding whose digest coincides is much the same one.
+    known: BTreeSet<(Span, Code, u64)>,
+    /// For each severity how many findings there are, and how many of them are kept.
+    counts: BTreeMap<Severity, (usize, usize)>,
+    /// The files in which an error's main place lies.
+    files_with_errors: BTreeSet<FileId>,
+}
+
+impl Report {
+    /// Adds an error, unless the same one is known: a task is checked again in each task that extends it.
+    pub(crate) fn error(&mut self, diagnostic: Diagnostic) -> Reported {
+        debug_assert_eq!(
+            diagnostic.severity,
+            Severity::Error,
+            "{}",
+            diagnostic.message
+        );
+        self.add(diagnostic);
+        Reported(())
+    }
+
+    /// Adds a warning or a note.
+    pub(crate) fn remark(&mut self, diagnostic: Diagnostic) {
+        debug_assert_ne!(
+            diagnostic.severity,
+            Severity::Error,
+            "{}",
+            diagnostic.message
+        );
+        self.add(diagnostic);
+    }
+
+    fn add(&mut self, diagnostic: Diagnostic) {
+        // Made by `new`, the hasher has no chance in it.
+        let mut digest = DefaultHasher::new();
+        diagnostic.message.hash(&mut digest);
+        let key = (diagnostic.span, diagnostic.code, digest.finish());
+        if !self.known.insert(key) {
+            return;
+        }
+        if diagnostic.severity == Severity::Error {
+            self.files_with_errors.insert(diagnostic.span.file);
+        }
+        let (count, kept) = self.counts.entry(diagnostic.severity).or_default();
+        *count += 1;
+        if *kept < MAX_FINDINGS {
+            *kept += 1;
+            self.found.push(diagnostic);
+        }
+    }
+
+    /// Counts further errors of a file without their messages.
+    pub(crate) fn count_further(&mut self, errors: usize, file: FileId) {
+        if errors > 0 {
+            self.counts.entry(Severity::Error).or_default().0 += errors;
+            self.files_with_errors.insert(file);
+        }
+    }
+
+    /// Returns the proof that there is an error, where there is one.
+    pub(crate) fn has_errors(&self) -> Result<(), Reported> {
+        match self.counts.get(&Severity::Error) {
+            Some((count, _)) if *count > 0 => Err(Reported(())),
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns the proof that a file has an error, where it has one.
+    pub(crate) fn error_in(&self, file: FileId) -> Option<Reported> {
+        self.files_with_errors
+            .contains(&file)
+            .then_some(Reported(()))
+    }
+
+    /// Returns how many findings are counted and not kept.
+    pub(crate) fn left_out(&self) -> usize {
+        self.counts.values().map(|(count, kept)| count - kept).sum()
+    }
+
+    /// Takes over another report's findings; one that it only counted counts anew.
+    pub(crate) fn absorb(&mut self, other: Report) {
+        for (severity, (count, kept)) in other.counts {
+            self.counts.entry(severity).or_default().0 += count - kept;
+        }
+        for diagnostic in other.found {
+            self.add(diagnostic);
+        }
+    }
+
+    /// Returns the findings by file and place.
+    pub(crate) fn into_sorted(mut self) -> Vec<Diagnostic> {
+        self.found
+            .sort_by_key(|diagnostic| (diagnostic.span, diagnostic.code));
+        self.found
+    }
+}

@@ -1,0 +1,90 @@
+//! Rows of `actions`: the fields that move the cloth.
+
+use fab_program::units::{self, Dimension, UNITS};
+
+/// What the choices of a field are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ChoiceKind {
+    Points,
+    Directions,
+    Lengths,
+    Words,
+}
+
+/// A field that moves the cloth; all others are kept and move nothing.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FieldRow {
+    pub name: &'static str,
+    pub choices: ChoiceKind,
+    /// How its choices are written.
+    pub example: &'static str,
+    /// What it is, one line.
+    pub doc: &'static str,
+}
+
+/// The fields that move the cloth.
+pub(crate) const FIELDS: &[FieldRow] = &[
+    FieldRow {
+        name: "pick",
+        choices: ChoiceKind::Points,
+        example: "pick: one of corners, center",
+        doc: "where the cloth is gripped",
+    },
+    FieldRow {
+        name: "place",
+        choices: ChoiceKind::Points,
+        example: "place: one of corners, center",
+        doc: "where it is let go; without it, the direction and the distance from the pick say where",
+    },
+    FieldRow {
+        name: "direction",
+        choices: ChoiceKind::Directions,
+        example: "direction: one of 0deg, 90deg, 180deg, 270deg",
+        doc: "which way the cloth is carried, counter-clockwise from the picture's right",
+    },
+    FieldRow {
+        name: "distance",
+        choices: ChoiceKind::Lengths,
+        example: "distance: one of 0.25edge, 0.5edge",
+        doc: "how far it is carried over the table",
+    },
+];
+
+/// Returns the row of a field; nothing for one that moves nothing.
+pub(crate) fn field(name: &str) -> Option<&'static FieldRow> {
+    FIELDS.iter().find(|row| row.name == name)
+}
+
+impl ChoiceKind {
+    /// Returns the kind that a number with this unit is; spellings count, so that advice names the right unit.
+    pub fn of_unit(written: &str) -> ChoiceKind {
+        let is_written =
+            |unit: &&units::Unit| unit.name == written || unit.spellings.contains(&written);
+        match UNITS.iter().find(is_written).map(|unit| unit.dimension) {
+            Some(Dimension::Angle) => ChoiceKind::Directions,
+            _ => ChoiceKind::Lengths,
+        }
+    }
+
+    /// Returns the unit that advice adds to a number without one.
+    pub fn usual_unit(self) -> &'static str {
+        let dimension = match self {
+            ChoiceKind::Directions => Dimension::Angle,
+            ChoiceKind::Points | ChoiceKind::Lengths | ChoiceKind::Words => Dimension::Length,
+        };
+        UNITS
+            .iter()
+            .find(|unit| unit.dimension == dimension)
+            .map_or("", |unit| unit.name)
+    }
+
+    /// Returns what several choices of this kind are called.
+    pub fn noun(self) -> &'static str {
+        match self {
+            ChoiceKind::Points => "points",
+            ChoiceKind::Directions => "directions",
+            ChoiceKind::Lengths => "lengths",
+            ChoiceKind::Words => "words",
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! Calls that make parts of a task: cloths, cameras, points of the cloth. One row each.
+
+use fab_program::data::keypoints::IMAGE;
+use fab_program::units::base;
+use fab_program::vocabulary::{Arg, ArgValue, Args, Call, Default, Kind, Range, Signature, Word};
+use fab_program::{Camera, Cloth, ClothPoint, ClothStart, ImageUp};
+
+// ---- cloths --------------------------------------------------------------------------------------
+
+/// Distance between particles, metres: the grid that the paper's cloths have (protocol, section 1).
+pub(crate) const SPACING_M: f64 = 0.00625;
+
+/// Particles on a side; their number grows with the square.
+pub(crate) const PARTICLES: Range = Range::plain("a count of particles", 2.0, 200.0);
+
+/// A side between its least and its most particles.
+const SIDE: Kind = Kind::Quantity(Range::new("a side", (6.25, "mm"), (1243.75, "mm")));
+
+const STARTS: &[Word] = &[
+    Word {
+        name: "flat",
+        doc: "flat and straight",
+    },
+    Word {
+        name: "crumpled",
+        doc: "lifted and dropped at random, as the seed says",
+    },
+];
+
+const START: Arg = Arg::named(
+    "start",
+    Kind::WordOrFile(STARTS, ".npy"),
+    "how it lies at first: a word, or particle positions from a file",
+)
+.or(Default::Word("flat"));
+
+/// The forms of `cloth`.
+pub(crate) const CLOTHS: &[Call<fn(&Args) -> Cloth>] = &[
+    Call {
+        signature: Signature {
+            name: "grid",
+            gives: "a cloth",
+            args: &[
+                Arg::positional(
+                    "width",
+                    Kind::Whole(PARTICLES),
+                    "particles from left to right",
+                ),
+                Arg::positional(
+                    "depth",
+                    Kind::Whole(PARTICLES),
+                    "particles from back to front",
+                ),
+                START,
+            ],
+            doc: "particles from left to right and from back to front, 6.25 mm apart",
+        },
+        make: |args| cloth([args.whole("width"), args.whole("depth")], args),
+    },
+    Call {
+        signature: Signature {
+            name: "square",
+            gives: "a cloth",
+            args: &[Arg::positional("side", SIDE, "its side"), START],
+            doc: "the same side both ways",
+        },
+        make: |args| cloth([particles(args.number("side")); 2], args),
+    },
+    Call {
+        signature: Signature {
+            name: "rectangle",
+            gives: "a cloth",
+            args: &[
+                Arg::positional("width", SIDE, "from left to right"),
+                Arg::positional("depth", SIDE, "from back to front"),
+                START,
+            ],
+            doc: "width and depth",
+        },
+        make: |args| {
+            cloth(
+                ["width", "depth"].map(|side| particles(args.number(side))),
+                args,
+            )
+        },
+    },
+];
+
+fn particles(side_m: f64) -> u32 {
+    (side_m / SPACING_M).round() as u32 + 1
+}
+
+fn cloth([dimx, dimy]: [u32; 2], args: &Args) -> Cloth {
+    let start = match args.get("start") {
+        Some(ArgValue::File(file)) => ClothStart::File { file: file.clone() },
+        Some(ArgValue::Word("crumpled")) => ClothStart::Crumpled,
+        _ => ClothStart::Flat,
+    };
+    Cloth {
+        dimx,
+        dimy,
+        spacing_m: SPACING_M,
+        start,
+    }
+}
+
+// ---- cameras -------------------------------------------------------------------------------------
+
+/// The forms of `camera`.
+pub(crate) const CAMERAS: &[Call<fn(&Args) -> Camera>] = &[Call {
+    signature: Signature {
+        name: "top_down",
+        gives: "a camera",
+        args: &[
+            Arg::named(
+                "height",
+                Kind::Quantity(Range::new("a height", (100.0, "mm"), (5.0, "m"))),
+                "of its optical centre above the table",
+            ),
+            Arg::named(
+                "fov",
+                Kind::Quantity(Range::new("a field of view", (5.0, "deg"), (150.0, "deg"))),
+                "its field of view across the picture",
+            ),
+            Arg::named(
+                "image",
+                Kind::Whole(IMAGE),
+                "the side of its square picture",
+            ),
+            Arg::named(
+                "up",
+                Kind::Word(ImageUp::WORDS),
+                "the axis of the table that is up in the picture",
+            )
+            .or(Default::Word("y")),
+        ],
+        doc: "looks straight down",
+    },
+    make: |args| Camera {
+        height_m: args.number("height"),
+        fov_rad: args.number("fov"),
+        image_px: args.whole("image"),
+        up: args.meaning("up", ImageUp::from_word),
+    },
+}];
+
+// ---- points of the cloth -------------------------------------------------------------------------
+
+const CORNERS: &[Word] = &[
+    Word {
+        name: "back_left",
+        doc: "the picture's top left",
+    },
+    Word {
+        name: "back_right",
+        doc: "the picture's top right",
+    },
+    Word {
+        name: "front_left",
+        doc: "the picture's bottom left",
+    },
+    Word {
+        name: "front_right",
+        doc: "the picture's bottom right",
+    },
+];
+
+const SIDES: &[Word] = &[
+    Word {
+        name: "left",
+        doc: "the left side",
+    },
+    Word {
+        name: "right",
+        doc: "the right side",
+    },
+    Word {
+        name: "back",
+        doc: "the picture's top",
+    },
+    Word {
+        name: "front",
+        doc: "the picture's bottom",
+    },
+];
+
+const PART: Kind = Kind::Quantity(Range::plain("a fraction", 0.0, 1.0));
+
+/// How far a fold goes towards its place.
+pub(crate) const FOLD_FRACTION: Range = Range::plain("a fraction", 0.0, 1.0).above();
+
+/// Points of the cloth that are calls; `center` is a word.
+pub(crate) const CLOTH_POINTS: &[Call<fn(&Args) -> ClothPoint>] = &[
+    Call {
+        signature: Signature {
+            name: "corner",
+            gives: "a point of the cloth",
+            args: &[Arg::positional(
+                "name",
+                Kind::NameOf("corner", CORNERS),
+                "which one",
+            )],
+            doc: "a corner",
+        },
+        make: |args| side(args.word("name")),
+    },
+    Call {
+        signature: Signature {
+            name: "middle",
+            gives: "a point of the cloth",
+            args: &[Arg::positional(
+                "side",
+                Kind::NameOf("middle", SIDES),
+                "which one",
+            )],
+            doc: "the middle of a side",
+        },
+        make: |args| side(args.word("side")),
+    },
+    Call {
+        signature: Signature {
+            name: "point",
+            gives: "a point of the cloth",
+            args: &[
+                Arg::positional("right", PART, "of the way from the left to the right side"),
+                Arg::positional("front", PART, "of the way from the back to the front"),
+            ],
+            doc: "a point by its fractions of both sides",
+        },
+        make: |args| ClothPoint::Particle {
+            right: args.number("right"),
+            front: args.number("front"),
+        },
+    },
+    Call {
+        signature: Signature {
+            name: "between",
+            gives: "a point of the cloth",
+            args: &[
+                Arg::positional("a", Kind::ClothPoint, "where it begins"),
+                Arg::positional("b", Kind::ClothPoint, "where it ends"),
+                Arg::positional("fraction", PART, "of the way from a to b"),
+            ],
+            doc: "a point on the way from one to another",
+        },
+        make: |args| {
+            let [a, b] = ["a", "b"].map(|end| particle(args.cloth_point(end)));
+            let at = |axis: usize| a[axis] + args.number("fraction") * (b[axis] - a[axis]);
+            ClothPoint::Particle {
+                right: at(0),
+                front: at(1),
+            }
+        },
+    },
+];
+
+/// Returns the point of a corner's or a side's name: each word in it is one end of an axis, and without one its middle.
+fn side(name: &str) -> ClothPoint {
+    let along = |least: &str, most: &str| {
+        if name.contains(most) {
+            1.0
+        } else if name.contains(least) {
+            0.0
+        } else {
+            0.5
+        }
+    };
+    ClothPoint::Particle {
+        right: along("left", "right"),
+        front: along("back", "front"),
+    }
+}
+
+/// Returns a point's fractions; `center`, which belongs to the table, is refused before.
+fn particle(point: ClothPoint) -> [f64; 2] {
+    match point {
+        ClothPoint::Particle { right, front } => [right, front],
+        ClothPoint::Center => [0.5, 0.5],
+    }
+}
+
+/// Returns the least and the most particles on a side.
+pub(crate) fn particle_limits() -> [u32; 2] {
+    [PARTICLES.from, PARTICLES.to].map(|end| base(end) as u32)
+}

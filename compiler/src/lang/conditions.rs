@@ -1,0 +1,136 @@
+//! Rows of conditions: the words that are no calls, and the signs between two values.
+
+use fab_program::vocabulary::Range;
+use fab_program::{Comparison, Condition};
+
+// ---- words ---------------------------------------------------------------------------------------
+
+/// A word of conditions that is no call.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WordRow {
+    pub name: &'static str,
+    /// The condition that it is by itself; none for one that is compared.
+    pub condition: Option<fn() -> Condition>,
+    /// What it says, one line.
+    pub doc: &'static str,
+}
+
+/// The name of what is out of reach: a condition of components, and a value of texts.
+pub(crate) const UNREACHABLE: &str = "unreachable";
+
+/// The words.
+pub(crate) const WORDS: &[WordRow] = &[
+    WordRow {
+        name: "last",
+        condition: Some(|| Condition::Last),
+        doc: "an action was carried out before this one",
+    },
+    WordRow {
+        name: UNREACHABLE,
+        condition: Some(|| Condition::Unreachable),
+        doc: "some points are out of reach; a condition of components, not of checks",
+    },
+    WordRow {
+        name: "step",
+        condition: None,
+        doc: "the number of this step, from 1: `step > 1`",
+    },
+];
+
+// ---- signs ---------------------------------------------------------------------------------------
+
+/// A sign between two values.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SignRow {
+    pub name: &'static str,
+    /// Another sign that people write for it; the right one is suggested.
+    pub misspelling: Option<&'static str>,
+    pub means: Sign,
+    /// What it says, one line.
+    pub doc: &'static str,
+}
+
+/// What a sign says of two values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sign {
+    /// Which is the larger.
+    Order(Comparison),
+    /// They are the same; for words and whole numbers only.
+    Same,
+    /// They differ; likewise.
+    Different,
+}
+
+const fn row(
+    name: &'static str,
+    misspelling: Option<&'static str>,
+    means: Sign,
+    doc: &'static str,
+) -> SignRow {
+    SignRow {
+        name,
+        misspelling,
+        means,
+        doc,
+    }
+}
+
+/// The signs.
+pub(crate) const SIGNS: &[SignRow] = &[
+    row(
+        "<",
+        None,
+        Sign::Order(Comparison::Less),
+        "the left value is less",
+    ),
+    row(
+        "<=",
+        Some("≤"),
+        Sign::Order(Comparison::AtMost),
+        "the left value is at most the right one",
+    ),
+    row(
+        ">",
+        None,
+        Sign::Order(Comparison::Greater),
+        "the left value is greater",
+    ),
+    row(
+        ">=",
+        Some("≥"),
+        Sign::Order(Comparison::AtLeast),
+        "the left value is at least the right one",
+    ),
+    row(
+        "==",
+        None,
+        Sign::Same,
+        "two words or whole numbers are the same",
+    ),
+    row(
+        "!=",
+        None,
+        Sign::Different,
+        "two words or whole numbers differ",
+    ),
+];
+
+/// Returns what a sign says; nothing for a misspelt one.
+pub(crate) fn sign(written: &str) -> Option<Sign> {
+    SIGNS
+        .iter()
+        .find(|row| row.name == written)
+        .map(|row| row.means)
+}
+
+// ---- ranges --------------------------------------------------------------------------------------
+
+/// How far from a mask or a box a point may be: `within 8px of cloth`.
+pub(crate) const MARGIN: Range = Range::new("a length", (0.0, "px"), (10_000.0, "px"));
+
+/// The angle between two directions.
+pub(crate) const ANGLE_BETWEEN: Range = Range::new(
+    "an angle between two directions",
+    (0.0, "deg"),
+    (180.0, "deg"),
+);

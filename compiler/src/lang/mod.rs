@@ -1,0 +1,71 @@
+//! What the language knows, one row for each word: the tables of which checks, messages, the reference and editors read.
+//!
+//! Rows that make a part of the program's own data stand beside that data in `fab-program`: units, extractors, measures. The
+//! words that may begin a line stand in the grammar.
+
+pub(crate) mod actions;
+pub(crate) mod annotate;
+pub(crate) mod calls;
+pub(crate) mod conditions;
+pub(crate) mod goal;
+mod reference;
+pub(crate) mod sections;
+pub(crate) mod stage;
+pub(crate) mod test;
+pub(crate) mod verify;
+mod vocabulary;
+
+pub use reference::{refreshed, tables};
+pub use vocabulary::{
+    ArgumentEntry, BlockWords, CallEntry, RangeEntry, SectionEntry, UnitEntry, VOCABULARY_FORMAT,
+    Vocabulary, WordEntry, vocabulary,
+};
+
+#[cfg(test)]
+mod tests {
+    use super::{annotate, calls, vocabulary};
+    use fab_program::samples;
+    use fab_program::vocabulary::{Args, Call};
+    use std::collections::BTreeSet;
+
+    fn makes<T>(rows: &[Call<fn(&Args) -> T>]) {
+        for row in rows {
+            for args in samples::of(&row.signature) {
+                (row.make)(&args);
+            }
+        }
+    }
+
+    #[test]
+    fn every_row_asks_only_for_the_arguments_that_it_declares() {
+        makes(calls::CLOTHS);
+        makes(calls::CAMERAS);
+        makes(calls::CLOTH_POINTS);
+        makes(annotate::MARKS);
+    }
+
+    #[test]
+    fn no_row_stands_twice() {
+        let known = vocabulary();
+        let mut seen = BTreeSet::new();
+        let calls = known
+            .calls
+            .iter()
+            .map(|call| (call.kind, call.form.clone()));
+        let words = known
+            .words
+            .iter()
+            .map(|word| (word.set, word.name.to_owned()));
+        for row in calls.chain(words) {
+            assert!(seen.insert(row.clone()), "{row:?}");
+        }
+    }
+
+    #[test]
+    fn the_sections_are_the_words_that_begin_a_line_of_a_task() {
+        let known = vocabulary();
+        let sections: BTreeSet<&str> = known.sections.iter().map(|section| section.word).collect();
+        let words = fab_grammar::words(fab_grammar::Kind::Task);
+        assert_eq!(sections, words.iter().copied().collect());
+    }
+}

@@ -1,0 +1,198 @@
+//! The sections of a task: one row each.
+
+/// Who must have a section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Needed {
+    /// Each task that runs, by itself or by what it extends; without it a task is a base.
+    ByEachTask,
+    /// Each task that runs; most inherit it.
+    ByARun,
+    /// None.
+    Never,
+}
+
+/// What a task that extends another does to its section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Merges {
+    /// Replaces it whole.
+    Whole,
+    /// Replaces and adds parts by their names.
+    ByName,
+    /// Changes parts that are inherited.
+    Changes,
+    /// It belongs to the one task.
+    Never,
+}
+
+/// A section of a task.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Section {
+    /// The word that it begins with.
+    pub word: &'static str,
+    /// How it is written.
+    pub form: &'static str,
+    pub needed: Needed,
+    pub merges: Merges,
+    /// What it says, one line.
+    pub doc: &'static str,
+}
+
+const fn row(
+    word: &'static str,
+    form: &'static str,
+    needed: Needed,
+    merges: Merges,
+    doc: &'static str,
+) -> Section {
+    Section {
+        word,
+        form,
+        needed,
+        merges,
+        doc,
+    }
+}
+
+/// Every section, in the order of the reference.
+pub(crate) const SECTIONS: &[Section] = &[
+    row(
+        "const",
+        "const NAME = QUANTITY",
+        Needed::Never,
+        Merges::ByName,
+        "a quantity with a name",
+    ),
+    row(
+        "cloth",
+        "cloth grid(55, 44)",
+        Needed::ByEachTask,
+        Merges::Whole,
+        "how large the cloth is, and how it lies",
+    ),
+    row(
+        "camera",
+        "camera top_down(height: L, fov: ANGLE, image: N px)",
+        Needed::ByARun,
+        Merges::Whole,
+        "where the camera is, and what it sees",
+    ),
+    row(
+        "picker",
+        "picker put_down",
+        Needed::Never,
+        Merges::Whole,
+        "how the cloth is carried and let go",
+    ),
+    row(
+        "goal",
+        "goal MEASURE < LIMIT",
+        Needed::Never,
+        Merges::Whole,
+        "what counts as done",
+    ),
+    row(
+        "horizon",
+        "horizon N",
+        Needed::Never,
+        Merges::Whole,
+        "the most actions of a rollout; without it, as many as the subgoals show",
+    ),
+    row(
+        "subgoals",
+        "subgoals { demonstrate { fold A -> B } }",
+        Needed::ByEachTask,
+        Merges::Whole,
+        "the pictures that show what to do, step by step",
+    ),
+    row(
+        "experts",
+        "experts NAME",
+        Needed::Never,
+        Merges::Whole,
+        "which fold sequences count as right; without it, the demonstration",
+    ),
+    row(
+        "demos",
+        "demos STAGE from \"FILE\"",
+        Needed::Never,
+        Merges::Whole,
+        "which demonstrations a stage is told",
+    ),
+    row(
+        "keypoints",
+        "keypoints { NAME = EXTRACTOR(…) }",
+        Needed::ByARun,
+        Merges::ByName,
+        "what is found in each picture",
+    ),
+    row(
+        "annotate",
+        "annotate { NAME = MARK(…) }",
+        Needed::Never,
+        Merges::Whole,
+        "what is drawn on the camera's picture",
+    ),
+    row(
+        "actions",
+        "actions { FIELD: one of CHOICE, … }",
+        Needed::ByARun,
+        Merges::Whole,
+        "what an answer may choose",
+    ),
+    row(
+        "component",
+        "component NAME when CONDITION \"TEXT\"",
+        Needed::Never,
+        Merges::ByName,
+        "a text with a name, which stages say",
+    ),
+    row(
+        "override",
+        "override component NAME \"TEXT\", override check NAME { … }",
+        Needed::Never,
+        Merges::Changes,
+        "replaces an inherited component or check",
+    ),
+    row(
+        "without",
+        "without component NAME, without check NAME",
+        Needed::Never,
+        Merges::Changes,
+        "leaves out an inherited component or check",
+    ),
+    row(
+        "stage",
+        "stage NAME { model … say … read … }",
+        Needed::ByEachTask,
+        Merges::ByName,
+        "one question to a model",
+    ),
+    row(
+        "verify",
+        "verify { check NAME { CONDITION } else \"TEXT\" }",
+        Needed::Never,
+        Merges::Whole,
+        "which answers are refused, and what a model is told",
+    ),
+    row(
+        "variant",
+        "variant NAME { SECTIONS }",
+        Needed::Never,
+        Merges::ByName,
+        "the task with some sections changed",
+    ),
+    row(
+        "ablate",
+        "ablate COMPONENT, …",
+        Needed::Never,
+        Merges::ByName,
+        "a variant without each of these components",
+    ),
+    row(
+        "test",
+        "test \"WHAT\" { given … reply … expect … }",
+        Needed::Never,
+        Merges::Never,
+        "what must come of an answer",
+    ),
+];

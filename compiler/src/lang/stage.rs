@@ -1,0 +1,112 @@
+//! Rows of `stage`: the models, settings and pictures that its lines take.
+
+use fab_program::vocabulary::{Arg, Default, Kind, Range, Word};
+use fab_program::{Arrow, Layers, Picture, SubgoalStep};
+
+/// The kinds of model, the first word of `model`.
+pub(crate) const MODELS: &[Word] = &[
+    Word {
+        name: "vision",
+        doc: "a model that sees pictures",
+    },
+    Word {
+        name: "text",
+        doc: "a model that reads text alone",
+    },
+];
+
+/// What follows the kind of model, each at most once; without one, the model's own setting holds.
+pub(crate) const SETTINGS: &[Arg] = &[
+    setting(
+        "temperature",
+        Kind::Quantity(Range::plain("a number", 0.0, 2.0)),
+        "how freely words are sampled; at 0 the likeliest word is taken",
+    ),
+    setting(
+        "top_p",
+        Kind::Quantity(Range::plain("a fraction", 0.0, 1.0)),
+        "the share of the likeliest words that are sampled from",
+    ),
+    setting(
+        "tokens",
+        Kind::Whole(Range::plain("a count", 1.0, 100_000.0)),
+        "the longest answer, tokens",
+    ),
+];
+
+const fn setting(name: &'static str, kind: Kind, doc: &'static str) -> Arg {
+    Arg::named(name, kind, doc).or(Default::Nothing)
+}
+
+/// A picture that `show` takes, and what can be drawn on it.
+pub(crate) struct PictureRow {
+    /// How it is written.
+    pub word: Word,
+    /// The picture without a drawing.
+    pub bare: Picture,
+    /// What may follow `with`.
+    pub drawings: &'static [Word],
+    /// The picture with a drawing.
+    pub drawn: Picture,
+}
+
+const ARROW: Word = Word {
+    name: "arrow",
+    doc: "on a subgoal: an arrow from the step's pick to its place",
+};
+const ANNOTATIONS: Word = Word {
+    name: "annotations",
+    doc: "on the scene: the layers of `annotate`",
+};
+
+/// Every picture that `show` takes.
+pub(crate) const PICTURE_ROWS: [PictureRow; 3] = [
+    subgoal(
+        "subgoal(now)",
+        SubgoalStep::Now,
+        "the cloth before this step, as the subgoals show it",
+    ),
+    subgoal(
+        "subgoal(next)",
+        SubgoalStep::Next,
+        "the cloth after this step, as the subgoals show it",
+    ),
+    PictureRow {
+        word: Word {
+            name: "scene",
+            doc: "what the camera sees now",
+        },
+        bare: Picture::Scene {
+            layers: Layers::Absent,
+        },
+        drawings: &[ANNOTATIONS],
+        drawn: Picture::Scene {
+            layers: Layers::Drawn,
+        },
+    },
+];
+
+const fn subgoal(name: &'static str, which: SubgoalStep, doc: &'static str) -> PictureRow {
+    PictureRow {
+        word: Word { name, doc },
+        bare: Picture::Subgoal {
+            which,
+            arrow: Arrow::Absent,
+        },
+        drawings: &[ARROW],
+        drawn: Picture::Subgoal {
+            which,
+            arrow: Arrow::Drawn,
+        },
+    }
+}
+
+/// The pictures as words.
+pub(crate) const PICTURES: &[Word] = &[
+    PICTURE_ROWS[0].word,
+    PICTURE_ROWS[1].word,
+    PICTURE_ROWS[2].word,
+];
+
+/// Everything that may follow `with`.
+pub(crate) const DRAWINGS: &[Word] = &[ARROW, ANNOTATIONS];

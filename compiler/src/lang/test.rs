@@ -1,0 +1,42 @@
+//! Rows of `test`: what it gives beside keypoints and texts, and what it expects.
+
+use fab_program::vocabulary::{Range, Word};
+
+/// What a test may give beside the task's keypoints and texts.
+pub(crate) const GIVEN: &[Word] = &[
+    Word {
+        name: "last.pick",
+        doc: "where the action before gripped the cloth, a pixel",
+    },
+    Word {
+        name: "last.place",
+        doc: "where the action before let it go, a pixel",
+    },
+    Word {
+        name: "step",
+        doc: "which step it is; without it, the first",
+    },
+];
+
+/// The number of a step.
+pub(crate) const STEP: Range = Range::plain("a step", 1.0, 100.0);
+
+/// What may come of an answer.
+pub(crate) const EXPECTATIONS: &[Word] = &[
+    Word {
+        name: "accept",
+        doc: "every check accepts the action",
+    },
+    Word {
+        name: "reject",
+        doc: "the check in brackets refuses the action: `reject(far)`",
+    },
+    Word {
+        name: "malformed",
+        doc: "the answer cannot be read",
+    },
+    Word {
+        name: "text",
+        doc: "the stage reads this text: `text \"fold left\"`",
+    },
+];

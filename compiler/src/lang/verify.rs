@@ -1,0 +1,66 @@
+//! Rows of `verify`: the numbers that it states, and the checks that every task has.
+
+use fab_program::verify::{OFFERED, REACHABLE};
+use fab_program::vocabulary::Range;
+
+/// A number that `verify` states.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NumberRow {
+    /// The words before it.
+    pub name: &'static str,
+    pub range: Range,
+    /// What it is, one line.
+    pub doc: &'static str,
+}
+
+pub(crate) const ATTEMPTS: NumberRow = NumberRow {
+    name: "attempts",
+    range: Range::plain("a count", 1.0, 10.0),
+    doc: "the most questions per stage and step; without it, `3`",
+};
+
+/// Questions per stage and step where none are stated: the paper's.
+pub(crate) const DEFAULT_ATTEMPTS: f64 = 3.0;
+
+pub(crate) const OVERLAP: NumberRow = NumberRow {
+    name: "result overlap >",
+    range: Range::plain("a share", 0.0, 0.999),
+    doc: "the share in which the silhouettes of the result and of the next subgoal must overlap",
+};
+
+pub(crate) const RETRIES: NumberRow = NumberRow {
+    name: "retries",
+    range: Range::plain("a count", 1.0, 5.0),
+    doc: "the most further actions of a step whose result is refused; without it, `1`",
+};
+
+/// Further actions of a step where none are stated.
+pub(crate) const DEFAULT_RETRIES: f64 = 1.0;
+
+/// The numbers, in the order of the reference.
+pub(crate) const NUMBERS: [&NumberRow; 3] = [&ATTEMPTS, &OVERLAP, &RETRIES];
+
+/// A check that every task has, so that no other may have its name and none may leave it out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GivenCheck {
+    pub name: &'static str,
+    /// What it refuses.
+    pub refuses: &'static str,
+}
+
+/// The checks that every task has.
+pub(crate) const GIVEN_CHECKS: &[GivenCheck] = &[
+    GivenCheck {
+        name: OFFERED,
+        refuses: "a value that was not offered",
+    },
+    GivenCheck {
+        name: REACHABLE,
+        refuses: "a point that is out of reach",
+    },
+];
+
+/// Returns the row of a check that every task has.
+pub(crate) fn given(name: &str) -> Option<&'static GivenCheck> {
+    GIVEN_CHECKS.iter().find(|row| row.name == name)
+}

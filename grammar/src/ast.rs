@@ -1,0 +1,1160 @@
+//! Typed views of the tree: what a file says, as written, and perhaps wrong.
+//!
+//! In: a [`Node`]. Out: a view, which is the node under a name that says what its parts are. A view owns
+//! nothing and copies freely. What does not fit is left out: a statement that is cut off by junk is in no
+//! list here, and a node that lacks a part that it needs, such as a task its name, has no view. Names are
+//! not looked up and quantities not judged here.
+//!
+//! Expressions are read through [`Expr`], which passes over the layers that say nothing. Recursion is
+//! bounded by [`MAX_NESTING`](crate::MAX_NESTING).
+
+use crate::source::Span;
+use crate::tree::{Kind, Node, Tree};
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+use std::ops;
+
+// ---- how views are made ------------------------------------------------------------------------
+
+trait View<'t>: Sized {
+    fn cast(node: Node<'t>) -> Option<Self>;
+}
+
+/// Declares views: the kinds of node that one is of, perhaps a condition, the parts
+/// that it needs, and what else is found in it.
+macro_rules! views {
+    ($(
+        $(#[$doc:meta])*
+        $view:ident($($kind:ident)|+ $(if $condition:expr)?)
+        { $($(#[$part_doc:meta])* $part:ident: $type:ty = $read:expr,)* }
+        $({ $($(#[$doc_of:meta])* $found:ident -> $result:ty = |$inner:ident| $find:expr;)* })?
+    )*) => {
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Copy, Debug)]
+            pub struct $view<'t> {
+                node: Node<'t>,
+                $($part: $type,)*
+            }
+
+            impl<'t> $view<'t> {
+                /// Views a node; None where it is something else or lacks a part.
+                pub fn cast(node: Node<'t>) -> Option<Self> {
+                    let fits = matches!(node.kind(), $(Kind::$kind)|+) $(&& $condition(node))?;
+                    if !fits {
+                        return None;
+                    }
+                    Some($view { $($part: $read(node)?,)* node })
+                }
+
+                /// Returns the node.
+                pub fn node(self) -> Node<'t> {
+                    self.node
+                }
+
+                /// Returns its place.
+                pub fn span(self) -> Span {
+                    self.node.span()
+                }
+
+                $(
+                    $(#[$part_doc])*
+                    pub fn $part(self) -> $type {
+                        self.$part
+                    }
+                )*
+
+                $($(
+                    $(#[$doc_of])*
+                    pub fn $found(self) -> $result {
+                        let $inner = self.node;
+                        $find
+                    }
+                )*)?
+            }
+
+            impl<'t> View<'t> for $view<'t> {
+                fn cast(node: Node<'t>) -> Option<Self> {
+                    $view::cast(node)
+                }
+            }
+        )*
+
+        /// Returns whether a node has a view.
+        #[cfg(test)]
+        pub(crate) fn has_view(node: Node<'_>) -> bool {
+            false $(|| $view::cast(node).is_some())*
+                || Saying::cast(node).is_some()
+                || Expr::cast(node).is_some()
+        }
+    };
+}
+
+/// Adds to views of blocks what all blocks have.
+macro_rules! blocks {
+    ($($view:ident)*) => {
+        $(
+            impl $view<'_> {
+                /// Returns the place of its first words.
+                pub fn head_span(self) -> Span {
+                    let head = self.node.children().next().unwrap_or(self.node);
+                    let ops::Range { start, .. } = head.range();
+                    Span::new(self.span().file, start..start + head.text().trim_end().len())
+                }
+
+                /// Returns whether something directly in it does not fit, so that what it lacks says nothing.
+                pub fn is_damaged(self) -> bool {
+                    self.node.children().any(|child| {
+                        child.kind().is_junk() || matches!(child.kind(), Kind::NoOpen | Kind::NoClose)
+                    })
+                }
+            }
+        )*
+    };
+}
+
+/// Returns the views of one type directly below a node.
+fn all<'t, T: View<'t>>(node: Node<'t>) -> impl Iterator<Item = T> {
+    node.children().filter_map(T::cast)
+}
+
+fn first<'t, T: View<'t>>(node: Node<'t>) -> Option<T> {
+    all(node).next()
+}
+
+fn second<'t, T: View<'t>>(node: Node<'t>) -> Option<T> {
+    all(node).nth(1)
+}
+
+/// Returns the views of one type below the first child of a kind.
+fn below<'t, T: View<'t>>(node: Node<'t>, kind: Kind) -> Option<T> {
+    node.child(kind).and_then(first)
+}
+
+/// Returns the name in a block's head.
+fn head_name(node: Node<'_>) -> Option<Name<'_>> {
+    below(node, Kind::Head)
+}
+
+/// Returns the whole statements of a kind; one that is cut off by junk is not what was meant.
+fn whole<'t, T: View<'t>>(block: Node<'t>, kind: Kind) -> impl Iterator<Item = T> {
+    block
+        .all(kind)
+        .filter(|node| !is_half(*node))
+        .filter_map(T::cast)
+}
+
+/// Returns whether a statement is cut off by what does not fit; a whole block before such a thing is kept.
+fn is_half(node: Node<'_>) -> bool {
+    let is_block = node.child(Kind::Close).is_some() && node.kind() != Kind::Check;
+    !is_block && node.is_cut()
+}
+
+views! {
+    // ---- names ---------------------------------------------------------------------------------
+
+    /// A name, or a word or sign that is not the same everywhere: an argument's label, a unit, a
+    /// comparison, a statement's word; for `given`, also names joined by dots.
+    Name(Name | Label | Target | Unit | Compare | StatementWord | Path) {} {
+        /// Returns what is written.
+        text -> &'t str = |node| node.text();
+    }
+
+    /// A list of names: `ablate NAME, …`, `without component NAME, …`, `without check NAME, …`,
+    /// `then without NAME, …`.
+    Names(Ablate | Without | WithoutCheck | Relax) {} {
+        /// Returns the names in order.
+        list -> impl Iterator<Item = Name<'t>> = |node| all(node);
+    }
+
+    // ---- a file --------------------------------------------------------------------------------
+
+    /// The whole file.
+    File(File) {} {
+        /// Returns the files that it uses.
+        uses -> impl Iterator<Item = Use<'t>> = |node| all(node);
+        /// Returns its lists of experts.
+        experts -> impl Iterator<Item = Experts<'t>> = |node| all(node);
+        /// Returns its tasks.
+        tasks -> impl Iterator<Item = Task<'t>> = |node| all(node);
+    }
+
+    /// `use "…"`.
+    Use(UseFile) {
+        /// Returns the other file's path.
+        path: Text<'t> = first,
+    }
+
+    /// `experts NAME { … }` of a file.
+    Experts(Experts) {
+        /// Returns the name.
+        name: Name<'t> = head_name,
+    } {
+        /// Returns its sequences of folds.
+        sequences -> impl Iterator<Item = FoldBlock<'t>> = |node| all(node);
+    }
+
+    /// `sequence { … }` or `demonstrate { … }`.
+    FoldBlock(Sequence | Demonstrate) {} {
+        /// Returns the moves of all its folds.
+        moves -> impl Iterator<Item = Move<'t>> = |node| whole(node, Kind::Fold).flat_map(Fold::moves);
+    }
+
+    /// `fold A -> B, …`.
+    Fold(Fold) {} {
+        /// Returns what is moved at once.
+        moves -> impl Iterator<Item = Move<'t>> = |node| all(node);
+    }
+
+    /// `A -> B at F`.
+    Move(Move) {
+        /// Returns where the cloth is gripped.
+        pick: Expr<'t> = first,
+        /// Returns where it is taken to.
+        place: Expr<'t> = second,
+    } {
+        /// Returns how much of the way is done.
+        fraction -> Option<Expr<'t>> = |node| all(node).nth(2);
+    }
+
+    // ---- a task --------------------------------------------------------------------------------
+
+    /// `task NAME extends BASE { … }`.
+    Task(Task) {
+        /// Returns the name.
+        name: Name<'t> = head_name,
+    } {
+        /// Returns the name of the task that it extends.
+        extends -> Option<Name<'t>> = |node| first(node).map(Extends::name);
+        /// Returns its sections.
+        body -> Body<'t> = |node| Body { node };
+        /// Returns its variants.
+        variants -> impl Iterator<Item = Variant<'t>> = |node| all(node);
+        /// Returns the components that are ablated.
+        ablated -> impl Iterator<Item = Name<'t>> = |node| whole(node, Kind::Ablate).flat_map(Names::list);
+        /// Returns its tests.
+        tests -> impl Iterator<Item = Test<'t>> = |node| all(node);
+    }
+
+    /// `extends BASE`.
+    Extends(Extends) {
+        /// Returns the name of the task that is extended.
+        name: Name<'t> = first,
+    }
+
+    /// `variant NAME { … }`.
+    Variant(Variant) {
+        /// Returns the name.
+        name: Name<'t> = head_name,
+    } {
+        /// Returns its sections.
+        body -> Body<'t> = |node| Body { node };
+    }
+
+    /// What stands between the braces of a task or a variant.
+    Body(Task | Variant) {} {
+        /// Returns its constants.
+        constants -> impl Iterator<Item = NamedValue<'t>> = |node| whole(node, Kind::Constant);
+        /// Returns its statements of one value.
+        statements -> impl Iterator<Item = Statement<'t>> = |node| whole(node, Kind::Statement);
+        /// Returns its blocks of subgoals.
+        subgoals -> impl Iterator<Item = Subgoals<'t>> = |node| all(node);
+        /// Returns the lists of experts that it uses.
+        experts -> impl Iterator<Item = ExpertsUsed<'t>> = |node| whole(node, Kind::ExpertsUsed);
+        /// Returns its files of demonstrations.
+        demos -> impl Iterator<Item = Demos<'t>> = |node| whole(node, Kind::Demos);
+        /// Returns its blocks of keypoints.
+        keypoints -> impl Iterator<Item = Keypoints<'t>> = |node|
+            node.all(Kind::Keypoints).filter_map(Keypoints::cast);
+        /// Returns its blocks of layers.
+        annotate -> impl Iterator<Item = Keypoints<'t>> = |node|
+            node.all(Kind::Annotate).filter_map(Keypoints::cast);
+        /// Returns its blocks of actions.
+        actions -> impl Iterator<Item = Actions<'t>> = |node| all(node);
+        /// Returns its components, new and overriding ones in order.
+        components -> impl Iterator<Item = Component<'t>> = |node| {
+            all(node).filter(|component: &Component<'t>| !is_half(component.node))
+        };
+        /// Returns the components that it leaves out.
+        without -> impl Iterator<Item = Name<'t>> = |node| whole(node, Kind::Without).flat_map(Names::list);
+        /// Returns its stages.
+        stages -> impl Iterator<Item = Stage<'t>> = |node| all(node);
+        /// Returns its blocks of checks.
+        verify -> impl Iterator<Item = Verify<'t>> = |node| all(node);
+        /// Returns the checks with `override`.
+        override_checks -> impl Iterator<Item = Check<'t>> = |node|
+            whole(node, Kind::OverrideCheck).map(OverrideCheck::check);
+        /// Returns the checks that it leaves out.
+        without_checks -> impl Iterator<Item = Name<'t>> = |node|
+            whole(node, Kind::WithoutCheck).flat_map(Names::list);
+        /// Returns its length, bytes.
+        bytes -> usize = |node| node.range().len();
+    }
+
+    /// `const NAME = …`, or `NAME = …` in `keypoints` and `annotate`.
+    NamedValue(Constant | Keypoint) {
+        /// Returns the name.
+        name: Name<'t> = first,
+        /// Returns the value.
+        value: Expr<'t> = second,
+    }
+
+    /// `cloth …`, `goal …`: a word and its value.
+    Statement(Statement) {
+        /// Returns the word.
+        word: Name<'t> = first,
+        /// Returns the value.
+        value: Expr<'t> = first,
+    }
+
+    /// `experts NAME` of a task.
+    ExpertsUsed(ExpertsUsed) {
+        /// Returns the name of the file's `experts`.
+        name: Name<'t> = first,
+    }
+
+    /// `demos STAGE from "FILE"`.
+    Demos(Demos) {
+        /// Returns the stage's name.
+        stage: Name<'t> = first,
+        /// Returns the path.
+        file: Text<'t> = first,
+    }
+
+    /// `subgoals { … }`.
+    Subgoals(Subgoals) {} {
+        /// Returns its demonstrations.
+        demonstrations -> impl Iterator<Item = FoldBlock<'t>> = |node| all(node);
+        /// Returns its pictures.
+        images -> impl Iterator<Item = Image<'t>> = |node| whole(node, Kind::Image);
+    }
+
+    /// `image "…" arrow (…) -> (…)`.
+    Image(Image) {
+        /// Returns the picture's path.
+        path: Text<'t> = first,
+    }
+
+    /// `keypoints { … }` or `annotate { … }`.
+    Keypoints(Keypoints | Annotate) {} {
+        /// Returns its keypoints or layers.
+        list -> impl Iterator<Item = NamedValue<'t>> = |node| whole(node, Kind::Keypoint);
+    }
+
+    /// `actions { … }`.
+    Actions(Actions) {} {
+        /// Returns its fields.
+        fields -> impl Iterator<Item = Field<'t>> = |node| whole(node, Kind::Field);
+    }
+
+    /// `NAME: one of …`, or `NAME: any of MASK`.
+    Field(Field) {
+        /// Returns the name.
+        name: Name<'t> = first,
+    } {
+        /// Returns the choices; none where the field is any of a mask.
+        // The name itself reads as an expression too.
+        one_of -> impl Iterator<Item = Expr<'t>> = |node| all(node).skip(1);
+        /// Returns the mask's name.
+        any_of -> Option<Name<'t>> = |node| first(node).map(AnyOf::mask);
+    }
+
+    /// `any of MASK`.
+    AnyOf(AnyOf) {
+        /// Returns the mask's name.
+        mask: Name<'t> = first,
+    }
+
+    /// `component NAME …`, with or without `override` and `when`.
+    Component(Component | OverrideComponent) {
+        /// Returns the name.
+        name: Name<'t> = first,
+        /// Returns the text.
+        text: Text<'t> = first,
+    } {
+        /// Returns when it is said at all.
+        when -> Option<Expr<'t>> = |node| first(node).map(Guard::condition);
+    }
+
+    /// `when …`.
+    Guard(Guard) {
+        /// Returns the condition.
+        condition: Expr<'t> = first,
+    }
+
+    // ---- a stage -------------------------------------------------------------------------------
+
+    /// `stage NAME { … }`.
+    Stage(Stage) {
+        /// Returns the name.
+        name: Name<'t> = head_name,
+    } {
+        /// Returns its `model` lines.
+        model -> impl Iterator<Item = Model<'t>> = |node| whole(node, Kind::Model);
+        /// Returns its `show` lines.
+        show -> impl Iterator<Item = Show<'t>> = |node| whole(node, Kind::Show);
+        /// Returns its `say` lines.
+        say -> impl Iterator<Item = Sayings<'t>> = |node| whole(node, Kind::Say);
+        /// Returns its `system` lines.
+        system -> impl Iterator<Item = Sayings<'t>> = |node| whole(node, Kind::System);
+        /// Returns its `read` lines.
+        read -> impl Iterator<Item = Read<'t>> = |node| whole(node, Kind::Read);
+        /// Returns its examples.
+        examples -> impl Iterator<Item = Example<'t>> = |node| all(node);
+    }
+
+    /// `model …`.
+    Model(Model) {} {
+        /// Returns its settings.
+        settings -> impl Iterator<Item = Setting<'t>> = |node| all(node);
+    }
+
+    /// `NAME`, or `NAME VALUE`.
+    Setting(Setting) {
+        /// Returns the name.
+        name: Name<'t> = first,
+    } {
+        /// Returns the value.
+        // The name itself reads as an expression too.
+        value -> Option<Expr<'t>> = |node| second(node);
+    }
+
+    /// `show …`.
+    Show(Show) {} {
+        /// Returns its pictures.
+        pictures -> impl Iterator<Item = Picture<'t>> = |node| all(node);
+    }
+
+    /// `… with NAME`.
+    Picture(Picture) {
+        /// Returns what is shown.
+        value: Expr<'t> = first,
+    } {
+        /// Returns what is drawn on it.
+        with -> Option<Name<'t>> = |node| first(node);
+    }
+
+    /// `say …` or `system …`.
+    Sayings(Say | System) {} {
+        /// Returns its parts.
+        list -> impl Iterator<Item = Saying<'t>> = |node| all(node);
+    }
+
+    /// `read NAME from "…"`.
+    Read(Read) {
+        /// Returns the name.
+        name: Name<'t> = first,
+    } {
+        /// Returns what the reply looks like.
+        pattern -> Option<Text<'t>> = |node| first(node);
+    }
+
+    /// `example { … }`.
+    Example(Example) {} {
+        /// Returns its `say` lines.
+        say -> impl Iterator<Item = Sayings<'t>> = |node| whole(node, Kind::Say);
+        /// Returns its pictures.
+        images -> impl Iterator<Item = Image<'t>> = |node| whole(node, Kind::Image);
+        /// Returns its replies.
+        replies -> impl Iterator<Item = Reply<'t>> = |node| whole(node, Kind::Reply);
+    }
+
+    /// `reply "…"`, with or without a stage's name.
+    Reply(Reply) {
+        /// Returns the text.
+        text: Text<'t> = first,
+    } {
+        /// Returns the name of the stage that it answers.
+        stage -> Option<Name<'t>> = |node| first(node);
+    }
+
+    // ---- checks --------------------------------------------------------------------------------
+
+    /// `verify { … }`.
+    Verify(Verify) {} {
+        /// Returns its checks.
+        checks -> impl Iterator<Item = Check<'t>> = |node| whole(node, Kind::Check);
+        /// Returns its `attempts` lines.
+        attempts -> impl Iterator<Item = Attempts<'t>> = |node| whole(node, Kind::Attempts);
+        /// Returns its `result` lines.
+        results -> impl Iterator<Item = ResultCheck<'t>> = |node| whole(node, Kind::Result);
+    }
+
+    /// `check NAME { … } else "…"`.
+    Check(Check) {
+        /// Returns the name.
+        name: Name<'t> = head_name,
+    } {
+        /// Returns when it is checked at all.
+        when -> Option<Expr<'t>> = |node| first(node).map(Guard::condition);
+        /// Returns what must hold; None where that does not fit.
+        condition -> Option<Expr<'t>> = |node| node.child(Kind::Expr).and_then(Expr::cast);
+        /// Returns what the model is told.
+        message -> Option<Text<'t>> = |node| first(node);
+    }
+
+    /// `override check NAME { … } else "…"`.
+    OverrideCheck(OverrideCheck) {
+        /// Returns the check.
+        check: Check<'t> = first,
+    }
+
+    /// `attempts N with picture, then without NAME, …, else skip`.
+    Attempts(Attempts) {
+        /// Returns how many there are.
+        count: Expr<'t> = first,
+    } {
+        /// Returns where `with picture` stands.
+        with_picture -> Option<Phrase<'t>> = |node| node.child(Kind::WithPicture).and_then(Phrase::cast);
+        /// Returns the checks that are left out at the end.
+        relaxed -> impl Iterator<Item = Name<'t>> = |node| all(node).flat_map(Names::list);
+        /// Returns where `else skip` stands.
+        else_skip -> Option<Phrase<'t>> = |node| node.child(Kind::ElseSkip).and_then(Phrase::cast);
+    }
+
+    /// `with picture` or `else skip`.
+    Phrase(WithPicture | ElseSkip) {}
+
+    /// `result overlap > N, retries N else "…"`.
+    ResultCheck(Result) {
+        /// Returns what the overlap must exceed.
+        above: Expr<'t> = first,
+    } {
+        /// Returns how often a step is tried again.
+        retries -> Option<Expr<'t>> = |node| first(node).map(Retries::count);
+        /// Returns what the model is told.
+        message -> Option<Text<'t>> = |node| first(node);
+    }
+
+    /// `retries N`.
+    Retries(Retries) {
+        /// Returns how many there are.
+        count: Expr<'t> = first,
+    }
+
+    // ---- tests ---------------------------------------------------------------------------------
+
+    /// `test "…" { … }`.
+    Test(Test) {} {
+        /// Returns the name.
+        name -> Option<Text<'t>> = |node| below(node, Kind::Head);
+        /// Returns what is given.
+        given -> impl Iterator<Item = Given<'t>> = |node| whole(node, Kind::Given);
+        /// Returns the model's replies.
+        replies -> impl Iterator<Item = Reply<'t>> = |node| whole(node, Kind::Reply);
+        /// Returns what is expected.
+        expect -> impl Iterator<Item = Expect<'t>> = |node| whole(node, Kind::Expect);
+    }
+
+    /// `given NAME = …`.
+    Given(Given) {
+        /// Returns what is given: a name, or names joined by dots.
+        name: Name<'t> = first,
+    } {
+        /// Returns its values; none where it is a text.
+        values -> impl Iterator<Item = Expr<'t>> = |node| node.all(Kind::Expr).filter_map(Expr::cast);
+        /// Returns its text.
+        text -> Option<Text<'t>> = |node| first(node);
+    }
+
+    /// `expect reject(CHECK)`.
+    Expect(Expect) {
+        /// Returns the word that says what is expected.
+        what: Name<'t> = first,
+    } {
+        /// Returns the check in brackets.
+        check -> Option<Name<'t>> = |node| second(node);
+        /// Returns the message that is expected.
+        text -> Option<Text<'t>> = |node| first(node);
+    }
+
+    // ---- values --------------------------------------------------------------------------------
+
+    /// A number and its unit.
+    Quantity(Quantity) {
+        /// Returns the number; too many digits are infinity, which no range accepts.
+        value: f64 = |node: Node<'_>| node.child(Kind::Token)?.text().parse().ok(),
+    } {
+        /// Returns the unit.
+        unit -> Option<Name<'t>> = |node| first(node);
+    }
+
+    /// Names joined by dots.
+    Path(Path) {} {
+        /// Returns the names and the dots between.
+        text -> &'t str = |node| node.text();
+    }
+
+    /// `(A, B)`.
+    Pair(Group | Pair if |node| several(node, Kind::Expr)) {} {
+        /// Returns both parts.
+        parts -> [Expr<'t>; 2] = |node| [part(node, 0), part(node, 1)];
+    }
+
+    /// `VALUE in UNIT`.
+    Converted(Operand) {
+        /// Returns the unit.
+        target: Name<'t> = |node: Node<'t>| node.child(Kind::Target).and_then(Name::cast),
+    } {
+        /// Returns what is converted.
+        value -> Expr<'t> = |node| part(node, 0);
+    }
+
+    /// `from A to B`.
+    Heading(Heading) {} {
+        /// Returns where it begins.
+        from -> Expr<'t> = |node| part(node, 0);
+        /// Returns where it leads.
+        to -> Expr<'t> = |node| part(node, 1);
+    }
+
+    /// `A to B`.
+    Range(Relation if |node| has_word(node, "to")) {} {
+        /// Returns the lower end.
+        low -> Expr<'t> = |node| part(node, 0);
+        /// Returns the upper end.
+        high -> Expr<'t> = |node| part(node, 1);
+    }
+
+    /// `NAME(…)`.
+    Call(Call) {
+        /// Returns the name.
+        name: Name<'t> = first,
+    } {
+        /// Returns its arguments.
+        arguments -> impl Iterator<Item = Argument<'t>> = |node| all(node);
+    }
+
+    /// `NAME: …`, or the value alone.
+    Argument(Argument) {
+        /// Returns the value.
+        value: Expr<'t> = first,
+    } {
+        /// Returns the name before the colon.
+        label -> Option<Name<'t>> = |node| first(node);
+    }
+
+    /// `A < B` and other comparisons.
+    Compare(Relation) {
+        /// Returns the sign between the two.
+        sign: Name<'t> = first,
+    } {
+        /// Returns what stands left of the sign.
+        left -> Expr<'t> = |node| part(node, 0);
+        /// Returns what stands right of it.
+        right -> Expr<'t> = |node| part(node, 1);
+    }
+
+    /// `POINT within MARGIN of MASK`.
+    Within(Relation if |node| has_word(node, "within")) {} {
+        /// Returns the point.
+        point -> Expr<'t> = |node| part(node, 0);
+        /// Returns how far outside the point may be.
+        margin -> Option<Expr<'t>> = |node| first(node).map(Margin::value);
+        /// Returns the mask.
+        region -> Expr<'t> = |node| part(node, 1);
+    }
+
+    /// `N of`.
+    Margin(Margin) {
+        /// Returns how far from the edge.
+        value: Expr<'t> = first,
+    }
+
+    /// Conditions joined by `and`.
+    All(Conjunction if |node| several(node, Kind::Negation)) {} {
+        /// Returns the conditions.
+        parts -> impl Iterator<Item = Expr<'t>> = |node| all(node);
+    }
+
+    /// Conditions joined by `or`.
+    Any(Expr if |node| several(node, Kind::Conjunction)) {} {
+        /// Returns the conditions.
+        parts -> impl Iterator<Item = Expr<'t>> = |node| all(node);
+    }
+
+    /// `not …`; `not not x` is `x`.
+    Not(Negation if |node: Node<'_>| node.all(Kind::Token).count() % 2 == 1) {} {
+        /// Returns what must not hold.
+        condition -> Expr<'t> = |node| part(node, 0);
+    }
+
+    // ---- texts ---------------------------------------------------------------------------------
+
+    /// What a model will read, with the places where values go.
+    ///
+    /// A text between triple quotes loses the indentation that its lines share, its first line break and
+    /// its last; every line end becomes a line feed. Nothing else is changed. Quotes of the wrong kind are
+    /// a fault already; such a text is taken as it stands, to keep later ones away.
+    Text(BlockText | String | CurlyText | CurlyString | SingleString) {}
+
+    /// `{{ … }}` in a text.
+    Placeholder(Placeholder) {} {
+        /// Returns the value; None where it is a literal text.
+        value -> Option<Expr<'t>> = |node| first(node);
+    }
+
+    /// Characters of a text that stand for themselves.
+    Literal(StringChars | BlockChars | Escape | Literal) {}
+}
+
+blocks! {
+    Experts FoldBlock Task Variant Body Subgoals Keypoints Actions Stage Example Verify Check Test
+}
+
+// ---- what takes more than a line ---------------------------------------------------------------
+
+impl Tree {
+    /// Returns the view of the whole file.
+    pub fn view(&self) -> File<'_> {
+        File::cast(self.root()).expect("the root is a file")
+    }
+}
+
+impl<'t> File<'t> {
+    /// Returns the words of everything that does not fit, and of the statements that it cuts off.
+    ///
+    /// A name among them may be declared there, so it should not be reported as unknown.
+    pub fn unparsed_words(self) -> BTreeSet<&'t str> {
+        self.node
+            .tree()
+            .nodes()
+            .filter(|node| node.kind().is_junk() || is_half(*node))
+            .flat_map(|node| {
+                node.text()
+                    .split(|character: char| !character.is_alphanumeric() && character != '_')
+            })
+            .filter(|word| !word.is_empty())
+            .collect()
+    }
+}
+
+impl<'t> Image<'t> {
+    /// Returns tail and tip of the arrow.
+    pub fn arrow(self) -> Option<[[Expr<'t>; 2]; 2]> {
+        let mut ends = all(self.node).map(Pair::parts);
+        Some([ends.next()?, ends.next()?])
+    }
+}
+
+/// Whether a component is new or replaces one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Declares {
+    /// `component`.
+    New,
+    /// `override component`.
+    Override,
+}
+
+impl<'t> Component<'t> {
+    /// Returns whether it is new or replaces one.
+    pub fn declares(self) -> Declares {
+        match self.node.kind() {
+            Kind::OverrideComponent => Declares::Override,
+            _ => Declares::New,
+        }
+    }
+}
+
+/// A component by name, or a text.
+#[derive(Clone, Copy, Debug)]
+pub enum Saying<'t> {
+    /// A component.
+    Component(Name<'t>),
+    /// A text of its own.
+    Text(Text<'t>),
+}
+
+impl<'t> Saying<'t> {
+    /// Views a node; None where it is something else.
+    pub fn cast(node: Node<'t>) -> Option<Self> {
+        let node = Some(node).filter(|node| node.kind() == Kind::Saying)?;
+        let name = first(node).map(Saying::Component);
+        name.or_else(|| first(node).map(Saying::Text))
+    }
+
+    /// Returns its place.
+    pub fn span(self) -> Span {
+        match self {
+            Saying::Component(name) => name.span(),
+            Saying::Text(text) => text.span(),
+        }
+    }
+}
+
+impl<'t> View<'t> for Saying<'t> {
+    fn cast(node: Node<'t>) -> Option<Self> {
+        Saying::cast(node)
+    }
+}
+
+// ---- values ------------------------------------------------------------------------------------
+
+/// Declares [`Expr`]: a view for each thing that a value or a condition can be.
+macro_rules! expressions {
+    ($($(#[$doc:meta])* $case:ident($view:ident),)*) => {
+        /// A value or a condition, as written.
+        #[derive(Clone, Copy, Debug)]
+        pub enum Expr<'t> {
+            $($(#[$doc])* $case($view<'t>),)*
+        }
+
+        impl<'t> Expr<'t> {
+            /// Returns the node.
+            pub fn node(self) -> Node<'t> {
+                match self {
+                    $(Expr::$case(view) => view.node(),)*
+                }
+            }
+        }
+    };
+}
+
+expressions! {
+    /// `5mm`.
+    Quantity(Quantity),
+    /// `corners`.
+    Name(Name),
+    /// `last.place`.
+    Path(Path),
+    /// `"…"`.
+    Text(Text),
+    /// `(A, B)`.
+    Pair(Pair),
+    /// `VALUE in UNIT`.
+    Converted(Converted),
+    /// `from A to B`.
+    Heading(Heading),
+    /// `A to B`.
+    Range(Range),
+    /// `NAME(…)`.
+    Call(Call),
+    /// `A < B`.
+    Compare(Compare),
+    /// `POINT within MASK`.
+    Within(Within),
+    /// `A and B`.
+    All(All),
+    /// `A or B`.
+    Any(Any),
+    /// `not A`.
+    Not(Not),
+}
+
+impl<'t> Expr<'t> {
+    /// Views a node; None where it is no expression. A layer with one part is that part.
+    pub fn cast(node: Node<'t>) -> Option<Self> {
+        let view = match node.kind() {
+            Kind::Quantity => Quantity::cast(node).map(Expr::Quantity),
+            Kind::Name => Name::cast(node).map(Expr::Name),
+            Kind::Path => Path::cast(node).map(Expr::Path),
+            Kind::String | Kind::CurlyString | Kind::SingleString => {
+                Text::cast(node).map(Expr::Text)
+            }
+            Kind::Heading => Heading::cast(node).map(Expr::Heading),
+            Kind::Call => Call::cast(node).map(Expr::Call),
+            Kind::Group => Pair::cast(node).map(Expr::Pair),
+            Kind::Operand => Converted::cast(node).map(Expr::Converted),
+            Kind::Relation => Compare::cast(node)
+                .map(Expr::Compare)
+                .or_else(|| Range::cast(node).map(Expr::Range))
+                .or_else(|| Within::cast(node).map(Expr::Within)),
+            Kind::Negation => Not::cast(node).map(Expr::Not),
+            Kind::Conjunction => All::cast(node).map(Expr::All),
+            Kind::Expr => Any::cast(node).map(Expr::Any),
+            _ => return None,
+        };
+        view.or_else(|| first(node))
+    }
+
+    /// Returns its place.
+    pub fn span(self) -> Span {
+        self.node().span()
+    }
+}
+
+impl<'t> View<'t> for Expr<'t> {
+    fn cast(node: Node<'t>) -> Option<Self> {
+        Expr::cast(node)
+    }
+}
+
+fn several(node: Node<'_>, kind: Kind) -> bool {
+    node.all(kind).nth(1).is_some()
+}
+
+fn has_word(node: Node<'_>, word: &str) -> bool {
+    node.all(Kind::Token).any(|token| token.text() == word)
+}
+
+/// Returns the part of that number, from 0.
+fn part(node: Node<'_>, number: usize) -> Expr<'_> {
+    let part = all(node).nth(number);
+    part.expect("the grammar's rule for this node has the part")
+}
+
+// ---- texts -------------------------------------------------------------------------------------
+
+/// A part of a [`Text`].
+#[derive(Clone, Debug)]
+pub enum Piece<'t> {
+    /// Characters that stand for themselves.
+    Literal(Cow<'t, str>),
+    /// The value of a placeholder.
+    Value(Expr<'t>),
+}
+
+const TRIPLE: usize = "\"\"\"".len();
+
+impl<'t> Text<'t> {
+    /// Returns its parts in order; no two literal ones are neighbours.
+    pub fn pieces(self) -> Vec<Piece<'t>> {
+        let mut pieces = Pieces::default();
+        match self.node.kind() {
+            Kind::BlockText => self.block(&mut pieces),
+            Kind::String => {
+                for child in self.node.children() {
+                    match child.kind() {
+                        Kind::StringChars => pieces.literal(child.text()),
+                        Kind::Escape => pieces.literal(&child.text()[1..]),
+                        Kind::Placeholder => pieces.placeholder(child),
+                        _ => {}
+                    }
+                }
+            }
+            _ => pieces.literal(self.node.text()),
+        }
+        pieces.list
+    }
+
+    /// Returns the text if it has no placeholders.
+    pub fn plain(self) -> Option<String> {
+        let mut plain = String::new();
+        for piece in self.pieces() {
+            match piece {
+                Piece::Literal(text) => plain.push_str(&text),
+                Piece::Value(_) => return None,
+            }
+        }
+        Some(plain)
+    }
+
+    /// Returns whether it has no characters but blanks.
+    pub fn is_blank(self) -> bool {
+        self.plain().is_some_and(|text| text.trim().is_empty())
+    }
+
+    /// Returns the number of bytes of its literal pieces.
+    pub fn literal_bytes(self) -> usize {
+        let length = |piece: &Piece<'_>| match piece {
+            Piece::Literal(text) => text.len(),
+            Piece::Value(_) => 0,
+        };
+        self.pieces().iter().map(length).sum()
+    }
+
+    /// Returns the byte of the file at which its first character stands.
+    pub fn start(self) -> usize {
+        let ops::Range { start, .. } = self.node.range();
+        match self.node.kind() {
+            Kind::BlockText => self
+                .lines()
+                .first()
+                .map_or(start + TRIPLE, |line| line.start),
+            _ => start + self.node.text().chars().next().map_or(0, char::len_utf8),
+        }
+    }
+
+    /// Adds the parts of a text between triple quotes.
+    fn block(self, pieces: &mut Pieces<'t>) {
+        let text = |range: ops::Range<usize>| &self.node.tree().text()[range];
+        let mut placeholders = self.node.all(Kind::Placeholder).peekable();
+        for (number, line) in self.lines().into_iter().enumerate() {
+            if number > 0 {
+                pieces.literal("\n");
+            }
+            // A placeholder that spans lines is a fault already, and left as it stands.
+            while placeholders
+                .next_if(|node| node.range().start < line.start)
+                .is_some()
+            {}
+            let mut at = line.start;
+            while let Some(node) = placeholders.next_if(|node| node.range().end <= line.end) {
+                pieces.literal(text(at..node.range().start));
+                pieces.placeholder(node);
+                at = node.range().end;
+            }
+            pieces.literal(text(at..line.end));
+        }
+    }
+
+    /// Returns the places in the file of the lines between triple quotes, without indentation and line ends.
+    fn lines(self) -> Vec<ops::Range<usize>> {
+        let ops::Range { start, end } = self.node.range();
+        let is_closed = self.node.child(Kind::NoTriple).is_none();
+        let body = start + TRIPLE..if is_closed { end - TRIPLE } else { end };
+        let text = |line: &ops::Range<usize>| &self.node.tree().text()[line.clone()];
+        let mut lines = lines(text(&body), body.start);
+        let is_blank = |line: Option<&ops::Range<usize>>| {
+            line.is_some_and(|line| text(line).trim().is_empty())
+        };
+        let opens_with_break = lines.len() > 1 && is_blank(lines.first());
+        let closes_with_break = lines.len() > 1 && is_blank(lines.last());
+        if closes_with_break {
+            lines.pop();
+        }
+        if opens_with_break && !lines.is_empty() {
+            lines.remove(0);
+        }
+        // The blanks right behind the quotes are no indentation.
+        let indented = usize::from(!opens_with_break).min(lines.len());
+        let indented = &mut lines[indented..];
+        let indent = shared_indent(indented.iter().map(text));
+        for line in indented {
+            line.start += indent.min(blanks(text(line)).len());
+        }
+        lines
+    }
+}
+
+/// Returns the lines' places, without their ends.
+fn lines(text: &str, offset: usize) -> Vec<ops::Range<usize>> {
+    let mut lines = Vec::new();
+    let mut start = 0;
+    let mut bytes = text.bytes().enumerate().peekable();
+    while let Some((at, byte)) = bytes.next() {
+        if !matches!(byte, b'\n' | b'\r') {
+            continue;
+        }
+        lines.push(offset + start..offset + at);
+        start = at + 1;
+        if byte == b'\r' && bytes.next_if(|(_, next)| *next == b'\n').is_some() {
+            start += 1;
+        }
+    }
+    lines.push(offset + start..offset + text.len());
+    lines
+}
+
+/// Returns the blanks that a line begins with.
+fn blanks(line: &str) -> &str {
+    &line[..line.len() - line.trim_start_matches([' ', '\t']).len()]
+}
+
+/// Returns the number of blanks that all lines with words begin with.
+fn shared_indent<'t>(lines: impl Iterator<Item = &'t str>) -> usize {
+    let with_words = lines.filter(|line| blanks(line).len() < line.len());
+    let shared = with_words.map(blanks).reduce(|shared, next| {
+        let same = shared.bytes().zip(next.bytes()).take_while(|(a, b)| a == b);
+        &shared[..same.count()]
+    });
+    shared.map_or(0, str::len)
+}
+
+#[derive(Default)]
+struct Pieces<'t> {
+    list: Vec<Piece<'t>>,
+}
+
+impl<'t> Pieces<'t> {
+    fn literal(&mut self, text: &'t str) {
+        if text.is_empty() {
+            return;
+        }
+        match self.list.last_mut() {
+            Some(Piece::Literal(before)) => before.to_mut().push_str(text),
+            _ => self.list.push(Piece::Literal(Cow::Borrowed(text))),
+        }
+    }
+
+    fn placeholder(&mut self, node: Node<'t>) {
+        if let Some(literal) = node.child(Kind::Literal) {
+            let text = literal.text();
+            self.literal(&text[1..text.len() - 1]);
+        }
+        if let Some(value) = first(node) {
+            self.list.push(Piece::Value(value));
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::{FileId, Tree, parse};
+
+    const EVERYTHING: &str = include_str!("../tests/everything.fab");
+
+    fn tree(text: &str) -> Tree {
+        let parsed = parse(FileId::FIRST, text);
+        assert_eq!(parsed.faults, []);
+        parsed.tree
+    }
+
+    #[test]
+    fn every_kind_of_node_has_a_view() {
+        let tree = tree(EVERYTHING);
+        let is_sign = |kind| matches!(kind, Kind::Token | Kind::Head | Kind::Open | Kind::Close);
+        for node in tree.nodes() {
+            let exempt = node.kind().is_trivia() || is_sign(node.kind());
+            assert!(exempt || has_view(node), "{node:?}");
+        }
+    }
+
+    #[test]
+    fn layers_that_say_nothing_are_passed_over() {
+        let shapes = [
+            ("(1mm)", "Quantity"),
+            ("not not a", "Name"),
+            ("not not not a", "Not"),
+            ("((a), b)", "Pair"),
+            ("a and (b or c)", "All"),
+            ("a < 1 or b", "Any"),
+            ("(a < b)", "Compare"),
+            ("a within 1px of b", "Within"),
+            ("1 to 2", "Range"),
+            ("from a to b", "Heading"),
+            ("a.b in px", "Converted"),
+            ("a.b", "Path"),
+            ("a(b: 1)", "Call"),
+            ("\"a\"", "Text"),
+        ];
+        for (text, shape) in shapes {
+            let tree = tree(&format!("task a {{ goal {text} }}"));
+            let task = tree.view().tasks().next().unwrap();
+            let value = task.body().statements().next().unwrap().value();
+            assert!(
+                format!("{value:?}").starts_with(&format!("{shape}(")),
+                "{text}: {value:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_statement_that_is_cut_off_is_left_out() {
+        let text = "task a { horizon 10 ? more\n goal b }";
+        let tree = parse(FileId::FIRST, text).tree;
+        let body = tree.view().tasks().next().unwrap().body();
+        let words: Vec<&str> = body.statements().map(|part| part.word().text()).collect();
+        assert_eq!(words, ["goal"]);
+        assert!(body.is_damaged());
+        assert!(tree.view().unparsed_words().contains("more"));
+    }
+
+    #[test]
+    fn a_text_loses_the_indentation_that_its_lines_share() {
+        let text = "task a { component b \"\"\"\r\n    One {{ c }}\r\n      two\r\n    \"\"\" }";
+        let tree = tree(text);
+        let body = tree.view().tasks().next().unwrap().body();
+        let block = body.components().next().unwrap().text();
+        assert_eq!(&text[block.start()..block.start() + 3], "One");
+        let pieces = block.pieces();
+        assert!(matches!(
+            &pieces[..],
+            [Piece::Literal(one), Piece::Value(Expr::Name(_)), Piece::Literal(two)] if one == "One " && two == "\n  two"
+        ));
+        assert_eq!(block.plain(), None);
+        assert_eq!(block.literal_bytes(), "One \n  two".len());
+    }
+}
