@@ -30,7 +30,7 @@ fn value(kind: &Kind) -> ArgValue {
             ArgValue::Number(units::base(range.to))
         }
         Kind::Between(range) => ArgValue::Between([range.from, range.to].map(units::base)),
-        Kind::Word(words) | Kind::NameOf(_, words) | Kind::WordOrFile(words, _) => {
+        Kind::Word(words) | Kind::NameOf { words, .. } | Kind::WordOrFile { words, .. } => {
             ArgValue::Word(words[0].name)
         }
         Kind::Keypoint(_) | Kind::DirectionField => ArgValue::Name("name".to_owned()),

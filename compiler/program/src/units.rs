@@ -8,7 +8,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::f64::consts::PI;
 
 /// What a number measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Dimension {
     /// A length on the table, metres.
     Length,
@@ -21,7 +22,7 @@ pub enum Dimension {
 }
 
 /// A unit.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Unit {
     /// How it is written.
     pub name: &'static str,

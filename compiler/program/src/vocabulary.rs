@@ -12,6 +12,7 @@ use crate::data::folds::ClothPoint;
 use crate::data::points::{Heading, Point};
 use crate::data::shape::KeypointShape;
 use crate::units::{self, Dimension};
+use serde::Serialize;
 
 pub use crate::words::Word;
 
@@ -24,8 +25,11 @@ pub struct Call<Make> {
     pub make: Make,
 }
 
+/// A call whose arguments alone make its value.
+pub type CallOf<T> = Call<fn(&Args) -> T>;
+
 /// What is written of a call: its name, its arguments, one line of documentation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Signature {
     /// Its name. Rows of one name are the forms of one call; the arguments' labels tell them apart.
     pub name: &'static str,
@@ -38,7 +42,7 @@ pub struct Signature {
 }
 
 /// One argument of a call.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Arg {
     /// Its name: the label of a named argument, and how messages call a positional one.
     pub name: &'static str,
@@ -55,7 +59,8 @@ pub struct Arg {
 }
 
 /// How an argument is given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Place {
     /// By its place: `grid(55, 44)`.
     Positional,
@@ -66,7 +71,8 @@ pub enum Place {
 }
 
 /// What holds where an optional argument is not given.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Default {
     /// A number, in base units.
     Number(f64),
@@ -79,7 +85,7 @@ pub enum Default {
 }
 
 /// What an argument needs beside it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Needs {
     /// The other argument.
     pub arg: &'static str,
@@ -88,7 +94,8 @@ pub struct Needs {
 }
 
 /// What an argument may be.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// A number with its unit.
     Quantity(Range),
@@ -100,8 +107,13 @@ pub enum Kind {
     Between(Range),
     /// One word of a closed set.
     Word(&'static [Word]),
-    /// Likewise, of a set that has a noun: `a colour`, without its article.
-    NameOf(&'static str, &'static [Word]),
+    /// Likewise, of a set that has a noun.
+    NameOf {
+        /// What its words are called, such as `colour`.
+        noun: &'static str,
+        /// The set.
+        words: &'static [Word],
+    },
     /// The name of a keypoint of one of these shapes; of an earlier one where a keypoint is declared.
     Keypoint(&'static [KeypointShape]),
     /// `depth < LIMIT`, the limit in the range.
@@ -118,12 +130,17 @@ pub enum Kind {
     DirectionField,
     /// A point of the cloth: `corner(back_left)`, `center`.
     ClothPoint,
-    /// A word of the set, or the path of a file with this ending.
-    WordOrFile(&'static [Word], &'static str),
+    /// A word of a closed set, or the path of a file.
+    WordOrFile {
+        /// The set.
+        words: &'static [Word],
+        /// What the path ends with.
+        ending: &'static str,
+    },
 }
 
 /// The numbers that are accepted, both ends included, stated once and as authors write them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Range {
     /// What the number is, such as `a width`.
     pub noun: &'static str,
@@ -138,7 +155,8 @@ pub struct Range {
 }
 
 /// Whether an end of a range belongs to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Bound {
     /// It does.
     Included,

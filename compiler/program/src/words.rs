@@ -1,7 +1,7 @@
 //! Closed sets of words: how a task writes each value of an enumeration.
 
 /// A word of a closed set.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct Word {
     /// The word.
     pub name: &'static str,

@@ -103,7 +103,7 @@ fn argument<'a>(
         }
         Kind::Between(range) => ArgValue::Between(between(expr, &range, context)?),
         Kind::Word(words) => ArgValue::Word(word(expr, words, context)?),
-        Kind::NameOf(noun, words) => ArgValue::Word(name_of(expr, noun, words, context)?),
+        Kind::NameOf { noun, words } => ArgValue::Word(name_of(expr, noun, words, context)?),
         Kind::Keypoint(shapes) => ArgValue::Name(keypoint(expr, shapes, scope, context)?),
         Kind::DepthLimit(range) => ArgValue::Number(depth_limit(expr, &range, context)?),
         Kind::Pixel => ArgValue::Pixel(pixel_in_picture(expr, context)?),
@@ -112,7 +112,7 @@ fn argument<'a>(
         Kind::Heading => ArgValue::Heading(heading(expr, context)?),
         Kind::DirectionField => ArgValue::Name(direction_field(expr, context)?),
         Kind::ClothPoint => ArgValue::ClothPoint(cloth_point(expr, context)?),
-        Kind::WordOrFile(words, ending) => word_or_file(expr, words, ending, context)?,
+        Kind::WordOrFile { words, ending } => word_or_file(expr, words, ending, context)?,
     })
 }
 
@@ -410,7 +410,7 @@ fn turned_name(call: Call<'_>, context: &mut Context<'_, '_>) -> Result<(), Repo
         .filter(|row| row.signature.name == call.name().text());
     let mut sets = rows.filter_map(|row| match row.signature.args {
         [arg] => match arg.kind {
-            Kind::NameOf(_, words) => Some(words),
+            Kind::NameOf { words, .. } => Some(words),
             _ => None,
         },
         _ => None,
@@ -611,6 +611,8 @@ pub(crate) enum Frame {
 }
 
 /// A value.
+// One lives at a time, so its size does not matter.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 pub(crate) enum Operand {
     Length(FramedLength),

@@ -67,7 +67,7 @@ pub(super) fn check<'a>(
         None => test::check(merged, &prompts, context),
         Some(_) => Vec::new(),
     };
-    let actions = std::mem::replace(&mut context.actions.list, Vec::new());
+    let actions = std::mem::take(&mut context.actions.list);
     let complete = context.actions.complete;
     let (cloth, camera) = (context.cloth.clone(), context.camera.clone());
     let whole = completeness(merged, form, loaded, context.report)?;

@@ -1,6 +1,6 @@
 //! Rows of `annotate`: what can be drawn on the camera's picture, and in which colours.
 
-use fab_program::vocabulary::{Arg, Args, Call, Default, Kind, Range, Signature, Word};
+use fab_program::vocabulary::{Arg, Args, Call, CallOf, Default, Kind, Range, Signature, Word};
 use fab_program::{KeypointShape, Mark};
 
 // ---- colours -------------------------------------------------------------------------------------
@@ -46,7 +46,14 @@ const SPACING: Kind = Kind::Whole(Range::new("a spacing", (1.0, "px"), (20.0, "p
 pub(crate) const POINTS: Arg = Arg::rest("points", Kind::Spot, "where it is drawn");
 
 /// The colour, which every mark has.
-pub(crate) const COLOR: Arg = Arg::named("color", Kind::NameOf("colour", COLORS), "its colour");
+pub(crate) const COLOR: Arg = Arg::named(
+    "color",
+    Kind::NameOf {
+        noun: "colour",
+        words: COLORS,
+    },
+    "its colour",
+);
 
 const fn radius(doc: &'static str) -> Arg {
     Arg::named("radius", RADIUS, doc).or(Default::Number(3.0))
@@ -56,14 +63,12 @@ const fn width(default_px: f64) -> Arg {
     Arg::named("width", WIDTH, "the width of its lines").or(Default::Number(default_px))
 }
 
-type MarkRow = Call<fn(&Args) -> Mark>;
-
 const fn mark(
     name: &'static str,
     args: &'static [Arg],
     doc: &'static str,
     make: fn(&Args) -> Mark,
-) -> MarkRow {
+) -> CallOf<Mark> {
     Call {
         signature: Signature {
             name,
@@ -76,7 +81,7 @@ const fn mark(
 }
 
 /// The marks; a mark's name is what a prompt calls it.
-pub(crate) const MARKS: &[MarkRow] = &[
+pub(crate) const MARKS: &[CallOf<Mark>] = &[
     mark(
         "dot",
         &[POINTS, COLOR, radius("its radius")],

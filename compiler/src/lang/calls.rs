@@ -2,7 +2,9 @@
 
 use fab_program::data::keypoints::IMAGE;
 use fab_program::units::base;
-use fab_program::vocabulary::{Arg, ArgValue, Args, Call, Default, Kind, Range, Signature, Word};
+use fab_program::vocabulary::{
+    Arg, ArgValue, Args, Call, CallOf, Default, Kind, Range, Signature, Word,
+};
 use fab_program::{Camera, Cloth, ClothPoint, ClothStart, ImageUp};
 
 // ---- cloths --------------------------------------------------------------------------------------
@@ -29,13 +31,16 @@ const STARTS: &[Word] = &[
 
 const START: Arg = Arg::named(
     "start",
-    Kind::WordOrFile(STARTS, ".npy"),
+    Kind::WordOrFile {
+        words: STARTS,
+        ending: ".npy",
+    },
     "how it lies at first: a word, or particle positions from a file",
 )
 .or(Default::Word("flat"));
 
 /// The forms of `cloth`.
-pub(crate) const CLOTHS: &[Call<fn(&Args) -> Cloth>] = &[
+pub(crate) const CLOTHS: &[CallOf<Cloth>] = &[
     Call {
         signature: Signature {
             name: "grid",
@@ -107,7 +112,7 @@ fn cloth([dimx, dimy]: [u32; 2], args: &Args) -> Cloth {
 // ---- cameras -------------------------------------------------------------------------------------
 
 /// The forms of `camera`.
-pub(crate) const CAMERAS: &[Call<fn(&Args) -> Camera>] = &[Call {
+pub(crate) const CAMERAS: &[CallOf<Camera>] = &[Call {
     signature: Signature {
         name: "top_down",
         gives: "a camera",
@@ -190,14 +195,17 @@ const PART: Kind = Kind::Quantity(Range::plain("a fraction", 0.0, 1.0));
 pub(crate) const FOLD_FRACTION: Range = Range::plain("a fraction", 0.0, 1.0).above();
 
 /// Points of the cloth that are calls; `center` is a word.
-pub(crate) const CLOTH_POINTS: &[Call<fn(&Args) -> ClothPoint>] = &[
+pub(crate) const CLOTH_POINTS: &[CallOf<ClothPoint>] = &[
     Call {
         signature: Signature {
             name: "corner",
             gives: "a point of the cloth",
             args: &[Arg::positional(
                 "name",
-                Kind::NameOf("corner", CORNERS),
+                Kind::NameOf {
+                    noun: "corner",
+                    words: CORNERS,
+                },
                 "which one",
             )],
             doc: "a corner",
@@ -210,7 +218,10 @@ pub(crate) const CLOTH_POINTS: &[Call<fn(&Args) -> ClothPoint>] = &[
             gives: "a point of the cloth",
             args: &[Arg::positional(
                 "side",
-                Kind::NameOf("middle", SIDES),
+                Kind::NameOf {
+                    noun: "middle",
+                    words: SIDES,
+                },
                 "which one",
             )],
             doc: "the middle of a side",

@@ -16,19 +16,17 @@ pub(crate) mod verify;
 mod vocabulary;
 
 pub use reference::{refreshed, tables};
-pub use vocabulary::{
-    ArgumentEntry, BlockWords, CallEntry, RangeEntry, SectionEntry, UnitEntry, VOCABULARY_FORMAT,
-    Vocabulary, WordEntry, vocabulary,
-};
+pub use sections::{Merges, Needed, Section};
+pub use vocabulary::{BlockWords, CallEntry, VOCABULARY_FORMAT, Vocabulary, WordEntry, vocabulary};
 
 #[cfg(test)]
 mod tests {
     use super::{annotate, calls, vocabulary};
     use fab_program::samples;
-    use fab_program::vocabulary::{Args, Call};
+    use fab_program::vocabulary::CallOf;
     use std::collections::BTreeSet;
 
-    fn makes<T>(rows: &[Call<fn(&Args) -> T>]) {
+    fn makes<T>(rows: &[CallOf<T>]) {
         for row in rows {
             for args in samples::of(&row.signature) {
                 (row.make)(&args);
@@ -55,7 +53,7 @@ mod tests {
         let words = known
             .words
             .iter()
-            .map(|word| (word.set, word.name.to_owned()));
+            .map(|entry| (entry.set, entry.word.name.to_owned()));
         for row in calls.chain(words) {
             assert!(seen.insert(row.clone()), "{row:?}");
         }

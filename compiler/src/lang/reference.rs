@@ -3,7 +3,10 @@
 //! In: [`Vocabulary`]. Out: Markdown, one table a name. `docs/language.md` holds each between
 //! `<!-- table: NAME -->` and `<!-- end -->`; [`refreshed`] writes them anew.
 
-use super::vocabulary::{ArgumentEntry, CallEntry, Vocabulary, WordEntry, vocabulary};
+use super::sections::Merges;
+use super::vocabulary::{CallEntry, Vocabulary, WordEntry, vocabulary};
+use fab_program::units::Dimension;
+use fab_program::vocabulary::{Arg, Bound, Default, Kind, Range};
 
 const BEGIN: &str = "<!-- table: ";
 const END: &str = "<!-- end -->";
@@ -16,7 +19,7 @@ pub fn tables() -> Vec<(&'static str, String)> {
         ("units", units(&known)),
         (
             "keywords",
-            format!("```text\n{}\n```\n", wrapped(&known.keywords)),
+            format!("```text\n{}\n```\n", wrapped(known.keywords)),
         ),
     ];
     for (name, kind) in CALLS {
@@ -86,10 +89,10 @@ fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
 fn sections(known: &Vocabulary) -> String {
     let rows = known.sections.iter().map(|section| {
         let extends = match section.merges {
-            "whole" => "replaces the whole section",
-            "by_name" => "merges by name",
-            "changes" => "changes what is inherited",
-            _ => "is not inherited",
+            Merges::Whole => "replaces the whole section",
+            Merges::ByName => "merges by name",
+            Merges::Changes => "changes what is inherited",
+            Merges::Never => "is not inherited",
         };
         vec![
             format!("`{}`", section.form),
@@ -102,9 +105,15 @@ fn sections(known: &Vocabulary) -> String {
 
 fn units(known: &Vocabulary) -> String {
     let rows = known.units.iter().map(|unit| {
+        let measures = match unit.dimension {
+            Dimension::Length => "a length on the table",
+            Dimension::Pixels => "a length in the picture",
+            Dimension::Angle => "an angle",
+            Dimension::Number => "a plain number",
+        };
         vec![
             format!("`{}`", unit.name),
-            unit.measures.to_owned(),
+            measures.to_owned(),
             unit.doc.to_owned(),
         ]
     });
@@ -113,47 +122,74 @@ fn units(known: &Vocabulary) -> String {
 
 fn calls<'v>(calls: impl Iterator<Item = &'v CallEntry>) -> String {
     let rows = calls.map(|call| {
-        let arguments: Vec<String> = call.arguments.iter().map(argument).collect();
+        let arguments: Vec<String> = call.signature.args.iter().map(argument).collect();
         vec![
             format!("`{}`", call.form),
-            call.gives.to_owned(),
-            call.doc.to_owned(),
+            call.signature.gives.to_owned(),
+            call.signature.doc.to_owned(),
             arguments.join("; "),
         ]
     });
     table(&["form", "gives", "what it is", "arguments"], rows)
 }
 
-fn argument(argument: &ArgumentEntry) -> String {
-    let accepted = match &argument.range {
-        Some(range) if range.from_included => format!(", `{}` to `{}`", range.from, range.to),
-        Some(range) => format!(", above `{}`, at most `{}`", range.from, range.to),
-        // A longer set has a table of its own.
-        None if !(1..=4).contains(&argument.words.len()) => String::new(),
-        None => {
-            let words: Vec<String> = argument
-                .words
+fn argument(arg: &Arg) -> String {
+    let default = match arg.default {
+        None => String::new(),
+        Some(Default::Nothing) => " (may be left out)".to_owned(),
+        Some(Default::CameraSide) => " (without it: the camera's own side)".to_owned(),
+        Some(Default::Word(word)) => format!(" (without it: `{word}`)"),
+        Some(Default::Number(number)) => {
+            let unit = range(arg.kind).map_or("", |range| range.to.1);
+            format!(" (without it: `{number}{unit}`)")
+        }
+    };
+    format!("`{}`: {}{}{default}", arg.name, arg.doc, accepted(arg.kind))
+}
+
+/// Says which numbers or words are accepted.
+fn accepted(kind: Kind) -> String {
+    // A longer set has a table of its own.
+    const MOST: usize = 4;
+    if let Some(range) = range(kind) {
+        let [from, to] = [range.from, range.to].map(|(number, unit)| format!("`{number}{unit}`"));
+        return match range.least {
+            Bound::Included => format!(", {from} to {to}"),
+            Bound::Excluded => format!(", above {from}, at most {to}"),
+        };
+    }
+    match kind {
+        Kind::Word(words) | Kind::NameOf { words, .. } | Kind::WordOrFile { words, .. }
+            if words.len() <= MOST =>
+        {
+            let words: Vec<String> = words
                 .iter()
-                .map(|word| format!("`{word}`"))
+                .map(|word| format!("`{}`", word.name))
                 .collect();
             format!(": {}", words.join(", "))
         }
-    };
-    let default = match argument.default.as_deref() {
-        None => String::new(),
-        Some("nothing") => " (may be left out)".to_owned(),
-        Some(default) => format!(" (without it: {default})"),
-    };
-    format!("`{}`: {}{accepted}{default}", argument.name, argument.doc)
+        _ => String::new(),
+    }
+}
+
+fn range(kind: Kind) -> Option<Range> {
+    match kind {
+        Kind::Quantity(range)
+        | Kind::Whole(range)
+        | Kind::Odd(range)
+        | Kind::Between(range)
+        | Kind::DepthLimit(range) => Some(range),
+        _ => None,
+    }
 }
 
 fn words<'v>(words: impl Iterator<Item = &'v WordEntry>) -> String {
-    let rows = words.map(|word| {
-        let range = word.range.as_ref();
-        let range = range.map_or(String::new(), |it| {
-            format!("; `{}` to `{}`", it.from, it.to)
-        });
-        vec![format!("`{}`", word.name), format!("{}{range}", word.doc)]
+    let rows = words.map(|entry| {
+        let value = entry.value.map_or(String::new(), accepted);
+        vec![
+            format!("`{}`", entry.word.name),
+            format!("{}{value}", entry.word.doc),
+        ]
     });
     table(&["word", "means"], rows)
 }

@@ -1,8 +1,11 @@
 //! The sections of a task: one row each.
 
+use serde::Serialize;
+
 /// Who must have a section.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Needed {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Needed {
     /// Each task that runs, by itself or by what it extends; without it a task is a base.
     ByEachTask,
     /// Each task that runs; most inherit it.
@@ -12,8 +15,9 @@ pub(crate) enum Needed {
 }
 
 /// What a task that extends another does to its section.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Merges {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Merges {
     /// Replaces it whole.
     Whole,
     /// Replaces and adds parts by their names.
@@ -25,13 +29,15 @@ pub(crate) enum Merges {
 }
 
 /// A section of a task.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Section {
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Section {
     /// The word that it begins with.
     pub word: &'static str,
     /// How it is written.
     pub form: &'static str,
+    /// Who must have it.
     pub needed: Needed,
+    /// What a task that extends another does to it.
     pub merges: Merges,
     /// What it says, one line.
     pub doc: &'static str,

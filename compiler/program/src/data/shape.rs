@@ -1,7 +1,8 @@
 //! What a keypoint is.
 
 /// What an extractor gives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum KeypointShape {
     /// A set of pixels.
     Mask,
