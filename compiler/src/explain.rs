@@ -1,4 +1,4 @@
-//! Explains diagnostics, each by an example that is compiled when it is shown.
+//! Explains diagnostics, each with an example that is compiled when it is shown.
 //!
 //! In: the table of codes and the files of `diag/examples`. Out: text for a terminal, and pages of Markdown for the book.
 //! Writing them is left to others.
@@ -15,7 +15,7 @@ pub const HALF: &str = include_str!("diag/examples/half.fab");
 /// The name of its file.
 const HALF_FILE: &str = "half.fab";
 
-/// A file to which a diagnostic applies, and the same file as it would be right.
+/// A file with a diagnostic, and the same file corrected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Example {
     /// With the fault.
@@ -24,7 +24,7 @@ pub struct Example {
     pub right: String,
 }
 
-/// Returns the example of a code; `None` where it would be too large to be shown.
+/// Returns the example of a code; `None` if it would be too large to show.
 pub fn example(code: Code) -> Option<Example> {
     let text = code.entry().example;
     let version = |mark: &str, other: &str| -> String {
@@ -36,8 +36,8 @@ pub fn example(code: Code) -> Option<Example> {
     (wrong != right).then_some(Example { wrong, right })
 }
 
-/// Returns what the compiler says of an example's file, as `fabc check` prints it.
-pub fn said_of(text: &str) -> String {
+/// Returns the diagnostics of an example's file, as `fabc check` prints them.
+pub fn report_of(text: &str) -> String {
     match crate::compile(FILE, &Files(text)) {
         Ok(compiled) => diag::to_text(&compiled.diagnostics, &compiled.sources, Color::Plain),
         Err(error) => error.message,
@@ -56,9 +56,9 @@ pub fn to_text(code: Code) -> String {
     let mut text = format!("{head}\n\n{}\n", entry.explanation);
     if let Some(Example { wrong, right }) = example(code) {
         let uses_half = wrong.contains(HALF_FILE) || right.contains(HALF_FILE);
-        let (said, wrong, right) = (said_of(&wrong), indented(&wrong), indented(&right));
+        let (report, wrong, right) = (report_of(&wrong), indented(&wrong), indented(&right));
         text.push_str(&format!(
-            "\nFor example:\n\n{wrong}\n{said}\nRight would be:\n\n{right}"
+            "\nFor example:\n\n{wrong}\n{report}\nRight would be:\n\n{right}"
         ));
         if uses_half {
             text.push_str("\n(`half.fab` is the first task of docs/language.md.)\n");
@@ -120,9 +120,9 @@ fn page(entry: &CodeEntry) -> String {
         entry.title, entry.explanation
     );
     if let Some(Example { wrong, right }) = example(entry.code) {
-        let said = said_of(&wrong);
+        let report = report_of(&wrong);
         text.push_str(&format!(
-            "\n## Wrong\n\n```fab wrong\n{wrong}```\n\n```text\n{said}```\n\n## Right\n\n```fab\n{right}```\n"
+            "\n## Wrong\n\n```fab wrong\n{wrong}```\n\n```text\n{report}```\n\n## Right\n\n```fab\n{right}```\n"
         ));
         if wrong.contains(HALF_FILE) || right.contains(HALF_FILE) {
             text.push_str("\n`half.fab` is [the first task of the language page](../language.md#a-whole-task).\n");

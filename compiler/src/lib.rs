@@ -1,22 +1,21 @@
 //! Turns `.fab` text into [`Program`]s, and says what is wrong with it.
 //!
 //! ```text
-//! text ─grammar→ tree ─ast→ File ─merge→ one task with what it inherits ─check→ Program
-//!                  └────────────── Diagnostics ──────────────────────────┘
+//! text ─load→ trees ─merge→ one task with what it inherits ─check→ Program
+//!            └───────────────── Diagnostics ─────────────────┘
 //! ```
 //!
 //! In: the name of a file and a [`Loader`]. Out: the programs that the file defines, and diagnostics. The
-//! crate is pure: no file, clock, network or chance is reached but through the loader, and the same
-//! texts give the same bytes. What a program's data means is defined here too: [`render`] fills its
-//! templates, [`reply`] reads answers, [`verify`] judges them; [`emit`] writes all
-//! of it as files. Executing it is left to others.
+//! crate is pure: it reaches the outside only through the loader, uses no clock and no chance, and gives the same
+//! bytes for the same texts. `fab-grammar` parses, `fab-program` defines what a program means, and `fab-emit`
+//! writes a program as files; executing it is left to others. [`lang`] lists every word of the language.
 //!
-//! A task can be compiled from memory, in any program:
+//! Any program can compile a task from memory:
 //!
 //! ```
 //! use fab_compiler::{LoadError, Loader, diag};
 //!
-//! /// One text, whatever is asked for.
+//! /// Returns one text for every name.
 //! struct Memory(&'static str);
 //!
 //! impl Loader for Memory {
@@ -57,24 +56,24 @@ pub use merge::MAX_EXTENDS_DEPTH;
 use diag::{Diagnostic, Report, Severity};
 use fab_program::{Program, Test};
 
-/// What came of a compilation.
+/// The result of a compilation.
 #[derive(Clone, Debug)]
 pub struct Compiled {
-    /// The tasks of the entry file that are right and can run by themselves, in source order, each followed
+    /// The tasks of the entry file that have no errors and can run by themselves, in source order, each followed
     /// by its variants.
     pub programs: Vec<Program>,
     /// The tests of those tasks, in source order.
     pub tests: Vec<Test>,
-    /// What is wrong in any file, by file and place; of each severity the first [`diag::MAX_FINDINGS`] that were found.
+    /// The findings of all files, by file and place; at most [`diag::MAX_FINDINGS`] of each severity.
     pub diagnostics: Vec<Diagnostic>,
-    /// How many further findings there are.
+    /// How many more findings there are.
     pub left_out: usize,
     /// Every file that was read.
     pub sources: Sources,
 }
 
 impl Compiled {
-    /// Returns whether anything keeps a task from being right.
+    /// Returns whether there is any error.
     pub fn has_errors(&self) -> bool {
         self.diagnostics
             .iter()
@@ -84,18 +83,18 @@ impl Compiled {
 
 /// Compiles the file `entry` and what it uses.
 ///
-/// Fails only where the entry itself cannot be loaded; all else is a diagnostic.
+/// Fails only if the entry itself cannot be loaded; everything else is a diagnostic.
 pub fn compile(entry: &str, loader: &dyn Loader) -> Result<Compiled, LoadError> {
     compile_for(entry, loader, None)
 }
 
 /// Compiles the file `entry` for a cloth of another grid than its tasks declare.
 ///
-/// - `grid`: particles along X and along Y, 2 to 200 each, in place of every task's own; none: as [`compile`] does.
+/// - `grid`: particles along X and along Y, 2 to 200 each, instead of every task's own; with `None`, the same as [`compile`].
 ///
-/// A start file may hold a larger or smaller cloth than the task is written for. All that follows from the cloth,
-/// lengths in `edge` and the flat area among it, is then that of `grid`. Subgoal pictures belong to the declared
-/// cloth, so they are looked up with the program that [`compile`] gives.
+/// A start file may hold a larger or smaller cloth than the task is written for. Everything that depends on the cloth,
+/// such as lengths in `edge` and the flat area, then follows `grid`. Subgoal pictures belong to the declared
+/// cloth, so look them up with the program that [`compile`] returns.
 pub fn compile_for(
     entry: &str,
     loader: &dyn Loader,

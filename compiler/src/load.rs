@@ -1,8 +1,8 @@
 //! Reads the entry file and everything that it uses.
 //!
-//! In: a name and a loader. Out: every file as it is written, who reaches whom, and diagnostics of form
-//! and of `use`. Bounded by [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`]; no path leads out of the
-//! entry's folder, but into a folder `lib` that lies beside it.
+//! In: a name and a loader. Out: every file as a tree, which files each one sees, and diagnostics of syntax
+//! and of `use`. Bounded by [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`]. No path may leave the
+//! entry's folder, except into a folder `lib` beside it.
 
 use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported};
 use crate::form;
@@ -21,39 +21,39 @@ pub const MAX_USE_DEPTH: usize = 16;
 /// The most text in one compilation, bytes.
 pub const MAX_TOTAL_BYTES: usize = 4 << 20;
 
-/// The texts of a compilation, parsed, in the order in which they were first read.
+/// The parsed texts of a compilation, in the order in which they were first read.
 #[derive(Default)]
 pub(crate) struct Texts {
     pub sources: Sources,
     trees: Vec<Tree>,
-    /// For each file, its path as seen from the entry's folder: the same wherever the folder lies.
+    /// For each file, its path relative to the entry's folder, so it is the same on every machine.
     pub portable_names: Vec<String>,
-    /// For each file, itself and those that it uses, directly or through others.
+    /// For each file, itself and the files that it uses, directly or through others.
     reach: Vec<BTreeSet<FileId>>,
-    /// For each file, the proof that its form is wrong, where it is.
+    /// For each file, the proof that it has a syntax error, if it has one.
     faults: Vec<Option<Reported>>,
 }
 
-/// One file as it is written.
+/// The views of one file.
 pub(crate) struct LoadedFile<'a> {
     pub id: FileId,
     pub experts: Vec<Experts<'a>>,
     pub tasks: Vec<Task<'a>>,
-    /// The words of everything that does not fit: a name among them may be declared there.
+    /// The words of everything that did not parse: an unknown name may be declared there.
     pub unparsed_words: BTreeSet<&'a str>,
-    /// Where the first task of each name stands; names are looked up once per task.
+    /// The index of the first task of each name.
     task_index: BTreeMap<&'a str, usize>,
-    /// Likewise for lists of experts.
+    /// The same for lists of experts.
     experts_index: BTreeMap<&'a str, usize>,
 }
 
-/// Every file of a compilation, and who sees what.
+/// Every file of a compilation, and which files each one sees.
 pub(crate) struct Loaded<'a> {
     pub texts: &'a Texts,
     pub files: Vec<LoadedFile<'a>>,
-    /// For each task and list of experts, by its name's place, the bytes from there to the next one.
+    /// For each task and list of experts, by the place of its name: the bytes from there to the next one.
     sizes: BTreeMap<Span, usize>,
-    /// The names' places of the tasks that others extend.
+    /// The tasks that others extend, by the place of their names.
     extended: BTreeSet<Span>,
 }
 
@@ -96,19 +96,19 @@ impl<'a> Loaded<'a> {
         loaded
     }
 
-    /// Finds the first task of that name that `file` sees.
+    /// Finds the first task of this name that `file` sees.
     pub fn task(&self, file: FileId, name: &str) -> Option<Task<'a>> {
         self.visible_from(file)
             .find_map(|seen| Some(seen.tasks[*seen.task_index.get(name)?]))
     }
 
-    /// Finds the first list of experts of that name that `file` sees.
+    /// Finds the first list of experts of this name that `file` sees.
     pub fn experts(&self, file: FileId, name: &str) -> Option<Experts<'a>> {
         self.visible_from(file)
             .find_map(|seen| Some(seen.experts[*seen.experts_index.get(name)?]))
     }
 
-    /// Returns about how many bytes of text the item of that name has.
+    /// Returns roughly how many bytes of text the item of this name has.
     pub fn size(&self, name: Name<'a>) -> usize {
         self.sizes.get(&name.span()).copied().unwrap_or(0)
     }
@@ -130,7 +130,7 @@ impl<'a> Loaded<'a> {
         &self.files[0]
     }
 
-    /// Returns the proof that the form of a file is wrong, where it is.
+    /// Returns the proof that a file has a syntax error, if it has one.
     pub fn fault(&self, file: FileId) -> Option<Reported> {
         self.texts.faults[file.index()]
     }
@@ -140,14 +140,14 @@ impl<'a> Loaded<'a> {
         self.texts.sources.text(span)
     }
 
-    /// Returns where a place stands: its file, as seen from the entry's folder, and its line.
+    /// Returns the file of a place, relative to the entry's folder, and its line.
     pub fn place(&self, file: FileId, byte: usize) -> (String, u32) {
         let (line, _) = self.texts.sources.get(file).line_and_column(byte);
         (self.texts.portable_names[file.index()].clone(), line as u32)
     }
 }
 
-/// Reads `entry` and what it uses; fails only where the entry cannot be loaded.
+/// Reads `entry` and what it uses; fails only if the entry cannot be loaded.
 pub(crate) fn read(
     entry: &str,
     loader: &dyn Loader,
@@ -170,9 +170,9 @@ pub(crate) fn read(
     Ok(texts)
 }
 
-/// Adds to each file's reach what the files in it reach.
+/// Adds to each file's reach the reach of the files in it.
 fn close(reach: &mut [BTreeSet<FileId>]) {
-    // A circle of files is an error, but its members still see each other: repeat until nothing is new.
+    // A circle of files is an error, but its members still see each other, so repeat until nothing changes.
     loop {
         let mut grown = false;
         for file in 0..reach.len() {
@@ -193,9 +193,9 @@ struct Reading<'a> {
     loader: &'a dyn Loader,
     report: &'a mut Report,
     texts: Texts,
-    /// Each file's normalised name, by which it is known again.
+    /// Each file's normalised name, which tells whether it was read before.
     keys: Vec<String>,
-    /// Files that could not be read, and why; none is asked for twice.
+    /// Files that could not be read, and why; the loader is asked only once for each.
     unreadable: BTreeMap<String, LoadError>,
     total_bytes: usize,
     /// The files between the entry and the one being read.
@@ -209,9 +209,10 @@ impl Reading<'_> {
         let file = self.texts.sources.add(name, text);
         let text = &self.texts.sources.get(file).text;
         let parsed = fab_grammar::parse(file, text);
-        let shown = parsed.faults.len().min(MAX_FINDINGS);
-        self.report.count_further(parsed.faults.len() - shown, file);
-        for fault in &parsed.faults[..shown] {
+        let n_reported = parsed.faults.len().min(MAX_FINDINGS);
+        self.report
+            .count_further(parsed.faults.len() - n_reported, file);
+        for fault in &parsed.faults[..n_reported] {
             self.report.error(form::diagnose(fault, text));
         }
         self.texts.faults.push(
@@ -225,7 +226,7 @@ impl Reading<'_> {
         file
     }
 
-    /// Reads what a file uses; recursion is bounded by [`MAX_USE_DEPTH`].
+    /// Reads the files that a file uses; recursion is bounded by [`MAX_USE_DEPTH`].
     fn follow(&mut self, file: FileId) {
         self.open.push(file);
         let uses = self.texts.trees[file.index()].view().uses();
@@ -233,7 +234,7 @@ impl Reading<'_> {
             .map(|used| (used.path().span(), used.path().plain()))
             .collect();
         for (span, path) in paths {
-            // A file that cannot be reached is reported; the others are read all the same.
+            // A file that cannot be read is reported; the others are still read.
             if let Ok(target) = self.reach(file, span, path) {
                 self.texts.reach[file.index()].insert(target);
             }
@@ -266,11 +267,11 @@ impl Reading<'_> {
             )));
         };
         let name = path::beside(&self.texts.sources.get(file).name, &written);
-        if let Some(known) = self.keys.iter().position(|key| *key == name) {
-            let known = self.texts.trees[known].root().span().file;
-            if self.open.contains(&known) {
+        if let Some(index) = self.keys.iter().position(|key| *key == name) {
+            let target = self.texts.trees[index].root().span().file;
+            if self.open.contains(&target) {
                 let message = format!("`{written}` is used in a circle");
-                let label = if known == file {
+                let label = if target == file {
                     "this is the file itself"
                 } else {
                     "leads back to this file"
@@ -278,11 +279,11 @@ impl Reading<'_> {
                 self.report
                     .error(Diagnostic::new(Code::CircularUse, span, message).label(label));
             }
-            return Ok(known);
+            return Ok(target);
         }
-        let is_known_bad = self.unreadable.contains_key(&name);
+        let is_unreadable = self.unreadable.contains_key(&name);
         let n_asked = self.keys.len() + self.unreadable.len();
-        if !is_known_bad && (n_asked >= MAX_FILES || self.open.len() > MAX_USE_DEPTH) {
+        if !is_unreadable && (n_asked >= MAX_FILES || self.open.len() > MAX_USE_DEPTH) {
             let message = format!(
                 "`{written}` is not read: at most {MAX_FILES} files are, each at most {MAX_USE_DEPTH} `use`s deep"
             );
@@ -331,7 +332,7 @@ fn first_of_each_name<'a>(names: impl Iterator<Item = Name<'a>>) -> BTreeMap<&'a
     index
 }
 
-/// Returns the bytes from each name to the next, or to the end.
+/// Returns the number of bytes from each name to the next, or to the end.
 fn sizes<'a>(
     names: impl Iterator<Item = Name<'a>>,
     end: usize,

@@ -1,11 +1,11 @@
-//! How the compiler gets texts: all its access to the outside.
+//! How the compiler gets texts: its only access to the outside.
 
-/// Gives the compiler texts; all its access to the outside.
+/// Gives the compiler texts: its only access to the outside.
 pub trait Loader {
     /// Returns the text of a file.
     ///
     /// `name` is the entry as the caller of [`compile`](crate::compile) named it, or the path of a `use`, resolved
-    /// relative to the file that uses it: `/` between folders, without `.` and with `..` only in front.
+    /// relative to the file that contains it: `/` between folders, no `.`, and `..` only at the front.
     fn load(&self, name: &str) -> Result<String, LoadError>;
 }
 

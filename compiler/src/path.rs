@@ -1,9 +1,9 @@
-//! Paths as `use` and `image` write them: `/` between folders, relative to the file they stand in.
+//! Paths in `use` and `image`: `/` between folders, relative to the file that contains them.
 
-/// The longest path, bytes: each message about a file, and each program made of it, names it.
+/// The longest path, bytes: messages and programs repeat it.
 pub(crate) const MAX_BYTES: usize = 1024;
 
-/// Returns `path` as seen from where `file` is seen: without `.`, and with `..` only in front.
+/// Resolves `path` relative to the folder of `file`: without `.`, and with `..` only at the front.
 pub(crate) fn beside(file: &str, path: &str) -> String {
     let folder = file.rfind('/').map_or("", |at| &file[..at + 1]);
     normalised(&format!("{folder}{path}"))
@@ -23,7 +23,7 @@ fn normalised(path: &str) -> String {
             ".." if parts.last().is_some_and(|last| *last != "..") => {
                 parts.pop();
             }
-            // Nothing lies above the root.
+            // Nothing is above the root.
             ".." if !root.is_empty() => {}
             part => parts.push(part),
         }
@@ -31,7 +31,7 @@ fn normalised(path: &str) -> String {
     format!("{root}{}", parts.join("/"))
 }
 
-/// Says what is wrong with a path's form; None: nothing.
+/// Returns what is wrong with a path's form, if anything.
 pub(crate) fn fault(path: &str) -> Option<&'static str> {
     let has_drive = path.as_bytes().get(1) == Some(&b':');
     if path.trim().is_empty() {
@@ -47,14 +47,14 @@ pub(crate) fn fault(path: &str) -> Option<&'static str> {
     }
 }
 
-/// Returns `path` as seen from the entry's folder where `file` is seen from there; None where it leads out of it.
+/// Resolves `path` in `file`, both relative to the entry's folder; `None` if it leads out of that folder.
 pub(crate) fn within(file: &str, path: &str) -> Option<String> {
     let path = beside(file, path);
     let leads_out = path == ".." || path.starts_with("../");
     (!leads_out).then_some(path)
 }
 
-/// Returns `path` as [`within`] does, and also where it leads into the folder `lib` that lies beside the entry's folder.
+/// Does the same as [`within`], and also accepts paths into the folder `lib` beside the entry's folder.
 pub(crate) fn within_or_library(file: &str, path: &str) -> Option<String> {
     let path = beside(file, path);
     let is_library = path.starts_with("../lib/");

@@ -36,14 +36,14 @@ fn the_wrong_version_of_an_example_has_its_fault_alone_and_the_right_one_has_non
             wrong.push(format!(
                 "{}:\n{}",
                 code.as_str(),
-                explain::said_of(&example.wrong)
+                explain::report_of(&example.wrong)
             ));
         }
         if !codes_of(&example.right).is_empty() {
             wrong.push(format!(
                 "{}, right:\n{}",
                 code.as_str(),
-                explain::said_of(&example.right)
+                explain::report_of(&example.right)
             ));
         }
     }

@@ -1,6 +1,6 @@
 //! How long the tree of a task of 500 lines takes: less than 2 ms on one core of 2020 or later.
 //!
-//! `cargo bench -p grammar`
+//! `cargo bench -p fab-grammar`
 
 #![allow(missing_docs)]
 

@@ -1,12 +1,12 @@
-//! Typed views of the tree: what a file says, as written, and perhaps wrong.
+//! Typed views of the tree: the contents of a file as written, unchecked.
 //!
-//! In: a [`Node`]. Out: a view, which is the node under a name that says what its parts are. A view owns
-//! nothing and copies freely. What does not fit is left out: a statement that is cut off by junk is in no
-//! list here, and a node that lacks a part that it needs, such as a task its name, has no view. Names are
-//! not looked up and quantities not judged here.
+//! In: a [`Node`]. Out: a view, which wraps the node and gives access to its parts. A view owns nothing and is
+//! cheap to copy. Views leave out text that does not parse: no list contains a statement that is cut off by junk,
+//! and a node that lacks a required part, such as a task without a name, has no view. Names are not looked up
+//! and quantities are not checked here.
 //!
-//! Expressions are read through [`Expr`], which passes over the layers that say nothing. Recursion is
-//! bounded by [`MAX_NESTING`](crate::MAX_NESTING).
+//! Expressions are read through [`Expr`], which skips grammar levels with a single part. Recursion is bounded by
+//! [`MAX_NESTING`](crate::MAX_NESTING).
 
 use crate::source::Span;
 use crate::tree::{Kind, Node, Tree};
@@ -20,8 +20,7 @@ trait View<'t>: Sized {
     fn cast(node: Node<'t>) -> Option<Self>;
 }
 
-/// Declares views: the kinds of node that one is of, perhaps a condition, the parts
-/// that it needs, and what else is found in it.
+/// Declares views: the kinds of node, an optional condition, the required parts, and the other parts.
 macro_rules! views {
     ($(
         $(#[$doc:meta])*
@@ -38,7 +37,7 @@ macro_rules! views {
             }
 
             impl<'t> $view<'t> {
-                /// Views a node; None where it is something else or lacks a part.
+                /// Views a node; `None` if it is of another kind or lacks a required part.
                 pub fn cast(node: Node<'t>) -> Option<Self> {
                     let fits = matches!(node.kind(), $(Kind::$kind)|+) $(&& $condition(node))?;
                     if !fits {
@@ -90,7 +89,7 @@ macro_rules! views {
     };
 }
 
-/// Adds to views of blocks what all blocks have.
+/// Adds the methods that all blocks share.
 macro_rules! blocks {
     ($($view:ident)*) => {
         $(
@@ -102,7 +101,7 @@ macro_rules! blocks {
                     Span::new(self.span().file, start..start + head.text().trim_end().len())
                 }
 
-                /// Returns whether something directly in it does not fit, so that what it lacks says nothing.
+                /// Returns whether something directly in it does not parse; a missing part may be there.
                 pub fn is_damaged(self) -> bool {
                     self.node.children().any(|child| {
                         child.kind().is_junk() || matches!(child.kind(), Kind::NoOpen | Kind::NoClose)
@@ -136,7 +135,7 @@ fn head_name(node: Node<'_>) -> Option<Name<'_>> {
     below(node, Kind::Head)
 }
 
-/// Returns the whole statements of a kind; one that is cut off by junk is not what was meant.
+/// Returns the complete statements of a kind; one that is cut off by junk is left out.
 fn whole<'t, T: View<'t>>(block: Node<'t>, kind: Kind) -> impl Iterator<Item = T> {
     block
         .all(kind)
@@ -144,7 +143,7 @@ fn whole<'t, T: View<'t>>(block: Node<'t>, kind: Kind) -> impl Iterator<Item = T
         .filter_map(T::cast)
 }
 
-/// Returns whether a statement is cut off by what does not fit; a whole block before such a thing is kept.
+/// Returns whether a statement is cut off by junk; a complete block before junk is kept.
 fn is_half(node: Node<'_>) -> bool {
     let is_block = node.child(Kind::Close).is_some() && node.kind() != Kind::Check;
     !is_block && node.is_cut()
@@ -153,10 +152,10 @@ fn is_half(node: Node<'_>) -> bool {
 views! {
     // ---- names ---------------------------------------------------------------------------------
 
-    /// A name, or a word or sign that is not the same everywhere: an argument's label, a unit, a
+    /// A name, or another word or sign with alternatives: an argument's label, a unit, a
     /// comparison, a statement's word; for `given`, also names joined by dots.
     Name(Name | Label | Target | Unit | Compare | StatementWord | Path) {} {
-        /// Returns what is written.
+        /// Returns its text.
         text -> &'t str = |node| node.text();
     }
 
@@ -202,7 +201,7 @@ views! {
 
     /// `fold A -> B, …`.
     Fold(Fold) {} {
-        /// Returns what is moved at once.
+        /// Returns the moves that happen at once.
         moves -> impl Iterator<Item = Move<'t>> = |node| all(node);
     }
 
@@ -210,10 +209,10 @@ views! {
     Move(Move) {
         /// Returns where the cloth is gripped.
         pick: Expr<'t> = first,
-        /// Returns where it is taken to.
+        /// Returns where it is placed.
         place: Expr<'t> = second,
     } {
-        /// Returns how much of the way is done.
+        /// Returns the fraction of the way that it is moved.
         fraction -> Option<Expr<'t>> = |node| all(node).nth(2);
     }
 
@@ -251,7 +250,7 @@ views! {
         body -> Body<'t> = |node| Body { node };
     }
 
-    /// What stands between the braces of a task or a variant.
+    /// The body of a task or a variant, between its braces.
     Body(Task | Variant) {} {
         /// Returns its constants.
         constants -> impl Iterator<Item = NamedValue<'t>> = |node| whole(node, Kind::Constant);
@@ -352,7 +351,7 @@ views! {
         /// Returns the name.
         name: Name<'t> = first,
     } {
-        /// Returns the choices; none where the field is any of a mask.
+        /// Returns the choices; empty if the field is any pixel of a mask.
         // The name itself reads as an expression too.
         one_of -> impl Iterator<Item = Expr<'t>> = |node| all(node).skip(1);
         /// Returns the mask's name.
@@ -372,7 +371,7 @@ views! {
         /// Returns the text.
         text: Text<'t> = first,
     } {
-        /// Returns when it is said at all.
+        /// Returns the condition under which it is used.
         when -> Option<Expr<'t>> = |node| first(node).map(Guard::condition);
     }
 
@@ -445,7 +444,7 @@ views! {
         /// Returns the name.
         name: Name<'t> = first,
     } {
-        /// Returns what the reply looks like.
+        /// Returns the pattern of the reply.
         pattern -> Option<Text<'t>> = |node| first(node);
     }
 
@@ -485,11 +484,11 @@ views! {
         /// Returns the name.
         name: Name<'t> = head_name,
     } {
-        /// Returns when it is checked at all.
+        /// Returns the condition under which it is checked.
         when -> Option<Expr<'t>> = |node| first(node).map(Guard::condition);
-        /// Returns what must hold; None where that does not fit.
+        /// Returns the condition; `None` if it does not parse.
         condition -> Option<Expr<'t>> = |node| node.child(Kind::Expr).and_then(Expr::cast);
-        /// Returns what the model is told.
+        /// Returns the message for the model.
         message -> Option<Text<'t>> = |node| first(node);
     }
 
@@ -504,11 +503,11 @@ views! {
         /// Returns how many there are.
         count: Expr<'t> = first,
     } {
-        /// Returns where `with picture` stands.
+        /// Returns the phrase `with picture`.
         with_picture -> Option<Phrase<'t>> = |node| node.child(Kind::WithPicture).and_then(Phrase::cast);
         /// Returns the checks that are left out at the end.
         relaxed -> impl Iterator<Item = Name<'t>> = |node| all(node).flat_map(Names::list);
-        /// Returns where `else skip` stands.
+        /// Returns the phrase `else skip`.
         else_skip -> Option<Phrase<'t>> = |node| node.child(Kind::ElseSkip).and_then(Phrase::cast);
     }
 
@@ -517,12 +516,12 @@ views! {
 
     /// `result overlap > N, retries N else "…"`.
     ResultCheck(Result) {
-        /// Returns what the overlap must exceed.
+        /// Returns the limit that the overlap must exceed.
         above: Expr<'t> = first,
     } {
         /// Returns how often a step is tried again.
         retries -> Option<Expr<'t>> = |node| first(node).map(Retries::count);
-        /// Returns what the model is told.
+        /// Returns the message for the model.
         message -> Option<Text<'t>> = |node| first(node);
     }
 
@@ -548,10 +547,10 @@ views! {
 
     /// `given NAME = …`.
     Given(Given) {
-        /// Returns what is given: a name, or names joined by dots.
+        /// Returns the name, or names joined by dots.
         name: Name<'t> = first,
     } {
-        /// Returns its values; none where it is a text.
+        /// Returns its values; empty if it is a text.
         values -> impl Iterator<Item = Expr<'t>> = |node| node.all(Kind::Expr).filter_map(Expr::cast);
         /// Returns its text.
         text -> Option<Text<'t>> = |node| first(node);
@@ -572,7 +571,7 @@ views! {
 
     /// A number and its unit.
     Quantity(Quantity) {
-        /// Returns the number; too many digits are infinity, which no range accepts.
+        /// Returns the number; too many digits give infinity, which no range accepts.
         value: f64 = |node: Node<'_>| node.child(Kind::Token)?.text().parse().ok(),
     } {
         /// Returns the unit.
@@ -581,7 +580,7 @@ views! {
 
     /// Names joined by dots.
     Path(Path) {} {
-        /// Returns the names and the dots between.
+        /// Returns the names with the dots between them.
         text -> &'t str = |node| node.text();
     }
 
@@ -639,9 +638,9 @@ views! {
         /// Returns the sign between the two.
         sign: Name<'t> = first,
     } {
-        /// Returns what stands left of the sign.
+        /// Returns the left side.
         left -> Expr<'t> = |node| part(node, 0);
-        /// Returns what stands right of it.
+        /// Returns the right side.
         right -> Expr<'t> = |node| part(node, 1);
     }
 
@@ -675,26 +674,26 @@ views! {
 
     /// `not …`; `not not x` is `x`.
     Not(Negation if |node: Node<'_>| node.all(Kind::Token).count() % 2 == 1) {} {
-        /// Returns what must not hold.
+        /// Returns the negated condition.
         condition -> Expr<'t> = |node| part(node, 0);
     }
 
     // ---- texts ---------------------------------------------------------------------------------
 
-    /// What a model will read, with the places where values go.
+    /// A text for a model, with placeholders for values.
     ///
-    /// A text between triple quotes loses the indentation that its lines share, its first line break and
-    /// its last; every line end becomes a line feed. Nothing else is changed. Quotes of the wrong kind are
-    /// a fault already; such a text is taken as it stands, to keep later ones away.
+    /// A text between triple quotes loses the indentation that its lines share, and its first and last line
+    /// breaks; every line end becomes a line feed. Nothing else is changed. A text in quotes of the wrong kind is
+    /// already a fault; it is read as it is, so it causes no further faults.
     Text(BlockText | String | CurlyText | CurlyString | SingleString) {}
 
     /// `{{ … }}` in a text.
     Placeholder(Placeholder) {} {
-        /// Returns the value; None where it is a literal text.
+        /// Returns the value; `None` if it is a literal text.
         value -> Option<Expr<'t>> = |node| first(node);
     }
 
-    /// Characters of a text that stand for themselves.
+    /// Literal characters of a text.
     Literal(StringChars | BlockChars | Escape | Literal) {}
 }
 
@@ -702,7 +701,7 @@ blocks! {
     Experts FoldBlock Task Variant Body Subgoals Keypoints Actions Stage Example Verify Check Test
 }
 
-// ---- what takes more than a line ---------------------------------------------------------------
+// ---- longer methods ----------------------------------------------------------------------------
 
 impl Tree {
     /// Returns the view of the whole file.
@@ -712,9 +711,9 @@ impl Tree {
 }
 
 impl<'t> File<'t> {
-    /// Returns the words of everything that does not fit, and of the statements that it cuts off.
+    /// Returns the words of all junk, and of the statements that it cuts off.
     ///
-    /// A name among them may be declared there, so it should not be reported as unknown.
+    /// A name may be declared there, so it should not be reported as unknown.
     pub fn unparsed_words(self) -> BTreeSet<&'t str> {
         self.node
             .tree()
@@ -766,7 +765,7 @@ pub enum Saying<'t> {
 }
 
 impl<'t> Saying<'t> {
-    /// Views a node; None where it is something else.
+    /// Views a node; `None` if it is of another kind.
     pub fn cast(node: Node<'t>) -> Option<Self> {
         let node = Some(node).filter(|node| node.kind() == Kind::Saying)?;
         let name = first(node).map(Saying::Component);
@@ -790,7 +789,7 @@ impl<'t> View<'t> for Saying<'t> {
 
 // ---- values ------------------------------------------------------------------------------------
 
-/// Declares [`Expr`]: a view for each thing that a value or a condition can be.
+/// Declares [`Expr`]: one view for each kind of value or condition.
 macro_rules! expressions {
     ($($(#[$doc:meta])* $case:ident($view:ident),)*) => {
         /// A value or a condition, as written.
@@ -842,7 +841,7 @@ expressions! {
 }
 
 impl<'t> Expr<'t> {
-    /// Views a node; None where it is no expression. A layer with one part is that part.
+    /// Views a node; `None` if it is not an expression. A node with a single part is viewed as that part.
     pub fn cast(node: Node<'t>) -> Option<Self> {
         let view = match node.kind() {
             Kind::Quantity => Quantity::cast(node).map(Expr::Quantity),
@@ -887,7 +886,7 @@ fn has_word(node: Node<'_>, word: &str) -> bool {
     node.all(Kind::Token).any(|token| token.text() == word)
 }
 
-/// Returns the part of that number, from 0.
+/// Returns the part with this index.
 fn part(node: Node<'_>, number: usize) -> Expr<'_> {
     let part = all(node).nth(number);
     part.expect("the grammar's rule for this node has the part")
@@ -898,7 +897,7 @@ fn part(node: Node<'_>, number: usize) -> Expr<'_> {
 /// A part of a [`Text`].
 #[derive(Clone, Debug)]
 pub enum Piece<'t> {
-    /// Characters that stand for themselves.
+    /// Literal characters.
     Literal(Cow<'t, str>),
     /// The value of a placeholder.
     Value(Expr<'t>),
@@ -907,7 +906,7 @@ pub enum Piece<'t> {
 const TRIPLE: usize = "\"\"\"".len();
 
 impl<'t> Text<'t> {
-    /// Returns its parts in order; no two literal ones are neighbours.
+    /// Returns its parts in order; no two literal parts are adjacent.
     pub fn pieces(self) -> Vec<Piece<'t>> {
         let mut pieces = Pieces::default();
         match self.node.kind() {
@@ -939,7 +938,7 @@ impl<'t> Text<'t> {
         Some(plain)
     }
 
-    /// Returns whether it has no characters but blanks.
+    /// Returns whether it is empty or has only blanks.
     pub fn is_blank(self) -> bool {
         self.plain().is_some_and(|text| text.trim().is_empty())
     }
@@ -953,7 +952,7 @@ impl<'t> Text<'t> {
         self.pieces().iter().map(length).sum()
     }
 
-    /// Returns the byte of the file at which its first character stands.
+    /// Returns the byte offset of its first character in the file.
     pub fn start(self) -> usize {
         let ops::Range { start, .. } = self.node.range();
         match self.node.kind() {
@@ -973,7 +972,7 @@ impl<'t> Text<'t> {
             if number > 0 {
                 pieces.literal("\n");
             }
-            // A placeholder that spans lines is a fault already, and left as it stands.
+            // A placeholder that spans lines is already a fault, so it is left as it is.
             while placeholders
                 .next_if(|node| node.range().start < line.start)
                 .is_some()
@@ -988,7 +987,7 @@ impl<'t> Text<'t> {
         }
     }
 
-    /// Returns the places in the file of the lines between triple quotes, without indentation and line ends.
+    /// Returns the places of the lines between triple quotes, without indentation and line ends.
     fn lines(self) -> Vec<ops::Range<usize>> {
         let ops::Range { start, end } = self.node.range();
         let is_closed = self.node.child(Kind::NoTriple).is_none();
@@ -1006,7 +1005,7 @@ impl<'t> Text<'t> {
         if opens_with_break && !lines.is_empty() {
             lines.remove(0);
         }
-        // The blanks right behind the quotes are no indentation.
+        // Blanks directly after the quotes are not indentation.
         let indented = usize::from(!opens_with_break).min(lines.len());
         let indented = &mut lines[indented..];
         let indent = shared_indent(indented.iter().map(text));

@@ -1,8 +1,8 @@
-//! What can be wrong with the form of a text, as facts; the compiler puts them into words.
+//! Syntax faults as data; the compiler words the messages.
 
 use crate::source::Span;
 
-/// One place where the form is wrong.
+/// One syntax fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// The bytes at fault.
@@ -11,40 +11,40 @@ pub struct Fault {
     pub problem: Problem,
 }
 
-/// What can be wrong with the form.
+/// The kinds of syntax faults.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Problem {
-    /// The text is longer than is parsed.
+    /// The text is too long.
     TooLong {
         /// Its length.
         bytes: usize,
         /// The limit.
         limit: usize,
     },
-    /// More brackets are open than is parsed.
+    /// Too many brackets are open.
     TooDeep {
         /// The limit.
         limit: usize,
     },
-    /// A word is longer than is parsed.
+    /// A word is too long.
     LongWord {
         /// The limit, bytes.
         limit: usize,
     },
     /// Something else belongs here.
     Unexpected {
-        /// What stands here; none: the end of the line.
+        /// The text here; `None` at the end of the line.
         found: Option<String>,
-        /// What would fit, as a person would name it; may be empty.
+        /// What would fit, in words for people; may be empty.
         expected: Vec<&'static str>,
     },
     /// A line begins with a word that means nothing here.
     UnknownWord {
         /// The word.
         word: String,
-        /// The words that would.
-        known: &'static [&'static str],
-        /// The keyword of the surrounding block; none: the file itself.
+        /// The words that may begin a line here.
+        candidates: &'static [&'static str],
+        /// The keyword of the surrounding block; `None` for the file itself.
         block: Option<String>,
     },
     /// A `{` is missing.
@@ -66,7 +66,7 @@ pub enum Problem {
     },
     /// Something stands between a block's name and its `{`.
     Surplus {
-        /// What.
+        /// Its text.
         found: String,
     },
     /// A `}` that closes nothing.
@@ -84,10 +84,10 @@ pub enum Problem {
     UnclosedText,
     /// Quotes that are not `"`.
     WrongQuotes {
-        /// The text with the right ones.
+        /// The text with the right quotes.
         right: String,
     },
-    /// A `\` before something that needs none.
+    /// A `\` before a character that needs no escape.
     BadEscape,
     /// `{{` without a name and `}}`.
     LoneBraces,

@@ -1,8 +1,8 @@
-//! Says what is wrong with the pieces of a tree that do not fit.
+//! Finds out what is wrong with the junk in a tree.
 //!
-//! In: the tree. Out: [`Fault`]s in source order. A piece of junk is measured against the strict rule of
-//! its place, which gives the exact position and what was expected there. A line of junk right after
-//! another is silent unless it looks like a statement of its own, so that one slip gives one fault.
+//! In: the tree. Out: [`Fault`]s in source order. A piece of junk is parsed again by the strict rule of
+//! its place, which gives the exact position and what was expected there. A line of junk directly after
+//! another is silent unless it looks like a new statement, so that one slip gives one fault.
 
 use crate::fault::{Fault, Problem};
 use crate::measure::{is_word, measure, token_at, unexpected};
@@ -27,7 +27,7 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
     faults
 }
 
-/// An unclosed text swallows every `}` behind it; those are not missing.
+/// An unclosed text swallows every `}` after it; those are not missing.
 fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
     let swallowed = tree
         .nodes()
@@ -72,7 +72,7 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
         Kind::CurlyText => (node.span(), wrong_quotes(node, "\"\"\"")),
         Kind::CurlyString | Kind::SingleString => (node.span(), wrong_quotes(node, "\"")),
         Kind::BadEscape => (node.span(), Problem::BadEscape),
-        // A placeholder stands on one line, so that texts keep their lines.
+        // A placeholder must be on one line, so that texts keep their lines.
         Kind::Placeholder if node.text().contains(['\n', '\r']) => {
             (first(2, node.span()), Problem::LoneBraces)
         }
@@ -157,7 +157,7 @@ fn stray(node: Node<'_>) -> Fault {
         }
         Problem::UnknownWord {
             word: first.to_owned(),
-            known: items,
+            candidates: items,
             block: None,
         }
     };
@@ -182,7 +182,7 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
         let problem = Problem::TrailingComma;
         return Some(Fault { span, problem });
     }
-    // A remainder is measured together with the statement before it: that knows what may follow.
+    // A remainder is parsed together with the statement before it, whose rule knows what may follow.
     let continued = previous.filter(|before| is_statement(before.kind()) && before.is_cut());
     let whole = Span {
         start: continued.map_or(span.start, |before| before.range().start),
@@ -196,7 +196,7 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
     if is_word(first) && !known.is_empty() && !known.contains(&first) {
         let problem = Problem::UnknownWord {
             word: first.to_owned(),
-            known,
+            candidates: known,
             block: Some(block_word(parent)),
         };
         let span = Span {
@@ -210,18 +210,18 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
     Some(unexpected(tree, span, expected.into_iter().collect()))
 }
 
-/// Returns whether a line of junk could be a statement of its own.
+/// Returns whether a line of junk looks like a new statement.
 fn looks_like_statement(kind: Kind, line: &str, first: &str, known: &[&str]) -> bool {
     let rest = line[first.len()..].trim_start_matches([' ', '\t']);
     if known.is_empty() {
         return is_word(first) && rest.starts_with([':', '=']);
     }
-    // Only sections are recognised misspelt: inside of them an unclosed block would look the same.
+    // Misspelt words are recognised only for sections: inside of them an unclosed block would look the same.
     let is_section = kind == Kind::JunkSection;
     known.contains(&first) || is_section && is_word(first) && opens_block(rest)
 }
 
-/// Returns whether a line goes on with `{`, or with a name or a text and `{`: a block, perhaps misspelt.
+/// Returns whether a line continues with `{`, or with a name or a text and `{`: a block, perhaps misspelt.
 fn opens_block(rest: &str) -> bool {
     let line = rest.split(['\n', '\r']).next().unwrap_or(rest);
     let head = line.split('{').next().unwrap_or(line);

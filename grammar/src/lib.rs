@@ -1,9 +1,9 @@
-//! The Fab language as a grammar: text in, a lossless syntax tree and the faults of its form out.
+//! The grammar of the Fab language: text in, a lossless syntax tree and its syntax faults out.
 //!
-//! Every text has a [`Tree`]; its leaves, joined, are the text, comments and blank lines included. What does
-//! not fit is in the tree too, as junk, and each piece of junk has a [`Fault`] that says where and what was
-//! expected there; the rest of the file has its tree all the same. [`ast`] gives each node a typed view,
-//! and [`blocks`] says which words may begin a line where.
+//! Every text has a [`Tree`]. Its leaves, joined, are the text, including comments and blank lines. Text that does
+//! not parse is in the tree too, as junk. Each piece of junk has a [`Fault`] that says where it is and what was
+//! expected there; the rest of the file is parsed as usual. [`ast`] gives nodes typed views, and [`blocks`] lists
+//! the words that may begin a line in each block.
 //!
 //! ```
 //! use fab_grammar::ast::Expr;
@@ -14,7 +14,7 @@
 //! let file = sources.add("half.fab".to_owned(), text.to_owned());
 //! let parsed = parse(file, text);
 //!
-//! // The goal lacks a part. The fault says where, and the horizon is there all the same.
+//! // The goal is incomplete. The fault says where, and the horizon is still there.
 //! assert_eq!(parsed.faults.len(), 1);
 //! assert_eq!(sources.get(file).line_and_column(parsed.faults[0].span.start), (3, 19));
 //! let task = parsed.tree.view().tasks().next().expect("the file has a task");
@@ -29,10 +29,10 @@
 //!
 //! # Architecture invariants
 //!
-//! - The grammar itself is `fab.pest`, and every word of the language stands there; pest's types never leave
+//! - The grammar is `fab.pest`, and every keyword of the language is defined there. Pest's types never leave
 //!   this crate.
-//! - No unit, measure or function is named here: what names and numbers mean is left to the compiler, and
-//!   so are the words in which a person is told.
+//! - This crate names no unit, measure or function. The compiler decides what names and numbers mean, and words
+//!   the messages for people.
 //! - No function of this crate fails or panics, whatever the text.
 
 pub mod ast;
@@ -54,12 +54,12 @@ pub use vocabulary::{Block, blocks, is_keyword, keywords, words};
 use pest::Parser;
 use rules::{FabParser, Rule};
 
-/// A text's tree, and what is wrong with its form.
+/// A text's tree, and its syntax faults.
 #[derive(Clone, Debug)]
 pub struct Parsed {
     /// The whole text as a tree.
     pub tree: Tree,
-    /// What does not fit, in source order; empty when the form is right.
+    /// The syntax faults in source order; empty if there are none.
     pub faults: Vec<Fault>,
 }
 
@@ -79,7 +79,7 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
             let faults = faults::collect(&tree);
             Parsed { tree, faults }
         }
-        // `file` accepts every text, so only pest's guard of the native stack comes here.
+        // The rule `file` accepts every text, so only pest's guard of the native stack can fail.
         Err(_) => Parsed {
             tree: Tree::junk(file, text),
             faults: vec![limits::too_deep(Span::new(file, 0..text.len()))],

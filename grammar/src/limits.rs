@@ -1,7 +1,7 @@
-//! How much text, and how deeply nested, is parsed at all.
+//! Limits on the length and the nesting of a text.
 //!
-//! The limits are checked before parsing, by a scan that knows strings and comments, so that no input
-//! can exhaust the stack of the parser or of those who walk its tree.
+//! They are checked before parsing, by a scan that understands strings and comments, so no input can exhaust
+//! the stack of the parser or of code that walks its tree.
 
 use crate::fault::{Fault, Problem};
 use crate::source::{FileId, Span};
@@ -15,15 +15,15 @@ pub const MAX_WORD_BYTES: usize = 200;
 /// The most brackets and braces that may be open at once.
 pub const MAX_NESTING: usize = 32;
 
-/// Lets every later parse of this process give up beyond so many calls of the grammar's rules; None: no limit.
+/// Limits every later parse of this process to this many calls of grammar rules; `None` removes the limit.
 ///
-/// Counts work where a clock would count the machine. A parse that gives up reports [`Problem::TooDeep`] over
-/// the whole text.
+/// Unlike a time limit, this does not depend on the machine. A parse beyond the limit reports [`Problem::TooDeep`]
+/// for the whole text.
 pub fn limit_calls(calls: Option<std::num::NonZeroUsize>) {
     pest::set_call_limit(calls);
 }
 
-/// Accepts a text that is short and flat enough to be parsed.
+/// Refuses a text that exceeds a limit.
 pub(crate) fn check(file: FileId, text: &str) -> Result<(), Fault> {
     if text.len() > MAX_BYTES {
         let problem = Problem::TooLong {
@@ -66,7 +66,7 @@ fn beyond(file: FileId, text: &str) -> Option<Fault> {
                 depth = depth.saturating_sub(1);
                 at += 1;
             }
-            // A long number is no name; no message repeats it whole.
+            // A long number is not a name, so no message repeats it.
             byte if is_word(byte) && !byte.is_ascii_digit() => {
                 let length = bytes[at..]
                     .iter()

@@ -1,4 +1,4 @@
-//! Measures a piece of text against a strict rule, and names what stands at a place.
+//! Parses a piece of text by a strict rule, and finds the token at a place.
 
 use crate::fault::{Fault, Problem};
 use crate::rules::{FabParser, Rule};
@@ -9,7 +9,7 @@ use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
 use std::ops::Range;
 
-/// Parses a piece by a strict rule and returns where and why that fails.
+/// Parses a piece by a strict rule and returns where and why it fails.
 pub(crate) fn measure(tree: &Tree, rule: Rule, span: Span) -> Option<Fault> {
     let error = FabParser::parse(rule, &tree.text()[span.range()]).err()?;
     let offset = match error.location {
@@ -43,14 +43,14 @@ pub(crate) fn measure(tree: &Tree, rule: Rule, span: Span) -> Option<Fault> {
     ))
 }
 
-/// Names what stands where `span` begins; if that is nothing, it is the end of the line.
+/// Makes the fault for the token at the beginning of `span`, or for the end of the line if there is none.
 pub(crate) fn unexpected(tree: &Tree, span: Span, expected: Vec<&'static str>) -> Fault {
     let text = tree.text();
     let at = span.start;
     let at = at + (text[at..].len() - text[at..].trim_start_matches([' ', '\t', '\u{a0}']).len());
     let found = token_at(text, at..span.end.max(at));
     if found.is_empty() || found.starts_with('#') {
-        // Point right behind the last word, not at the next line.
+        // Point directly after the last word, not at the next line.
         let at = text[..at].trim_end().len();
         return Fault {
             span: tree.span(at..at),
@@ -69,7 +69,7 @@ pub(crate) fn unexpected(tree: &Tree, span: Span, expected: Vec<&'static str>) -
     }
 }
 
-/// Returns the word, number, text or sign that a piece of text begins with.
+/// Returns the word, number, text or sign at the beginning of a piece of text.
 pub(crate) fn token_at(text: &str, range: Range<usize>) -> &str {
     let rest = &text[range];
     let word = |character: char| character.is_alphanumeric() || character == '_';

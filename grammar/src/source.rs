@@ -1,15 +1,15 @@
-//! The texts that went into a compilation, and places in them.
+//! The texts of a compilation, and places in them.
 
 use std::ops::Range;
 
 /// One file's name and text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// The name that the loader was asked for.
+    /// The name given to the loader.
     pub name: String,
-    /// The text, never read again.
+    /// The text; it is read only once.
     pub text: String,
-    /// Places whose line and column are known, in order; the first is the beginning.
+    /// Marks with known line and column, in order; the first is the beginning.
     marks: Vec<Mark>,
 }
 
@@ -21,7 +21,7 @@ struct Mark {
     column: usize,
 }
 
-/// The most bytes between two marks, so that a place in a line of a megabyte is found as fast as any.
+/// The most bytes between two marks, so that a place in a line of a megabyte is found as quickly as any other.
 const MARK_EVERY: usize = 256;
 
 /// Every file of one compilation, in the order in which they were first read.
@@ -30,15 +30,15 @@ pub struct Sources {
     list: Vec<Source>,
 }
 
-/// Which file of a [`Sources`].
+/// A file of a [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FileId(usize);
 
 impl FileId {
-    /// The file that is read first.
+    /// The first file.
     pub const FIRST: FileId = FileId(0);
 
-    /// Returns its place among the files of its [`Sources`], from 0.
+    /// Returns its index in its [`Sources`].
     pub fn index(self) -> usize {
         self.0
     }
@@ -72,7 +72,7 @@ impl Span {
 }
 
 impl Sources {
-    /// Adds a file and returns where it stands.
+    /// Adds a file and returns its id.
     pub fn add(&mut self, name: String, text: String) -> FileId {
         let marks = marks(&text);
         self.list.push(Source { name, text, marks });
@@ -98,10 +98,10 @@ impl Sources {
 impl Source {
     /// Returns line and column of a byte, both from 1; columns count characters.
     ///
-    /// `byte` lies on a boundary of characters, at most at the end. The work does not grow with the text.
+    /// `byte` must be on a character boundary, at most at the end. The time does not grow with the text.
     pub fn line_and_column(&self, byte: usize) -> (usize, usize) {
         let after = self.marks.partition_point(|mark| mark.byte <= byte);
-        // The first mark is the beginning of the text, so that one is at or before every byte.
+        // The first mark is the beginning of the text, so a mark is at or before every byte.
         let mark = self.marks[after - 1];
         let characters = self.text[mark.byte..byte].chars().count();
         (mark.line, mark.column + characters)

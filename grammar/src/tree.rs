@@ -1,10 +1,10 @@
-//! The lossless syntax tree: every byte of the text lies in exactly one leaf.
+//! The lossless syntax tree: every byte of the text is in exactly one leaf.
 //!
-//! In: what pest found. Out: a [`Tree`] of [`Node`]s, each with its [`Kind`] and [`Span`]. What a node means
-//! is left to the views in [`ast`](crate::ast).
+//! In: pest's tokens. Out: a [`Tree`] of [`Node`]s, each with its [`Kind`] and [`Span`]. The views in
+//! [`ast`](crate::ast) give access to the parts of a node.
 //!
-//! Nodes are kept in one list in the order in which they begin, so that neither walking nor dropping
-//! a tree recurses.
+//! Nodes are stored in one list in the order in which they begin, so walking or dropping a tree does not
+//! recurse.
 
 use crate::rules::Rule;
 use crate::source::{FileId, Span};
@@ -13,7 +13,7 @@ use pest::iterators::Pairs;
 use std::fmt;
 use std::ops::Range;
 
-/// A syntax tree and the text it stands for.
+/// A syntax tree and its text.
 #[derive(Clone, Debug)]
 pub struct Tree {
     file: FileId,
@@ -24,12 +24,12 @@ pub struct Tree {
 #[derive(Clone, Debug)]
 struct Entry {
     kind: Kind,
-    // A text is shorter than 4 GiB by far, and a tree of half the size is walked faster.
+    // Texts are far shorter than 4 GiB, and a tree of half the size is walked faster.
     start: u32,
     end: u32,
     /// Index of the first entry after this one's descendants.
     next: u32,
-    /// Index of the entry that this one lies in; the root lies in itself.
+    /// Index of the parent entry; the root is its own parent.
     parent: u32,
 }
 
@@ -43,7 +43,7 @@ impl Entry {
     }
 }
 
-/// A place in a [`Tree`].
+/// A node of a [`Tree`].
 #[derive(Clone, Copy)]
 pub struct Node<'t> {
     tree: &'t Tree,
@@ -52,7 +52,7 @@ pub struct Node<'t> {
 
 macro_rules! kinds {
     ($($kind:ident $($rule:ident)|+, $what:literal;)*) => {
-        /// What a node is. Words and signs of the language itself are [`Kind::Token`].
+        /// The kind of a node. Keywords and signs are [`Kind::Token`].
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Kind {
             /// A keyword or a sign.
@@ -63,7 +63,7 @@ macro_rules! kinds {
         }
 
         impl Kind {
-            /// Returns whether it does not fit the language.
+            /// Returns whether it is text that does not parse.
             pub fn is_junk(self) -> bool {
                 matches!(
                     self,
@@ -76,7 +76,7 @@ macro_rules! kinds {
                 )
             }
 
-            /// Returns whether it says nothing: blanks and comments.
+            /// Returns whether it is a blank or a comment.
             pub fn is_trivia(self) -> bool {
                 matches!(self, Kind::Space | Kind::Comment)
             }
@@ -194,7 +194,7 @@ kinds! {
 impl Tree {
     /// Makes the tree of a text that is not parsed.
     pub(crate) fn junk(file: FileId, text: &str) -> Tree {
-        // Only a text that is too long to be parsed could be longer than an entry can say.
+        // Only a text that is too long to be parsed can be longer than a `u32`.
         let end = text.floor_char_boundary(text.len().min(u32::MAX as usize)) as u32;
         let entry = |kind| Entry {
             kind,
@@ -210,7 +210,7 @@ impl Tree {
         }
     }
 
-    /// Keeps what pest found, and fills the gaps between with words, signs and blanks.
+    /// Builds the tree from pest's tokens, and fills the gaps between them with words, signs and blanks.
     pub(crate) fn from_pairs(file: FileId, text: &str, pairs: Pairs<'_, Rule>) -> Tree {
         let mut builder = Builder {
             tree: Tree {
@@ -265,19 +265,19 @@ impl Tree {
         (0..self.entries.len()).map(|index| self.node(index))
     }
 
-    /// Returns the nodes without children in source order; their texts make up the whole text.
+    /// Returns the nodes without children in source order; joined, their texts are the whole text.
     pub fn leaves(&self) -> impl Iterator<Item = Node<'_>> {
         self.nodes()
             .filter(|node| node.entry().next() == node.index + 1)
     }
 
-    /// Returns the innermost node that holds the byte at `offset`; at or beyond the end, the last byte's.
+    /// Returns the innermost node that contains the byte at `offset`; at or beyond the end, the last byte's.
     pub fn node_at(&self, offset: usize) -> Node<'_> {
         let offset = offset.min(self.text.len().saturating_sub(1));
         let after = self
             .entries
             .partition_point(|entry| entry.range().start <= offset);
-        // Every byte is in a leaf; what begins behind that leaf and holds nothing is passed over.
+        // Every byte is in a leaf; empty nodes that begin after that leaf are skipped.
         let last = self.node(after.saturating_sub(1));
         std::iter::once(last)
             .chain(last.ancestors())
@@ -286,12 +286,12 @@ impl Tree {
     }
 }
 
-/// A tree in the making.
+/// A tree under construction.
 struct Builder {
     tree: Tree,
-    /// The nodes that are not ended, outermost first.
+    /// The nodes that are still open, outermost first.
     open: Vec<usize>,
-    /// Up to where the text is in leaves.
+    /// The end of the text that is already in leaves.
     cursor: usize,
 }
 
@@ -317,7 +317,7 @@ impl Builder {
         self.open.push(self.tree.entries.len() - 1);
     }
 
-    /// Ends a node; blanks and comments at its end become its neighbours, so that a span ends with a word.
+    /// Ends a node; blanks and comments at its end become its siblings, so its span ends with a word.
     fn close(&mut self, at: usize) {
         let index = *self.open.last().expect("pest closes only what it opened");
         if self.tree.entries.len() > index + 1 {
@@ -354,7 +354,7 @@ impl Builder {
 }
 
 impl<'t> Node<'t> {
-    /// Returns the tree that it is of.
+    /// Returns the tree that it belongs to.
     pub fn tree(self) -> &'t Tree {
         self.tree
     }
@@ -363,17 +363,17 @@ impl<'t> Node<'t> {
         &self.tree.entries[self.index]
     }
 
-    /// Returns what the node is.
+    /// Returns its kind.
     pub fn kind(self) -> Kind {
         self.entry().kind
     }
 
-    /// Returns its bytes' place in its file.
+    /// Returns its place: the file and the bytes.
     pub fn span(self) -> Span {
         self.tree.span(self.range())
     }
 
-    /// Returns its bytes' place in the text.
+    /// Returns the range of its bytes in the text.
     pub fn range(self) -> Range<usize> {
         self.entry().range()
     }
@@ -383,17 +383,17 @@ impl<'t> Node<'t> {
         &self.tree.text[self.range()]
     }
 
-    /// Returns the node that it lies in; None for the whole file.
+    /// Returns its parent; `None` for the whole file.
     pub fn parent(self) -> Option<Node<'t>> {
         (self.index > 0).then(|| self.tree.node(self.entry().parent as usize))
     }
 
-    /// Returns the nodes that it lies in, innermost first.
+    /// Returns its parent, the parent's parent and so on.
     pub fn ancestors(self) -> impl Iterator<Item = Node<'t>> {
         std::iter::successors(self.parent(), |node| node.parent())
     }
 
-    /// Returns whether something that does not fit follows on the same line, so that the node is only a part of what was meant.
+    /// Returns whether junk follows on the same line, so the node is probably incomplete.
     pub fn is_cut(self) -> bool {
         for entry in &self.tree.entries[self.entry().next()..] {
             let ends_line =

@@ -1,6 +1,6 @@
-//! The words of the language, and what the grammar's rules are called when one of them is expected.
+//! The words of the language, and the names of grammar rules in "expected …" messages.
 //!
-//! The words stand in `fab.pest` alone: they are read from its text here.
+//! The words are written only in `fab.pest`; this module reads them from its text.
 
 use crate::rules::Rule;
 use crate::tree::Kind;
@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 
 const GRAMMAR: &str = include_str!("fab.pest");
 
-/// Returns how a person would name what `rule` matches; none where it says nothing by itself.
+/// Returns a name for people for what `rule` matches; `None` if the rule alone is not helpful.
 pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
     static WORDS: LazyLock<BTreeMap<Rule, String>> = LazyLock::new(|| {
         let word = |rule: &Rule| {
@@ -65,7 +65,7 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::margin => return expectation(Rule::of_word),
         Rule::with_picture => return expectation(Rule::with_word),
         Rule::retries => return expectation(Rule::retries_word),
-        // What is offered beside them says enough.
+        // The other expected tokens are enough.
         Rule::any_word | Rule::not_word => return None,
         _ => return WORDS.get(&rule).map(String::as_str),
     };
@@ -123,7 +123,7 @@ pub struct Block {
 }
 
 impl Block {
-    /// Returns what a node of such a block is.
+    /// Returns the kind of its nodes.
     pub fn kind(&self) -> Kind {
         self.kind
     }
@@ -133,7 +133,7 @@ impl Block {
         &self.name
     }
 
-    /// Returns the words in the order of the reference; none where a line begins with a name.
+    /// Returns the words in the order of the reference; empty if lines begin with a name.
     pub fn words(&self) -> &[&'static str] {
         &self.words
     }
@@ -158,33 +158,33 @@ pub fn blocks() -> &'static [Block] {
     &ALL
 }
 
-/// Returns the kind of block that a node of `kind` is.
+/// Returns the block of a node's kind, if it is a block.
 pub(crate) fn block(kind: Kind) -> Option<&'static Block> {
     blocks().iter().find(|block| block.kind == kind)
 }
 
-/// Returns the words that may begin a line in a block; none where lines begin with names, and in what is no block.
+/// Returns the words that may begin a line in a block; empty if lines begin with names, or if `kind` is not a block.
 pub fn words(kind: Kind) -> &'static [&'static str] {
     block(kind).map_or(&[], Block::words)
 }
 
-/// Returns the words that can name nothing: those that begin or join statements, and Jinja's own.
+/// Returns the words that cannot be names: those that begin or join statements, and Jinja's keywords.
 pub fn keywords() -> &'static [&'static str] {
     static ALL: LazyLock<Vec<&str>> = LazyLock::new(|| first_words("keyword"));
     &ALL
 }
 
-/// Returns whether a word can name nothing.
+/// Returns whether a word cannot be a name.
 pub fn is_keyword(word: &str) -> bool {
     keywords().contains(&word)
 }
 
-/// Collects the words that a text of the rule can begin with, as they stand in the grammar.
+/// Collects the words that a text of the rule can begin with, in the order of the grammar.
 ///
-/// Recursion ends, for no rule of the grammar begins with itself.
+/// Recursion ends because no rule of the grammar begins with itself.
 fn first_words(rule: &str) -> Vec<&'static str> {
     let mut words = Vec::new();
-    // Whether what comes next is the beginning, here and where each open bracket stands.
+    // Whether the next token is at the beginning, here and at each open bracket.
     let mut is_first = true;
     let mut brackets = vec![is_first];
     for sign in signs(definition(rule)) {
@@ -214,7 +214,7 @@ fn first_words(rule: &str) -> Vec<&'static str> {
     words
 }
 
-/// Returns what stands between a rule's braces; nothing for what is no rule of the grammar.
+/// Returns the text between a rule's braces; empty if the grammar has no such rule.
 fn definition(rule: &str) -> &'static str {
     let rule = GRAMMAR.split_once(&format!("\n{rule} "));
     let body = rule
@@ -256,7 +256,7 @@ mod tests {
         assert!(words(Kind::Task).starts_with(&["const", "cloth", "camera"]));
     }
 
-    /// pest needs some lists a second time, to look ahead; they must say the same.
+    /// Pest needs some lists twice, to look ahead; they must agree.
     #[test]
     fn lists_of_words_agree() {
         let sorted = |words: &[&'static str]| words.iter().copied().collect::<BTreeSet<_>>();

@@ -1,4 +1,4 @@
-//! `actions { pick: one of corners … }`: the fields of an answer, and what each may be.
+//! `actions { pick: one of corners … }`: the fields of an answer, and the choices of each.
 
 use super::context::{Context, Fields};
 use super::expressions::{Scope, fixed_deg, keypoint, wrong_shape};
@@ -40,7 +40,7 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fie
     let right = list
         .iter()
         .try_for_each(|(_, field)| field.as_ref().map(drop).map_err(|it| *it));
-    // A field that is wrong may be the one that is missing.
+    // A broken field may be the missing one.
     let complete = right.and_then(|()| {
         let mut complete = Ok(());
         for fault in incomplete(part) {
@@ -51,7 +51,7 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fie
     Fields { list, complete }
 }
 
-/// Says why an action moves nothing, or moves the cloth in two ways.
+/// Reports fields that do not make an action: one is missing, or two contradict each other.
 fn incomplete(part: Actions<'_>) -> Vec<Diagnostic> {
     let has = |name: &str| part.fields().any(|field| field.name().text() == name);
     for name in part.fields().map(|field| field.name()) {
@@ -113,7 +113,7 @@ fn region<'a>(
     Ok(Choices::Region { mask })
 }
 
-/// Builds a field that is one of a list, all of one kind.
+/// Builds a field from a list of choices of one kind.
 fn listed<'a>(
     part: Field<'a>,
     row: Option<&FieldRow>,
@@ -180,7 +180,7 @@ fn kind<'a>(
     Ok(ChoiceKind::of_unit(unit.text()))
 }
 
-/// Reports choices of another kind than a field that moves the cloth must offer.
+/// Reports choices of the wrong kind for a field that moves the cloth.
 fn offers(
     row: Option<&FieldRow>,
     kind: ChoiceKind,
@@ -202,7 +202,7 @@ fn offers(
 
 // ---- choices by kind -----------------------------------------------------------------------------
 
-/// Reads every choice, and reports those whose key an earlier one has.
+/// Reads every choice, and reports those with the same key as an earlier one.
 fn distinct<'a, K: Ord, T>(
     list: &[Expr<'a>],
     context: &mut Context<'a, '_>,
@@ -291,9 +291,9 @@ fn length<'a>(
     choice: Expr<'a>,
     context: &mut Context<'a, '_>,
 ) -> Result<(LengthUnit, LengthChoice), Reported> {
-    const WANTED: &str = "a length on the table";
+    const EXPECTED: &str = "a length on the table";
     let Some(found) = measured(choice, context)? else {
-        let diagnostic = context.unexpected(Code::WrongForm, choice, WANTED);
+        let diagnostic = context.unexpected(Code::WrongForm, choice, EXPECTED);
         return Err(context.error(diagnostic));
     };
     let Some(unit) = LengthUnit::find(found.unit) else {
@@ -301,7 +301,7 @@ fn length<'a>(
             Dimension::Number => Code::MissingUnit,
             Dimension::Length | Dimension::Pixels | Dimension::Angle => Code::MixedFrames,
         };
-        let diagnostic = context.unexpected(code, choice, WANTED);
+        let diagnostic = context.unexpected(code, choice, EXPECTED);
         let diagnostic = diagnostic.label(format!("this is {}", noun(found.dimension)));
         let help = "the arm moves over the table: write such as `0.25edge` or `50mm`";
         return Err(context.error(diagnostic.help(help)));
@@ -313,7 +313,7 @@ fn length<'a>(
             context,
         ));
     }
-    // Without a cloth the task is no program, and `edge` has no size.
+    // Without a cloth there is no program, and `edge` has no size.
     Ok((
         unit,
         LengthChoice {

@@ -1,6 +1,6 @@
-//! Gives each argument of a call to its row.
+//! Binds the arguments of a call to the parameters of its row.
 //!
-//! In: a call, and the rows of its name. Out: the row that fits the labels, and its arguments with their expressions.
+//! In: a call, and the rows of its name. Out: the row that fits best, and each parameter with its expression.
 //! Reading the expressions is left to [`super::expressions`].
 
 use super::context::Context;
@@ -12,10 +12,10 @@ use fab_program::vocabulary::{Arg, Place, Signature};
 /// The most arguments of a call that takes any number of them.
 const MAX_ARGUMENTS: usize = 1000;
 
-/// The arguments of a call, each with what is written for it; several of [`Place::Rest`].
+/// The parameters of a call with the expressions given for them; [`Place::Rest`] may appear several times.
 pub(crate) type Bound<'a> = Vec<(&'static Arg, Expr<'a>)>;
 
-/// Returns the row that a call means, among those of its name: the one with most of the labels, and as many places.
+/// Returns the row that fits a call best, among those of its name: the one that knows most of its labels.
 pub(crate) fn form<'s>(
     call: Call<'_>,
     rows: impl Iterator<Item = &'s Signature>,
@@ -31,7 +31,7 @@ pub(crate) fn form<'s>(
     let named = rows
         .enumerate()
         .filter(|(_, row)| row.name == call.name().text());
-    // The first of equal ones: `max_by_key` takes the last.
+    // Of equally good rows the first counts; `max_by_key` would return the last.
     named.fold(None, |best, (index, row)| match best {
         Some((_, before)) if fit(before) >= fit(row) => best,
         _ => Some((index, row)),
@@ -46,7 +46,7 @@ fn parameter(signature: &Signature, label: &str) -> Option<&'static Arg> {
     named.find(|arg| arg.name == label)
 }
 
-/// Gives each argument to its parameter, and reports all that do not fit.
+/// Binds each argument to its parameter, and reports every argument that fits none.
 pub(crate) fn bind<'a>(
     call: Call<'a>,
     signature: &Signature,
@@ -80,7 +80,7 @@ pub(crate) fn bind<'a>(
                 continue;
             }
         };
-        let first = bound.iter().find(|(known, _)| known.name == arg.name);
+        let first = bound.iter().find(|(given, _)| given.name == arg.name);
         match first {
             Some((_, first)) if arg.place != Place::Rest => {
                 let span = argument
@@ -98,9 +98,9 @@ pub(crate) fn bind<'a>(
             return Err(context.fault(Code::OutOfRange, span, message));
         }
     }
-    // A wrong name probably stands for a missing one; one report is enough.
+    // A wrong label is probably a misspelt one, so missing arguments are not reported too.
     fits?;
-    let is_given = |arg: &Arg| bound.iter().any(|(known, _)| known.name == arg.name);
+    let is_given = |arg: &Arg| bound.iter().any(|(given, _)| given.name == arg.name);
     let missing = signature
         .args
         .iter()
@@ -116,13 +116,13 @@ pub(crate) fn bind<'a>(
         return Err(context.error(diagnostic.help(format!("write `{}`", signature.form()))));
     }
     for (arg, value) in &bound {
-        lonely(arg, *value, &bound, context)?;
+        needs_partner(arg, *value, &bound, context)?;
     }
     Ok(bound)
 }
 
-/// Reports an argument that makes no sense without another.
-fn lonely(
+/// Reports an argument whose required partner is missing.
+fn needs_partner(
     arg: &Arg,
     value: Expr<'_>,
     bound: &Bound<'_>,
@@ -131,7 +131,7 @@ fn lonely(
     let Some(needs) = arg.needs else {
         return Ok(());
     };
-    let other = bound.iter().find(|(known, _)| known.name == needs.arg);
+    let other = bound.iter().find(|(given, _)| given.name == needs.arg);
     let is_there = match other {
         None => false,
         Some((_, Expr::Name(word))) if !needs.words.is_empty() => {
@@ -142,14 +142,14 @@ fn lonely(
     if is_there {
         return Ok(());
     }
-    let wanted = match needs.words.first() {
+    let partner = match needs.words.first() {
         None => format!("{}: …", needs.arg),
         Some(word) => format!("{}: {word}", needs.arg),
     };
-    let message = format!("`{}` means nothing without `{wanted}`", arg.name);
+    let message = format!("`{}` means nothing without `{partner}`", arg.name);
     let diagnostic = Diagnostic::new(Code::WrongArguments, value.span(), message);
     Err(context.error(diagnostic.help(format!(
-        "write `{wanted}` beside it, or leave `{}` out",
+        "write `{partner}` beside it, or leave `{}` out",
         arg.name
     ))))
 }

@@ -1,4 +1,4 @@
-//! `cloth grid(55, 44)`, `camera top_down(…)` and `picker drop`: what lies there, what sees it, what moves it.
+//! `cloth grid(55, 44)`, `camera top_down(…)` and `picker drop`: the cloth, the camera and the gripper.
 
 use super::context::{Context, Declared};
 use super::expressions::{Scope, call, name_of};
@@ -8,7 +8,7 @@ use fab_grammar::ast::{Expr, Statement};
 use fab_program::vocabulary::{ArgValue, Call, Signature};
 use fab_program::{Camera, Cloth, Picker};
 
-/// Reads a statement by its word; nothing where it is not there.
+/// Reads a statement, if there is one.
 pub(super) fn statement<'a, T>(
     statement: Option<Statement<'a>>,
     read: impl FnOnce(Statement<'a>) -> Result<T, Reported>,
@@ -16,7 +16,7 @@ pub(super) fn statement<'a, T>(
     statement.map(read).transpose()
 }
 
-/// Reads how large the cloth is, and how it lies.
+/// Reads the cloth's size and how it lies at the start.
 pub(crate) fn cloth<'a>(
     statement: Statement<'a>,
     context: &mut Context<'a, '_>,
@@ -32,7 +32,7 @@ pub(crate) fn cloth<'a>(
     };
     let (row, args, bound) = call("cloth", written, signatures, Scope::Everywhere, context)?;
     for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
-        // Only `edge` has no size before there is a cloth.
+        // `edge` is the only unit without a size before the cloth is known.
         if matches!(value, ArgValue::Number(number) if number.is_nan()) {
             let message = "a side of the cloth is counted in the cloth's own side";
             let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
@@ -53,17 +53,17 @@ fn signature<T>(row: &'static Call<T>) -> &'static Signature {
 
 fn wrong_form(
     value: Expr<'_>,
-    wanted: &str,
+    expected: &str,
     rows: impl Iterator<Item = &'static Signature>,
     context: &mut Context<'_, '_>,
 ) -> Reported {
     let forms: Vec<String> = rows.map(Signature::form).collect();
-    let message = format!("expected {wanted}");
+    let message = format!("expected {expected}");
     let diagnostic = Diagnostic::new(Code::WrongForm, value.span(), message);
     context.error(diagnostic.help(format!("write {}", among(forms.iter().map(String::as_str)))))
 }
 
-/// Takes the grid that a caller gives in place of the declared one.
+/// Replaces the declared grid by the caller's, if there is one.
 fn replaced(
     declared: Cloth,
     [dimx, dimy]: [u32; 2],
@@ -84,7 +84,7 @@ fn replaced(
     Err(context.error(diagnostic.help(help)))
 }
 
-/// Notes where a cloth of whole particles is not exactly as large as stated.
+/// Notes that a cloth of whole particles is not exactly as large as stated.
 fn rounded(
     cloth: &Cloth,
     args: &[(&str, ArgValue)],
@@ -129,7 +129,7 @@ pub(crate) fn camera<'a>(
     Ok((CAMERAS[row].make)(&args))
 }
 
-/// Warns where the flat cloth, however it is turned, does not fit into the picture.
+/// Warns if the flat cloth, turned in any direction, does not fit into the picture.
 pub(crate) fn fits_picture(
     laid: Statement<'_>,
     seen: Statement<'_>,
@@ -156,7 +156,7 @@ pub(crate) fn fits_picture(
     }
 }
 
-/// Reads how the cloth is carried and let go.
+/// Reads how the gripper carries and releases the cloth.
 pub(crate) fn picker(
     statement: Statement<'_>,
     context: &mut Context<'_, '_>,

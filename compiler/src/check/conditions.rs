@@ -43,7 +43,7 @@ pub(crate) fn check<'a>(
     }
 }
 
-/// Builds every part, so that each that is wrong is reported.
+/// Builds every part, so every wrong part is reported.
 fn parts<'a>(
     parts: impl Iterator<Item = Expr<'a>>,
     context: &mut Context<'a, '_>,
@@ -66,7 +66,7 @@ fn within<'a>(within: Within<'a>, context: &mut Context<'a, '_>) -> Result<Condi
     })
 }
 
-/// Returns the condition that a word is by itself; nothing where it is none, or the task gives it another meaning.
+/// Returns the condition that a word is by itself; `None` if it is not one, or if the task gives it another meaning.
 fn word(expr: Expr<'_>, context: &Context<'_, '_>) -> Option<Condition> {
     let Expr::Name(name) = expr else {
         return None;
@@ -122,9 +122,9 @@ struct Side<'a> {
     value: Operand,
 }
 
-/// Compares a value with a fixed one; nothing where they are no such two.
+/// Compares a value with a constant; `None` if the two are not such a pair.
 ///
-/// - `turned`: what a sign says of the value where the fixed one may stand on the left.
+/// - `turned`: turns a comparison round if the constant is on the left.
 fn fixed<'a>(
     value: &Side<'a>,
     limit: &Side<'a>,
@@ -200,7 +200,7 @@ fn lengths<'a>(
     })
 }
 
-/// Compares a number; whole ones can be equal.
+/// Compares a number; whole numbers can be equal.
 fn counted(
     number: Number,
     sign: Name<'_>,
@@ -296,7 +296,7 @@ fn order(
     }))
 }
 
-/// Says why two values cannot be compared.
+/// Reports why two values cannot be compared.
 fn unlike(
     compare: Compare<'_>,
     left: &Side<'_>,

@@ -1,4 +1,4 @@
-//! What the checks of one task share: its names, what is known so far, and where faults are reported.
+//! The shared state of one task's checks: its names, the parts checked so far, and the report.
 
 use super::names::Names;
 use super::variables::Variables;
@@ -10,47 +10,47 @@ use fab_program::vocabulary::Word;
 use fab_program::{ActionField, Camera, Cloth, Layer};
 use std::collections::BTreeMap;
 
-/// A part of a task: nothing where it is not declared, the proof of an error where its declaration is wrong.
+/// A part of a task: `Ok(None)` if it is not declared, the proof of an error if its declaration is wrong.
 pub(crate) type Declared<T> = Result<Option<T>, Reported>;
 
-/// What the checks of one task share.
+/// The shared state of one task's checks.
 pub(crate) struct Context<'a, 'r> {
     pub loaded: &'r Loaded<'a>,
     pub report: &'r mut Report,
     pub names: Names<'a>,
     pub constants: BTreeMap<&'a str, Result<Quantity<'a>, Reported>>,
-    /// Each known once its section is checked; later sections depend on it.
+    /// Like `camera` and the fields below, set when its section is checked; later sections depend on it.
     pub cloth: Declared<Cloth>,
-    /// The grid that takes the place of every declared one, where there is one.
+    /// The grid that replaces every declared one, if the caller gave one.
     pub grid: Option<[u32; 2]>,
     pub camera: Declared<Camera>,
-    /// Where each keypoint stands among them, and the proof of an error where its declaration is wrong.
+    /// The index of each keypoint, and the proof of an error if its declaration is wrong.
     pub keypoints: BTreeMap<&'a str, (usize, Result<(), Reported>)>,
     pub actions: Fields<'a>,
     pub layers: BTreeMap<&'a str, Result<Layer, Reported>>,
-    /// Layers that the texts of the stage under way name.
+    /// The layers that the texts of the current stage name.
     pub named_layers: Vec<(String, Span)>,
-    /// The variables of the templates that are built so far.
+    /// The variables of the templates built so far.
     pub variables: Variables,
 }
 
-/// The fields of the action as declared, each right or reported.
+/// The declared fields of the action; each that is wrong was reported.
 pub(crate) struct Fields<'a> {
     pub list: Vec<(&'a str, Result<ActionField, Reported>)>,
-    /// Whether they make up an action.
+    /// Whether together they make an action.
     pub complete: Result<(), Reported>,
 }
 
 impl Fields<'_> {
-    /// Returns the field of that name; nothing where there is none.
+    /// Returns the field of this name, if there is one.
     pub fn get(&self, name: &str) -> Declared<&ActionField> {
-        let field = self.list.iter().find(|(known, _)| *known == name);
+        let field = self.list.iter().find(|(declared, _)| *declared == name);
         field
             .map(|(_, field)| field.as_ref().map_err(|reported| *reported))
             .transpose()
     }
 
-    /// Returns the fields that are right.
+    /// Returns the fields without errors.
     pub fn right(&self) -> impl Iterator<Item = &ActionField> {
         self.list
             .iter()
@@ -59,7 +59,7 @@ impl Fields<'_> {
 }
 
 impl<'a, 'r> Context<'a, 'r> {
-    /// Returns what is known outside of tasks: nothing.
+    /// Makes the context for checks outside of tasks, where nothing is declared.
     pub fn outside(loaded: &'r Loaded<'a>, report: &'r mut Report) -> Context<'a, 'r> {
         Context {
             report,
@@ -80,9 +80,9 @@ impl<'a, 'r> Context<'a, 'r> {
         }
     }
 
-    // ---- what is known ---------------------------------------------------------------------------
+    // ---- cloth and camera ------------------------------------------------------------------------
 
-    /// Returns the cloth's longer side, metres; not a number in a base without a cloth, which is no program.
+    /// Returns the cloth's longer side, metres; NaN in a base without a cloth, which never becomes a program.
     pub fn edge_m(&self) -> Result<f64, Reported> {
         Ok(self
             .cloth
@@ -92,7 +92,7 @@ impl<'a, 'r> Context<'a, 'r> {
             .map_or(f64::NAN, Cloth::edge_m))
     }
 
-    /// Returns the flat cloth's area, square metres; not a number in a base without a cloth.
+    /// Returns the flat cloth's area, square metres; NaN in a base without a cloth.
     pub fn area_m2(&self) -> Result<f64, Reported> {
         Ok(self
             .cloth
@@ -102,7 +102,7 @@ impl<'a, 'r> Context<'a, 'r> {
             .map_or(f64::NAN, Cloth::area_m2))
     }
 
-    /// Returns the pixels in one metre on the table; not a number in a base without a camera, which is no program.
+    /// Returns the pixels per metre on the table; NaN in a base without a camera, which never becomes a program.
     pub fn px_per_m(&self) -> Result<f64, Reported> {
         Ok(self
             .camera
@@ -112,7 +112,7 @@ impl<'a, 'r> Context<'a, 'r> {
             .map_or(f64::NAN, Camera::px_per_m))
     }
 
-    /// Returns what stands at a place, cut to a length that fits a message.
+    /// Returns the text of a place, cut to a length that fits a message.
     pub fn written(&self, span: Span) -> String {
         const MOST: usize = 40;
         let text = self.loaded.written(span);
@@ -139,7 +139,7 @@ impl<'a, 'r> Context<'a, 'r> {
         self.report.remark(diagnostic);
     }
 
-    /// Reports that something is missing, unless what does not fit in its block may be it.
+    /// Reports that something is missing, unless it may be in a part of the block that did not parse.
     pub fn missing(&mut self, is_damaged: bool, file: FileId, diagnostic: Diagnostic) -> Reported {
         match self.loaded.fault(file).filter(|_| is_damaged) {
             Some(reported) => reported,
@@ -147,17 +147,17 @@ impl<'a, 'r> Context<'a, 'r> {
         }
     }
 
-    /// Reports that something else stands where `wanted` is expected.
-    pub fn unexpected(&mut self, code: Code, expr: Expr<'_>, wanted: &str) -> Diagnostic {
+    /// Makes the diagnostic for an expression that is not `expected`.
+    pub fn unexpected(&mut self, code: Code, expr: Expr<'_>, expected: &str) -> Diagnostic {
         let found = self.written(expr.span());
         Diagnostic::new(
             code,
             expr.span(),
-            format!("expected {wanted}, found `{found}`"),
+            format!("expected {expected}, found `{found}`"),
         )
     }
 
-    /// Reports a name that nothing of `kind` has, unless it may be declared where something does not fit.
+    /// Reports an unknown name of `kind`, unless it may be declared in a part that did not parse.
     pub fn unknown<'c>(
         &mut self,
         kind: &str,
@@ -167,7 +167,7 @@ impl<'a, 'r> Context<'a, 'r> {
         self.unknown_at(kind, name.text(), name.span(), candidates)
     }
 
-    /// Does what [`Context::unknown`] does, for names joined by dots.
+    /// Does the same as [`Context::unknown`] for names joined by dots.
     pub fn unknown_at<'c>(
         &mut self,
         kind: &str,
@@ -201,7 +201,9 @@ impl<'a, 'r> Context<'a, 'r> {
         }
     }
 
-    /// Reports that there are too many of something, where there is one beyond the limit.
+    /// Reports that there are too many of something.
+    ///
+    /// - `beyond`: the first one beyond the limit, if there is one.
     pub fn bounded(
         &mut self,
         beyond: Option<Span>,

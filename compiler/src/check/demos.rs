@@ -7,9 +7,9 @@ use crate::merge::Merged;
 use fab_grammar::ast;
 use fab_program::{Demos, Read, Stage};
 
-/// Reads which stage is told which demonstrations; nothing in a base that leaves the stages to others.
+/// Reads which demonstrations a stage uses; `None` in a base without stages.
 ///
-/// - `stages`: the task's, in the order of its declarations.
+/// - `stages`: the task's stages, in the order in which they are declared.
 pub(crate) fn check<'a>(
     part: ast::Demos<'a>,
     merged: &Merged<'a>,

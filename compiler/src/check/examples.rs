@@ -16,7 +16,7 @@ const MAX_EXAMPLES: usize = 32;
 /// The most pictures of an example.
 const MAX_IMAGES: usize = 8;
 
-/// What the answers of a stage's examples must fit.
+/// What the answers of a stage's examples must match.
 struct Reader<'r> {
     role: Result<ModelRole, Reported>,
     read: Result<&'r Read, Reported>,
@@ -25,7 +25,7 @@ struct Reader<'r> {
 
 /// Builds the examples of a stage.
 ///
-/// - `role`, `read`: which model the stage asks, and what it reads.
+/// - `role`, `read`: the model that the stage asks, and what it reads from the answer.
 pub(crate) fn check<'a>(
     stage: Stage<'a>,
     role: Result<ModelRole, Reported>,
@@ -53,7 +53,7 @@ pub(crate) fn check<'a>(
         .collect()
 }
 
-/// Returns the fields of the action where all are right; without them no answer can be judged.
+/// Returns the fields of the action if all are right; without them no answer can be judged.
 fn fields(context: &Context<'_, '_>) -> Result<Vec<ActionField>, Reported> {
     context.actions.complete?;
     context
@@ -147,7 +147,7 @@ fn words(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<LiteralText, R
     })
 }
 
-/// Returns a text that may have no placeholders.
+/// Returns a text, which may not have placeholders.
 pub(super) fn plain(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<String, Reported> {
     text.plain().ok_or_else(|| {
         let message = "this text stands as it is and has no `{{ … }}`";
@@ -156,7 +156,7 @@ pub(super) fn plain(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<Str
     })
 }
 
-/// Returns the answer, if the stage can read it.
+/// Returns the answer if the stage can read it.
 fn answer(
     reply: Reply<'_>,
     reader: &Reader<'_>,
@@ -181,9 +181,9 @@ fn answer(
     Err(context.error(diagnostic.help(why)))
 }
 
-/// Says why an answer cannot be read as an action, or which of its choices is not offered; nothing where it is right.
-fn unreadable_action(fields: &[ActionField], edge_m: f64, said: &str) -> Option<String> {
-    let reading = match reply::read_fields(fields, edge_m, &Notation::pixels(), said) {
+/// Returns why an answer cannot be read as an action, or which of its choices is not offered; `None` if it is right.
+fn unreadable_action(fields: &[ActionField], edge_m: f64, answer: &str) -> Option<String> {
+    let reading = match reply::read_fields(fields, edge_m, &Notation::pixels(), answer) {
         Ok(reading) => reading,
         Err(malformed) => return Some(malformed.message),
     };

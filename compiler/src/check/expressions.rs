@@ -1,7 +1,7 @@
 //! Reads expressions: points, directions, values, and the arguments of calls by their kinds.
 //!
 //! In: an expression and what is expected there. Out: its part of the program. Lengths carry the frame in which they are
-//! compared, the picture or the table; what the camera makes of the one in the other is converted only where `in` says so.
+//! compared, the picture or the table; they are converted through the camera only where the source says `in`.
 
 use super::arguments::{Bound, bind, form};
 use super::context::Context;
@@ -22,16 +22,16 @@ use fab_program::{
 
 // ---- calls ---------------------------------------------------------------------------------------
 
-/// What a call may name as a keypoint.
+/// Which keypoints a call may name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scope {
-    /// Keypoints above the one of this place, in its declaration.
+    /// Those declared above the keypoint of this index.
     Above(usize),
     /// All of them.
     Everywhere,
 }
 
-/// Reads a call by its row; of several rows of its name, the one that fits.
+/// Reads a call by the row of its name that fits best.
 ///
 /// - `rows`: the signatures of all calls of this kind, such as `extractor`.
 pub(crate) fn call<'a>(
@@ -48,7 +48,7 @@ pub(crate) fn call<'a>(
     let mut values = Vec::with_capacity(signature.args.len());
     let mut all = Ok(());
     for (index, (arg, expr)) in bound.iter().enumerate() {
-        // Of several that are alike the first slip is probably all there is.
+        // The parts of a list probably share the same slip, so one report is enough.
         if all.is_err() && arg.place == Place::Rest && index > 0 {
             break;
         }
@@ -59,7 +59,7 @@ pub(crate) fn call<'a>(
     }
     all?;
     for arg in signature.args {
-        let is_given = bound.iter().any(|(known, _)| known.name == arg.name);
+        let is_given = bound.iter().any(|(given, _)| given.name == arg.name);
         if let Some(default) = arg.default.filter(|_| !is_given) {
             values.push((arg.name, by_default(default, context)?));
         }
@@ -72,7 +72,7 @@ fn by_default(default: Default, context: &Context<'_, '_>) -> Result<ArgValue, R
         Default::Number(number) => ArgValue::Number(number),
         Default::Word(word) => ArgValue::Word(word),
         Default::Nothing => ArgValue::Nothing,
-        // A base without a camera is no program, so its side does not matter.
+        // A base without a camera never becomes a program, so its side does not matter.
         Default::CameraSide => {
             let camera = context.camera.as_ref().map_err(|reported| *reported)?;
             ArgValue::Number(camera.as_ref().map_or(0.0, |it| f64::from(it.image_px)))
@@ -153,7 +153,7 @@ pub(super) fn word(
     Err(context.error(diagnostic))
 }
 
-/// Reads a word of a closed set that has a noun, such as a colour.
+/// Reads a word of a closed set that messages have a noun for, such as a colour.
 pub(super) fn name_of(
     expr: Expr<'_>,
     noun: &str,
@@ -277,17 +277,17 @@ pub(super) fn keypoint(
     }
 }
 
-/// Reports a keypoint of the wrong shape; one that has none is reported where it is declared.
+/// Reports a keypoint of the wrong shape; one without a shape is reported at its declaration.
 pub(super) fn wrong_shape(
     name: Name<'_>,
     shape: Option<KeypointShape>,
-    wanted: &str,
+    expected: &str,
     context: &mut Context<'_, '_>,
 ) -> Reported {
     if let (None, Some((_, Err(reported)))) = (shape, context.keypoints.get(name.text())) {
         return *reported;
     }
-    let message = format!("expected {wanted}, found `{}`", name.text());
+    let message = format!("expected {expected}, found `{}`", name.text());
     let diagnostic = Diagnostic::new(Code::WrongKindOfName, name.span(), message);
     context.error(match shape {
         Some(KeypointShape::Mask) => diagnostic.label("this is a mask, a set of pixels"),
@@ -296,7 +296,7 @@ pub(super) fn wrong_shape(
     })
 }
 
-/// The numbers of a pixel: those of the largest picture that is read.
+/// The range of a pixel's numbers: the largest picture that is read.
 pub(crate) const PIXEL: Range = Range::new("a pixel", (0.0, "px"), (8191.0, "px"));
 
 /// Reads the two numbers of a pixel.
@@ -309,7 +309,7 @@ pub(super) fn pixel<'a>(
     Ok(PixelPoint::new(u? as i32, v? as i32))
 }
 
-/// Reads a pixel that lies in the camera's picture.
+/// Reads a pixel in the camera's picture.
 fn pixel_in_picture<'a>(
     expr: Expr<'a>,
     context: &mut Context<'a, '_>,
@@ -396,7 +396,7 @@ pub(super) fn cloth_point<'a>(
     }
 }
 
-/// Reports `corner(top_left)`: the picture's top is the cloth's back.
+/// Reports `corner(top_left)`: the top of the picture is called the back of the cloth.
 fn turned_name(call: Call<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported> {
     let Some(Expr::Name(place)) = call.arguments().next().map(|argument| argument.value()) else {
         return Ok(());
@@ -483,7 +483,7 @@ fn is_point(meaning: Meaning) -> bool {
     )
 }
 
-/// Returns where an action by direction and distance leads: the `place` that it does not declare.
+/// Returns the `place` of an action that declares a direction and a distance instead.
 fn carried(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<Point, Reported> {
     context.actions.complete?;
     for field in ["pick", "direction", "distance"] {
@@ -501,7 +501,7 @@ fn carried(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<Point, Repor
     })
 }
 
-/// Reads a place of a drawing: known before an action is proposed.
+/// Reads a point of a drawing, which must be known before an action is proposed.
 fn spot<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Spot, Reported> {
     if let Expr::Name(name) = expr
         && context.names.get(name.text()) == Some(Meaning::Keypoint(Some(KeypointShape::Points)))
@@ -562,7 +562,7 @@ pub(crate) fn heading<'a>(
         }),
         _ => {
             if let Expr::Name(name) = expr {
-                // A field that is wrong is reported where it is declared.
+                // A broken field is reported at its declaration.
                 context.actions.get(name.text())?;
             }
             let diagnostic = context.unexpected(Code::WrongExpression, expr, "a direction");
@@ -571,7 +571,7 @@ pub(crate) fn heading<'a>(
     }
 }
 
-/// Returns a fixed direction, degrees within one turn.
+/// Returns a constant direction, in degrees within one turn.
 pub(crate) fn fixed_deg<'a>(
     expr: Expr<'a>,
     context: &mut Context<'a, '_>,
@@ -616,7 +616,7 @@ pub(crate) enum Frame {
 #[derive(Clone, Debug)]
 pub(crate) enum Operand {
     Length(FramedLength),
-    /// A fixed angle, degrees, and the unit that it is written in.
+    /// A constant angle, degrees, and the unit that it is written in.
     Angle {
         deg: f64,
         unit: &'static str,
@@ -654,7 +654,7 @@ pub(crate) struct FramedLength {
     pub unit: &'static str,
 }
 
-/// A length as it is known.
+/// A length by its origin.
 #[derive(Clone, Debug)]
 pub(crate) enum NativeLength {
     /// Pixels.
@@ -693,7 +693,7 @@ impl NativeLength {
     }
 }
 
-/// Returns the frame in which two lengths can both be known: the picture, where one is measured in it.
+/// Returns the frame in which two lengths can be compared: the picture if one is measured in it.
 pub(crate) fn common_frame(a: &NativeLength, b: &NativeLength) -> Frame {
     if a.is_table() && b.is_table() {
         Frame::Table
@@ -767,7 +767,7 @@ pub(super) fn measure<'a>(
         .and_then(|area_m2| Ok(area_m2 * px_per_m? * px_per_m?));
     match MEASURES[row].measure(&args, flat_px.ok()) {
         Some(measure) => Ok(measure),
-        // Only where cloth or camera are wrong is there no flat cloth to compare with.
+        // There is no flat cloth to compare with only if cloth or camera are wrong.
         None => Err(flat_px
             .err()
             .unwrap_or_else(|| context.unknown("measure", call.name(), []))),
@@ -779,7 +779,7 @@ fn constant<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Operand
         let diagnostic = context.unexpected(Code::WrongExpression, expr, "a number and its unit");
         return Err(context.error(diagnostic));
     };
-    // Numbers of absurd size would overflow when they are squared.
+    // Huge numbers would overflow when they are squared.
     if found.value.abs() > 1e6 {
         let help = "accepted are values up to a million in pixels, metres or degrees";
         return Err(out_of_range(expr, help, context));
@@ -799,7 +799,7 @@ fn constant<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Operand
     Ok(match found.dimension {
         Dimension::Pixels => length(NativeLength::Picture(found.value), Frame::Picture),
         Dimension::Length => length(NativeLength::Table(found.value), Frame::Table),
-        // Whole degrees stay whole: they are not passed through radians.
+        // Converting through radians would make whole degrees inexact.
         Dimension::Angle => Operand::Angle {
             deg: found.deg(),
             unit,
@@ -869,7 +869,7 @@ fn convert(
     })
 }
 
-/// Says what a value is.
+/// Names the kind of a value.
 pub(crate) fn kind_of(value: &Operand) -> &'static str {
     match value {
         Operand::Length(FramedLength {

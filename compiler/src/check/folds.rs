@@ -13,7 +13,7 @@ use fab_program::{Fold, Sequence, SubgoalImage, Subgoals};
 /// The most folds in a sequence.
 const MAX_FOLDS: usize = 100;
 
-/// The most pictures an author brings.
+/// The most subgoal pictures of a task.
 const MAX_IMAGES: usize = 101;
 
 /// Builds the folds of one block.
@@ -77,7 +77,7 @@ pub(crate) fn experts<'a>(
     sequences.into_iter().collect()
 }
 
-/// Returns the sequences that count as right for a task: those of the named experts, else the demonstration.
+/// Returns the sequences that count as right for a task: the named experts', or else the demonstration.
 pub(crate) fn expert_sequences<'a>(
     merged: &Merged<'a>,
     subgoals: &Declared<Subgoals>,
@@ -94,7 +94,7 @@ pub(crate) fn expert_sequences<'a>(
     };
     let file = named.name().span().file;
     match context.loaded.experts(file, named.name().text()) {
-        // The list itself is reported once, where all lists are; the same message is shown once.
+        // Every list is checked by itself too; the report shows the same message once.
         Some(found) => experts(found, context),
         None => {
             let seen = context
@@ -107,7 +107,7 @@ pub(crate) fn expert_sequences<'a>(
     }
 }
 
-/// Builds the subgoals: folds that the simulator draws, or pictures of the author's.
+/// Builds the subgoals: folds that the simulator draws, or the author's pictures.
 pub(crate) fn subgoals<'a>(
     part: fab_grammar::ast::Subgoals<'a>,
     context: &mut Context<'a, '_>,

@@ -61,7 +61,7 @@ pub(crate) fn check<'a>(
     Ok(goal)
 }
 
-/// Returns the comparison, if it is the way in which the measure gets better.
+/// Returns the comparison if it points the way in which the measure improves.
 fn comparison(
     row: &MetricRow,
     sign: Name<'_>,
@@ -86,7 +86,7 @@ fn comparison(
     ))
 }
 
-/// Reports a distance that has nothing to be measured to.
+/// Reports a goal of distance without expert results to measure to.
 fn has_experts(
     goal: &Goal,
     statement: Statement<'_>,
@@ -109,13 +109,13 @@ fn has_experts(
     Err(context.error(diagnostic.help("name `experts`: images do not say how the cloth ends")))
 }
 
-/// Returns the most steps of a rollout: as stated, else as many as the subgoals show.
+/// Returns the most steps of a rollout: as stated, or else as many as the subgoals show.
 pub(crate) fn horizon<'a>(
     merged: &Merged<'a>,
     subgoals: &Declared<Subgoals>,
     context: &mut Context<'a, '_>,
 ) -> Declared<u32> {
-    let shown = subgoals
+    let n_shown = subgoals
         .as_ref()
         .map(|it| it.as_ref().map(|it| it.steps() as u32));
     let Some(statement) = merged.statement("horizon") else {
@@ -127,10 +127,10 @@ pub(crate) fn horizon<'a>(
                 .help("write `horizon 10` for at most ten actions, or show `subgoals`");
             return Err(context.missing(merged.is_damaged, name.span().file, diagnostic));
         }
-        return shown.map_err(|reported| *reported);
+        return n_shown.map_err(|reported| *reported);
     };
     let stated = read_whole(statement.value(), &STEPS, context)? as u32;
-    let Ok(Some(shown)) = shown else {
+    let Ok(Some(n_shown)) = n_shown else {
         return Ok(Some(stated));
     };
     let steps = |count: u32| match count {
@@ -140,17 +140,17 @@ pub(crate) fn horizon<'a>(
     let message = format!(
         "the horizon is {}, the subgoals show {}",
         steps(stated),
-        steps(shown)
+        steps(n_shown)
     );
     let place = merged
         .subgoals
         .map_or(statement.span(), |part| part.head_span());
     let new = |code| Diagnostic::new(code, statement.span(), message).also(place, "the subgoals");
-    if stated > shown {
-        let help = format!("write `horizon {shown}`, or show more");
+    if stated > n_shown {
+        let help = format!("write `horizon {n_shown}`, or show more");
         return Err(context.error(new(Code::HorizonTooLong).help(help)));
     }
-    if stated < shown {
+    if stated < n_shown {
         context.remark(new(Code::HorizonTooShort));
     }
     Ok(Some(stated))

@@ -12,10 +12,10 @@ use fab_program::{EXTRACTORS, Keypoint, Moment};
 /// The most keypoints of a task.
 const MAX_KEYPOINTS: usize = 256;
 
-/// Names with a meaning of their own.
+/// Names that keypoints cannot have.
 pub(crate) const RESERVED: [&str; 5] = ["last", "step", "scene", "depth", "unreachable"];
 
-/// Notes the quantities that have a name.
+/// Reads the constants.
 pub(crate) fn constants<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) {
     for constant in merged.constants.iter() {
         let value = match constant.value() {
@@ -96,7 +96,7 @@ fn keypoint_of<'a>(
     })
 }
 
-/// Returns which picture a keypoint is taken from: the latest, where its row has no choice.
+/// Returns the picture that a keypoint is taken from: the latest one if its row offers no choice.
 fn moment(args: &Args) -> Moment {
     match args.is_given(AT.name) {
         true => args.meaning(AT.name, Moment::from_word),

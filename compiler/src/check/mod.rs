@@ -1,8 +1,8 @@
-//! Decides whether tasks are right, and builds the programs of those that are.
+//! Checks tasks, and builds the programs of those without errors.
 //!
-//! In: every file as written. Out: programs of the entry file's runnable tasks, and diagnostics. Every task
-//! of every file is checked, bases too; only [`check`] makes a [`Program`], so that one is right by
-//! construction. One file per section; each gives its part of the program, or the proof that an error was reported.
+//! In: the views of every file. Out: the programs of the entry file's runnable tasks, and diagnostics. Every task
+//! of every file is checked, including bases. Only [`check`] makes a [`Program`], so every program is free of errors.
+//! There is one file per section. Each returns its part of the program, or the proof that an error was reported.
 
 mod actions;
 mod annotate;
@@ -36,7 +36,7 @@ use fab_grammar::FileId;
 use fab_grammar::ast::Name;
 use fab_program::{Program, Test};
 
-/// What comes of checking.
+/// The result of checking.
 #[derive(Default)]
 pub(crate) struct Checked {
     /// The tasks and variants of the entry that can run.
@@ -45,12 +45,12 @@ pub(crate) struct Checked {
     pub tests: Vec<Test>,
 }
 
-/// What all tasks of a compilation may inherit together, bytes: each is checked with all that it inherits.
+/// The most that all tasks of a compilation may inherit together, bytes: each is checked with everything it inherits.
 pub const MAX_INHERITED_BYTES: usize = 64 << 20;
 
-/// Checks every task of every file; returns the programs of the entry's.
+/// Checks every task of every file, and returns the programs of the entry's tasks.
 ///
-/// - `grid`: particles along X and Y of the cloth that takes the place of each task's own, where one does.
+/// - `grid`: particles along X and Y; if given, it replaces the grid of every task's cloth.
 pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Report) -> Checked {
     let files = || loaded.files.iter();
     merge::unique(
@@ -66,10 +66,10 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
     );
     let mut context = Context::outside(loaded, report);
     for list in lists {
-        // Broken lists are reported here once; a task that names one is told so where it does.
+        // Reports every broken list, also those that no task names.
         let _: Result<_, _> = folds::experts(*list, &mut context);
     }
-    // An error outside of tasks counts against every task that sees its file.
+    // An error outside of tasks counts against every task that sees the file.
     let form_of = |file: FileId| {
         let mut seen = loaded.visible_from(file);
         seen.find_map(|seen| context.report.error_in(seen.id))
@@ -82,7 +82,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
     for (file, form) in files().zip(forms) {
         let is_entry = file.id == loaded.entry().id;
         for task in &file.tasks {
-            // Each task has its own report: what it inherits must count against it, though it is shown once.
+            // Each task has its own report: an inherited error counts against every heir, but is shown once.
             let mut variants = vec![None];
             let mut number = 0;
             while number < variants.len() {
@@ -97,7 +97,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
                     report.error(too_large(task.name()));
                     return checked;
                 }
-                // Variants of tasks in other files are checked where those are compiled.
+                // Variants of tasks in other files are checked when those files are compiled.
                 if number == 0 && is_entry {
                     variants.extend(merged.applicable_variants().map(Some));
                 }

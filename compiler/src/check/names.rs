@@ -1,6 +1,6 @@
-//! The names of one task, and what each stands for.
+//! The names of one task, and the meaning of each.
 //!
-//! Keypoints, texts that stages read, and action fields share one space: all can be written in a text.
+//! Keypoints, texts that stages read, and action fields share one namespace: all can be used in a text.
 
 use crate::diag::Reported;
 use crate::load::Loaded;
@@ -10,12 +10,12 @@ use fab_grammar::ast::Expr;
 use fab_program::{EXTRACTORS, KeypointShape};
 use std::collections::BTreeMap;
 
-/// What a name stands for.
+/// The meaning of a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Meaning {
-    /// A keypoint; no shape where its form does not say one: its declaration is wrong then.
+    /// A keypoint; without a shape if its declaration is wrong.
     Keypoint(Option<KeypointShape>),
-    /// What the stage of this number reads.
+    /// A text that the stage of this number reads.
     Text { stage: usize },
     /// A field of the action.
     Field,
@@ -23,66 +23,67 @@ pub(crate) enum Meaning {
 
 /// Every name of a task.
 pub(crate) struct Names<'a> {
-    known: BTreeMap<&'a str, Meaning>,
+    meanings: BTreeMap<&'a str, Meaning>,
     seen_from: FileId,
     missing_base: Option<Reported>,
 }
 
 impl<'a> Names<'a> {
-    /// Collects the names of a task; the shapes of its keypoints come from the form of their declarations.
+    /// Collects the names of a task; the call in a keypoint's declaration gives its shape.
     pub fn of(merged: &Merged<'a>) -> Names<'a> {
-        let mut known = BTreeMap::new();
+        let mut meanings = BTreeMap::new();
         for (stage, part) in merged.stages.iter().enumerate() {
             for read in part.read().filter(|read| read.name().text() != "action") {
-                known
+                meanings
                     .entry(read.name().text())
                     .or_insert(Meaning::Text { stage });
             }
         }
-        // A field that is missing or misspelt is reported where the action is declared.
+        // A missing or misspelt field is reported at the action's declaration.
         if merged.actions.is_some() {
-            known.extend(["pick", "place"].map(|field| (field, Meaning::Field)));
+            meanings.extend(["pick", "place"].map(|field| (field, Meaning::Field)));
         }
         for field in merged.actions.into_iter().flat_map(|part| part.fields()) {
-            known.insert(field.name().text(), Meaning::Field);
+            meanings.insert(field.name().text(), Meaning::Field);
         }
         for keypoint in merged.keypoints.iter() {
-            known.insert(
+            meanings.insert(
                 keypoint.name().text(),
                 Meaning::Keypoint(shape(keypoint.value())),
             );
         }
         Names {
-            known,
+            meanings,
             seen_from: merged.task.name().span().file,
             missing_base: merged.missing_base,
         }
     }
 
-    /// Returns the names outside of tasks: none.
+    /// Makes the empty set of names for checks outside of tasks.
     pub fn none(seen_from: FileId) -> Names<'a> {
         Names {
-            known: BTreeMap::new(),
+            meanings: BTreeMap::new(),
             seen_from,
             missing_base: None,
         }
     }
 
     pub fn get(&self, name: &str) -> Option<Meaning> {
-        self.known.get(name).copied()
+        self.meanings.get(name).copied()
     }
 
-    /// Returns the names with such a meaning, in alphabetical order; of very many names, those among the first.
+    /// Returns the names with such a meaning, in alphabetical order; only the first names are searched.
     pub fn that(&self, fits: impl Fn(Meaning) -> bool) -> Vec<&'a str> {
-        // They are only suggested: a file of unknown names must not be searched once for each.
+        // They are only suggestions, and searching all names for each unknown one would take quadratic time.
         const MOST: usize = 1000;
-        let some = self.known.iter().take(MOST);
+        let some = self.meanings.iter().take(MOST);
         some.filter(|(_, meaning)| fits(**meaning))
             .map(|(name, _)| *name)
             .collect()
     }
 
-    /// Returns the proof of the error in which an unknown name may be declared: a missing task, or what does not fit.
+    /// Returns the proof of an error that may hide the declaration of an unknown name: a missing task, or a part that
+    /// did not parse.
     pub fn hidden(&self, name: &str, loaded: &Loaded<'_>) -> Option<Reported> {
         let in_file = || {
             let mut files = loaded.visible_from(self.seen_from);

@@ -1,8 +1,8 @@
 //! Texts become templates: each `{{ … }}` is looked up, and everything else stands for itself.
 //!
-//! In: a text, where it is said, and what is known of the task. Out: a [`Template`] in the portable Jinja subset. A
-//! value that is known already is written into it; one that is known only when the text is said becomes a variable. A
-//! `{` that Jinja could take for its own is escaped.
+//! In: a text, where it is used, and what is known about the task. Out: a [`Template`] in the portable Jinja subset. A
+//! value that is already known is written into the template; one that is known only at run time becomes a variable. A
+//! `{` that Jinja would interpret is escaped.
 
 use super::context::Context;
 use super::expressions::{
@@ -28,37 +28,37 @@ use std::collections::BTreeMap;
 /// The most bytes of one text.
 const MAX_TEXT_BYTES: usize = 16 << 10;
 
-/// The placeholder that spells out the answer's format.
+/// The placeholder for the answer's format.
 const FORMAT: &str = "actions.format";
 
-/// The placeholder that says how a point is written.
+/// The placeholder for how a point is written.
 const POINTS: &str = "actions.points";
 
-/// Where a text is said, which decides what it may name.
+/// Where a text is used, which decides the names that it may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TextPlace {
-    /// In the stage of this number: keypoints, and what earlier stages read.
+    /// In the stage of this number: keypoints, and texts that earlier stages read.
     Stage(usize),
     /// In the message of a check: all of these and the action's fields.
     Message,
     /// In the message about a step's result: keypoints, and the overlap.
     Result,
-    /// Nowhere yet: a component that no stage says.
+    /// Nowhere: a component that no stage says.
     Nowhere,
 }
 
-/// Where and under which condition a text is said.
+/// Where and under which condition a text is used.
 #[derive(Clone, Copy)]
 pub(crate) struct TextScope<'s> {
     pub place: TextPlace,
-    /// Whether the text is said only where there was an action before.
+    /// Whether the text is used only if there was a previous action.
     pub has_last: bool,
-    /// What introduces the text, for advice on its condition.
+    /// The beginning of the text's declaration, for advice on its condition.
     pub guarded: &'s str,
 }
 
 impl TextScope<'_> {
-    /// Reports a value that depends on the action before, unless there always was one.
+    /// Reports a value that depends on the previous action, unless there always is one.
     fn require_last(self, span: Span, context: &mut Context<'_, '_>) -> Result<(), Reported> {
         if self.has_last || self.place == TextPlace::Nowhere {
             return Ok(());
@@ -123,7 +123,7 @@ pub(crate) fn template<'a>(
     })
 }
 
-/// Warns of `{name}` where the name has a value: a brace was probably forgotten.
+/// Warns of `{name}` if the name has a value: a brace was probably forgotten.
 fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
     const LONGEST: usize = 64;
     let span = text.span();
@@ -138,7 +138,7 @@ fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
             || context.constants.contains_key(name)
             || context.layers.contains_key(name)
             || [FORMAT, POINTS].contains(&name);
-        // Two braces are a placeholder, or behind wrong quotes reported already.
+        // Two braces are a placeholder, or the text has wrong quotes and was reported already.
         let is_double = source[..at].ends_with('{') || rest[length + 1..].starts_with('}');
         if !is_value || is_double {
             continue;
@@ -154,11 +154,11 @@ fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
 
 // ---- placeholders --------------------------------------------------------------------------------
 
-/// What a placeholder becomes.
+/// The content of a placeholder.
 enum Resolved {
-    /// Words that are known now.
+    /// A text that is already known.
     Words(String),
-    /// A value that is known when the text is said.
+    /// A value that is known at run time.
     Later(Box<Placeholder>),
 }
 
@@ -166,7 +166,7 @@ fn later(value: Placeholder) -> Resolved {
     Resolved::Later(Box::new(value))
 }
 
-/// Finds what a placeholder stands for, and reports what is not known where the text is said.
+/// Finds the value of a placeholder, and reports one that is not known where the text is used.
 fn resolve<'a>(
     expr: Expr<'a>,
     scope: TextScope<'_>,
@@ -218,8 +218,8 @@ fn named<'a>(
             point: Point::Keypoint { name: text },
         },
         Some(Meaning::Keypoint(shape)) => {
-            let wanted = "something that can be written as text";
-            return Err(wrong_shape(name, shape, wanted, context));
+            let expected = "something that can be written as text";
+            return Err(wrong_shape(name, shape, expected, context));
         }
         Some(Meaning::Text { stage }) => {
             let is_read = match scope.place {
@@ -238,7 +238,7 @@ fn named<'a>(
         }
         Some(Meaning::Field) => match context.actions.get(name.text())? {
             Some(_) => Placeholder::Field { field: text },
-            // The place that a direction and a distance lead to.
+            // The place that follows from a direction and a distance.
             None => return written(Expr::Name(name), context),
         },
         None if text == OVERLAP && scope.place == TextPlace::Result => {
@@ -253,7 +253,7 @@ fn named<'a>(
     }))
 }
 
-/// Returns the names that a text could name in its place.
+/// Returns the names that can be used in a text at this place.
 fn candidates<'a>(place: TextPlace, context: &Context<'a, '_>) -> Vec<&'a str> {
     let mut names = context.names.that(|meaning| match (meaning, place) {
         (Meaning::Keypoint(shape), _) => {
@@ -269,7 +269,7 @@ fn candidates<'a>(place: TextPlace, context: &Context<'a, '_>) -> Vec<&'a str> {
     names
 }
 
-/// Finds `actions.format`, `FIELD.choices`, `last.pick` and the like.
+/// Finds the value of `actions.format`, `FIELD.choices`, `last.pick` and other names with dots.
 fn dotted<'a>(path: Path<'a>, context: &mut Context<'a, '_>) -> Result<Resolved, Reported> {
     let text = path.text();
     match text {
@@ -298,7 +298,7 @@ fn dotted<'a>(path: Path<'a>, context: &mut Context<'a, '_>) -> Result<Resolved,
             field: name.to_owned(),
         }));
     }
-    // A field that the action lacks is reported where the action is declared.
+    // A field that the action lacks is reported at the action's declaration.
     if of_choices
         .or(of_last)
         .and_then(|name| context.names.get(name))
@@ -311,9 +311,9 @@ fn dotted<'a>(path: Path<'a>, context: &mut Context<'a, '_>) -> Result<Resolved,
         .right()
         .map(|field| format!("{}.choices", field.name));
     let choices: Vec<String> = choices.collect();
-    let known = [FORMAT, POINTS, "last.pick", "last.place"].into_iter();
-    let known = known.chain(choices.iter().map(String::as_str));
-    Err(context.unknown_at("value", text, path.span(), known))
+    let candidates = [FORMAT, POINTS, "last.pick", "last.place"].into_iter();
+    let candidates = candidates.chain(choices.iter().map(String::as_str));
+    Err(context.unknown_at("value", text, path.span(), candidates))
 }
 
 // ---- how values are written ----------------------------------------------------------------------
@@ -362,9 +362,9 @@ fn unit(name: &str) -> &'static Unit {
     units::find(name).expect("the unit of a value is one of the units")
 }
 
-/// Says how a number is written in a unit.
+/// Returns the format of a number in a unit.
 ///
-/// - `factor`: what the number is multiplied by to be in the unit.
+/// - `factor`: converts the number to the unit.
 fn in_unit(unit: &Unit, factor: f64) -> NumberFormat {
     NumberFormat {
         factor,
@@ -373,7 +373,7 @@ fn in_unit(unit: &Unit, factor: f64) -> NumberFormat {
     }
 }
 
-/// Says how degrees are written in a unit of angles.
+/// Returns the format of degrees in a unit of angles.
 fn of_degrees(name: &str) -> NumberFormat {
     let unit = unit(name);
     in_unit(unit, units::base((1.0, "deg")) / unit.size)
@@ -386,7 +386,7 @@ fn length(length: &FramedLength, context: &Context<'_, '_>) -> Result<Resolved, 
     } else {
         unit.size
     };
-    // A measure of the picture stays in pixels, also where it is written as a length on the table.
+    // A measure of the picture stays in pixels, even if it is written as a length on the table.
     let is_measured = matches!(length.native, NativeLength::Measured(_));
     let base = match length.frame {
         Frame::Table if is_measured => context.px_per_m()?,
@@ -394,7 +394,7 @@ fn length(length: &FramedLength, context: &Context<'_, '_>) -> Result<Resolved, 
     };
     let written = in_unit(unit, 1.0 / size / base);
     Ok(match length.native.in_frame(length.frame, context)? {
-        // How long a pixel is depends on the picture that the model is sent, which is known later.
+        // The size of a pixel depends on the picture that the model is sent, which is not known yet.
         Length::Constant { value } if length.frame == Frame::Table => {
             Resolved::Words(number(value, &written))
         }

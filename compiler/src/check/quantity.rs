@@ -1,4 +1,4 @@
-//! Numbers with units: what they measure, in base units, and in which range.
+//! Numbers with units: their dimension, their value in base units, and their range.
 
 use super::context::Context;
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
@@ -9,7 +9,7 @@ use fab_program::vocabulary::Range;
 /// A number with its unit.
 #[derive(Clone, Debug)]
 pub(crate) struct Measured {
-    /// In base units; not a number where the unit is `edge` and the task, a base, has no cloth.
+    /// In base units; NaN if the unit is `edge` and the task, a base, has no cloth.
     pub value: f64,
     pub dimension: Dimension,
     /// The number as written.
@@ -19,7 +19,7 @@ pub(crate) struct Measured {
 }
 
 impl Measured {
-    /// Returns an angle in degrees; whole degrees stay whole, for they are not passed through radians.
+    /// Returns an angle in degrees; whole degrees stay exact because they are not converted through radians.
     pub fn deg(&self) -> f64 {
         let is_degrees = units::base((1.0, self.unit)).to_degrees() == 1.0;
         if is_degrees {
@@ -30,7 +30,7 @@ impl Measured {
     }
 }
 
-/// What a dimension is called, and how a number of it is written.
+/// Returns the name of a dimension, and an example of how a number is written in it.
 fn words(dimension: Dimension) -> (&'static str, &'static str) {
     match dimension {
         Dimension::Length => ("a length on the table", " such as `40mm`"),
@@ -40,7 +40,7 @@ fn words(dimension: Dimension) -> (&'static str, &'static str) {
     }
 }
 
-/// Returns what a number of a dimension is called.
+/// Returns the name of a dimension.
 pub(super) fn noun(dimension: Dimension) -> &'static str {
     words(dimension).0
 }
@@ -52,14 +52,14 @@ fn example(dimension: Dimension) -> String {
     }
 }
 
-/// Returns the unit that advice uses.
+/// Returns the unit that advice uses for a dimension.
 fn usual_unit(dimension: Dimension) -> &'static str {
     let mut rows = UNITS.iter();
     rows.find(|unit| unit.dimension == dimension)
         .map_or("", |unit| unit.name)
 }
 
-/// Returns the quantity that an expression is or that its name stands for; nothing where it is neither.
+/// Returns the quantity of a number or of a named constant; `None` for any other expression.
 pub(crate) fn quantity_of<'a>(
     expr: Expr<'a>,
     context: &Context<'a, '_>,
@@ -75,7 +75,7 @@ pub(crate) fn quantity_of<'a>(
     }
 }
 
-/// Reads a number and its unit, or a constant; nothing where an expression is neither.
+/// Reads a number with its unit, or a constant; `None` for any other expression.
 pub(crate) fn measured<'a>(
     expr: Expr<'a>,
     context: &mut Context<'a, '_>,
@@ -107,7 +107,7 @@ pub(crate) fn measured<'a>(
     }))
 }
 
-/// Reads a number in a range, in base units; one that is not known in a base is not a number, and in every range.
+/// Reads a number in a range, in base units; NaN, for `edge` in a base without a cloth, is in every range.
 pub(crate) fn read<'a>(
     expr: Expr<'a>,
     range: &Range,
@@ -140,7 +140,7 @@ pub(crate) fn read_whole<'a>(
     Err(context.error(diagnostic.help(format!("accepted is {}", range.words()))))
 }
 
-/// Reports a number outside of what is accepted.
+/// Reports a number outside of its range.
 pub(super) fn out_of_range(expr: Expr<'_>, help: &str, context: &mut Context<'_, '_>) -> Reported {
     let written = context.written(expr.span());
     let message = format!("`{written}` is out of range");
@@ -149,33 +149,33 @@ pub(super) fn out_of_range(expr: Expr<'_>, help: &str, context: &mut Context<'_,
 
 fn in_dimension<'a>(
     expr: Expr<'a>,
-    wanted: Dimension,
+    expected: Dimension,
     context: &mut Context<'a, '_>,
 ) -> Result<f64, Reported> {
     if let Expr::Converted(converted) = expr {
-        return self::converted(converted.value(), converted.target(), wanted, context);
+        return self::converted(converted.value(), converted.target(), expected, context);
     }
     let Some(found) = measured(expr, context)? else {
-        let diagnostic = context.unexpected(Code::WrongForm, expr, &example(wanted));
+        let diagnostic = context.unexpected(Code::WrongForm, expr, &example(expected));
         return Err(context.error(diagnostic));
     };
-    if found.dimension == wanted {
+    if found.dimension == expected {
         return Ok(found.value);
     }
     let written = context.written(expr.span());
-    let (wanted_noun, found_noun) = (noun(wanted), noun(found.dimension));
+    let (expected_noun, found_noun) = (noun(expected), noun(found.dimension));
     let new = |code, message: String| Diagnostic::new(code, expr.span(), message);
     let mixed = || {
         new(
             Code::MixedFrames,
-            format!("expected {wanted_noun}, found {found_noun}"),
+            format!("expected {expected_noun}, found {found_noun}"),
         )
     };
-    let help = format!("write {}", example(wanted));
-    let diagnostic = match (wanted, found.dimension) {
+    let help = format!("write {}", example(expected));
+    let diagnostic = match (expected, found.dimension) {
         (_, Dimension::Number) => new(Code::MissingUnit, format!("`{written}` has no unit"))
-            .label(format!("expected {wanted_noun}"))
-            .help(format!("write `{written}{}`", usual_unit(wanted))),
+            .label(format!("expected {expected_noun}"))
+            .help(format!("write `{written}{}`", usual_unit(expected))),
         (Dimension::Number, _) => new(
             Code::WrongQuantity,
             format!("expected a number without a unit, found `{written}`"),
@@ -188,7 +188,7 @@ fn in_dimension<'a>(
         (Dimension::Length, Dimension::Pixels) => mixed().help(help),
         _ => new(
             Code::WrongQuantity,
-            format!("expected {wanted_noun}, found {found_noun}"),
+            format!("expected {expected_noun}, found {found_noun}"),
         )
         .label(format!("`{written}` is {found_noun}"))
         .help(help),
@@ -196,26 +196,26 @@ fn in_dimension<'a>(
     Err(context.error(diagnostic))
 }
 
-/// Reads `VALUE in UNIT` in the wanted dimension.
+/// Reads `VALUE in UNIT` in the expected dimension.
 fn converted<'a>(
     value: Expr<'a>,
     target: Name<'a>,
-    wanted: Dimension,
+    expected: Dimension,
     context: &mut Context<'a, '_>,
 ) -> Result<f64, Reported> {
-    if units::find(target.text()).map(|unit| unit.dimension) != Some(wanted) {
+    if units::find(target.text()).map(|unit| unit.dimension) != Some(expected) {
         let message = format!(
             "expected {}, found a value in `{}`",
-            noun(wanted),
+            noun(expected),
             target.text()
         );
         return Err(no_conversion(target, message, context));
     }
     let Some(from) = measured(value, context)? else {
-        let diagnostic = context.unexpected(Code::WrongForm, value, &example(wanted));
+        let diagnostic = context.unexpected(Code::WrongForm, value, &example(expected));
         return Err(context.error(diagnostic));
     };
-    match (from.dimension, wanted) {
+    match (from.dimension, expected) {
         (from_dimension, to) if from_dimension == to => Ok(from.value),
         (Dimension::Length, Dimension::Pixels) => Ok(from.value * context.px_per_m()?),
         (Dimension::Pixels, Dimension::Length) => Ok(from.value / context.px_per_m()?),

@@ -19,7 +19,7 @@ use fab_program::vocabulary::Kind;
 use fab_program::{self as program, Condition, Layers, ModelRole, Picture, Read, Template};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The most bytes that all texts of one stage may have.
+/// The most bytes of all texts of one stage.
 const MAX_STAGE_BYTES: usize = 64 << 10;
 
 /// The most stages: each is a model call per step.
@@ -56,7 +56,7 @@ pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> P
         merged,
         templates: Vec::new(),
         places: BTreeMap::new(),
-        said: BTreeMap::new(),
+        last_use: BTreeMap::new(),
         layers: Vec::new(),
     };
     let stages = merged.stages.iter().enumerate();
@@ -65,7 +65,7 @@ pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> P
         .collect();
     action_readers(merged, context);
     read_names(merged, context);
-    builder.unsaid(context);
+    builder.unused(context);
     builder.layers(context);
     Prompts {
         stages,
@@ -73,7 +73,7 @@ pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> P
     }
 }
 
-/// Reports where the action is not read by the last stage alone.
+/// Reports the stages if the action is not read by the last one alone.
 fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
     let mut earlier = merged.stages.iter();
     let Some(last) = earlier.next_back() else {
@@ -98,7 +98,7 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
     }
 }
 
-/// Reports texts that are read under a name that something else has.
+/// Reports texts that are read under a name that is already taken.
 fn read_names(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
     let keypoints = merged.keypoints.iter().map(|keypoint| keypoint.name());
     let fields = merged.actions.into_iter().flat_map(|part| part.fields());
@@ -117,7 +117,7 @@ fn read_names(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
     );
 }
 
-/// Builds the condition under which a component is said.
+/// Builds the condition under which a component is used.
 pub(crate) fn guard<'a>(
     expr: Expr<'a>,
     context: &mut Context<'a, '_>,
@@ -133,19 +133,19 @@ pub(crate) fn guard<'a>(
     Ok(when)
 }
 
-/// The layers that a stage's texts name, and whether one of its pictures shows them.
+/// The layers that a stage's texts name, and whether its pictures show layers.
 struct StageLayers {
     named: Vec<(String, Span)>,
-    shown: Result<bool, Reported>,
+    shows_layers: Result<bool, Reported>,
 }
 
 struct Builder<'m, 'a> {
     merged: &'m Merged<'a>,
     templates: Vec<(String, Result<Template, Reported>)>,
-    /// Where each template is, by its name.
+    /// The index of each template by its name.
     places: BTreeMap<String, usize>,
-    /// Each component that a stage says, with the last stage that says it.
-    said: BTreeMap<&'a str, usize>,
+    /// The last stage that says each component.
+    last_use: BTreeMap<&'a str, usize>,
     /// For each stage.
     layers: Vec<StageLayers>,
 }
@@ -207,7 +207,7 @@ impl<'a> Builder<'_, 'a> {
         let named = std::mem::take(&mut context.named_layers);
         self.layers.push(StageLayers {
             named,
-            shown: shows_layers(&pictures),
+            shows_layers: shows_layers(&pictures),
         });
 
         let read = read.and_then(|line| self::read(line, context));
@@ -229,7 +229,7 @@ impl<'a> Builder<'_, 'a> {
         })
     }
 
-    /// Reports pictures for a model that sees none, and layers to draw where none are declared.
+    /// Reports pictures for a model that sees none, and annotations where no layers are declared.
     fn showable(
         &self,
         stage: ast::Stage<'a>,
@@ -259,7 +259,7 @@ impl<'a> Builder<'_, 'a> {
 
     // ---- texts -----------------------------------------------------------------------------------
 
-    /// Returns the names of the templates that a line says, and builds each that is not built yet.
+    /// Returns the names of the templates that a line says, and builds those that are not built yet.
     fn sayings(
         &mut self,
         number: usize,
@@ -300,7 +300,7 @@ impl<'a> Builder<'_, 'a> {
         Ok(names)
     }
 
-    /// Returns the name of a component's template; nothing for a component that is left out.
+    /// Returns the name of a component's template; `None` for a component that is left out.
     fn component(
         &mut self,
         number: usize,
@@ -319,8 +319,8 @@ impl<'a> Builder<'_, 'a> {
                 .map(|component| component.name().text());
             return Err(context.unknown("component", name, all));
         };
-        // Checked again in each stage that says it, because later stages know more names.
-        if self.said.insert(text, number) != Some(number) {
+        // Each stage that says it checks it again: later stages know more names.
+        if self.last_use.insert(text, number) != Some(number) {
             let when = component
                 .when()
                 .map(|expr| guard(expr, context))
@@ -331,9 +331,9 @@ impl<'a> Builder<'_, 'a> {
         Ok(Some(text.to_owned()))
     }
 
-    /// Builds a template, or checks one that is built for another stage too.
+    /// Builds a template, or checks one again that another stage built.
     ///
-    /// - `guarded`: how the declaration of a component begins that can say the text under a condition.
+    /// - `guarded`: the beginning of a component's declaration that would say the text under a condition.
     fn build(
         &mut self,
         name: &str,
@@ -367,7 +367,7 @@ impl<'a> Builder<'_, 'a> {
         }
     }
 
-    /// Returns the length of a template that is right.
+    /// Returns the length of a template without errors.
     fn n_bytes(&self, name: &str) -> usize {
         let template = self.places.get(name).map(|place| &self.templates[*place].1);
         template.map_or(0, |template| {
@@ -375,7 +375,7 @@ impl<'a> Builder<'_, 'a> {
         })
     }
 
-    /// Returns the components as they are declared, then the texts of the stages.
+    /// Returns the components in the order of their declarations, then the texts of the stages.
     fn in_order(self) -> Vec<Result<Template, Reported>> {
         let components = &self.merged.components;
         let mut templates = self.templates;
@@ -389,7 +389,7 @@ impl<'a> Builder<'_, 'a> {
     // ---- all stages together ---------------------------------------------------------------------
 
     /// Checks the components that no stage says, and warns of those that the task itself declares.
-    fn unsaid(&mut self, context: &mut Context<'a, '_>) {
+    fn unused(&mut self, context: &mut Context<'a, '_>) {
         let merged = self.merged;
         let own: BTreeSet<Span> = merged
             .task
@@ -400,7 +400,7 @@ impl<'a> Builder<'_, 'a> {
         let can_say = !merged.stages.is_empty() && merged.missing_base.is_none();
         for component in merged.components.iter() {
             let name = component.name();
-            if self.said.contains_key(name.text()) {
+            if self.last_use.contains_key(name.text()) {
                 continue;
             }
             let when = component
@@ -425,17 +425,21 @@ impl<'a> Builder<'_, 'a> {
         }
     }
 
-    /// Reports layers that are drawn and not named, or named and not drawn.
+    /// Reports layers that are drawn but not named, or named but not drawn.
     fn layers(&self, context: &mut Context<'a, '_>) {
         for stage in &self.layers {
-            for (layer, span) in stage.named.iter().filter(|_| stage.shown == Ok(false)) {
+            for (layer, span) in stage
+                .named
+                .iter()
+                .filter(|_| stage.shows_layers == Ok(false))
+            {
                 let message = format!("no picture of this stage shows `{layer}`");
                 let diagnostic = Diagnostic::new(Code::LayerNotShown, *span, message);
                 let help = "write `show scene with annotations` in the stage";
                 context.error(diagnostic.help(help));
             }
         }
-        // What a variant leaves out is not the author's slip.
+        // A variant may leave out the text that names a layer; that is no slip.
         let merged = self.merged;
         if merged.stages.is_empty() || merged.variant.is_some() || merged.is_damaged {
             return;
@@ -472,10 +476,10 @@ fn required<T>(
 
 // ---- model ---------------------------------------------------------------------------------------
 
-/// The numbers behind a model's settings, by their names.
+/// The values of a model's settings, by their names.
 type Settings = BTreeMap<&'static str, f64>;
 
-/// Reads `model text, temperature 0, tokens 769`: which model is asked, and how.
+/// Reads `model text, temperature 0, tokens 769`: the model that is asked, and its settings.
 fn model<'a>(
     line: ast::Model<'a>,
     context: &mut Context<'a, '_>,
@@ -607,7 +611,7 @@ fn form(value: Expr<'_>) -> String {
     }
 }
 
-/// Returns whether a picture shows the task's layers; a wrong one may be meant to.
+/// Returns whether a picture shows the task's layers; a broken picture may be meant to.
 fn shows_layers(pictures: &[Result<Picture, Reported>]) -> Result<bool, Reported> {
     let drawn = Picture::Scene {
         layers: Layers::Drawn,
@@ -622,7 +626,7 @@ fn shows_layers(pictures: &[Result<Picture, Reported>]) -> Result<bool, Reported
 
 // ---- read ----------------------------------------------------------------------------------------
 
-/// Reads `read action` or `read NAME from "…{NAME}"`: what is taken from an answer.
+/// Reads `read action` or `read NAME from "…{NAME}"`: the part of an answer that is read.
 fn read(line: ast::Read<'_>, context: &mut Context<'_, '_>) -> Result<Read, Reported> {
     let name = line.name().text();
     let hole = format!("{{{name}}}");

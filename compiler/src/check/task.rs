@@ -1,7 +1,7 @@
 //! Checks one task, section by section, and puts its program together.
 //!
-//! Every part of the program under construction is there, absent, or marked with the proof of its error; only where no
-//! part is broken is there a [`Program`], so that nothing can go missing from one.
+//! Every part of the program under construction is present, absent, or replaced by the proof of its error. A
+//! [`Program`] is built only if no part is broken, so nothing can be missing from one.
 
 use super::context::{Context, Declared};
 use super::names::Names;
@@ -14,12 +14,12 @@ use crate::proof;
 use fab_program::{PROGRAM_FORMAT, Picker, Program, SourceStamp, Test, hex};
 use sha2::{Digest, Sha256};
 
-/// What a task comes to: nothing for one that only others build on.
+/// A task's program and its tests; `None` for a base that only others extend.
 pub(super) type Built = Declared<(Program, Vec<Test>)>;
 
 /// Checks one task or variant.
 ///
-/// - `form`: the proof that a file that it sees does not parse, so that later errors may be noise.
+/// - `form`: the proof of an error outside of tasks in a file that it sees; later errors may then be noise.
 pub(super) fn check<'a>(
     merged: &Merged<'a>,
     stamps: &[SourceStamp],
@@ -71,7 +71,7 @@ pub(super) fn check<'a>(
     let complete = context.actions.complete;
     let (cloth, camera) = (context.cloth.clone(), context.camera.clone());
     let whole = completeness(merged, form, loaded, context.report)?;
-    // What was reported anywhere counts, whichever part it was about.
+    // Any reported error counts, whichever part it concerns.
     context.report.has_errors()?;
     form?;
     let (Some(cloth), Some(camera), Some(horizon), true) = (cloth?, camera?, horizon?, whole)
@@ -144,10 +144,10 @@ pub(super) fn stamps(loaded: &Loaded<'_>) -> Vec<SourceStamp> {
     sources.map(stamp).collect()
 }
 
-/// Returns whether the task has all that a rollout needs, and says what it lacks.
+/// Returns whether the task has everything a rollout needs, and reports what it lacks.
 ///
-/// A task with cloth, subgoals or a horizon, and stages is meant to run, so that a lack of anything else is an
-/// error; one without them may serve as a base.
+/// A task with a cloth, subgoals or a horizon, and stages is meant to run, so lacking anything else is an
+/// error. A task without these may be a base.
 fn completeness(
     merged: &Merged<'_>,
     form: Result<(), Reported>,

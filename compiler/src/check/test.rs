@@ -1,4 +1,4 @@
-//! `test "…" { given … reply "…" expect … }`: what must come of an answer.
+//! `test "…" { given … reply "…" expect … }`: an answer and its expected verdict.
 
 use super::context::{Context, Declared};
 use super::examples::plain;
@@ -40,7 +40,7 @@ pub(crate) fn check<'a>(
         .collect()
 }
 
-/// Builds one test; nothing in a base without a stage that could be answered.
+/// Builds one test; `None` in a base without a stage that a reply could answer.
 fn one<'a>(
     test: ast::Test<'a>,
     merged: &Merged<'a>,
@@ -55,13 +55,13 @@ fn one<'a>(
 
     let name = name.and_then(|name| plain(name, context));
     let given = self::given(test, context);
-    let said = reply.and_then(|reply| plain(reply.text(), context));
+    let answer = reply.and_then(|reply| plain(reply.text(), context));
     let stage = reply.and_then(|reply| answered(reply, merged, prompts, context));
     let expect = expect.and_then(|line| match stage? {
         Some((_, stage)) => self::expect(line, stage, merged, context).map(Some),
         None => Ok(None),
     });
-    let (name, given, said) = (name?, given?, said?);
+    let (name, given, answer) = (name?, given?, answer?);
     let (Some((stage, _)), Some(expect)) = (stage?, expect?) else {
         return Ok(None);
     };
@@ -72,7 +72,7 @@ fn one<'a>(
         task,
         given,
         stage,
-        reply: said,
+        reply: answer,
         expect,
         declared_in,
         line,
@@ -94,7 +94,7 @@ fn required<T>(
     })
 }
 
-/// Finds the stage that is answered, the last one where none is named; nothing in a base without stages.
+/// Finds the stage that the reply answers, by default the last one; `None` in a base without stages.
 fn answered<'p>(
     reply: Reply<'_>,
     merged: &Merged<'_>,
@@ -115,7 +115,7 @@ fn answered<'p>(
 
 // ---- given ---------------------------------------------------------------------------------------
 
-/// Pick and place of the action before, each where it is given.
+/// Pick and place of the previous action, each if it is given.
 type Last = [Option<Result<PixelPoint, Reported>>; 2];
 
 fn given<'a>(test: ast::Test<'a>, context: &mut Context<'a, '_>) -> Result<Given, Reported> {
@@ -143,7 +143,7 @@ fn given<'a>(test: ast::Test<'a>, context: &mut Context<'a, '_>) -> Result<Given
     all.map(|()| given)
 }
 
-/// Adds what one line gives.
+/// Reads one `given` line.
 fn give<'a>(
     part: ast::Given<'a>,
     given: &mut Given,
@@ -158,10 +158,10 @@ fn give<'a>(
         ("last.place", _) => last[1] = Some(point(part, context)),
         ("step", _) => given.step = read_whole(single(part, context)?, &STEP, context)? as u32,
         (_, Some(Meaning::Text { .. })) => {
-            let said = part
+            let text_given = part
                 .text()
                 .ok_or_else(|| expected(part, "a text in quotes", context))?;
-            given.texts.push((text, plain(said, context)?));
+            given.texts.push((text, plain(text_given, context)?));
         }
         (_, Some(Meaning::Keypoint(Some(Points | Point)))) => {
             given.points.push((text, points(part, context)?));
@@ -185,7 +185,7 @@ fn give<'a>(
     Ok(())
 }
 
-/// Reports that something else is given than what is expected.
+/// Reports a given value of the wrong kind.
 fn expected(part: ast::Given<'_>, what: &str, context: &mut Context<'_, '_>) -> Reported {
     let name = part.name();
     let text = part.text().map(|text| text.span());

@@ -1,17 +1,17 @@
-//! What an untouched cloth scores, for a warning where it meets the goal already.
+//! Estimates the score of an untouched cloth, for a warning if it already meets the goal.
 //!
-//! A fold is taken as one of ideal paper: what lies on the picked side of the line midway between pick and
-//! place is mirrored there. Real cloth drags and overshoots, so the score is an estimate.
+//! A fold is treated as a fold of ideal paper: everything on the picked side of the line midway between pick and
+//! place is mirrored at that line. Real cloth drags and overshoots, so the score is an estimate.
 
 use fab_program::{Cloth, ClothPoint, ClothStart, Fold, Goal, Metric, Sequence};
 
-/// Points on each side of the sheet that stands for the cloth.
+/// Points on each side of the sheet that represents the cloth.
 const SIDE: usize = 15;
 
 /// The most sequences that are folded; more do not change the estimate much.
 const MAX_SEQUENCES: usize = 64;
 
-/// Returns what the untouched cloth scores, metres or a fraction; None where that is not known.
+/// Returns the score of the untouched cloth, metres or a fraction; `None` if it is not known.
 pub(super) fn score(goal: &Goal, cloth: &Cloth, experts: &[Sequence]) -> Option<f64> {
     match goal.metric {
         Metric::NormalizedImprovement => Some(0.0),

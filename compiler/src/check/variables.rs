@@ -3,20 +3,20 @@
 use fab_program::Placeholder;
 use std::collections::BTreeMap;
 
-/// The longest name that is made from a value's source, bytes; a number may follow.
+/// The longest name made from a value's source, bytes; a number may be appended.
 const MAX_NAME_BYTES: usize = 48;
 
-/// The variables that are named so far.
+/// The variables named so far.
 #[derive(Default)]
 pub(crate) struct Variables {
     /// By the value's JSON.
     names: BTreeMap<String, String>,
-    /// For each name that is taken, the number that its next namesake tries.
+    /// For each taken name, the number that the next variable of that name tries.
     taken: BTreeMap<String, u32>,
 }
 
 impl Variables {
-    /// Returns the name of a value's variable; a new one is made from how the source writes the value.
+    /// Returns the name of a value's variable; a new name is made from the value's source text.
     pub fn name(&mut self, value: &Placeholder, written: &str) -> String {
         let key = serde_json::to_string(value).expect("a value has string keys and finite numbers");
         if let Some(name) = self.names.get(&key) {

@@ -1,4 +1,4 @@
-//! `verify { check NAME { … } else "…" … attempts 3 }`: which answers are refused, and what a model is told.
+//! `verify { check NAME { … } else "…" … attempts 3 }`: which answers are refused, and the messages for the model.
 
 use super::conditions;
 use super::context::Context;
@@ -16,7 +16,7 @@ use fab_program::{Check, Condition, Exhausted, ModelRole, Read, ResultCheck, Ver
 /// The most checks of one task.
 const MAX_CHECKS: usize = 100;
 
-/// The name of the template of what is said of a result.
+/// The name of the template for the message about a result.
 const RESULT: &str = "result";
 
 /// Builds the checks, and adds their messages to the prompts' templates.
@@ -87,11 +87,11 @@ fn declared<'a>(
         }
     };
     let when = check.when().map(|expr| (expr, condition(expr, context)));
-    // Where the guard is wrong, the rest is checked as if there was an action before.
+    // If the guard is wrong, the rest is checked as if there was a previous action.
     let implies_last =
         |when: &Result<Condition, _>| when.as_ref().map_or(true, |it| it.implies_last());
     let has_last = when.as_ref().is_some_and(|(_, when)| implies_last(when));
-    let known =
+    let allowed =
         |condition: Condition, expr: Expr<'a>, guarded: &str, context: &mut Context<'a, '_>| {
             match condition.uses().last && !has_last {
                 true => Err(needs_last(expr.span(), guarded, context)),
@@ -99,7 +99,7 @@ fn declared<'a>(
             }
         };
     let when = when
-        .map(|(expr, when)| known(when?, expr, "… when last and …", context))
+        .map(|(expr, when)| allowed(when?, expr, "… when last and …", context))
         .transpose();
     let guarded = format!("check {}", name.text());
     let lacks = |code, what: &str| {
@@ -109,7 +109,7 @@ fn declared<'a>(
     let file = name.span().file;
     let holds = match check.condition() {
         Some(expr) => {
-            condition(expr, context).and_then(|holds| known(holds, expr, &guarded, context))
+            condition(expr, context).and_then(|holds| allowed(holds, expr, &guarded, context))
         }
         None => {
             let diagnostic = lacks(Code::WrongExpression, "what must hold");
@@ -139,7 +139,7 @@ fn declared<'a>(
     })
 }
 
-/// Builds a condition of a check; emitted verifiers judge it too, which do not know what is out of reach.
+/// Builds a condition of a check. Emitted verifiers evaluate it too, and they do not know which points are out of reach.
 fn condition<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Condition, Reported> {
     let condition = conditions::check(expr, context)?;
     if !condition.uses().reach {
@@ -154,7 +154,7 @@ fn condition<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Condit
 
 // ---- attempts ------------------------------------------------------------------------------------
 
-/// Reports a refused action on a picture for a stage whose model sees none.
+/// Reports `with picture` if the stage that reads the action asks a model that sees no pictures.
 fn shows_refused(
     with_picture: Phrase<'_>,
     prompts: &Prompts,
@@ -177,14 +177,14 @@ fn shows_refused(
         .error(diagnostic.help("write `model vision` in that stage, or leave out `with picture`")))
 }
 
-/// Returns the checks that are left out at last.
+/// Returns the checks that the last attempt leaves out.
 fn relaxed<'a>(
     attempts: Attempts<'a>,
     merged: &Merged<'a>,
     context: &mut Context<'a, '_>,
 ) -> Result<Vec<String>, Reported> {
     unique(attempts.relaxed(), "check", context.report);
-    // A check that the task does not inherit is left out from the first question on.
+    // `then without` may name a check that was already removed.
     let there = attempts
         .relaxed()
         .filter(|name| !merged.removed_checks.contains(name.text()));
@@ -196,7 +196,7 @@ fn relaxed<'a>(
     relaxed.into_iter().collect()
 }
 
-/// Reports a name that no check has, or one that stays.
+/// Reports a name that no check has, or a check that cannot be left out.
 fn not_relaxed<'a>(name: Name<'a>, merged: &Merged<'a>, context: &mut Context<'a, '_>) -> Reported {
     let new = |message: String| Diagnostic::new(Code::NothingToRemove, name.span(), message);
     if let Some(row) = given(name.text()) {

@@ -1,6 +1,6 @@
 //! Every code: its title, what it means, and what to do.
 //!
-//! A code keeps its meaning for ever; the name describes the fault, not the cure. `examples/` holds a file for each code,
+//! A code never changes its meaning. Its name describes the fault, not the cure. `examples/` holds a file for each code,
 //! which `explain` shows.
 
 use Severity::{Error, Note, Warning};
@@ -10,9 +10,9 @@ use Severity::{Error, Note, Warning};
 pub enum Severity {
     /// The task cannot run.
     Error,
-    /// It can run, but hardly as it is meant.
+    /// It can run, but probably not as intended.
     Warning,
-    /// Good to know.
+    /// Only information.
     Note,
 }
 
@@ -27,12 +27,12 @@ impl Severity {
     }
 }
 
-/// What is known about a code.
+/// The title, severity and explanation of a code.
 #[derive(Clone, Copy, Debug)]
 pub struct CodeEntry {
     /// The code.
     pub code: Code,
-    /// How bad such a finding is.
+    /// The severity of its findings.
     pub severity: Severity,
     /// One line.
     pub title: &'static str,
@@ -58,7 +58,7 @@ pub const GROUPS: [(&str, &str); 10] = [
 
 macro_rules! codes {
     ($($number:literal $name:ident $severity:ident $title:literal $explanation:literal)*) => {
-        /// Which kind of fault.
+        /// The kind of a fault.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Code {
             $(#[doc = $title] $name,)*
@@ -87,7 +87,7 @@ macro_rules! codes {
 }
 
 impl Code {
-    /// Returns what is known about the code.
+    /// Returns the entry of the code.
     pub fn entry(self) -> &'static CodeEntry {
         // The table and the enum are written by one macro in one order.
         &CODES[self as usize]

@@ -6,21 +6,21 @@ use fab_grammar::Span;
 /// One finding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Which kind of fault.
+    /// The kind of fault.
     pub code: Code,
     /// How bad it is.
     pub severity: Severity,
-    /// What is wrong, with which values: lower case, no full stop.
+    /// What is wrong, with the values: lower case, no full stop.
     pub message: String,
     /// The main place.
     pub span: Span,
-    /// What the main place is marked with; may be empty.
+    /// The words at the main place; may be empty.
     pub label: String,
     /// Other places that matter.
     pub labels: Vec<Label>,
     /// What would be right.
     pub help: Vec<String>,
-    /// Changes that repair it; all of one certainty.
+    /// Changes that repair it, all of the same certainty.
     pub edits: Vec<Edit>,
 }
 
@@ -36,9 +36,9 @@ pub struct Label {
 /// A change to a source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edit {
-    /// What is replaced; empty: an insertion.
+    /// What is replaced; an empty span inserts.
     pub span: Span,
-    /// By what.
+    /// The new text.
     pub replacement: String,
     /// Whether it is what the author meant.
     pub certainty: Certainty,
@@ -47,14 +47,14 @@ pub struct Edit {
 /// Whether a change is what the author meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certainty {
-    /// There is no other way to read it; `fabc check --fix` makes the change.
+    /// The source can only mean this; `fabc check --fix` makes the change.
     Certain,
-    /// It is the nearest name; only the author knows.
+    /// A guess, such as the nearest name; only the author can decide.
     Likely,
 }
 
 impl Diagnostic {
-    /// Reports a fault with its code's own severity.
+    /// Makes a diagnostic with its code's own severity.
     pub(crate) fn new(code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
         Diagnostic {
             code,
@@ -83,7 +83,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds what would be right.
+    /// Adds advice.
     pub(crate) fn help(mut self, text: impl Into<String>) -> Diagnostic {
         self.help.push(text.into());
         self
@@ -94,7 +94,7 @@ impl Diagnostic {
         self.with_edit(span, replacement.into(), Certainty::Certain)
     }
 
-    /// Adds a change to the nearest name, and says so.
+    /// Adds a change to the nearest name, and asks whether it was meant.
     pub(crate) fn meant(self, span: Span, meant: &str) -> Diagnostic {
         self.help(format!("did you mean `{meant}`?")).with_edit(
             span,
@@ -103,7 +103,7 @@ impl Diagnostic {
         )
     }
 
-    /// Adds a change that probably repairs it, but may not be all that is needed.
+    /// Adds a change that probably repairs it; more may be needed.
     pub(crate) fn likely(self, span: Span, replacement: impl Into<String>) -> Diagnostic {
         self.with_edit(span, replacement.into(), Certainty::Likely)
     }

@@ -1,7 +1,7 @@
-//! What is wrong with a source, as data; text and JSON are made from it.
+//! Diagnostics: what is wrong with a source, as data. Text and JSON are made from it.
 //!
-//! A [`Diagnostic`] has a code, a main place, the values, other places where they matter, and what
-//! would be right. The wording is here to be read by people; programs go by the code.
+//! A [`Diagnostic`] has a code, a message with the values, a main place, other places that matter, and advice.
+//! Messages are for people and may change; programs should match on the code.
 
 mod codes;
 mod diagnostic;

@@ -1,4 +1,4 @@
-//! Collects what is found, and proves that an error was reported.
+//! Collects findings, and proves that an error was reported.
 
 use super::codes::{Code, Severity};
 use super::diagnostic::Diagnostic;
@@ -6,14 +6,14 @@ use fab_grammar::{FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// The most findings of each severity that are kept; the rest is counted.
+/// The most findings of each severity that are kept; the rest are only counted.
 ///
-/// A file of a megabyte can hold a hundred thousand, which nobody reads and which take longer to write than to find.
+/// A file of a megabyte can have a hundred thousand. Nobody reads them, and writing them takes longer than finding them.
 pub const MAX_FINDINGS: usize = 1000;
 
 /// Proof that an error was reported; only a [`Report`] makes one.
 ///
-/// What cannot be built because of an error is `Err(Reported)`, so that nothing goes missing without a message.
+/// A part that cannot be built because of an error is `Err(Reported)`, so no part goes missing without a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Reported(());
 
@@ -21,16 +21,16 @@ pub(crate) struct Reported(());
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     found: Vec<Diagnostic>,
-    /// Place, code and digest of the message of each; a finding whose digest coincides is much the same one.
-    known: BTreeSet<(Span, Code, u64)>,
-    /// For each severity how many findings there are, and how many of them are kept.
+    /// Place, code and digest of the message of each finding. Two findings that share all three count as one.
+    seen: BTreeSet<(Span, Code, u64)>,
+    /// For each severity, how many findings there are and how many of them are kept.
     counts: BTreeMap<Severity, (usize, usize)>,
     /// The files in which an error's main place lies.
     files_with_errors: BTreeSet<FileId>,
 }
 
 impl Report {
-    /// Adds an error, unless the same one is known: a task is checked again in each task that extends it.
+    /// Adds an error once: a task is checked again in each task that extends it.
     pub(crate) fn error(&mut self, diagnostic: Diagnostic) -> Reported {
         debug_assert_eq!(
             diagnostic.severity,
@@ -54,25 +54,25 @@ impl Report {
     }
 
     fn add(&mut self, diagnostic: Diagnostic) {
-        // Made by `new`, the hasher has no chance in it.
+        // `DefaultHasher::new` has fixed keys, so the digest is the same in every run.
         let mut digest = DefaultHasher::new();
         diagnostic.message.hash(&mut digest);
         let key = (diagnostic.span, diagnostic.code, digest.finish());
-        if !self.known.insert(key) {
+        if !self.seen.insert(key) {
             return;
         }
         if diagnostic.severity == Severity::Error {
             self.files_with_errors.insert(diagnostic.span.file);
         }
-        let (count, kept) = self.counts.entry(diagnostic.severity).or_default();
+        let (count, n_kept) = self.counts.entry(diagnostic.severity).or_default();
         *count += 1;
-        if *kept < MAX_FINDINGS {
-            *kept += 1;
+        if *n_kept < MAX_FINDINGS {
+            *n_kept += 1;
             self.found.push(diagnostic);
         }
     }
 
-    /// Counts further errors of a file without their messages.
+    /// Counts more errors of a file without their messages.
     pub(crate) fn count_further(&mut self, errors: usize, file: FileId) {
         if errors > 0 {
             self.counts.entry(Severity::Error).or_default().0 += errors;
@@ -80,7 +80,7 @@ impl Report {
         }
     }
 
-    /// Returns the proof that there is an error, where there is one.
+    /// Returns the proof of an error if there is any.
     pub(crate) fn has_errors(&self) -> Result<(), Reported> {
         match self.counts.get(&Severity::Error) {
             Some((count, _)) if *count > 0 => Err(Reported(())),
@@ -88,22 +88,25 @@ impl Report {
         }
     }
 
-    /// Returns the proof that a file has an error, where it has one.
+    /// Returns the proof of an error if the file has any.
     pub(crate) fn error_in(&self, file: FileId) -> Option<Reported> {
         self.files_with_errors
             .contains(&file)
             .then_some(Reported(()))
     }
 
-    /// Returns how many findings are counted and not kept.
+    /// Returns how many findings are counted but not kept.
     pub(crate) fn left_out(&self) -> usize {
-        self.counts.values().map(|(count, kept)| count - kept).sum()
+        self.counts
+            .values()
+            .map(|(count, n_kept)| count - n_kept)
+            .sum()
     }
 
-    /// Takes over another report's findings; one that it only counted counts anew.
+    /// Takes over another report's findings and its count of those that it did not keep.
     pub(crate) fn absorb(&mut self, other: Report) {
-        for (severity, (count, kept)) in other.counts {
-            self.counts.entry(severity).or_default().0 += count - kept;
+        for (severity, (count, n_kept)) in other.counts {
+            self.counts.entry(severity).or_default().0 += count - n_kept;
         }
         for diagnostic in other.found {
             self.add(diagnostic);

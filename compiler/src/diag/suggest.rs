@@ -1,9 +1,9 @@
-//! Finds the word that was probably meant, and lists the words there are.
+//! Finds the word that was probably meant, and lists candidates.
 
 /// Returns the candidate nearest to `word`, within an edit distance of `max(1, len / 3)`.
 ///
-/// The first of equally near ones wins, so the order of the candidates decides. Words and lists far beyond
-/// what people write are not searched: time would grow with the square of the file.
+/// Of equally near candidates the first wins. Words and lists far longer than people write are not searched,
+/// because the time would grow with the square of the file.
 pub fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
     const MOST: usize = 200;
     const LONGEST: usize = 40;
@@ -20,7 +20,7 @@ pub fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) ->
     {
         if let Some(distance) = edit_distance(&word, &lower_case(candidate), limit) {
             best = Some(candidate);
-            // Only what is nearer still can take its place.
+            // Only a nearer candidate can replace it.
             match distance.checked_sub(1) {
                 Some(nearer) => limit = nearer,
                 None => break,
@@ -34,7 +34,7 @@ fn lower_case(word: &str) -> Vec<char> {
     word.chars().flat_map(char::to_lowercase).collect()
 }
 
-/// Writes names as `a`, `b` or `c`, at most twelve of them.
+/// Lists names as `a`, `b` or `c`, at most twelve.
 pub fn among<'c>(names: impl IntoIterator<Item = &'c str>) -> String {
     const MOST: usize = 12;
     let mut all = names.into_iter();
@@ -63,7 +63,7 @@ fn edit_distance(from: &[char], to: &[char], limit: usize) -> Option<usize> {
     for i in 1..=from.len() {
         let mut row = vec![far; to.len() + 1];
         row[0] = i;
-        // What lies further from the diagonal is further than the limit anyway.
+        // Cells further from the diagonal are beyond the limit anyway.
         let band = i.saturating_sub(limit).max(1)..=(i + limit).min(to.len());
         let mut nearest = row[0];
         for j in band {
@@ -76,7 +76,7 @@ fn edit_distance(from: &[char], to: &[char], limit: usize) -> Option<usize> {
             row[j] = least;
             nearest = nearest.min(least);
         }
-        // A swap reaches back over one row, so two far rows end it.
+        // A swap reaches back over one row, so the search ends only after two rows beyond the limit.
         let is_lost = nearest > limit && last.iter().all(|distance| *distance > limit);
         if is_lost {
             return None;
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn a_distance_beyond_the_limit_is_not_told() {
+    fn a_distance_beyond_the_limit_is_not_returned() {
         assert_eq!(distance("kitten", "sitting", 3), Some(3));
         assert_eq!(distance("kitten", "sitting", 2), None);
         assert_eq!(distance("", "ab", 2), Some(2));

@@ -1,4 +1,4 @@
-//! Diagnostics for people, in the look of rustc.
+//! Diagnostics for people, formatted like rustc's.
 
 use super::codes::Severity;
 use super::diagnostic::Diagnostic;
@@ -6,16 +6,16 @@ use annotate_snippets::{Annotation, AnnotationKind, Element, Level, Origin, Rend
 use fab_grammar::{FileId, Source, Sources, Span};
 use std::ops::Range;
 
-/// The most findings that are written out; the rest is counted.
+/// The most findings that are written; the rest are counted.
 const MOST: usize = 100;
 
-/// The most bytes of a source that are shown for one finding; beyond that each place is shown by itself.
+/// The most bytes of source shown for one finding; beyond that each place is shown by itself.
 const MOST_BYTES: usize = 4096;
 
-/// Bytes shown on either side of a place in a line that is too long to be shown whole.
+/// Bytes shown on either side of a place in a line that is too long to show whole.
 const AROUND: usize = 40;
 
-/// Whether the text carries colours.
+/// Whether the text is coloured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Color {
     /// Bare text.
@@ -24,7 +24,7 @@ pub enum Color {
     Ansi,
 }
 
-/// Writes diagnostics with the lines of the source that they are about.
+/// Writes diagnostics with the source lines that they concern.
 pub fn to_text(diagnostics: &[Diagnostic], sources: &Sources, color: Color) -> String {
     let renderer = match color {
         Color::Plain => Renderer::plain(),
@@ -76,7 +76,7 @@ fn files(diagnostic: &Diagnostic) -> Vec<FileId> {
     files
 }
 
-/// Shows the places in one file that a diagnostic is about.
+/// Shows the places in one file that a diagnostic concerns.
 fn excerpt<'d>(diagnostic: &'d Diagnostic, file: FileId, sources: &'d Sources) -> Vec<Element<'d>> {
     let source = sources.get(file);
     let main = (
@@ -106,7 +106,7 @@ fn excerpt<'d>(diagnostic: &'d Diagnostic, file: FileId, sources: &'d Sources) -
     marks.iter().flat_map(|mark| apart(source, mark)).collect()
 }
 
-/// Shows one place whose line, or whose distance from the others, is too long to be shown whole.
+/// Shows one place by itself, because its line is too long or the other places are far away.
 fn apart<'d>(source: &'d Source, mark: &(Span, &'d str, AnnotationKind)) -> Vec<Element<'d>> {
     let (span, label, kind) = *mark;
     let (line, column) = source.line_and_column(span.start);
@@ -115,40 +115,40 @@ fn apart<'d>(source: &'d Source, mark: &(Span, &'d str, AnnotationKind)) -> Vec<
         .unwrap_or_else(|| text.floor_char_boundary(span.start.saturating_sub(AROUND)));
     let line_end = line_end(text, span.start)
         .unwrap_or_else(|| text.floor_char_boundary(span.start + MOST_BYTES));
-    let shown = Span {
+    let excerpt = Span {
         end: span.end.min(line_end).max(span.start),
         ..span
     };
-    let end = text.floor_char_boundary(line_end.min(shown.end + AROUND));
-    // The snippet may begin within its line, so the place is stated and not counted from it.
+    let end = text.floor_char_boundary(line_end.min(excerpt.end + AROUND));
+    // The snippet may begin inside its line, so the position cannot be counted from it.
     vec![
         Origin::path(source.name.as_str())
             .line(line)
             .char_column(column)
             .into(),
-        snippet(source, start..end, &[(shown, label, kind)]).into(),
+        snippet(source, start..end, &[(excerpt, label, kind)]).into(),
     ]
 }
 
 fn snippet<'d>(
     source: &'d Source,
-    shown: Range<usize>,
+    excerpt: Range<usize>,
     marks: &[(Span, &'d str, AnnotationKind)],
 ) -> Snippet<'d, Annotation<'d>> {
     let annotations = marks.iter().map(|(span, text, kind)| {
-        let annotation = kind.span(span.start - shown.start..span.end - shown.start);
+        let annotation = kind.span(span.start - excerpt.start..span.end - excerpt.start);
         if text.is_empty() {
             annotation
         } else {
             annotation.label(*text)
         }
     });
-    Snippet::source(&source.text[shown.clone()])
-        .line_start(source.line_and_column(shown.start).0)
+    Snippet::source(&source.text[excerpt.clone()])
+        .line_start(source.line_and_column(excerpt.start).0)
         .annotations(annotations)
 }
 
-/// Returns where the line of a byte begins; None where that is far away.
+/// Returns the beginning of a byte's line; `None` if it is far away.
 fn line_start(text: &str, byte: usize) -> Option<usize> {
     let far = byte.saturating_sub(MOST_BYTES);
     let found = text.as_bytes()[far..byte]
@@ -159,7 +159,7 @@ fn line_start(text: &str, byte: usize) -> Option<usize> {
         .or_else(|| (far == 0).then_some(0))
 }
 
-/// Returns where the line of a byte ends; None where that is far away.
+/// Returns the end of a byte's line; `None` if it is far away.
 fn line_end(text: &str, byte: usize) -> Option<usize> {
     let far = (byte + MOST_BYTES).min(text.len());
     let found = text.as_bytes()[byte..far]

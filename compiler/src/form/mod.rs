@@ -1,6 +1,6 @@
-//! Puts faults of form into words.
+//! Turns syntax faults into diagnostics.
 //!
-//! In: a fault that the grammar found. Out: a diagnostic with the likely repair.
+//! In: a fault from the grammar. Out: a diagnostic, with a repair if one is likely.
 
 mod slips;
 
@@ -9,7 +9,7 @@ use fab_grammar::Span;
 use fab_grammar::{Fault, Problem};
 use slips::listed;
 
-/// Words a fault of `text`, a whole file.
+/// Makes the diagnostic for a fault of `text`, a whole file.
 pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
     let span = fault.span;
     match &fault.problem {
@@ -23,7 +23,7 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             Diagnostic::new(Code::WordTooLong, span, format!("a word has more than {limit} letters"))
         }
         Problem::Unexpected { found, expected } => unexpected(span, found.as_deref(), expected, text),
-        Problem::UnknownWord { word, known, block } => unknown_word(span, word, known, block.as_deref()),
+        Problem::UnknownWord { word, candidates, block } => unknown_word(span, word, candidates, block.as_deref()),
         Problem::MissingOpen { block } => {
             Diagnostic::new(Code::MissingBrace, span, format!("`{block}` has no `{{`")).label("expected `{`").likely(span, " {")
         }
@@ -87,18 +87,18 @@ fn unexpected(span: Span, found: Option<&str>, expected: &[&str], text: &str) ->
     Diagnostic::new(Code::Unexpected, span, message)
 }
 
-fn unknown_word(span: Span, word: &str, known: &[&str], block: Option<&str>) -> Diagnostic {
+fn unknown_word(span: Span, word: &str, candidates: &[&str], block: Option<&str>) -> Diagnostic {
     let place = match block {
         Some("task") => "a task has no section".to_owned(),
         Some(block) => format!("`{block}` has no"),
         None => "a file has no".to_owned(),
     };
     let diagnostic = Diagnostic::new(Code::UnknownWord, span, format!("{place} `{word}`"));
-    match nearest(word, known.iter().copied()) {
+    match nearest(word, candidates.iter().copied()) {
         Some(meant) => diagnostic.meant(span, meant),
         None => diagnostic.help(format!(
             "a line here begins with {}",
-            among(known.iter().copied())
+            among(candidates.iter().copied())
         )),
     }
 }

@@ -1,12 +1,12 @@
-//! Slips that people make again and again: signs and words of other languages and of handwriting.
+//! Common slips: signs and words of other programming languages, and typographic ones.
 
 use crate::diag::{Code, Diagnostic};
 use fab_grammar::Span;
 
-/// Words what stands at `span` if it is a known slip.
+/// Makes the diagnostic for the text at `span` if it is a common slip.
 ///
-/// - `found`: what stands there.
-/// - `expected`: what would fit, with its own backticks; may be empty.
+/// - `found`: the text there.
+/// - `expected`: what would fit, in backticks where it is literal; may be empty.
 /// - `text`: the whole file.
 pub(super) fn recognise(
     found: &str,
@@ -24,14 +24,14 @@ pub(super) fn recognise(
         };
         Diagnostic::new(Code::Unexpected, span, message)
     };
-    // The sign itself may be longer than what was found.
+    // The sign may be longer than the text that was found.
     let sign = |sign: &str| Span {
         end: span.start + sign.len(),
         ..span
     };
-    let said = |span: Span, message: String| Diagnostic::new(Code::Unexpected, span, message);
+    let fault = |span: Span, message: String| Diagnostic::new(Code::Unexpected, span, message);
     let written = |wrong: &str, right: &str| {
-        said(
+        fault(
             sign(wrong),
             format!("`{wrong}` is written `{}` here", right.trim()),
         )
@@ -55,24 +55,24 @@ pub(super) fn recognise(
         "!" if !rest.starts_with("!=") => written("!", "not "),
         "&" => written("&", "and"),
         "|" => written("|", "or"),
-        "=" if is_in_condition(before) => said(span, "`=` compares nothing".to_owned())
+        "=" if is_in_condition(before) => fault(span, "`=` compares nothing".to_owned())
             .help("write `<`, `<=`, `>` or `>=`; words and counts may also be compared by `==`"),
-        "<" | "<=" | ">" | ">=" | "==" if expected.is_empty() => said(
+        "<" | "<=" | ">" | ">=" | "==" if expected.is_empty() => fault(
             span,
             format!("a comparison has two sides, and `{found}` begins a third"),
         )
         .help("write two comparisons joined by `and`"),
-        ";" => said(span, "`;` ends nothing".to_owned())
+        ";" => fault(span, "`;` ends nothing".to_owned())
             .help("remove it: a line needs no end")
             .edit(span, ""),
-        "/" if rest.starts_with("/*") => said(sign("/*"), "`/*` begins no comment".to_owned())
+        "/" if rest.starts_with("/*") => fault(sign("/*"), "`/*` begins no comment".to_owned())
             .help("a comment begins with `#` and ends with its line"),
         "True" | "False" | "None" | "true" | "false" | "none" if expected.is_empty() => {
-            said(span, format!("expected a condition, found `{found}`"))
+            fault(span, format!("expected a condition, found `{found}`"))
                 .help("a condition says what it depends on; remove what always holds")
         }
         "." if rest[1..].starts_with(|next: char| next.is_ascii_digit()) => {
-            said(span, "a number begins with a digit".to_owned())
+            fault(span, "a number begins with a digit".to_owned())
                 .help("write `0` before the point")
                 .edit(
                     Span {
@@ -82,7 +82,7 @@ pub(super) fn recognise(
                     "0",
                 )
         }
-        "," if is_decimal_comma(before, &rest[1..]) => said(
+        "," if is_decimal_comma(before, &rest[1..]) => fault(
             span,
             "decimals stand behind a point, not a comma".to_owned(),
         )
@@ -92,7 +92,7 @@ pub(super) fn recognise(
             && found[1..].bytes().all(|byte| byte.is_ascii_digit())
             && before.ends_with(|last: char| last.is_ascii_digit()) =>
         {
-            said(span, "a number is written without `_`".to_owned())
+            fault(span, "a number is written without `_`".to_owned())
                 .help(format!("write `{}`", &found[1..]))
                 .edit(span, &found[1..])
         }
@@ -109,19 +109,19 @@ pub(super) fn recognise(
     })
 }
 
-/// Returns whether a place lies in the condition of a check: behind its `{` on the same line.
+/// Returns whether a place lies in the condition of a check: after its `{` on the same line.
 fn is_in_condition(before: &str) -> bool {
     let line = before.rsplit('\n').next().unwrap_or(before);
     line.trim_start().starts_with("check ") && line.contains('{')
 }
 
-/// Returns whether a comma stands between two digits of a number.
+/// Returns whether a comma is between two digits of a number.
 fn is_decimal_comma(before: &str, after: &str) -> bool {
     let is_digit = |character: char| character.is_ascii_digit();
     before.ends_with(is_digit) && after.starts_with(is_digit)
 }
 
-/// Joins expectations, which carry their own backticks.
+/// Joins expectations, which have their own backticks.
 pub(super) fn listed(expected: &[&str]) -> String {
     match expected {
         [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),

@@ -1,4 +1,4 @@
-//! Lists of parts that have names, and statements that stand once.
+//! Lists of named parts, and statements that may appear only once.
 
 use crate::diag::{Code, Diagnostic, Report, among, nearest};
 use fab_grammar::Span;
@@ -21,7 +21,7 @@ impl<T> Default for Indexed<'_, T> {
 }
 
 impl<'a, T: Copy> Indexed<'a, T> {
-    /// Replaces the part of that name in its place, or adds one.
+    /// Replaces the part of this name where it is, or adds one at the end.
     pub fn put(&mut self, name: &'a str, part: T) {
         match self.places.get(name) {
             Some(place) => self.list[*place] = Some(part),
@@ -32,8 +32,8 @@ impl<'a, T: Copy> Indexed<'a, T> {
         }
     }
 
-    /// Merges a block of parts: one of a known name takes the old one's place, new ones that stand above it in the block
-    /// come directly before it, and all others come after.
+    /// Merges a block of parts. A part with an existing name replaces the old one; new parts above it in the block
+    /// come directly before it; all other parts come last.
     pub fn put_block(&mut self, block: impl Iterator<Item = T>, name: impl Fn(T) -> &'a str) {
         let mut before: BTreeMap<usize, Vec<T>> = BTreeMap::new();
         let mut new: Vec<T> = Vec::new();
@@ -64,7 +64,7 @@ impl<'a, T: Copy> Indexed<'a, T> {
         }
     }
 
-    /// Takes a part out.
+    /// Removes a part.
     pub fn remove(&mut self, name: &str) -> Option<T> {
         let place = self.places.remove(name)?;
         self.list[place].take()
@@ -74,7 +74,7 @@ impl<'a, T: Copy> Indexed<'a, T> {
         self.places.get(name).and_then(|place| self.list[*place])
     }
 
-    /// Returns the place of a part among all that were ever there; later ones have higher numbers.
+    /// Returns the position of a part among all that were ever added; later ones have higher numbers.
     pub fn place(&self, name: &str) -> Option<usize> {
         self.places.get(name).copied()
     }
@@ -92,7 +92,7 @@ impl<'a, T: Copy> Indexed<'a, T> {
     }
 }
 
-/// Returns the one statement there should be, and reports further ones.
+/// Returns the first statement, and reports any others.
 pub(crate) fn once<T: Copy>(
     list: impl IntoIterator<Item = T>,
     what: &str,
@@ -107,7 +107,7 @@ pub(crate) fn once<T: Copy>(
     Some(first)
 }
 
-/// Says that a statement stands a second time.
+/// Makes the diagnostic for a repeated statement.
 pub(super) fn repeated(what: &str, first: Span, again: Span) -> Diagnostic {
     let message = format!("`{what}` is stated twice");
     Diagnostic::new(Code::Repeated, again, message).also(first, "stated here first")
@@ -136,7 +136,7 @@ pub(crate) fn unique<'a>(
     }
 }
 
-/// What is done to an inherited part by name; an error where there is none of that name.
+/// A change to an inherited part by its name; an error if nothing of this name is inherited.
 pub(super) struct Change {
     code: Code,
     verb: &'static str,
@@ -153,7 +153,7 @@ pub(super) const LEAVE_OUT: Change = Change {
 };
 
 impl Change {
-    /// Says that nothing of that name is inherited, and what is.
+    /// Makes the diagnostic for a name that is not inherited, with the names that are.
     pub fn impossible(&self, kind: &str, name: Name<'_>, inherited: &BTreeSet<&str>) -> Diagnostic {
         let message = format!("there is no {kind} `{}` to {}", name.text(), self.verb);
         let diagnostic = Diagnostic::new(self.code, name.span(), message);

@@ -1,11 +1,12 @@
 //! Joins a task with the tasks that it extends, and with one of its variants.
 //!
-//! A section of the task replaces the extended task's whole section. Only five merge by name: a constant, a
-//! keypoint or a stage of the same name takes the old one's place, others come after (new keypoints directly before the
-//! replaced one that they stand above, so that it may use them); a component is
-//! replaced with `override`, added without, and left out with `without`; single checks of an inherited
-//! `verify` are replaced and left out likewise. A variant is joined like a task that extends the one it
-//! stands in.
+//! A section of the task replaces the extended task's whole section. Five kinds of parts merge by name instead:
+//! - A constant, a keypoint or a stage replaces the one of the same name; new ones come last. New keypoints above a
+//!   replaced one come directly before it, so it may use them.
+//! - A component is added, replaced with `override`, or removed with `without`.
+//! - Single checks of an inherited `verify` are replaced with `override` and removed with `without`.
+//!
+//! A variant is merged like a task that extends the one that contains it.
 
 mod lists;
 
@@ -21,7 +22,7 @@ use fab_grammar::ast::{
 use lists::{LEAVE_OUT, OVERRIDE, repeated};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The most tasks below one.
+/// The most tasks that one may extend, one through another.
 pub const MAX_EXTENDS_DEPTH: usize = 16;
 
 /// The most variants of a task; each is checked as a task of its own.
@@ -30,7 +31,7 @@ pub(crate) const MAX_VARIANTS: usize = 64;
 /// A task with everything that it inherits.
 pub(crate) struct Merged<'a> {
     pub task: Task<'a>,
-    /// The variant that it is, where it is one.
+    /// The variant, if this is one.
     pub variant: Option<VariantOf<'a>>,
     pub constants: Indexed<'a, NamedValue<'a>>,
     /// Sections of one value, by their words.
@@ -42,36 +43,36 @@ pub(crate) struct Merged<'a> {
     pub annotate: Option<Keypoints<'a>>,
     pub actions: Option<Actions<'a>>,
     pub components: Indexed<'a, Component<'a>>,
-    /// Components that were there and are left out.
+    /// The inherited components that are left out.
     pub removed: BTreeSet<&'a str>,
     pub stages: Indexed<'a, Stage<'a>>,
-    /// Where attempts and results are stated; what is checked, `checks` says.
+    /// The section that states attempts and results; the checks are in `checks`.
     pub verify: Option<Verify<'a>>,
     pub checks: Indexed<'a, Check<'a>>,
-    /// Checks that `verify` declares and that are left out.
+    /// The inherited checks that are left out.
     pub removed_checks: BTreeSet<&'a str>,
-    /// The variants that the task and those below it declare.
+    /// The variants that the task and those it extends declare.
     pub variants: Vec<VariantOf<'a>>,
-    /// The length of everything in it, bytes.
+    /// The length of all its parts, bytes.
     pub bytes: usize,
-    /// Whether something in it does not fit, so that what is missing may stand there.
+    /// Whether something in it did not parse; a missing part may be there.
     pub is_damaged: bool,
-    /// The proof that a task below it is missing, where one is: an unknown name may be declared there.
+    /// The proof that a task it extends is missing, if one is: an unknown name may be declared there.
     pub missing_base: Option<Reported>,
 }
 
-/// A variant that can be chosen.
+/// A variant of a task.
 #[derive(Clone)]
 pub(crate) struct VariantOf<'a> {
     /// Its name.
     pub name: String,
-    /// What it does to the task.
+    /// How it changes the task.
     pub change: VariantChange<'a>,
     /// Where it is declared.
     pub span: Span,
 }
 
-/// What a variant does.
+/// How a variant changes a task.
 #[derive(Clone, Copy)]
 pub(crate) enum VariantChange<'a> {
     /// It replaces and adds sections, under a name of its own.
@@ -80,7 +81,7 @@ pub(crate) enum VariantChange<'a> {
     Without(Name<'a>),
 }
 
-/// Joins `task` with those below it, and `variant` on top.
+/// Merges `task` with those it extends, and then with `variant`.
 pub(crate) fn merge<'a>(
     task: Task<'a>,
     variant: Option<VariantOf<'a>>,
@@ -122,7 +123,7 @@ pub(crate) fn merge<'a>(
     merged
 }
 
-/// Returns the task and those below it, and the proof that one of them is missing, where one is.
+/// Returns the task and those it extends, and the proof that one of them is missing, if one is.
 fn chain<'a>(
     task: Task<'a>,
     loaded: &Loaded<'a>,
@@ -134,7 +135,7 @@ fn chain<'a>(
         let Some(found) = loaded.task(base.span().file, base.text()) else {
             return (chain, Some(report.error(unknown_task(base, loaded))));
         };
-        let is_known = |known: &Task<'_>| known.name().span() == found.name().span();
+        let is_known = |seen: &Task<'_>| seen.name().span() == found.name().span();
         if chain.iter().any(is_known) {
             let message = format!("`{}` extends itself", base.text());
             let through = if chain.len() > 1 {
@@ -251,7 +252,7 @@ impl<'a> Merged<'a> {
         }
     }
 
-    /// Leaves a component out; an error where there is none.
+    /// Leaves out a component; reports an error if there is none of this name.
     fn leave_out(&mut self, name: Name<'a>, report: &mut Report) {
         if self.components.remove(name.text()).is_some() {
             self.removed.insert(name.text());
@@ -270,7 +271,7 @@ impl<'a> Merged<'a> {
 
     // ---- checks --------------------------------------------------------------------------------
 
-    /// Takes the checks of a `verify`, or changes single ones of those that are there.
+    /// Takes over the checks of a `verify`, or changes single inherited ones.
     fn add_checks(&mut self, body: Body<'a>, report: &mut Report) {
         let changed = || body.override_checks().map(|check| check.name());
         if let Some(verify) = once(body.verify(), "verify", |it| it.head_span(), report) {
@@ -312,7 +313,7 @@ impl<'a> Merged<'a> {
 
     // ---- variants ------------------------------------------------------------------------------
 
-    /// Adds the variants of one task; a later one of the same name takes the earlier one's place.
+    /// Adds the variants of one task; a later one replaces an earlier one of the same name.
     fn add_variants(&mut self, task: Task<'a>, report: &mut Report) {
         let declared = task.variants().map(|variant| VariantOf {
             name: variant.name().text().to_owned(),
@@ -353,7 +354,7 @@ impl<'a> Merged<'a> {
         }
     }
 
-    /// Returns the variants that make a difference: what is not there cannot be ablated.
+    /// Returns the variants that change something: a component that is absent cannot be ablated.
     pub fn applicable_variants(&self) -> impl Iterator<Item = VariantOf<'a>> {
         self.variants
             .iter()
@@ -364,27 +365,27 @@ impl<'a> Merged<'a> {
             .cloned()
     }
 
-    // ---- what follows ----------------------------------------------------------------------------
+    // ---- queries ---------------------------------------------------------------------------------
 
-    /// Returns the section of one value that begins with `word`.
+    /// Returns the statement that begins with `word`.
     pub fn statement(&self, word: &str) -> Option<Statement<'a>> {
         self.statements.get(word).copied()
     }
 
-    /// Returns whether a rollout needs subgoals: where a stage shows one, or results are compared with them.
+    /// Returns whether a rollout needs subgoals: if a stage shows one, or if results are compared with them.
     pub fn needs_subgoals(&self) -> bool {
         let compares = self
             .verify
             .is_some_and(|verify| verify.results().next().is_some());
-        let shown = self.stages.iter().flat_map(|stage| stage.show());
-        let mut pictures = shown.flat_map(|show| show.pictures());
+        let lines = self.stages.iter().flat_map(|stage| stage.show());
+        let mut pictures = lines.flat_map(|show| show.pictures());
         let is_scene =
             |value: Expr<'_>| matches!(value, Expr::Name(name) if name.text() == "scene");
         compares || pictures.any(|picture| !is_scene(picture.value()))
     }
 }
 
-/// Says that a single check is not changed where all of them are stated anew.
+/// Makes the diagnostic for a change to a single check beside a `verify` that states all of them again.
 fn beside(name: Name<'_>, verify: Verify<'_>) -> Diagnostic {
     let message = format!(
         "`{}` is no longer inherited: the `verify` beside it states all checks anew",

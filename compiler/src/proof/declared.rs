@@ -1,4 +1,4 @@
-//! What is wrong with a declared action space before any answer is tried.
+//! Finds faults in a declared action space before any answer is tried.
 
 use super::flaws::{Flaws, MAX_CHOICES, MAX_FIELDS};
 use fab_program::exact::{vector_of, written};
@@ -11,13 +11,13 @@ const MAX_WORD_BYTES: usize = 100;
 /// The largest length, in the field's unit; the reader refuses larger numbers.
 const MAX_LENGTH: f64 = 1_000_000.0;
 
-/// How far the two forms of one value may be from each other, as a part of it.
+/// How far the two forms of one value may differ, relative to the value.
 const SAME: f64 = 1e-9;
 
-/// Signs that mean something else in an answer: quotes, brackets, markdown, what separates statements.
+/// Signs that mean something else in an answer: quotes, brackets, markdown, separators of statements.
 const RESERVED: &str = "|\"'“”`*$\\~,;:!?()[]{}<>=#";
 
-/// Reports what is wrong, and whether values can be tried at all.
+/// Reports faults, and notes whether values can be tried at all.
 pub(super) fn check(program: &Program, found: &mut Flaws) {
     if let Some(field) = program.actions.get(MAX_FIELDS) {
         let message = format!("an action has at most {MAX_FIELDS} fields");
@@ -120,7 +120,7 @@ fn check_field(program: &Program, field: &ActionField, found: &mut Flaws) {
     }
 }
 
-/// Reports choices that are written alike, whatever their case.
+/// Reports choices that are written alike, ignoring case.
 fn check_alike(field: &ActionField, found: &mut Flaws) {
     let mut texts: Vec<(String, String)> = space::declared(field)
         .iter()
@@ -165,7 +165,7 @@ fn wrong_word(program: &Program, word: &str) -> Option<&'static str> {
     }
 }
 
-/// Returns a text as one that looks past case and separators reads it.
+/// Returns a text without differences of case and separators.
 fn plain(text: &str) -> String {
     text.to_lowercase().replace(['_', '-'], " ")
 }

@@ -1,8 +1,8 @@
-//! What a proof finds.
+//! The contradictions that a proof finds.
 
 use fab_program::ActionField;
 
-/// The most choices of one field; more are no list that a model can choose from.
+/// The most choices of one field; a model cannot choose from a longer list.
 pub const MAX_CHOICES: usize = 1_000;
 
 /// The most fields of an action.
@@ -16,13 +16,13 @@ const MAX_FLAWS: usize = 50;
 pub struct Flaw {
     /// The field.
     pub field: String,
-    /// The value as prompts write it; empty where the field as a whole is flawed.
+    /// The value as prompts write it; empty if the whole field is flawed.
     pub value: String,
-    /// What is wrong, lower case and without a full stop.
+    /// What is wrong: lower case, no full stop.
     pub message: String,
 }
 
-/// What was found so far.
+/// The flaws found so far.
 #[derive(Default)]
 pub(super) struct Flaws {
     pub list: Vec<Flaw>,
@@ -32,11 +32,11 @@ pub(super) struct Flaws {
 
 impl Flaws {
     pub fn push(&mut self, field: &ActionField, value: &str, message: String) {
-        let is_known = self
+        let is_listed = self
             .list
             .iter()
             .any(|flaw| flaw.field == field.name && flaw.value == value);
-        if !is_known && self.list.len() < MAX_FLAWS {
+        if !is_listed && self.list.len() < MAX_FLAWS {
             self.list.push(Flaw {
                 field: field.name.clone(),
                 value: value.to_owned(),

@@ -1,18 +1,18 @@
-//! Remembers what was proved: a thousand tasks that share a library share its action space.
+//! Caches proofs: a thousand tasks that share a library share its action space.
 //!
-//! [`super::flaws`] depends on the parts of a program in [`key`] alone, so that remembering changes no result.
+//! [`super::flaws`] depends only on the parts of a program in [`key`], so caching changes no result.
 
 use super::flaws::Flaw;
 use fab_program::{Extractor, Program};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-/// The most action spaces that are remembered; then all are forgotten.
+/// The most cached action spaces; then the cache is cleared.
 const MOST: usize = 256;
 
-static KNOWN: Mutex<BTreeMap<String, Vec<Flaw>>> = Mutex::new(BTreeMap::new());
+static CACHE: Mutex<BTreeMap<String, Vec<Flaw>>> = Mutex::new(BTreeMap::new());
 
-/// Returns all that a proof depends on: fields, fixed points, the picture's side, the cloth's longer side.
+/// Returns everything a proof depends on: fields, fixed points, the picture's side, the cloth's longer side.
 pub(super) fn key(program: &Program) -> String {
     let points: Vec<(&str, bool, &[_])> = program
         .keypoints
@@ -38,22 +38,22 @@ pub(super) fn key(program: &Program) -> String {
     .expect("these have string keys and finite numbers")
 }
 
-/// Returns what is remembered of a key.
+/// Returns the cached flaws of a key.
 pub(super) fn recall(key: &str) -> Option<Vec<Flaw>> {
-    // A thread that panicked cannot have left half of an entry.
-    let known = KNOWN
+    // A thread that panicked cannot leave half an entry.
+    let cache = CACHE
         .lock()
         .unwrap_or_else(|poisoned| poisoned.into_inner());
-    known.get(key).cloned()
+    cache.get(key).cloned()
 }
 
-/// Remembers what was proved.
+/// Caches the flaws of a key.
 pub(super) fn keep(key: String, flaws: &[Flaw]) {
-    let mut known = KNOWN
+    let mut cache = CACHE
         .lock()
         .unwrap_or_else(|poisoned| poisoned.into_inner());
-    if known.len() >= MOST {
-        known.clear();
+    if cache.len() >= MOST {
+        cache.clear();
     }
-    known.insert(key, flaws.to_vec());
+    cache.insert(key, flaws.to_vec());
 }

@@ -1,8 +1,8 @@
 //! Proves for a program that prompt, schema, reader, verifier and sampler mean the same action space.
 //!
-//! In: a program. Out: what contradicts itself. Each offered value is written as prompts and schema write it,
-//! and must be read back as itself and not be refused; values beside the offered ones must be refused with the
-//! choices. Points are those of two generated scenes. The work is bounded and the same every time.
+//! In: a program. Out: contradictions. Each offered value is written as prompts and schema write it; it must be
+//! read back as itself and must not be refused. Values that are not offered must be refused with a message that
+//! lists the choices. Points come from two generated scenes. The work is bounded and deterministic.
 
 mod declared;
 mod flaws;
@@ -21,11 +21,9 @@ pub use flaws::{Flaw, MAX_CHOICES, MAX_FIELDS};
 use flaws::Flaws;
 use scene::Generated;
 
-/// Returns what contradicts itself in a program's action space; nothing where it is consistent.
+/// Returns the contradictions in a program's action space; empty if it is consistent.
 ///
-/// At most one flaw for each value, in the order in which they are found.
-///
-/// A program whose answers are like those of one before has the same flaws, which are remembered.
+/// At most one flaw for each value, in the order in which they are found. Results are cached by action space.
 pub fn flaws(program: &Program) -> Vec<Flaw> {
     let key = memory::key(program);
     if let Some(known) = memory::recall(&key) {
@@ -50,7 +48,7 @@ fn prove(program: &Program) -> Vec<Flaw> {
     proof.check_offered(&mut found);
     proof.check_others(&mut found);
     proof.check_sampler(&mut found);
-    // What is no point has been tried; the smaller scene adds the case of a single one.
+    // Values that are not points have been tried; the smaller scene adds the case of a single point.
     let one = Generated::one(program);
     let proof = Proof::of(program, &one);
     proof.check_answer(0, &reply::schema(program, &proof.offered), &mut found);
@@ -61,9 +59,9 @@ fn prove(program: &Program) -> Vec<Flaw> {
 struct Proof<'a> {
     program: &'a Program,
     scene: &'a Generated,
-    /// For each field what it may be.
+    /// The offered values of each field.
     offered: Vec<(String, Vec<Value>)>,
-    /// The same as prompts write it.
+    /// The same values as prompts write them.
     texts: Vec<Vec<String>>,
 }
 
@@ -95,7 +93,7 @@ impl<'a> Proof<'a> {
         }
     }
 
-    /// Returns the fields with one value each: the `index`-th, from the first again where there are fewer.
+    /// Returns the fields with one value each: the `index`-th, starting over if there are fewer.
     fn tried(&self, index: usize) -> Vec<Tried<'_>> {
         let values = self.offered.iter().zip(&self.texts);
         self.program
@@ -125,7 +123,7 @@ impl<'a> Proof<'a> {
         self.check_reading(&tried, &answer(&tried), Form::Asked, found);
         let mut object = serde_json::Map::new();
         for (one, texts) in tried.iter().zip(&self.texts) {
-            // Of a region the schema gives the form alone.
+            // For a region the schema only gives the form.
             if let Choices::Region { .. } = one.field.choices {
                 object.insert(one.field.name.clone(), one.text.into());
                 continue;
@@ -163,7 +161,7 @@ impl<'a> Proof<'a> {
                 found.push(field, text, message);
             }
         }
-        // Of JSON no text is asked for, so that its reading always names what was read.
+        // Prompts do not ask for JSON, so reading it always counts as a repair.
         if form == Form::Json {
             return;
         }
@@ -190,7 +188,7 @@ impl<'a> Proof<'a> {
         Some((self.program.field(&name)?, text))
     }
 
-    /// Values beside the offered ones are refused, with the field's name and its choices.
+    /// Values that are not offered are refused, with the field's name and its choices.
     fn check_others(&self, found: &mut Flaws) {
         for (position, (field, (_, offered))) in
             self.program.actions.iter().zip(&self.offered).enumerate()
@@ -207,25 +205,25 @@ impl<'a> Proof<'a> {
             for other in &others {
                 tried[position].text = other;
                 if let Err(message) = self.refused(field, &choice, &answer(&tried)) {
-                    let shown: String = other.chars().take(40).collect();
-                    let message = format!("`{shown}` is not offered, but {message}");
-                    found.push(field, &shown, message);
+                    let excerpt: String = other.chars().take(40).collect();
+                    let message = format!("`{excerpt}` is not offered, but {message}");
+                    found.push(field, &excerpt, message);
                 }
             }
         }
     }
 
-    /// Fails where an answer is not refused for a field, or without its name and its first choice.
+    /// Fails if an answer is not refused for a field, or if the refusal lacks its name or its first choice.
     fn refused(&self, field: &ActionField, first: &str, answer: &str) -> Result<(), String> {
         let names_both = |message: &str, choice: &str| {
             message.contains(&space::spoken(field)) && message.contains(choice)
         };
-        let (refused, is_told) = match reply::read_action(self.program, answer) {
+        let (refused, is_clear) = match reply::read_action(self.program, answer) {
             Err(malformed) => {
                 // Only the verifier knows which points a scene offers.
                 let choice = if field.is_point() { "(x, y)" } else { first };
-                let is_told = names_both(&malformed.message, choice);
-                (malformed.field, is_told)
+                let is_clear = names_both(&malformed.message, choice);
+                (malformed.field, is_clear)
             }
             Ok(reading) => {
                 match verify::unoffered(self.program, self.scene, &reading.value, &Notation::pixels)
@@ -246,7 +244,7 @@ impl<'a> Proof<'a> {
         };
         if refused != field.name {
             Err(format!("`{refused}` is refused instead"))
-        } else if is_told {
+        } else if is_clear {
             Ok(())
         } else {
             Err("its refusal does not name the field and the choices".to_owned())

@@ -1,4 +1,4 @@
-//! Values beside the offered ones: between choices, one pixel off, other words, none, far too large.
+//! Values that are not offered: between choices, one pixel off, other words, none, far too large.
 
 use fab_program::exact::normalised_deg;
 use fab_program::space;
@@ -19,7 +19,7 @@ pub(super) fn of(field: &ActionField, offered: &[Value], texts: &[String]) -> Ve
                 others.push(PixelPoint::new(point.u.saturating_add(1), point.v).to_string());
                 others.push(PixelPoint::new(point.u, point.v.saturating_sub(1)).to_string());
             }
-            // In a phrase that holds an offered word the reader finds it, and says so.
+            // The reader finds an offered word inside a phrase, and says so.
             Value::Word(word) if word.contains([' ', '-', '_']) => {}
             Value::Word(word) => {
                 let shorter = &word[..word.char_indices().last().map_or(0, |(at, _)| at)];
@@ -53,7 +53,7 @@ pub(super) fn of(field: &ActionField, offered: &[Value], texts: &[String]) -> Ve
     let known: Vec<String> = texts.iter().map(|text| plain(text)).collect();
     let is_offered = |other: &String| {
         let turned = match (offered.first(), other.trim_end_matches(" deg").parse()) {
-            // Whole turns more or less are the same direction.
+            // Directions that differ by whole turns are the same.
             (Some(Value::Direction { .. }), Ok(stated)) => {
                 let deg = normalised_deg(stated);
                 Some(space::text(field, &Value::Direction { deg }))
@@ -67,7 +67,7 @@ pub(super) fn of(field: &ActionField, offered: &[Value], texts: &[String]) -> Ve
     others
 }
 
-/// Returns what a field does not offer that offers every pixel of the picture.
+/// Returns values that a field of every pixel of the picture does not offer.
 pub(super) fn beside(program: &Program, texts: &[String]) -> Vec<String> {
     let side = i32::try_from(program.camera.image_px).unwrap_or(i32::MAX);
     let mut others = vec![String::new(), "9".repeat(400)];
@@ -79,7 +79,7 @@ pub(super) fn beside(program: &Program, texts: &[String]) -> Vec<String> {
     others
 }
 
-/// Returns at most so many pairs of neighbours from all over the list.
+/// Returns pairs of neighbours spread over the list, at most this many.
 fn spread(values: &[Value], most: usize) -> impl Iterator<Item = &Value> {
     let step = values.len().div_ceil(most).max(1);
     values

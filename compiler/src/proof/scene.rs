@@ -7,7 +7,7 @@ use fab_program::{ActionField, Choices, Extractor, KeypointShape, PixelPoint, Pr
 /// The points of the larger scene.
 const N_POINTS: usize = 30;
 
-/// A scene that no camera has seen.
+/// A generated scene.
 pub(super) struct Generated {
     points: Vec<PixelPoint>,
     /// Keypoints that are a single point.
@@ -77,7 +77,7 @@ impl Generated {
         }
     }
 
-    /// Returns what a field may be; of a region, the points that lie in it.
+    /// Returns the values of a field; for a region, the points in it.
     pub fn offered(&self, field: &ActionField) -> Vec<Value> {
         match &field.choices {
             Choices::Region { .. } => {
@@ -95,7 +95,7 @@ impl Generated {
     }
 }
 
-/// Returns the last pixel of a row, as far as it can be read.
+/// Returns the last pixel of a row, at most the largest that the reader accepts.
 fn edge(program: &Program) -> i32 {
     i32::try_from(program.camera.image_px.saturating_sub(1)).unwrap_or(i32::MAX)
 }
