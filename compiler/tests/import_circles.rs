@@ -78,7 +78,7 @@ fn read(folder: &Path, above: &[String], texts: &mut BTreeMap<Module, String>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
-        let module = [above, &[name.clone()]].concat();
+        let module = [above, std::slice::from_ref(&name)].concat();
         if path.is_dir() {
             read(&path, &module, texts);
         } else if path.extension().is_some_and(|ending| ending == "rs") {

@@ -14,6 +14,7 @@ use crate::diag::{Code, Diagnostic};
 use fab_program::Depends;
 use fab_program::exact;
 use fab_program::space;
+use fab_program::units;
 use fab_program::{
     Camera, Choices, Cloth, KeypointShape, Length, NumberFormat, OVERLAP, Placeholder, Point,
 };
@@ -249,13 +250,10 @@ fn written(value: Operand, expr: &Expr, context: &mut Context<'_>) -> Option<Pla
         decimals,
         unit: unit.to_owned(),
     };
-    let of_angle = |unit: &str| match unit {
-        "rad" => plain(std::f64::consts::PI / 180.0, 3, " rad"),
-        _ => plain(1.0, 2, " deg"),
-    };
+    let of_angle = |unit: &str| NumberFormat::angle(units::find(unit).unwrap_or(&units::DEG));
     Some(match value {
         Operand::Length(length) => self::length(&length, context)?,
-        Operand::Angle { deg, unit } => Placed::Literal(number(deg, &of_angle(&unit))),
+        Operand::Angle { deg, unit } => Placed::Literal(of_angle(&unit).write(deg)),
         Operand::Between { a, b, unit } => later(Placeholder::Angle {
             a,
             b,
@@ -287,41 +285,20 @@ fn written(value: Operand, expr: &Expr, context: &mut Context<'_>) -> Option<Pla
 fn length(length: &FramedLength, context: &Context<'_>) -> Option<Placed> {
     let edge_m = context.cloth.as_ref().map_or(f64::NAN, Cloth::edge_m);
     let px_per_m = context.camera.as_ref().map_or(f64::NAN, Camera::px_per_m);
-    // From metres, or from pixels, to the unit.
-    let (per_m, decimals) = match length.unit.as_str() {
-        "mm" => (1000.0, 1),
-        "cm" => (100.0, 2),
-        "edge" => (1.0 / edge_m, 3),
-        "px" => (1.0, 1),
-        _ => (1.0, 3),
-    };
+    let mut written = NumberFormat::length(units::find(&length.unit)?, edge_m);
     let is_measured = matches!(
         length.native,
         NativeLength::Distance(..) | NativeLength::Chebyshev(..)
     );
-    let factor = if is_measured && length.frame == Frame::Table {
-        per_m / px_per_m
-    } else {
-        per_m
-    };
-    if factor.is_nan() {
+    if is_measured && length.frame == Frame::Table {
+        written.factor /= px_per_m;
+    }
+    if written.factor.is_nan() {
         return None;
     }
-    let written = NumberFormat {
-        factor,
-        decimals,
-        unit: format!(" {}", length.unit),
-    };
     Some(match lowered(&length.native, length.frame, context)? {
         // Pixels are those of the picture that a model is sent, which is known later.
-        Length::Constant { value } if length.unit != "px" => {
-            Placed::Literal(number(value, &written))
-        }
+        Length::Constant { value } if length.unit != "px" => Placed::Literal(written.write(value)),
         length => later(Placeholder::Length { length, written }),
     })
-}
-
-fn number(value: f64, written: &NumberFormat) -> String {
-    let digits = exact::written(value * written.factor, usize::from(written.decimals));
-    format!("{digits}{}", written.unit)
 }

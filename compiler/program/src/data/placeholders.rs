@@ -2,7 +2,9 @@
 
 use super::points::{Heading, Point};
 use super::uses::{Depends, Uses};
+use crate::exact::written;
 use crate::measures::{Length, Number};
+use crate::units::{DEG, Unit};
 use serde::{Deserialize, Serialize};
 
 /// What stands at a place of a text.
@@ -86,6 +88,32 @@ pub struct NumberFormat {
     pub decimals: u8,
     /// What follows, such as ` px`.
     pub unit: String,
+}
+
+impl NumberFormat {
+    /// Writes an angle, which programs hold in degrees, in a unit of angles.
+    pub fn angle(unit: &Unit) -> NumberFormat {
+        NumberFormat::new(DEG.size / unit.size, unit)
+    }
+
+    /// Writes a length in metres in a unit of the table, or one in pixels in pixels; `edge_m` is the cloth's longer side.
+    pub fn length(unit: &Unit, edge_m: f64) -> NumberFormat {
+        NumberFormat::new(1.0 / unit.size_with(edge_m), unit)
+    }
+
+    fn new(factor: f64, unit: &Unit) -> NumberFormat {
+        NumberFormat {
+            factor,
+            decimals: unit.decimals,
+            unit: format!(" {}", unit.name),
+        }
+    }
+
+    /// Writes a number.
+    pub fn write(&self, value: f64) -> String {
+        let digits = written(value * self.factor, usize::from(self.decimals));
+        format!("{digits}{}", self.unit)
+    }
 }
 
 impl Depends for Placeholder {

@@ -6,7 +6,6 @@ use crate::data::program::Program;
 use crate::data::stage::Read;
 use crate::data::verify::OVERLAP;
 use crate::eval::{Eval, rounded};
-use crate::exact;
 use crate::facts::Facts;
 use crate::measures::Length;
 use crate::pointing::{Notation, Pointing};
@@ -51,11 +50,11 @@ pub(super) fn known(
         Placeholder::Length { length, written } => {
             Ok(self::length(eval.length(length)?, written, &facts.pointing))
         }
-        Placeholder::Angle { a, b, written } => Ok(number(eval.angle_deg(a, b)?, written)),
+        Placeholder::Angle { a, b, written } => Ok(written.write(eval.angle_deg(a, b)?)),
         Placeholder::Number {
             number: value,
             written,
-        } => Ok(number(eval.number(value)?, written)),
+        } => Ok(written.write(eval.number(value)?)),
         Placeholder::Field { field } => of_field(field, facts.proposed(field)),
         Placeholder::LastField { field } => {
             let last = facts.last.ok_or_else(|| Missing::of("last"))?;
@@ -152,12 +151,5 @@ pub(super) fn typed(program: &Program, name: &str, shown: &Placeholder) -> Strin
 fn length(value: f64, written: &NumberFormat, pointing: &Pointing) -> String {
     let in_pixels =
         (written.unit == PIXELS).then(|| pointing.frame().length(value * written.factor));
-    in_pixels
-        .flatten()
-        .unwrap_or_else(|| number(value, written))
-}
-
-fn number(value: f64, written: &NumberFormat) -> String {
-    let digits = exact::written(value * written.factor, usize::from(written.decimals));
-    format!("{digits}{}", written.unit)
+    in_pixels.flatten().unwrap_or_else(|| written.write(value))
 }
