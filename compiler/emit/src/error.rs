@@ -5,7 +5,7 @@ use std::fmt;
 /// Why a program cannot be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EmitError {
-    /// A name cannot stand in a path or in a template; the compiler gives none such.
+    /// A name cannot be used in a path or a template; the compiler never gives such a name.
     Name {
         /// The name.
         name: String,
@@ -17,7 +17,7 @@ pub enum EmitError {
         /// What it would have to be.
         wanted: &'static str,
     },
-    /// A number is infinite, is none, or divides by zero.
+    /// A number is infinite, not a number, or divides by zero.
     Number {
         /// The number.
         value: String,
@@ -36,17 +36,17 @@ impl fmt::Display for EmitError {
         match self {
             EmitError::Name { name } => write!(f, "`{name}` cannot be the name of a file"),
             EmitError::Reference { name, wanted } => {
-                write!(f, "`{name}` is needed as {wanted} and is none")
+                write!(f, "`{name}` is not {wanted}")
             }
             EmitError::Number { value } => {
                 write!(
                     f,
-                    "the program computes with `{value}`, which is no number to compute with"
+                    "the program computes with `{value}`, which is not a finite number"
                 )
             }
             EmitError::SameFile { one, other } => write!(
                 f,
-                "`{one}` and `{other}` would be one file where the case of letters does not count; rename one"
+                "`{one}` and `{other}` are the same file on systems that ignore letter case; rename one"
             ),
         }
     }

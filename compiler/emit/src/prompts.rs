@@ -1,6 +1,6 @@
 //! `prompts/*.txt.j2`: one template per stage and speaker, and one per check.
 //!
-//! They keep to the subset of Jinja that [`fab_program::render`] names. A part that is said only sometimes stands
+//! They keep to the subset of Jinja that [`fab_program::render`] names. A conditional part stands
 //! under a guard, `when["NAME"]`, a string that is empty where it is not said. A guard is indexed, since
 //! Python's jinja2 takes `when.items` for a method.
 
@@ -61,7 +61,7 @@ fn find<'p>(program: &'p Program, name: &str) -> Result<&'p Template, EmitError>
     Ok(template)
 }
 
-/// Returns the words of a variable that is none in an emitted prompt: points there are pixels, so it never changes.
+/// Returns the text of a variable that is constant in an emitted prompt, where points are always pixels.
 fn constant(program: &Program, variable: &Variable) -> Option<String> {
     let pointing = Pointing::of_camera(&program.camera);
     render::constant(program, &pointing, &variable.value)
@@ -81,7 +81,7 @@ fn source(program: &Program, template: &Template) -> String {
     text
 }
 
-/// Joins templates by a blank line, those that are not said left out.
+/// Joins templates by a blank line, leaving out those whose guard is empty.
 fn joined(program: &Program, names: &[String]) -> Result<String, EmitError> {
     let parts = names
         .iter()

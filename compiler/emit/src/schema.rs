@@ -1,4 +1,4 @@
-//! `actions.schema.json`: the JSON Schema of an answer, whatever the scene shows.
+//! `actions.schema.json`: the JSON Schema of an answer, independent of the scene.
 
 use fab_program::Program;
 use fab_program::reply;

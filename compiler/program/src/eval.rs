@@ -1,8 +1,8 @@
-//! What points, lengths, directions, numbers and conditions come to.
+//! Evaluates points, lengths, directions, numbers and conditions.
 //!
 //! In: a program's values and [`Facts`]. Out: numbers. Only additions, multiplications and comparisons of
 //! 64-bit floats are used where a verdict depends on the result, in a fixed order, so that the emitted
-//! verifiers come to the same in other languages.
+//! verifiers compute the same bits in other languages.
 
 use crate::data::actions::{Choices, Value};
 use crate::data::camera::PixelPoint;
@@ -23,7 +23,7 @@ pub struct Eval<'a> {
     pub facts: Facts<'a>,
 }
 
-/// A condition's sides, for reports: what, and what it came to.
+/// The sides of a condition for reports: a name and its value.
 pub type Notes = Vec<(String, String)>;
 
 impl Eval<'_> {
@@ -98,7 +98,7 @@ impl Eval<'_> {
         })
     }
 
-    /// Returns the metres of a field that is a length; of a value that is not offered, what it says.
+    /// Returns the metres of a field that is a length; a value that is not offered is converted by its unit.
     fn length_m(&self, field: &str) -> Result<f64, Missing> {
         let declared = self.program.field(field).map(|field| &field.choices);
         let (Some(Choices::Lengths { unit, choices }), Some(Value::Length { length })) =
@@ -113,7 +113,7 @@ impl Eval<'_> {
         ))
     }
 
-    /// Returns a field's direction as a vector; of a value that is not offered, what it says.
+    /// Returns a field's direction as a vector; a value that is not offered is converted by its unit.
     fn direction(&self, field: &str, value: Option<&Value>) -> Result<[f64; 2], Missing> {
         let declared = self.program.field(field).map(|field| &field.choices);
         let (Some(Choices::Directions { choices }), Some(Value::Direction { deg })) =
@@ -161,10 +161,10 @@ impl Eval<'_> {
         number.value(self.facts.scene, self.facts.step)
     }
 
-    /// Returns whether a condition holds, and notes what its sides came to.
+    /// Returns whether a condition holds, and notes the values of its sides.
     ///
-    /// Parts are evaluated from left to right until it is decided, so that `last and …` asks nothing of an
-    /// action that there was not.
+    /// Parts are evaluated from left to right until the result is certain, so `last and …` does not need an action
+    /// before the first one.
     pub fn holds(&self, condition: &Condition, notes: &mut Notes) -> Result<bool, Missing> {
         match condition {
             Condition::All { of } => {

@@ -1,4 +1,4 @@
-//! What is known when a question is asked or an answer judged.
+//! The facts that prompts and verdicts depend on.
 
 use crate::data::actions::Proposal;
 use crate::data::actions::Value;
@@ -19,7 +19,7 @@ pub struct ExecutedAction {
     pub place: PixelPoint,
 }
 
-/// What is known when a question is asked or an answer judged.
+/// The facts of one question or one verdict.
 #[derive(Clone, Copy)]
 pub struct Facts<'a> {
     /// What the camera shows.

@@ -133,7 +133,7 @@ pub enum Make {
 /// The square, since verdicts compare squares, which need no root.
 pub type Square = fn(&[[f64; 2]]) -> f64;
 
-/// What a call of a measure stands for.
+/// The value that a call of a measure names.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {
     /// A length in the picture.
@@ -159,11 +159,11 @@ pub enum Measure {
 }
 
 impl Call<Make> {
-    /// Makes what a call with these arguments stands for.
+    /// Makes the value of a call with these arguments.
     ///
     /// - `flat_px`: the flat cloth's pixels, where the task has a cloth and a camera.
     ///
-    /// Returns None where it needs `flat_px` and there is none.
+    /// Returns None if it needs `flat_px` and that is None.
     pub fn measure(&'static self, args: &Args, flat_px: Option<f64>) -> Option<Measure> {
         match self.make {
             Make::Length(square) => Some(Measure::Length(Length::OfPoints(PointMeasure {
@@ -213,7 +213,7 @@ pub struct PointMeasure {
 }
 
 impl PointMeasure {
-    /// Returns the measure of that name of its points; None where there is none such, or of other points.
+    /// Returns the measure of that name and points; None for an unknown name or another number of points.
     pub fn new(name: &str, points: Vec<Point>) -> Option<PointMeasure> {
         let row = MEASURES.iter().find(|row| row.signature.name == name)?;
         match row.make {

@@ -1,8 +1,8 @@
-//! What a picture of the scene shows, as far as prompts and checks ask.
+//! The interface to perception: what an observation shows, as far as prompts and checks need it.
 
 use crate::data::camera::PixelPoint;
 
-/// What an observation shows, as far as texts and checks ask.
+/// What an observation shows; implemented by the caller.
 pub trait SceneView {
     /// Returns the points of a keypoint, one for a point; None for a mask, a box, an outline or an unknown name.
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>>;

@@ -1,4 +1,4 @@
-//! The action space of a program: what each field may be, and how it is written.
+//! The action space of a program: the choices of each field, and their text.
 //!
 //! In: the declaration, and a scene for fields that choose among its points. Out: values and their texts.
 //! Prompt, answer format, schema, reader, verifier and sampler all go through here, so that they cannot
@@ -52,7 +52,7 @@ pub fn any_of(mask: &str) -> String {
     format!("any point on the {}", mask.replace('_', " "))
 }
 
-/// Returns what a field may be whatever the scene shows; nothing for one that chooses among points.
+/// Returns the choices of a field that do not depend on the scene; none for a field of points.
 pub fn declared(field: &ActionField) -> Vec<Value> {
     match &field.choices {
         Choices::Points { .. } | Choices::Region { .. } => Vec::new(),
@@ -70,7 +70,7 @@ pub fn declared(field: &ActionField) -> Vec<Value> {
     }
 }
 
-/// Writes a value as prompts list it and answers state it; a point in pixels, see [`Notation`] for other frames.
+/// Writes a value as prompts list it and answers state it; a point in pixels, see [`crate::pointing::Notation`] for other frames.
 pub fn text(field: &ActionField, value: &Value) -> String {
     match value {
         Value::Point(point) => point.to_string(),
@@ -132,7 +132,7 @@ pub fn format_with(point: &str, actions: &[ActionField]) -> String {
     actions.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Draws an action, each field's value as likely as its others: what one does who looks at nothing.
+/// Draws a random action, all choices of a field being equally likely.
 ///
 /// - `below`: returns a number below its argument, which is at least 1; a larger one is brought below it.
 ///

@@ -1,6 +1,6 @@
 //! Runs the tests that a task carries: reads and judges an answer without a model or a camera.
 //!
-//! In: a program and one of its tests. Out: what came of the answer, and whether that was expected.
+//! In: a program and one of its tests. Out: the result of the answer, and whether it was expected.
 
 use crate::data::actions::Proposal;
 use crate::data::actions::Value;
@@ -17,18 +17,18 @@ use crate::verify::{self, Strictness, Verdict};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// What came of a test.
+/// The result of a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
-    /// What came of the answer.
+    /// The result of the answer.
     pub finding: Finding,
     /// Whether it is what the test expects.
     pub is_expected: bool,
-    /// What had to be tolerated to read the answer.
+    /// The deviations that were tolerated when the answer was read.
     pub repairs: Vec<String>,
 }
 
-/// What came of an answer.
+/// The result of an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Finding {
     /// The action may run.

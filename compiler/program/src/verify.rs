@@ -1,6 +1,6 @@
 //! Decides whether a proposed action may run.
 //!
-//! In: the program's checks, what is known, the action. Out: a [`Verdict`]. Rejection is an answer, not an
+//! In: the program's checks, the facts, the action. Out: a [`Verdict`]. Rejection is an answer, not an
 //! error: its message goes back to the model. Nothing here talks to a model.
 
 use crate::data::actions::Proposal;
@@ -46,7 +46,7 @@ pub enum Verdict {
 pub enum Strictness {
     /// All.
     Full,
-    /// All but those that the task names in `then without`.
+    /// All except those that the task names in `then without`.
     Relaxed,
 }
 
@@ -79,7 +79,7 @@ pub fn verdict(
     Ok(Verdict::Accept)
 }
 
-/// Returns the rejection of the first field that is none of the values that the scene offers.
+/// Returns the rejection of the first field whose value the scene does not offer.
 ///
 /// - `notation`: how its message writes points; asked only where there is one.
 ///

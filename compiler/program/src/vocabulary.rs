@@ -28,7 +28,7 @@ pub struct Call<Make> {
 /// A call whose arguments alone make its value.
 pub type CallOf<T> = Call<fn(&Args) -> T>;
 
-/// What is written of a call: its name, its arguments, one line of documentation.
+/// The signature of a call: its name, its arguments, one line of documentation.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Signature {
     /// Its name. Rows of one name are the forms of one call; the arguments' labels tell them apart.
@@ -48,11 +48,11 @@ pub struct Arg {
     pub name: &'static str,
     /// How it is given.
     pub place: Place,
-    /// What it may be.
+    /// Its type and range.
     pub kind: Kind,
-    /// What holds where it is not given; `None`: it must be.
+    /// Its value if it is not given; `None` if it is required.
     pub default: Option<Default>,
-    /// What it needs beside it, where it makes no sense alone.
+    /// The other argument that it needs, if it makes no sense alone.
     pub needs: Option<Needs>,
     /// What it is, a few words.
     pub doc: &'static str,
@@ -70,7 +70,7 @@ pub enum Place {
     Rest,
 }
 
-/// What holds where an optional argument is not given.
+/// The value of an optional argument that is not given.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Default {
@@ -84,16 +84,16 @@ pub enum Default {
     Nothing,
 }
 
-/// What an argument needs beside it.
+/// Another argument that an argument needs.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Needs {
     /// The other argument.
     pub arg: &'static str,
-    /// The words that it must be, one of them; empty: whatever it is.
+    /// Its accepted words; empty if any value is accepted.
     pub words: &'static [&'static str],
 }
 
-/// What an argument may be.
+/// The type and range of an argument.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -308,7 +308,7 @@ pub enum ArgValue {
     ClothPoint(ClothPoint),
     /// A file.
     File(FileRef),
-    /// It is not given, and nothing stands for it.
+    /// It is not given and has no default value.
     Nothing,
 }
 

@@ -1,4 +1,4 @@
-//! The fields of the action: their identifiers, and the tables of what they may be.
+//! The fields of the action: their identifiers and tables of choices.
 
 use super::dialect::Dialect;
 use super::layout::Code;
@@ -11,7 +11,7 @@ pub(super) struct Field<'p> {
     pub declared: &'p ActionField,
     /// The field of the action.
     pub identifier: String,
-    /// The table of what it may be.
+    /// The name of its table of choices.
     pub table: String,
     /// The rows of the table.
     pub rows: Vec<String>,

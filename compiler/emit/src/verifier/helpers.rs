@@ -493,7 +493,7 @@ def _whole(value):
     },
 ];
 
-/// Returns the name of the helper that gives the square of a measure of points; fails where there is none.
+/// Returns the name of the helper that computes the square of a measure of points; fails for an unknown measure.
 pub(super) fn of_measure(measure: &str) -> Result<&'static str, EmitError> {
     let wanted = |name: &str| name.strip_suffix("_squared") == Some(measure);
     let helper = HELPERS.iter().find(|helper| wanted(helper.name));

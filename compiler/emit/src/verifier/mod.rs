@@ -1,6 +1,6 @@
 //! `verifier.rs` and `verifier.py`: the checks of a program as code of two languages.
 //!
-//! What they come to is defined by [`crate::verify`] and [`fab_program::eval`]; the code does the same additions,
+//! Their meaning is defined by [`crate::verify`] and [`fab_program::eval`]; the code does the same additions,
 //! multiplications and comparisons in the same order, evaluates the parts of a condition until it is decided, and finds the
 //! same keypoints missing. Only a direction of the action before this one that is none of the offered ones
 //! differs: it is missing here, since turning it into a vector would need trigonometry.

@@ -1,4 +1,4 @@
-//! A verifier, in the words of one language but not yet in its form.
+//! The content of a verifier, with its expressions in one language.
 
 use super::dialect::Dialect;
 use super::expression::Lowering;

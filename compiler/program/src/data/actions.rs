@@ -4,7 +4,7 @@ use crate::data::camera::PixelPoint;
 use crate::units::LengthUnit;
 use serde::{Deserialize, Serialize};
 
-/// One field of an answer and what it may be.
+/// One field of an answer and its choices.
 ///
 /// Every action has `pick`, which is points, and either `place`, which is points too, or `direction` and
 /// `distance`. Further fields are words; they are read, checked and kept, and move nothing.
@@ -30,7 +30,7 @@ impl Choices {
     }
 }
 
-/// What a field may be, in the order in which a prompt lists it.
+/// The choices of a field, in the order of the prompt.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "of", rename_all = "snake_case")]
 pub enum Choices {
@@ -58,7 +58,7 @@ pub enum Choices {
     },
     /// Words.
     Words {
-        /// No two the same, whatever their case.
+        /// No two equal, ignoring case.
         choices: Vec<String>,
     },
 }
@@ -117,7 +117,7 @@ impl Proposal {
             .map(|(_, value)| value)
     }
 
-    /// Returns a field's point; None where it is none.
+    /// Returns a field's point; None if the field is not a point.
     pub fn point(&self, field: &str) -> Option<PixelPoint> {
         match self.get(field)? {
             Value::Point(point) => Some(*point),

@@ -1,4 +1,4 @@
-//! What is drawn on the camera's picture before a model sees it.
+//! Annotations: what is drawn on the camera's picture before a model sees it.
 
 use super::points::{End, Point};
 use super::uses::{Depends, Uses};

@@ -13,7 +13,7 @@ pub struct Fold {
     pub fraction: f64,
 }
 
-/// A point that belongs to the cloth, whatever its size and wherever it lies.
+/// A point of the cloth, independent of its size and position.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClothPoint {

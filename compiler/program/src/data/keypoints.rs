@@ -1,4 +1,4 @@
-//! What is found in each observation.
+//! Keypoints: what is found in each observation, and the extractors that find it.
 
 use crate::data::camera::PixelPoint;
 use crate::data::shape::KeypointShape;

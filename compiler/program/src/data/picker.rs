@@ -1,4 +1,4 @@
-//! How a world takes the cloth, carries it and lets it go.
+//! How the cloth is picked, carried and released.
 
 use crate::words::words;
 use serde::{Deserialize, Serialize};

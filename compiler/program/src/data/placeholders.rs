@@ -1,4 +1,4 @@
-//! What stands at the places of a text: values, and how they are written.
+//! The placeholders of a text: the values they show, and the format of numbers.
 
 use super::points::{Heading, Point};
 use super::uses::{Depends, Uses};
@@ -7,7 +7,7 @@ use crate::measures::{Length, Number};
 use crate::units::{DEG, Unit};
 use serde::{Deserialize, Serialize};
 
-/// What stands at a place of a text.
+/// The value that a placeholder of a text shows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "shows", rename_all = "snake_case")]
 pub enum Placeholder {
@@ -79,7 +79,7 @@ pub enum Placeholder {
     },
 }
 
-/// How a number is written: multiplied, rounded, without needless zeros, and followed by a unit.
+/// The format of a number: a factor, a number of decimals without trailing zeros, and a unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NumberFormat {
     /// What it is multiplied by.

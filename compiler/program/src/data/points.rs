@@ -1,6 +1,6 @@
 //! Points and directions of the camera's picture, as checks and texts name them.
 //!
-//! What they come to is said by [`crate::eval`]; as text they are what reports call them.
+//! [`crate::eval`] evaluates them; `Display` writes the names that reports use.
 
 use super::uses::{Depends, Uses};
 use crate::exact::{normalised_deg, written};

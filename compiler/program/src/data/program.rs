@@ -1,6 +1,6 @@
 //! A compiled task: plain, versioned data that a runtime executes.
 //!
-//! Built by the compiler alone, so that one is right by construction. As JSON its bytes depend on the source text
+//! Only the compiler makes programs, so their references are valid. The bytes of the JSON depend on the source text
 //! alone. Quantities are in base units (metres, pixels, radians); pixels are those of the task's camera picture,
 //! `[column, row]`, origin top left.
 

@@ -11,7 +11,7 @@ pub struct Template {
     /// The component's name; `STAGE.say` or `STAGE.system` for a text of a stage's own (`STAGE.say.2` for a
     /// second one); `check.NAME` for the message of a check.
     pub name: String,
-    /// When it is said; always, where there is none.
+    /// When it is part of the prompt; always if None.
     pub when: Option<Condition>,
     /// Jinja source; every variable in it is a string.
     pub text: String,
@@ -68,7 +68,7 @@ pub struct Example {
     pub reply: LiteralText,
 }
 
-/// A text that stands in a file as it is said.
+/// A text of a source file that is used without change.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LiteralText {
     /// The text.

@@ -1,4 +1,4 @@
-//! Tests that a task carries: an answer, and what is to come of it.
+//! The tests of a task: an answer and the expected result.
 
 use crate::data::camera::PixelPoint;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// One `test` of a task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Test {
-    /// What it says.
+    /// Its name.
     pub name: String,
     /// The task that it belongs to.
     pub task: String,
@@ -16,7 +16,7 @@ pub struct Test {
     pub stage: usize,
     /// The answer.
     pub reply: String,
-    /// What is to come of it.
+    /// The expected result.
     pub expect: Expect,
     /// The file that declares it, as in [`crate::data::files::SourceStamp::name`].
     pub declared_in: String,
@@ -39,7 +39,7 @@ pub struct Given {
     pub step: u32,
 }
 
-/// What is to come of an answer.
+/// The expected result of an answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "expect", rename_all = "snake_case")]
 pub enum Expect {

@@ -1,7 +1,6 @@
 //! The conditions of checks and of texts.
 //!
-//! All of it is total: no loops, no recursion at run time, nothing that can fail but a missing keypoint.
-//! What it comes to is defined by [`crate::eval`].
+//! Evaluation always ends and fails only on a missing keypoint; [`crate::eval`] defines it.
 
 use super::points::{Heading, Point};
 use super::uses::{Depends, Uses};

@@ -1,6 +1,6 @@
 //! The checks on a proposed action, as data.
 //!
-//! What they mean is defined by [`crate::verify`], their messages by [`crate::render`].
+//! [`crate::verify`] evaluates them, [`crate::render`] renders their messages.
 
 use crate::data::values::Condition;
 use serde::{Deserialize, Serialize};
@@ -16,13 +16,13 @@ pub struct Verify {
     pub relaxed: Vec<String>,
     /// Whether a question after a refusal shows the refused action on the picture; for a vision model's stage.
     pub with_picture: bool,
-    /// What comes of a step whose last answer was refused or could not be read.
+    /// What happens after a step whose last answer was rejected or unreadable.
     pub exhausted: Exhausted,
-    /// What a step's result must be like, where the task looks at it.
+    /// The condition on a step's result, if the task states one.
     pub result: Option<ResultCheck>,
 }
 
-/// What the result of a step must be like, or the step is asked again.
+/// The condition on a step's result; if it fails, the model is asked again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResultCheck {
     /// The cloth's silhouette and that of the next subgoal, brought to the same place, must overlap by more than this:
@@ -37,7 +37,7 @@ pub struct ResultCheck {
 /// The text in which the message of a [`ResultCheck`] finds the overlap, in percent.
 pub const OVERLAP: &str = "overlap";
 
-/// What comes of a step without an answer that may run.
+/// What happens after a step without an accepted answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Exhausted {
@@ -52,7 +52,7 @@ pub enum Exhausted {
 pub struct Check {
     /// Its name in the task and in the journal.
     pub name: String,
-    /// When it is asked at all; always, where there is none.
+    /// When the check applies; always if None.
     pub when: Option<Condition>,
     /// What must hold.
     pub holds: Condition,

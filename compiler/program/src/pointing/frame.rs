@@ -40,7 +40,7 @@ impl CoordinateUnit {
     }
 }
 
-/// Which coordinate comes first; it also decides the brackets, so that neither can be taken for the other.
+/// Which coordinate comes first. Each order has its own brackets, so the two cannot be confused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Order {

@@ -50,7 +50,7 @@ pub fn placeholder(variable: &str) -> String {
     format!("{{{{ {variable} }}}}")
 }
 
-/// Writes words so that they stand for themselves, whatever follows them.
+/// Escapes words so that they render to themselves in any place of a template.
 pub fn escaped(words: &str) -> String {
     let mut jinja = Jinja::default();
     jinja.literal(words);

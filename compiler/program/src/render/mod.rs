@@ -34,17 +34,17 @@ const FUEL: u64 = 1_000_000;
 /// The longest text that a template may become, bytes.
 const MAX_BYTES: usize = 1 << 20;
 
-/// What stands between two texts of a message.
+/// Separates two texts of a message.
 pub const SEPARATOR: &str = "\n\n";
 
 /// Where the values of a text come from.
 #[derive(Clone, Copy)]
 pub enum Values<'a> {
-    /// From what is known.
+    /// From the facts.
     Known(Facts<'a>),
-    /// From what is known; what is not stands as in [`Values::Typed`].
+    /// From the facts; missing values appear as in [`Values::Typed`].
     Partly(Facts<'a>),
-    /// From nowhere: each stands as words in angle brackets that say what it would be.
+    /// Without facts: each value appears as a description in angle brackets.
     ///
     /// Texts that stand under a condition are shown, since some scene would show them.
     Typed,
@@ -211,7 +211,7 @@ fn shows_points(program: &Program, templates: &[&Template]) -> bool {
     shown.any(|variable| placeholders::has_points(program, &variable.value))
 }
 
-/// What is said of pictures of the scene, where points are numbered.
+/// What a prompt says about pictures of the scene if points are numbered.
 pub const NUMBERED_POINTS: &str =
     "The numbers in the picture of the scene are those of the listed points.";
 
@@ -366,7 +366,7 @@ pub enum RenderError {
         /// Its name.
         name: String,
     },
-    /// The template cannot be rendered; the compiler emits none such.
+    /// The template cannot be rendered; the compiler never emits such a template.
     BadTemplate {
         /// The template.
         template: String,

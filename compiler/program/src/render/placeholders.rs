@@ -1,4 +1,4 @@
-//! Values as texts.
+//! Writes the value of each placeholder as text.
 
 use crate::data::actions::{ActionField, Choices, Value};
 use crate::data::placeholders::{NumberFormat, Placeholder};
@@ -15,7 +15,7 @@ use crate::space;
 /// How a length in pixels ends.
 const PIXELS: &str = " px";
 
-/// Writes what is known.
+/// Writes a placeholder's value from the facts.
 pub(super) fn known(
     program: &Program,
     facts: Facts<'_>,
@@ -88,7 +88,7 @@ pub(super) fn unreachable(scene: &dyn SceneView, notation: &Notation) -> String 
     }
 }
 
-/// Writes what depends on nothing but how points are written.
+/// Writes the value of a placeholder that depends on nothing except how points are written; None for the others.
 pub fn constant(program: &Program, pointing: &Pointing, shown: &Placeholder) -> Option<String> {
     match shown {
         Placeholder::Format => Some(space::format_with(pointing.form(), &program.actions)),
@@ -115,7 +115,7 @@ pub(super) fn has_points(program: &Program, shown: &Placeholder) -> bool {
     }
 }
 
-/// Says what would stand there.
+/// Describes a placeholder's value in angle brackets.
 pub(super) fn typed(program: &Program, name: &str, shown: &Placeholder) -> String {
     if let Some(text) = constant(program, &Pointing::of_camera(&program.camera), shown) {
         return text;

@@ -135,7 +135,7 @@ pub(super) fn is_ordinal(text: &str) -> bool {
     ["st", "nd", "rd", "th"].contains(&word)
 }
 
-/// Reads the unit beside a field's name, `(degrees)`, `[mm]`, `in deg`; where there is none the cursor does not move.
+/// Reads the unit beside a field's name, `(degrees)`, `[mm]`, `in deg`; otherwise the cursor does not move.
 pub(super) fn hint(cursor: &mut Cursor<'_>) -> Option<AnswerUnit> {
     let start = *cursor;
     skip_decoration(cursor);

@@ -1,7 +1,7 @@
 //! Decides which choice a stated number is.
 //!
-//! In: a field's directions or lengths, and a quantity. Out: the choice that it is, or the number as it is
-//! stated where it is none, which [`crate::verify`] refuses by name. A number that can be two things is neither.
+//! In: a field's directions or lengths, and a quantity. Out: the choice that it matches. A number that matches no choice
+//! is returned as stated, and [`crate::verify`] rejects it; a number that can mean two choices is an error.
 
 use super::expression::Quantity;
 use super::number::{AnswerUnit, Decimals};
@@ -26,7 +26,7 @@ const MAX_BARE_RAD: f64 = 6.29;
 /// The largest multiple of pi that a number without a unit can mean.
 const MAX_BARE_PI: f64 = 2.0;
 
-/// What is read, what the program says about it, and what stands around it.
+/// The field that is read, and what its surroundings say about its value.
 #[derive(Clone, Copy)]
 pub(super) struct Expected<'a> {
     /// The field that is stated.

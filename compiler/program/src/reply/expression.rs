@@ -1,7 +1,6 @@
 //! Reads a number with what people put around it: fractions, multiples of pi, units.
 //!
-//! In: a cursor. Out: a number, whether it is multiplied by pi, and its unit; what it is for is decided
-//! elsewhere. Numbers are finite and of bounded size, products short, brackets shallow.
+//! In: a cursor. Out: a number, whether it is multiplied by pi, and its unit. [`super::choice`] decides what it means. Numbers are finite and of bounded size, products short, brackets shallow.
 
 use super::cursor::{Cursor, decorates};
 use super::number::{AnswerUnit, Decimals, MAX_NUMBER, blanks, eat_any, number, unit};
@@ -42,10 +41,10 @@ struct Product {
     decimals: Decimals,
 }
 
-/// Why a product cannot be read; none: there is none.
+/// Why a product cannot be read; None if there is no product at all.
 type Failure = Option<String>;
 
-/// Reads a number with its unit and moves behind it; where there is none the cursor does not move.
+/// Reads a number with its unit and moves behind it; otherwise the cursor does not move.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Parsed {
     let start = *cursor;
     let mut product = Product {

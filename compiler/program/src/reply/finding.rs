@@ -1,4 +1,4 @@
-//! What stands where a value of a field is expected, and how clearly it is stated.
+//! The result of looking for a field's value at one place of an answer, and how clearly it is stated there.
 
 use crate::data::actions::Value;
 

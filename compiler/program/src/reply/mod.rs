@@ -1,8 +1,8 @@
-//! Reads the answers of models, as the task's declarations say.
+//! Reads the answers of models by the task's declarations.
 //!
-//! In: an answer. Out: what it says, with every tolerated deviation named, or what is wrong with it in
-//! words for the model. An answer that states one thing in two ways is never guessed at. Whether the
-//! values are allowed is judged by [`crate::verify`].
+//! In: an answer. Out: its values, with every tolerated deviation named, or a message to the model about what is wrong.
+//! An answer that contradicts itself is rejected, never guessed at. [`crate::verify`] decides whether the values are
+//! allowed.
 
 mod action;
 mod around;

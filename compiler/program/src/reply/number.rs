@@ -23,9 +23,9 @@ pub(super) enum Decimals {
 pub(super) enum AnswerUnit {
     /// A unit of the language.
     Of(&'static Unit),
-    /// Hundredths, it is not said of what.
+    /// Percent of something that is not named.
     Percent,
-    /// Hundredths of the cloth's longer side.
+    /// Percent of the cloth's longer side.
     PercentOfEdge,
 }
 
@@ -91,7 +91,7 @@ pub(super) fn number(cursor: &mut Cursor<'_>) -> Result<(f64, Decimals), Option<
     Ok((value, decimals))
 }
 
-/// Reads a unit, with what may stand before it; where there is none the cursor does not move.
+/// Reads a unit and the blanks before it; without a unit the cursor does not move.
 pub(super) fn unit(cursor: &mut Cursor<'_>) -> Option<AnswerUnit> {
     let start = *cursor;
     cursor.skip(|character| matches!(character, ' ' | '\t' | '\u{a0}' | '\u{202f}' | '\\' | '$'));
@@ -139,7 +139,7 @@ fn named(cursor: &mut Cursor<'_>) -> Option<&'static Unit> {
     Some(unit)
 }
 
-/// Reads `edge`, `edges`, `of the edge`, `* edge length`; where there is none the cursor does not move.
+/// Reads `edge`, `edges`, `of the edge`, `* edge length`; otherwise the cursor does not move.
 fn of_edge(cursor: &mut Cursor<'_>) -> bool {
     let start = *cursor;
     blanks(cursor);

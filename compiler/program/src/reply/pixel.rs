@@ -41,7 +41,7 @@ pub(super) enum Brackets {
     Optional,
 }
 
-/// Reads a pixel and moves behind it; where there is none the cursor does not move.
+/// Reads a pixel and moves behind it; otherwise the cursor does not move.
 pub(super) fn read(cursor: &mut Cursor<'_>, notation: &Notation, brackets: Brackets) -> PixelFound {
     let start = *cursor;
     let closing = opened(cursor);

@@ -1,4 +1,4 @@
-//! What is read from an answer, or what is wrong with it, in words for the model.
+//! The result of reading an answer: a value with its repairs, or a message to the model.
 
 /// The longest answer that is read, bytes.
 pub const MAX_REPLY_BYTES: usize = 64 << 10;
@@ -6,21 +6,21 @@ pub const MAX_REPLY_BYTES: usize = 64 << 10;
 /// The longest text that is taken from an answer, characters.
 pub const MAX_TEXT_CHARS: usize = 2_000;
 
-/// What was read, and what had to be tolerated.
+/// A value that was read, and the deviations that were tolerated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reading<T> {
-    /// What the answer says.
+    /// The value.
     pub value: T,
-    /// Each deviation from the asked format, in words; empty where there is none.
+    /// Each deviation from the requested format, in words; empty if there is none.
     pub repairs: Vec<String>,
 }
 
 /// Why an answer cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Malformed {
-    /// What was looked for: a field of the action, or the words before a text.
+    /// What was missing or unclear: a field of the action, or the words before a text.
     pub field: String,
-    /// What the model is told: what is missing or ambiguous, and the format that is wanted.
+    /// The message to the model: what is missing or ambiguous, and the requested format.
     pub message: String,
 }
 

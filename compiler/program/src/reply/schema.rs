@@ -63,7 +63,7 @@ fn object(program: &Program, property: impl Fn(&ActionField) -> Json) -> Json {
     })
 }
 
-/// Accepts whatever is written as a point.
+/// Accepts everything that is written as a point.
 fn any_point(notation: &Notation, field: &ActionField) -> Json {
     let pattern = if notation.is_native() {
         POINT

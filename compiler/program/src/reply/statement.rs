@@ -53,7 +53,7 @@ pub(super) struct Statement<'t> {
     pub note: Option<String>,
 }
 
-/// Reads the statement that begins with a field's name; None where there is none, and why not where it is a wrong one.
+/// Reads the statement that begins with a field's name: None without a statement, an error for a wrong one.
 pub(super) fn statement_at<'t>(
     scale: Scale<'_>,
     field: &ActionField,

@@ -137,7 +137,7 @@ fn skip_bullet(cursor: &mut Cursor<'_>) {
     }
 }
 
-/// Moves over words, whatever their case, spacing and markdown; returns whether they stand there exactly.
+/// Moves over words in any case, spacing and markdown; returns whether they are written exactly so.
 fn eat_words(cursor: &mut Cursor<'_>, words: &str) -> Option<bool> {
     let start = *cursor;
     let mut is_exact = true;

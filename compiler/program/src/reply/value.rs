@@ -1,7 +1,7 @@
 //! Reads the value of a field that is a direction, a length or a word, where one is expected.
 //!
 //! In: a cursor behind the field's name, in a text that ends where another field is named. Out: the value,
-//! or why there is none. What stands behind a value is looked at too: `45 deg or 90 deg` states neither.
+//! or why there is none. Text after a value counts too: `45 deg or 90 deg` states neither.
 
 use super::around::{CHANGING, Link, is_ordinal, is_short, link, list_number, skip_leading};
 use super::choice::{Expected, Resolved, TextEnd, resolve};

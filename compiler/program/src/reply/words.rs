@@ -48,7 +48,7 @@ const SIDES: [(&str, f64); 32] = [
     ("eastward", 0.0),
 ];
 
-/// Reads a direction in words, `up`, `top-left`, `left and up`; degrees. Where there is none the cursor does not move.
+/// Reads a direction in words, `up`, `top-left`, `left and up`; degrees. Otherwise the cursor does not move.
 pub(super) fn side(cursor: &mut Cursor<'_>) -> Option<f64> {
     let first = one_side(cursor)?;
     let behind = *cursor;
