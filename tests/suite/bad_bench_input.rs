@@ -125,7 +125,7 @@ fn wrong_suites_are_named_with_the_line() {
             "sides = [28]",
             "sides = [900]",
             1,
-            "right would be from 2 to",
+            "accepted are 2 to",
         ),
     ];
     for (from, to, code, wanted) in cases {

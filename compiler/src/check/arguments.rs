@@ -183,9 +183,9 @@ fn surplus(
             end: span.start,
             ..span
         };
-        let message = "decimals stand behind a point, not a comma";
+        let message = "decimals follow a point, not a comma";
         return Diagnostic::new(Code::WrongArguments, comma, message)
-            .help("write `.`, or a blank behind the comma if these are two numbers");
+            .help("write `.`, or a space after the comma if these are two numbers");
     }
     let places = signature
         .args
