@@ -1,4 +1,4 @@
-//! The proof that an action space is consistent: none of what is well-formed is refused, and what is planted is found.
+//! The proof that an action space is consistent: well-formed spaces pass, and planted contradictions are found.
 
 #![allow(clippy::unwrap_used)]
 

@@ -766,7 +766,7 @@ pub(super) fn measure<'a>(
         .and_then(|area_m2| Ok(area_m2 * px_per_m? * px_per_m?));
     match MEASURES[row].measure(&args, flat_px.ok()) {
         Some(measure) => Ok(measure),
-        // There is no flat cloth to compare with only if cloth or camera are wrong.
+        // Only a broken cloth or camera leaves no flat cloth to compare with.
         None => Err(flat_px
             .err()
             .unwrap_or_else(|| context.unknown("measure", call.name(), []))),
