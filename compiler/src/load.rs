@@ -308,7 +308,7 @@ impl Reading<'_> {
             Err(error) => {
                 let diagnostic = Diagnostic::new(Code::UnreadableUse, span, error.message);
                 Err(self.report.error(diagnostic.help(format!(
-                    "paths are relative to the file that they stand in: this one is `{name}`"
+                    "paths are relative to the file that contains them: this one is `{name}`"
                 ))))
             }
         }

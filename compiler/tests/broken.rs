@@ -1,4 +1,4 @@
-//! Whatever declaration of a shipped task is broken, there is an error, and never a smaller program.
+//! Breaking any declaration of a shipped task gives an error, and never a smaller program.
 
 #![allow(clippy::unwrap_used)]
 

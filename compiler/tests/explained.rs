@@ -1,4 +1,4 @@
-//! What is explained is true: examples show their code, and the pages of the book are those that are made from them.
+//! Explanations are true: examples have their code, and the pages of the book are generated from them.
 
 #![allow(clippy::unwrap_used)]
 

@@ -202,7 +202,7 @@ fn a_child_inherits_replaces_overrides_and_leaves_out() {
     let bare = &programs[1];
     assert!(
         bare.template("role").is_none() && bare.stages[1].system.is_empty(),
-        "what is left out is said nowhere"
+        "a component that is left out is never used"
     );
 }
 

@@ -1,4 +1,4 @@
-//! The proof that an action space is consistent: none of what is well-formed is refused, and what is planted is found.
+//! The proof that an action space is consistent: well-formed spaces pass, and planted contradictions are found.
 
 #![allow(clippy::unwrap_used)]
 
@@ -93,7 +93,7 @@ fn numbers_that_contradict_their_other_form_are_flaws() {
         unreachable!("it was declared so")
     };
     choices[1].vector = [0.0, 1.0];
-    assert!(only(&program).message.contains("leads elsewhere"));
+    assert!(only(&program).message.contains("points elsewhere"));
 
     let mut program = with(&["distance lengths edge 0.25 0.5"]);
     let Choices::Lengths { choices, .. } = &mut program.actions[1].choices else {
@@ -107,9 +107,9 @@ fn numbers_that_contradict_their_other_form_are_flaws() {
         ("direction directions 10 359.99999", "is read as `0 deg`"),
         ("direction directions 0 359.99999", "is read as `0 deg`"),
         ("direction directions 0 NaN", "between 0 and 360"),
-        ("distance lengths mm 5 -1", "no length"),
-        ("distance lengths mm 5 1e7", "no length"),
-        ("distance lengths mm 5 inf", "no length"),
+        ("distance lengths mm 5 -1", "not a length"),
+        ("distance lengths mm 5 1e7", "not a length"),
+        ("distance lengths mm 5 inf", "not a length"),
     ] {
         let flaws = proof::flaws(&with(&[line]));
         let is_told = |flaw: &Flaw| flaw.message.contains(why);

@@ -70,7 +70,8 @@ pub fn declared(field: &ActionField) -> Vec<Value> {
     }
 }
 
-/// Writes a value as prompts list it and answers state it; a point in pixels, see [`crate::pointing::Notation`] for other frames.
+/// Writes a value as prompts list it and answers state it. Points are in pixels;
+/// [`Notation`](crate::pointing::Notation) writes other frames.
 pub fn text(field: &ActionField, value: &Value) -> String {
     match value {
         Value::Point(point) => point.to_string(),

@@ -197,7 +197,7 @@ fn offers(
         kind.noun()
     );
     let diagnostic = Diagnostic::new(Code::MixedChoices, span, message);
-    Err(context.error(diagnostic.help(format!("write such as `{}`", row.example))))
+    Err(context.error(diagnostic.help(format!("write, for example, `{}`", row.example))))
 }
 
 // ---- choices by kind -----------------------------------------------------------------------------
@@ -303,7 +303,7 @@ fn length<'a>(
         };
         let diagnostic = context.unexpected(code, choice, EXPECTED);
         let diagnostic = diagnostic.label(format!("this is {}", noun(found.dimension)));
-        let help = "the arm moves over the table: write such as `0.25edge` or `50mm`";
+        let help = "the arm moves over the table: write, for example, `0.25edge` or `50mm`";
         return Err(context.error(diagnostic.help(help)));
     };
     if found.number <= 0.0 {
@@ -330,7 +330,7 @@ fn words<'a>(list: &[Expr<'a>], context: &mut Context<'a, '_>) -> Result<Choices
             _ => None,
         };
         let word = word.ok_or_else(|| {
-            let message = "a choice is a word without `{{ … }}`";
+            let message = "a choice cannot contain `{{ … }}`";
             context.fault(Code::EmptyText, choice.span(), message)
         })?;
         Ok((word.to_lowercase(), word))

@@ -21,12 +21,15 @@ pub(crate) fn form<'s>(
     rows: impl Iterator<Item = &'s Signature>,
 ) -> Option<(usize, &'s Signature)> {
     let n_given = call.arguments().count();
+    let labels = || call.arguments().filter_map(|argument| argument.label());
     let fit = |signature: &Signature| {
-        let labels = call.arguments().filter_map(|argument| argument.label());
-        let known = labels
-            .filter(|label| parameter(signature, label.text()).is_some())
-            .count();
-        (known, n_given == 0 && signature.args.is_empty())
+        let is_known = |label: &Name<'_>| parameter(signature, label.text()).is_some();
+        let takes_labels = signature.args.iter().any(|arg| arg.place == Place::Named);
+        (
+            labels().filter(is_known).count(),
+            labels().next().is_some() && takes_labels,
+            n_given == 0 && signature.args.is_empty(),
+        )
     };
     let named = rows
         .enumerate()
@@ -183,9 +186,9 @@ fn surplus(
             end: span.start,
             ..span
         };
-        let message = "decimals stand behind a point, not a comma";
+        let message = "decimals follow a point, not a comma";
         return Diagnostic::new(Code::WrongArguments, comma, message)
-            .help("write `.`, or a blank behind the comma if these are two numbers");
+            .help("write `.`, or a space after the comma if these are two numbers");
     }
     let places = signature
         .args

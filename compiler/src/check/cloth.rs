@@ -34,7 +34,7 @@ pub(crate) fn cloth<'a>(
     for ((_, value), (_, expr)) in args.0.iter().zip(&bound) {
         // `edge` is the only unit without a size before the cloth is known.
         if matches!(value, ArgValue::Number(number) if number.is_nan()) {
-            let message = "a side of the cloth is counted in the cloth's own side";
+            let message = "a side of the cloth cannot be given in `edge`, the cloth's own side";
             let diagnostic = Diagnostic::new(Code::WrongQuantity, expr.span(), message);
             return Err(context.error(diagnostic.help("write a length such as `250mm`")));
         }
@@ -78,9 +78,9 @@ fn replaced(
             ..declared
         });
     }
-    let message = format!("the start has {dimx} by {dimy} particles in this cloth's place");
+    let message = format!("the start's cloth has {dimx} by {dimy} particles");
     let diagnostic = Diagnostic::new(Code::OutOfRange, statement.value().span(), message);
-    let help = format!("right would be from {least} to {most} particles on each side");
+    let help = format!("accepted are {least} to {most} particles on each side");
     Err(context.error(diagnostic.help(help)))
 }
 
@@ -103,7 +103,7 @@ fn rounded(
         return;
     }
     let message = format!(
-        "the cloth has {dimx} by {dimy} particles and so sides of {}mm and {}mm",
+        "the cloth has {dimx} by {dimy} particles, so its sides are {}mm and {}mm",
         side_mm(dimx),
         side_mm(dimy)
     );

@@ -11,7 +11,8 @@ use fab_grammar::ast::{Compare, Expr, Name, Within};
 use fab_program::exact::cos_deg;
 use fab_program::{Choices, Comparison, Condition, KeypointShape, Length, Number};
 
-const FORMS: &str = "write such as `distance(pick, place) > 10px` or `pick within 8px of cloth`";
+const FORMS: &str =
+    "write, for example, `distance(pick, place) > 10px` or `pick within 8px of cloth`";
 
 /// Builds a condition.
 pub(crate) fn check<'a>(
@@ -85,7 +86,7 @@ fn compare<'a>(compare: Compare<'a>, context: &mut Context<'a, '_>) -> Result<Co
         && context.names.get(word.text()).is_none()
     {
         let (span, word) = (word.span(), word.text());
-        let message = format!("`{field}` is compared with `{word}`, which is no text in quotes");
+        let message = format!("`{field}` is compared with `{word}`, which is not a text in quotes");
         let diagnostic = Diagnostic::new(Code::WrongExpression, span, message);
         let quoted = format!("\"{word}\"");
         return Err(context.error(

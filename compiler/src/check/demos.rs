@@ -35,10 +35,10 @@ pub(crate) fn check<'a>(
         };
         let message = format!("the stage `{}` {lacks}", stage.name);
         let diagnostic = Diagnostic::new(Code::WrongForm, part.stage().span(), message);
-        return Err(context.error(
-            diagnostic
-                .help("demonstrations are told to a stage of words alone that reads the action"),
-        ));
+        return Err(context
+            .error(diagnostic.help(
+                "demonstrations go to a stage that shows no pictures and reads the action",
+            )));
     }
     Ok(Some(Demos {
         stage: stage.name.clone(),

@@ -150,7 +150,7 @@ fn words(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<LiteralText, R
 /// Returns a text, which may not have placeholders.
 pub(super) fn plain(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<String, Reported> {
     text.plain().ok_or_else(|| {
-        let message = "this text stands as it is and has no `{{ … }}`";
+        let message = "this text is used as it is and cannot contain `{{ … }}`";
         let diagnostic = Diagnostic::new(Code::BadExample, text.span(), message);
         context.error(diagnostic.help("write the values themselves"))
     })
@@ -176,7 +176,7 @@ fn answer(
     let Some(why) = refused else {
         return Ok(answer);
     };
-    let message = "the answer of this example is not one that the stage accepts";
+    let message = "the stage does not accept the answer of this example";
     let diagnostic = Diagnostic::new(Code::BadExample, reply.text().span(), message);
     Err(context.error(diagnostic.help(why)))
 }

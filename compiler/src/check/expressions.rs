@@ -266,7 +266,7 @@ pub(super) fn keypoint(
     if let Scope::Above(place) = scope {
         let found = context.keypoints.get(name.text());
         if found.is_none_or(|(found, _)| *found >= place) {
-            let message = format!("`{}` is declared only below", name.text());
+            let message = format!("`{}` is declared further down", name.text());
             let diagnostic = Diagnostic::new(Code::NotYetKnown, name.span(), message);
             return Err(context.error(diagnostic.help("an extractor uses keypoints above it")));
         }
@@ -354,7 +354,7 @@ pub(super) fn cloth_point<'a>(
             let signatures = CLOTH_POINTS.iter().map(|row| &row.signature);
             let Some(_) = form(call, signatures.clone()) else {
                 let name = call.name();
-                let message = format!("`{}` is no point of the cloth", name.text());
+                let message = format!("`{}` is not a point of the cloth", name.text());
                 let diagnostic = Diagnostic::new(Code::WrongForm, name.span(), message);
                 let near = nearest(name.text(), signatures.map(|row| row.name));
                 return Err(context.error(match near {
@@ -458,7 +458,7 @@ fn named_point(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<Point, R
             Some(_) => {
                 let message = format!("expected a point, found `{text}`");
                 let diagnostic = Diagnostic::new(Code::WrongKindOfName, name.span(), message);
-                Err(context.error(diagnostic.label("this field of the action is no point")))
+                Err(context.error(diagnostic.label("this field of the action is not a point")))
             }
             None => carried(name, context),
         },
@@ -719,7 +719,7 @@ pub(crate) fn operand<'a>(
         }
         Expr::Path(_) => point(expr, context).map(Operand::Point),
         Expr::Text(text) => text.plain().map(Operand::Word).ok_or_else(|| {
-            let message = "a word to compare with has no `{{ … }}`";
+            let message = "a word in a comparison cannot contain `{{ … }}`";
             context.fault(Code::WrongExpression, expr.span(), message)
         }),
         Expr::Call(call) => Ok(match measure(call, context)? {
@@ -744,7 +744,8 @@ pub(crate) fn operand<'a>(
         }),
         _ => {
             let diagnostic = context.unexpected(Code::WrongExpression, expr, "a value");
-            Err(context.error(diagnostic.help("write such as `distance(pick, place)` or `10px`")))
+            Err(context
+                .error(diagnostic.help("write, for example, `distance(pick, place)` or `10px`")))
         }
     }
 }
@@ -767,7 +768,7 @@ pub(super) fn measure<'a>(
         .and_then(|area_m2| Ok(area_m2 * px_per_m? * px_per_m?));
     match MEASURES[row].measure(&args, flat_px.ok()) {
         Some(measure) => Ok(measure),
-        // There is no flat cloth to compare with only if cloth or camera are wrong.
+        // Only a broken cloth or camera leaves no flat cloth to compare with.
         None => Err(flat_px
             .err()
             .unwrap_or_else(|| context.unknown("measure", call.name(), []))),

@@ -116,7 +116,7 @@ pub(crate) fn subgoals<'a>(
     let demonstrated = once(part.demonstrations(), "demonstrate", head, context.report);
     match (demonstrated, part.images().next()) {
         (Some(block), Some(image)) => {
-            let message = "the subgoals are demonstrated and brought as images";
+            let message = "the subgoals are both demonstrated and listed as images";
             let diagnostic = Diagnostic::new(Code::MixedSubgoals, image.span(), message);
             Err(context.error(
                 diagnostic

@@ -116,7 +116,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
 
 fn too_large(name: Name<'_>) -> Diagnostic {
     let message = format!(
-        "with `{}` the tasks come to more than {} MiB, counting what each inherits",
+        "with `{}` the tasks have more than {} MiB together, counting everything that each inherits",
         name.text(),
         MAX_INHERITED_BYTES >> 20
     );

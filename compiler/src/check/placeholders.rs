@@ -145,7 +145,7 @@ fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
         }
         let range = at..at + length + 2;
         let written = &source[range.clone()];
-        let message = format!("`{written}` stands for itself, not for the value `{name}`");
+        let message = format!("`{written}` is literal text, not the value `{name}`");
         let span = Span::new(span.file, span.start + range.start..span.start + range.end);
         let diagnostic = Diagnostic::new(Code::SingleBraces, span, message);
         context.remark(diagnostic.help(format!("write `{{{{ {name} }}}}` for the value")));

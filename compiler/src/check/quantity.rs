@@ -183,7 +183,7 @@ fn in_dimension<'a>(
         .label(format!("this is {found_noun}")),
         (Dimension::Pixels, Dimension::Length) if matches!(context.camera, Ok(Some(_))) => mixed()
             .help(format!(
-                "write `{written} in px` for what the camera makes of it, or {help}"
+                "write `{written} in px` for its length in the picture, or {help}"
             )),
         (Dimension::Length, Dimension::Pixels) => mixed().help(help),
         _ => new(
@@ -240,7 +240,7 @@ pub(super) fn no_conversion(
     let angles = of(|it| it == Dimension::Angle);
     context.error(
         Diagnostic::new(Code::NoConversion, target.span(), message).help(format!(
-            "behind `in` stand {lengths} for lengths, {angles} for angles, `percent` for fractions"
+            "after `in`, write {lengths} for lengths, {angles} for angles, `percent` for fractions"
         )),
     )
 }

@@ -417,7 +417,7 @@ impl<'a> Builder<'_, 'a> {
                 self.templates.push((name.text().to_owned(), Err(reported)));
             }
             if can_say && own.contains(&name.span()) {
-                let message = format!("the component `{}` is said nowhere", name.text());
+                let message = format!("the component `{}` is never used", name.text());
                 let diagnostic = Diagnostic::new(Code::SaidNowhere, name.span(), message);
                 let help = "name it in a stage's `say` or `system`, or remove it";
                 context.remark(diagnostic.help(help));
@@ -449,7 +449,7 @@ impl<'a> Builder<'_, 'a> {
         for layer in merged.annotate.into_iter().flat_map(|part| part.list()) {
             let name = layer.name().text();
             if matches!(context.layers.get(name), Some(Ok(_))) && !named.contains(name) {
-                let message = format!("the layer `{name}` is drawn and no prompt says what it is");
+                let message = format!("the layer `{name}` is drawn, but no prompt says what it is");
                 let diagnostic = Diagnostic::new(Code::LayerNotNamed, layer.name().span(), message);
                 let help = format!("write `{{{{ {name} }}}}` in a text of the stage that shows it");
                 context.error(diagnostic.help(help));
@@ -647,13 +647,17 @@ fn read(line: ast::Read<'_>, context: &mut Context<'_, '_>) -> Result<Read, Repo
             );
         }
         (_, None) => {
-            let message = format!("it is not said where `{name}` begins in the answer");
+            let message =
+                format!("the pattern is missing: nothing says where `{name}` begins in the answer");
             return refuse(line.span(), message);
         }
         (name, Some(pattern)) => (name.to_owned(), pattern),
     };
     let Some(written) = pattern.plain() else {
-        return refuse(pattern.span(), "a pattern has no `{{ … }}`".to_owned());
+        return refuse(
+            pattern.span(),
+            "a pattern cannot contain `{{ … }}`".to_owned(),
+        );
     };
     let Some((before, after)) = written.split_once(&hole) else {
         return refuse(pattern.span(), format!("the pattern has no `{hole}`"));

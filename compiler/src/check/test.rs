@@ -170,7 +170,7 @@ fn give<'a>(
             given.regions.push((text, rectangle(part, context)?));
         }
         (_, Some(Meaning::Keypoint(Some(Outline)))) => {
-            let message = "no check and no text depends on an outline";
+            let message = "no check or text depends on an outline";
             return Err(context.fault(Code::WrongKindOfName, name.span(), message));
         }
         (_, Some(Meaning::Keypoint(None))) => {
@@ -265,7 +265,11 @@ fn expect<'a>(
         )),
         "text" => match line.text() {
             Some(text) => plain(text, context).map(|text| Expect::Text { text }),
-            None => Err(mismatch(line, "it is not said which text is read", context)),
+            None => Err(mismatch(
+                line,
+                "the line does not say which text is read",
+                context,
+            )),
         },
         _ if !reads_action => Err(mismatch(
             line,
@@ -277,7 +281,7 @@ fn expect<'a>(
             Some(check) => reject(check, merged, context),
             None => Err(mismatch(
                 line,
-                "it is not said which check refuses",
+                "the line does not say which check refuses",
                 context,
             )),
         },

@@ -145,10 +145,10 @@ fn condition<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Condit
     if !condition.uses().reach {
         return Ok(condition);
     }
-    let message = "what is out of reach is no condition of a check";
+    let message = "`unreachable` cannot be a condition of a check";
     let diagnostic = Diagnostic::new(Code::WrongExpression, expr.span(), message);
     Err(context.error(diagnostic.help(
-        "such points are never offered; a component can speak of them: `component NAME when unreachable`",
+        "such points are never offered; a component can mention them: `component NAME when unreachable`",
     )))
 }
 
@@ -201,7 +201,7 @@ fn not_relaxed<'a>(name: Name<'a>, merged: &Merged<'a>, context: &mut Context<'a
     let new = |message: String| Diagnostic::new(Code::NothingToRemove, name.span(), message);
     if let Some(row) = given(name.text()) {
         let diagnostic = new(format!("`{}` cannot be left out", row.name));
-        return context.error(diagnostic.help(format!("{} cannot be carried out", row.refuses)));
+        return context.error(diagnostic.help(format!("{} cannot be executed", row.refuses)));
     }
     if let Some(reported) = context.names.hidden(name.text(), context.loaded) {
         return reported;

@@ -109,7 +109,7 @@ codes! {
 
     "F0002" UnreadableUse Error
     "a file that `use` names cannot be read"
-    "The path of `use \"…\"` is relative to the file that it stands in, with `/` between folders. The message says why the file cannot be read."
+    "The path of `use \"…\"` is relative to the file that contains it, with `/` between folders. The message says why the file cannot be read."
 
     "F0003" CircularUse Error
     "files use each other in a circle"
@@ -121,7 +121,7 @@ codes! {
 
     "F0005" BadPath Error
     "a path is not of the right form"
-    "Paths are relative, with `/` between folders, without `{{ … }}`, and not empty. They stay in the folder of the first file and in those below. So a task works on every machine and for every user, and reads nothing else."
+    "Paths are relative, with `/` between folders, without `{{ … }}`, and not empty. They stay in the folder of the first file and in those below. This way a task works on every machine, and reads no other files."
 
     "F0101" Unexpected Error
     "something else belongs here"
@@ -133,7 +133,7 @@ codes! {
 
     "F0103" MissingBrace Error
     "a brace is missing"
-    "Blocks open with `{` and close with `}`. For a missing `}` the mark is on the `{` that stays open."
+    "Blocks open with `{` and close with `}`. For a missing `}` the message marks the `{` that is still open."
 
     "F0104" StrayBrace Error
     "a `}` closes nothing"
@@ -153,11 +153,11 @@ codes! {
 
     "F0108" UnclosedText Error
     "a text does not end"
-    "A text between `\"` ends on its own line; a longer one stands between `\"\"\"` and `\"\"\"`."
+    "A text between `\"` ends on the same line; a longer one is written between `\"\"\"` and `\"\"\"`."
 
     "F0109" WrongQuotes Error
     "quotes are not of the right kind"
-    "Texts stand between straight double quotes `\"`. Word processors put curved ones instead."
+    "Texts stand between straight double quotes `\"`. Word processors replace them with curved ones."
 
     "F0110" BadEscape Error
     "a backslash escapes nothing"
@@ -181,7 +181,7 @@ codes! {
 
     "F0202" MissingUnit Error
     "a number has no unit"
-    "Every length and angle states its unit, so that nobody has to guess."
+    "Every length and angle states its unit, so nobody has to guess."
 
     "F0203" WrongQuantity Error
     "a quantity is of the wrong kind"
@@ -205,11 +205,11 @@ codes! {
 
     "F0208" Rounded Note
     "a side is rounded to whole particles"
-    "A cloth is a grid of particles 6.25 mm apart, so that its sides are multiples of that. `grid(55, 44)` is exact."
+    "A cloth is a grid of particles 6.25 mm apart, so its sides are multiples of that. `grid(55, 44)` is exact."
 
     "F0209" CameraSeesTooLittle Warning
     "the cloth does not fit into the picture"
-    "The picture's side on the table is twice the height times the tangent of half the field of view. What lies outside is neither seen nor picked."
+    "The picture's side on the table is twice the height times the tangent of half the field of view. Anything outside is neither seen nor picked."
 
     "F0210" MaskSeesTable Warning
     "a mask reaches the table"
@@ -217,11 +217,11 @@ codes! {
 
     "F0211" MixedFrames Error
     "two frames are mixed"
-    "Pixels belong to a picture, millimetres to the table. Convert one side: `20mm in px` is what the camera sees of 20mm on the table, `distance(pick, place) in mm` what the table has under that distance in the picture. `edge` counts the longer side of the cloth and is a length on the table."
+    "Pixels belong to a picture, millimetres to the table. Convert one side: `20mm in px` is the length in the picture of 20 mm on the table; `distance(pick, place) in mm` is the length on the table that this distance in the picture covers. `edge` counts the longer side of the cloth and is a length on the table."
 
     "F0212" NoConversion Error
-    "a value cannot be converted so"
-    "Behind `in` stands a unit of the same kind: `mm`, `cm`, `m`, `edge` and `px` for lengths, `deg` and `rad` for angles, `percent` for fractions. The message names the value and the unit."
+    "a value cannot be converted to this unit"
+    "`in` is followed by a unit of the same kind: `mm`, `cm`, `m`, `edge` and `px` for lengths, `deg` and `rad` for angles, `percent` for fractions. The message names the value and the unit."
 
     "F0301" UnknownName Error
     "a name is unknown"
@@ -240,8 +240,8 @@ codes! {
     "Stages run in order: what one reads is known to the stages after it. Action fields are known only in the messages of checks. An extractor uses only keypoints above it."
 
     "F0305" NeedsLast Error
-    "the action before is not known in the first step"
-    "`last.pick` and `last.place` are where the action before this one was carried out, and the first step has none. Say the component or ask the check only `when last`."
+    "the previous action is not known in the first step"
+    "`last.pick` and `last.place` are the points of the previous action, and the first step has none. Use the component or the check only `when last`."
 
     "F0401" CircularExtends Error
     "tasks extend each other in a circle"
@@ -249,7 +249,7 @@ codes! {
 
     "F0402" ExtendsTooDeep Error
     "too many tasks extend each other"
-    "A task may have at most 16 others below it."
+    "A task may extend at most 16 others, one through another."
 
     "F0403" Repeated Error
     "something is stated twice"
@@ -257,11 +257,11 @@ codes! {
 
     "F0404" NothingToOverride Error
     "there is nothing to override"
-    "`override component` replaces the text of a component, and `override check` a check, that an extended task declares. A task that states a `verify` of its own inherits no checks."
+    "`override component` replaces the text of a component that an extended task declares; `override check` replaces one of its checks. A task with its own `verify` inherits no checks."
 
     "F0405" NothingToRemove Error
     "there is nothing to leave out"
-    "`without component` leaves out a component that an extended task declares, wherever it is said; `without check` leaves out a check of its `verify`."
+    "`without component` leaves out a component that an extended task declares, in every stage; `without check` leaves out a check of its `verify`."
 
     "F0406" NotMarkedAsOverride Error
     "a component replaces another one silently"
@@ -277,7 +277,7 @@ codes! {
 
     "F0409" TasksTooLarge Error
     "the tasks of a compilation are too large together"
-    "Each task and each variant is checked with everything that it inherits. What all of them inherit may come to 64 MiB. Extend smaller tasks, or compile the files one by one."
+    "Each task and each variant is checked with everything that it inherits. Together they may inherit at most 64 MiB. Extend smaller tasks, or compile the files one by one."
 
     "F0501" NoFolds Error
     "there are no folds"
@@ -293,7 +293,7 @@ codes! {
 
     "F0504" HorizonTooLong Error
     "there are more steps than subgoals"
-    "Each step shows the subgoal before and after it, so a rollout has at most as many steps as the subgoals show."
+    "Each step shows the subgoals before and after it, so a rollout cannot have more steps than the subgoals show."
 
     "F0505" HorizonTooShort Warning
     "the last subgoals are never reached"
@@ -304,7 +304,7 @@ codes! {
     "Pick and place name the same point of the cloth."
 
     "F0507" MixedSubgoals Error
-    "subgoals are both demonstrated and brought"
+    "subgoals are both demonstrated and listed as images"
     "Either `demonstrate` the folds once, or list an `image` for each subgoal."
 
     "F0508" GoalMetAtStart Warning
@@ -312,12 +312,12 @@ codes! {
     "The goal is reached before anything is done, so a rollout that does nothing counts as a success. The message says what the untouched cloth scores. For folds that is the score of an ideal sheet of paper, an estimate."
 
     "F0509" NoHorizon Error
-    "it is not said how many steps there are"
+    "a task does not state its number of steps"
     "A task without subgoals has no steps to count, so it states a `horizon`."
 
     "F0601" SaidNowhere Warning
-    "a component is said nowhere"
-    "No stage's `say` or `system` names it, so that no model ever reads it."
+    "a component is never used"
+    "No stage names it in `say` or `system`, so no model ever reads it."
 
     "F0602" StageIncomplete Error
     "a stage lacks a part"
@@ -341,11 +341,11 @@ codes! {
 
     "F0607" EmptyText Error
     "a text is empty"
-    "A component, a question and a message say something. To leave a component of an extended task out, write `without component`."
+    "A component, a question or a message needs some text. To leave out a component of an extended task, write `without component`."
 
     "F0608" BadExample Error
     "an example cannot be used"
-    "An example has one `say` and one `reply`, and the answer is one that the stage can read: what the model is shown is what is asked of it. The message says what is missing or cannot be read."
+    "An example has one `say` and one `reply`. The stage must be able to read the reply, because the example shows the model how to answer. The message says what is missing or cannot be read."
 
     "F0609" SingleBraces Warning
     "a value stands between single braces"
@@ -357,7 +357,7 @@ codes! {
 
     "F0702" UnknownField Error
     "an action has an unknown field"
-    "What moves the cloth is called `pick` and `place`, or `pick`, `direction` and `distance`. One of them is missing, and the marked field is spelt nearly like it."
+    "The fields that move the cloth are called `pick` and `place`, or `pick`, `direction` and `distance`. One of them is missing, and the name of the marked field is similar."
 
     "F0703" WrongExpression Error
     "an expression does not fit"
@@ -365,7 +365,7 @@ codes! {
 
     "F0704" MissingMessage Error
     "a check does not say why it refuses"
-    "After its condition a check has `else \"…\"`, which the model is told when it fails."
+    "A check ends with `else \"…\"`: the message for the model if the check fails."
 
     "F0705" MixedChoices Error
     "the choices of a field are of different kinds"
@@ -373,10 +373,10 @@ codes! {
 
     "F0706" Contradiction Error
     "the action space contradicts itself"
-    "What a prompt offers must be read back as the same value, and two choices must not be written alike. The compiler tries every choice; the message says which one fails. Rename it, or remove one of the two."
+    "A value that a prompt offers must be read back as the same value, and two choices must not be written alike. The compiler tries every choice; the message says which one fails. Rename it, or remove one of the two."
 
     "F0801" LayerNotNamed Error
-    "something is drawn and no prompt says what it is"
+    "something is drawn, but no prompt says what it is"
     "Each layer of `annotate` is named in a text of every stage that shows the annotated picture, such as `The corners are {{ corner_dots }}.`: a model has to know what the marks mean. Name it, or remove the layer."
 
     "F0802" LayerNotShown Error
@@ -384,12 +384,12 @@ codes! {
     "The text names a layer of `annotate`, and no picture of the stage is shown `with annotations`. Write `show scene with annotations`, or leave the name out."
 
     "F0803" NothingToDraw Error
-    "annotations are shown and none are declared"
-    "`show scene with annotations` draws the layers of `annotate`, and the task has none. Declare some, or write `show scene`."
+    "annotations are shown, but none are declared"
+    "`show scene with annotations` draws the layers of `annotate`, but the task has none. Declare some, or write `show scene`."
 
     "F0901" TestIncomplete Error
     "a test lacks a part"
-    "A test has a name in quotes, a `reply`, and one `expect`; what the scene shows and earlier stages read is `given`. The message says what is missing."
+    "A test has a name in quotes, a `reply`, and one `expect`; the points of the scene and the texts that earlier stages read are `given`. The message says what is missing."
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
         Problem::MissingName { after } => {
             Diagnostic::new(Code::MissingName, span, format!("`{after}` is not followed by a name"))
                 .label("expected a name")
-                .help("a name begins with a letter and has only letters without accents, digits and `_`; words of the language are no names")
+                .help("a name begins with a letter and has only letters without accents, digits and `_`; words of the language cannot be names")
         }
         Problem::Surplus { found } => {
             let diagnostic =

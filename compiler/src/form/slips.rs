@@ -65,8 +65,10 @@ pub(super) fn recognise(
         ";" => fault(span, "`;` ends nothing".to_owned())
             .help("remove it: a line needs no end")
             .edit(span, ""),
-        "/" if rest.starts_with("/*") => fault(sign("/*"), "`/*` begins no comment".to_owned())
-            .help("a comment begins with `#` and ends with its line"),
+        "/" if rest.starts_with("/*") => {
+            fault(sign("/*"), "`/*` does not begin a comment".to_owned())
+                .help("a comment begins with `#` and ends with its line")
+        }
         "True" | "False" | "None" | "true" | "false" | "none" if expected.is_empty() => {
             fault(span, format!("expected a condition, found `{found}`"))
                 .help("a condition says what it depends on; remove what always holds")
@@ -82,12 +84,11 @@ pub(super) fn recognise(
                     "0",
                 )
         }
-        "," if is_decimal_comma(before, &rest[1..]) => fault(
-            span,
-            "decimals stand behind a point, not a comma".to_owned(),
-        )
-        .help("write `.`")
-        .edit(span, "."),
+        "," if is_decimal_comma(before, &rest[1..]) => {
+            fault(span, "decimals follow a point, not a comma".to_owned())
+                .help("write `.`")
+                .edit(span, ".")
+        }
         _ if found.starts_with('_')
             && found[1..].bytes().all(|byte| byte.is_ascii_digit())
             && before.ends_with(|last: char| last.is_ascii_digit()) =>

@@ -2,7 +2,7 @@
 
 use fab_program::units::{self, Dimension, UNITS};
 
-/// What the choices of a field are.
+/// The kind of a field's choices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ChoiceKind {
     Points,
@@ -11,7 +11,7 @@ pub(crate) enum ChoiceKind {
     Words,
 }
 
-/// A field that moves the cloth; all others are kept and move nothing.
+/// A field that moves the cloth; other fields are only recorded.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FieldRow {
     pub name: &'static str,
@@ -50,13 +50,13 @@ pub(crate) const FIELDS: &[FieldRow] = &[
     },
 ];
 
-/// Returns the row of a field; nothing for one that moves nothing.
+/// Returns the row of a field; `None` for one that moves nothing.
 pub(crate) fn field(name: &str) -> Option<&'static FieldRow> {
     FIELDS.iter().find(|row| row.name == name)
 }
 
 impl ChoiceKind {
-    /// Returns the kind that a number with this unit is; spellings count, so that advice names the right unit.
+    /// Returns the kind of a number with this unit; misspelt units count, so that advice can correct them.
     pub fn of_unit(written: &str) -> ChoiceKind {
         let is_written =
             |unit: &&units::Unit| unit.name == written || unit.spellings.contains(&written);
@@ -78,7 +78,7 @@ impl ChoiceKind {
             .map_or("", |unit| unit.name)
     }
 
-    /// Returns what several choices of this kind are called.
+    /// Returns the plural noun for choices of this kind.
     pub fn noun(self) -> &'static str {
         match self {
             ChoiceKind::Points => "points",

@@ -42,7 +42,7 @@ const RADIUS: Kind = Kind::Whole(Range::new("a size", (1.0, "px"), (100.0, "px")
 const WIDTH: Kind = Kind::Whole(Range::new("a width", (1.0, "px"), (20.0, "px")));
 const SPACING: Kind = Kind::Whole(Range::new("a spacing", (1.0, "px"), (20.0, "px")));
 
-/// The points of a mark that is drawn at each of them; the layer's words are plural where they are several.
+/// The points at which a mark is drawn; prompts use the plural for several.
 pub(crate) const POINTS: Arg = Arg::rest("points", Kind::Spot, "where it is drawn");
 
 /// The colour, which every mark has.
@@ -80,7 +80,7 @@ const fn mark(
     }
 }
 
-/// The marks; a mark's name is what a prompt calls it.
+/// The marks; prompts use a mark's name.
 pub(crate) const MARKS: &[CallOf<Mark>] = &[
     mark(
         "dot",

@@ -15,7 +15,7 @@ pub(crate) const SPACING_M: f64 = 0.00625;
 /// Particles on a side; their number grows with the square.
 pub(crate) const PARTICLES: Range = Range::plain("a count of particles", 2.0, 200.0);
 
-/// A side between its least and its most particles.
+/// A side, from the fewest to the most particles.
 const SIDE: Kind = Kind::Quantity(Range::new("a side", (6.25, "mm"), (1243.75, "mm")));
 
 const STARTS: &[Word] = &[
@@ -265,7 +265,7 @@ pub(crate) const CLOTH_POINTS: &[CallOf<ClothPoint>] = &[
     },
 ];
 
-/// Returns the point of a corner's or a side's name: each word in it is one end of an axis, and without one its middle.
+/// Returns the point of a corner's or a side's name: each word in it is one end of an axis; without a word, the middle.
 fn side(name: &str) -> ClothPoint {
     let along = |least: &str, most: &str| {
         if name.contains(most) {
@@ -282,7 +282,7 @@ fn side(name: &str) -> ClothPoint {
     }
 }
 
-/// Returns a point's fractions; `center`, which belongs to the table, is refused before.
+/// Returns a point's fractions; `center`, which belongs to the table, was already refused.
 fn particle(point: ClothPoint) -> [f64; 2] {
     match point {
         ClothPoint::Particle { right, front } => [right, front],
@@ -290,7 +290,7 @@ fn particle(point: ClothPoint) -> [f64; 2] {
     }
 }
 
-/// Returns the least and the most particles on a side.
+/// Returns the fewest and the most particles on a side.
 pub(crate) fn particle_limits() -> [u32; 2] {
     [PARTICLES.from, PARTICLES.to].map(|end| base(end) as u32)
 }

@@ -1,21 +1,21 @@
-//! Rows of conditions: the words that are no calls, and the signs between two values.
+//! Rows of conditions: the words that are not calls, and the signs between two values.
 
 use fab_program::vocabulary::Range;
 use fab_program::{Comparison, Condition};
 
 // ---- words ---------------------------------------------------------------------------------------
 
-/// A word of conditions that is no call.
+/// A word of conditions that is not a call.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WordRow {
     pub name: &'static str,
-    /// The condition that it is by itself; none for one that is compared.
+    /// The condition that it is by itself; `None` for a value that is compared.
     pub condition: Option<fn() -> Condition>,
     /// What it says, one line.
     pub doc: &'static str,
 }
 
-/// The name of what is out of reach: a condition of components, and a value of texts.
+/// The word for points out of reach: a condition of components, and a value in texts.
 pub(crate) const UNREACHABLE: &str = "unreachable";
 
 /// The words.
@@ -50,14 +50,14 @@ pub(crate) struct SignRow {
     pub doc: &'static str,
 }
 
-/// What a sign says of two values.
+/// The meaning of a sign between two values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sign {
     /// Which is the larger.
     Order(Comparison),
-    /// They are the same; for words and whole numbers only.
+    /// They are equal; only for words and whole numbers.
     Same,
-    /// They differ; likewise.
+    /// They differ; only for words and whole numbers.
     Different,
 }
 
@@ -115,7 +115,7 @@ pub(crate) const SIGNS: &[SignRow] = &[
     ),
 ];
 
-/// Returns what a sign says; nothing for a misspelt one.
+/// Returns the meaning of a sign; `None` for a misspelt one.
 pub(crate) fn sign(written: &str) -> Option<Sign> {
     SIGNS
         .iter()

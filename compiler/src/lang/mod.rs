@@ -1,7 +1,7 @@
-//! What the language knows, one row for each word: the tables of which checks, messages, the reference and editors read.
+//! The tables of the language: one row for each word. Checks, messages, the reference and editors read them.
 //!
-//! Rows that make a part of the program's own data stand beside that data in `fab-program`: units, extractors, measures. The
-//! words that may begin a line stand in the grammar.
+//! Rows that make parts of the program stand beside those parts in `fab-program`: units, extractors, measures. The
+//! words that may begin a line are in the grammar.
 
 pub(crate) mod actions;
 pub(crate) mod annotate;

@@ -1,8 +1,8 @@
-//! Rows of `test`: what it gives beside keypoints and texts, and what it expects.
+//! Rows of `test`: the values that it gives besides keypoints and texts, and its expectations.
 
 use fab_program::vocabulary::{Range, Word};
 
-/// What a test may give beside the task's keypoints and texts.
+/// The values that a test may give besides the task's keypoints and texts.
 pub(crate) const GIVEN: &[Word] = &[
     Word {
         name: "last.pick",
@@ -21,7 +21,7 @@ pub(crate) const GIVEN: &[Word] = &[
 /// The number of a step.
 pub(crate) const STEP: Range = Range::plain("a step", 1.0, 100.0);
 
-/// What may come of an answer.
+/// The outcomes that a test may expect.
 pub(crate) const EXPECTATIONS: &[Word] = &[
     Word {
         name: "accept",

@@ -19,7 +19,7 @@ pub(crate) const ATTEMPTS: NumberRow = NumberRow {
     doc: "the most questions per stage and step; without it, `3`",
 };
 
-/// Questions per stage and step where none are stated: the paper's.
+/// Questions per stage and step if `attempts` is not stated: the paper's number.
 pub(crate) const DEFAULT_ATTEMPTS: f64 = 3.0;
 
 pub(crate) const OVERLAP: NumberRow = NumberRow {
@@ -34,13 +34,13 @@ pub(crate) const RETRIES: NumberRow = NumberRow {
     doc: "the most further actions of a step whose result is refused; without it, `1`",
 };
 
-/// Further actions of a step where none are stated.
+/// Further actions of a step if `retries` is not stated.
 pub(crate) const DEFAULT_RETRIES: f64 = 1.0;
 
 /// The numbers, in the order of the reference.
 pub(crate) const NUMBERS: [&NumberRow; 3] = [&ATTEMPTS, &OVERLAP, &RETRIES];
 
-/// A check that every task has, so that no other may have its name and none may leave it out.
+/// A check that every task has: no other check may have its name, and no task may leave it out.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GivenCheck {
     pub name: &'static str,

@@ -160,7 +160,7 @@ impl Change {
         match nearest(name.text(), inherited.iter().copied()) {
             Some(meant) => diagnostic.meant(name.span(), meant),
             None if inherited.is_empty() => diagnostic.help(format!(
-                "only {kind}s of an extended task can be meant; this one inherits none"
+                "only a {kind} of an extended task can be changed so; this task inherits none"
             )),
             None => diagnostic.help(format!("it inherits {}", among(inherited.iter().copied()))),
         }

@@ -32,7 +32,7 @@ pub(super) fn check(program: &Program, found: &mut Flaws) {
             .name
             .starts_with(|first: char| first.is_ascii_alphabetic());
         if !is_named || !field.name.chars().all(is_name) {
-            found.push(field, "", format!("`{}` is no name", field.name));
+            found.push(field, "", format!("`{}` is not a name", field.name));
             found.is_hopeless = true;
         }
         if program.actions[..index]
@@ -87,7 +87,7 @@ fn check_field(program: &Program, field: &ActionField, found: &mut Flaws) {
                     found.push(
                         field,
                         &text,
-                        format!("the vector of `{text} deg` leads elsewhere"),
+                        format!("the vector of `{text} deg` points elsewhere"),
                     );
                 }
             }
@@ -99,7 +99,7 @@ fn check_field(program: &Program, field: &ActionField, found: &mut Flaws) {
                     found.push(
                         field,
                         &text,
-                        format!("`{text}` is no length that can be read"),
+                        format!("`{text}` is not a length that can be read"),
                     );
                     continue;
                 }

@@ -256,7 +256,11 @@ impl<'a> Proof<'a> {
         for draw in [0, 1, 2, 12_345_678_901, u64::MAX] {
             let drawn = space::sample(self.program, self.scene, &mut |_| draw);
             if let Some((field, text)) = drawn.and_then(|drawn| self.unoffered(&drawn)) {
-                found.push(field, &text, format!("`{text}` is drawn, but not offered"));
+                found.push(
+                    field,
+                    &text,
+                    format!("`{text}` is sampled, but not offered"),
+                );
             }
         }
     }
