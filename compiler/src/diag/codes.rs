@@ -177,7 +177,7 @@ codes! {
 
     "F0201" UnknownUnit Error
     "a unit is unknown"
-    "Units are `mm`, `cm`, `m` (lengths on the table), `px` (lengths in a picture), `deg` and `rad` (angles) and `edge` (the cloth's longer side)."
+    "A number is followed by its unit, without a blank between them. Lengths on the table and in the picture, and angles, have units of their own; the message lists them all."
 
     "F0202" MissingUnit Error
     "a number has no unit"
