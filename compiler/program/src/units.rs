@@ -75,6 +75,14 @@ pub const UNITS: &[Unit] = &[
     ),
     DEG,
     RAD,
+    unit(
+        "turn",
+        Dimension::Angle,
+        2.0 * PI,
+        4,
+        &["turns"],
+        "whole turns",
+    ),
 ];
 
 /// The cloth's longer side.
