@@ -381,6 +381,15 @@ impl Args {
             .map(|(_, value)| value)
     }
 
+    /// Returns the names of an argument.
+    pub fn names(&self, name: &str) -> Vec<String> {
+        let named = |value: &ArgValue| match value {
+            ArgValue::Name(named) => named.clone(),
+            _ => panic!("{ROW}: `{name}`"),
+        };
+        self.all(name).map(named).collect()
+    }
+
     /// Returns the pixels of an argument.
     pub fn pixels(&self, name: &str) -> Vec<PixelPoint> {
         let pixel = |value: &ArgValue| match value {

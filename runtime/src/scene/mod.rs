@@ -8,6 +8,8 @@ mod extract;
 mod measured;
 mod reach;
 mod stages;
+#[cfg(test)]
+mod tests;
 
 pub use stages::StagePicture;
 
