@@ -4,6 +4,7 @@ use super::measured::measured;
 use super::{Found, Scene, SceneError};
 use crate::observation::Observation;
 use crate::vision::{self, CornerSearch, Located, Mask};
+use fab_program::data::keypoints::PictureSide;
 use fab_program::{Extractor, Inside, PixelPoint};
 use std::borrow::Cow;
 
@@ -45,6 +46,19 @@ impl Scene {
                 Found::Mask(vision::closed(self.mask(mask)?, *by_px))
             }
             Extractor::Largest { mask } => Found::Mask(vision::largest(self.mask(mask)?)),
+            Extractor::Union { masks } => {
+                let masks = masks.iter().map(|mask| self.mask(mask));
+                let masks = masks.collect::<Result<Vec<_>, _>>()?;
+                of_pixels(observation, |pixel| {
+                    masks.iter().any(|mask| mask.contains(pixel))
+                })
+            }
+            Extractor::Minus { mask, without } => {
+                let (mask, without) = (self.mask(mask)?, self.mask(without)?);
+                of_pixels(observation, |pixel| {
+                    mask.contains(pixel) && !without.contains(pixel)
+                })
+            }
             Extractor::Corners {
                 mask,
                 of,
@@ -119,6 +133,12 @@ impl Scene {
                 let moved = points.filter_map(|point| Some(moved(point.at, to?)));
                 Found::Points(moved.collect())
             }
+            Extractor::Outermost { points, side } => outermost(self.points_of(points), *side)
+                .map(Found::Point)
+                .ok_or_else(|| SceneError::NoCandidates {
+                    keypoint: points.clone(),
+                    measured: format!("; `{name}` is one of its points"),
+                })?,
             Extractor::Fixed { points } => {
                 Found::Points(points.iter().copied().map(Located::at_center_of).collect())
             }
@@ -143,4 +163,29 @@ impl Scene {
         }
         Ok(Found::Mask(mask))
     }
+}
+
+/// Collects the pixels of the picture for which `is_inside` holds.
+fn of_pixels(observation: &Observation, is_inside: impl Fn(PixelPoint) -> bool) -> Found {
+    let (width, height) = observation.rgb.dimensions();
+    Found::Mask(Mask::from_fn(width, height, |column, row| {
+        is_inside(PixelPoint::new(column as i32, row as i32))
+    }))
+}
+
+/// Returns the point that is nearest to a side of the picture; of several the first.
+fn outermost(points: &[Located], side: PictureSide) -> Option<Located> {
+    let inward = |point: &Located| match side {
+        PictureSide::Left => point.at[0],
+        PictureSide::Right => -point.at[0],
+        PictureSide::Top => point.at[1],
+        PictureSide::Bottom => -point.at[1],
+    };
+    points.iter().copied().reduce(|best, point| {
+        if inward(&point) < inward(&best) {
+            point
+        } else {
+            best
+        }
+    })
 }

@@ -73,6 +73,18 @@ pub enum Extractor {
         /// The mask's name.
         mask: String,
     },
+    /// The pixels of all of these masks. Gives a mask.
+    Union {
+        /// The masks' names, two or more.
+        masks: Vec<String>,
+    },
+    /// The pixels of a mask that are not in another one. Gives a mask.
+    Minus {
+        /// The mask's name.
+        mask: String,
+        /// The name of the mask that is taken away.
+        without: String,
+    },
     /// Corners that a mask shows (OpenCV's goodFeaturesToTrack). Gives points.
     Corners {
         /// The mask's name.
@@ -143,6 +155,13 @@ pub enum Extractor {
         /// By which share of their way to it, above 0 and below 1.
         share: f64,
     },
+    /// The point that lies farthest towards a side of the picture; of several the first. Gives a point.
+    Outermost {
+        /// The points' name.
+        points: String,
+        /// The side.
+        side: PictureSide,
+    },
     /// Points that are always the same. Gives points.
     Fixed {
         /// The points.
@@ -211,6 +230,20 @@ words! { Sight {
     "misread_picture" => MisreadPicture, "the same with a mistake of the smoothing paper's code";
 } }
 
+/// A side of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PictureSide {
+    /// Where columns begin.
+    Left,
+    /// Where columns end.
+    Right,
+    /// Where rows begin.
+    Top,
+    /// Where rows end.
+    Bottom,
+}
+
 /// What a corner detector takes for a strong response.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -249,7 +282,9 @@ impl Extractor {
             | Extractor::ColorMask { .. }
             | Extractor::SplitMask { .. }
             | Extractor::Closed { .. }
-            | Extractor::Largest { .. } => KeypointShape::Mask,
+            | Extractor::Largest { .. }
+            | Extractor::Union { .. }
+            | Extractor::Minus { .. } => KeypointShape::Mask,
             Extractor::BoundingBox { .. } => KeypointShape::Box,
             Extractor::Contour { .. } => KeypointShape::Outline,
             Extractor::Corners { .. }
@@ -257,9 +292,10 @@ impl Extractor {
             | Extractor::Along { .. }
             | Extractor::Toward { .. }
             | Extractor::Fixed { .. } => KeypointShape::Points,
-            Extractor::Centroid { .. } | Extractor::BoxCenter { .. } | Extractor::PictureCenter => {
-                KeypointShape::Point
-            }
+            Extractor::Centroid { .. }
+            | Extractor::BoxCenter { .. }
+            | Extractor::PictureCenter
+            | Extractor::Outermost { .. } => KeypointShape::Point,
         }
     }
 }
@@ -392,6 +428,39 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
         },
     ),
     row(
+        "union",
+        KeypointShape::Mask,
+        &[
+            MASK,
+            Arg::rest(
+                "others",
+                Kind::Keypoint(&[KeypointShape::Mask]),
+                "more masks",
+            ),
+        ],
+        "the pixels of two or more masks",
+        |args| Extractor::Union {
+            masks: [args.names("mask"), args.names("others")].concat(),
+        },
+    ),
+    row(
+        "minus",
+        KeypointShape::Mask,
+        &[
+            MASK,
+            Arg::positional(
+                "without",
+                Kind::Keypoint(&[KeypointShape::Mask]),
+                "the mask that is taken away",
+            ),
+        ],
+        "the pixels of a mask that are not in another",
+        |args| Extractor::Minus {
+            mask: args.name("mask"),
+            without: args.name("without"),
+        },
+    ),
+    row(
         "harris",
         KeypointShape::Points,
         corner_args![
@@ -497,11 +566,7 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
         "toward",
         KeypointShape::Points,
         &[
-            Arg::positional(
-                "points",
-                Kind::Keypoint(&[KeypointShape::Points]),
-                "a list of points",
-            ),
+            POINTS,
             Arg::positional("point", Kind::Keypoint(&[KeypointShape::Point]), "a point"),
             Arg::named(
                 "share",
@@ -516,6 +581,34 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
             to: args.name("point"),
             share: args.number("share"),
         },
+    ),
+    row(
+        "leftmost",
+        KeypointShape::Point,
+        &[POINTS, AT],
+        "the point that is nearest to the left of the picture; of several the first",
+        |args| outermost(args, PictureSide::Left),
+    ),
+    row(
+        "rightmost",
+        KeypointShape::Point,
+        &[POINTS, AT],
+        "the point that is nearest to the right of the picture; of several the first",
+        |args| outermost(args, PictureSide::Right),
+    ),
+    row(
+        "topmost",
+        KeypointShape::Point,
+        &[POINTS, AT],
+        "the point that is nearest to the top of the picture; of several the first",
+        |args| outermost(args, PictureSide::Top),
+    ),
+    row(
+        "bottommost",
+        KeypointShape::Point,
+        &[POINTS, AT],
+        "the point that is nearest to the bottom of the picture; of several the first",
+        |args| outermost(args, PictureSide::Bottom),
     ),
     row(
         "points",
@@ -544,6 +637,11 @@ const OUTLINE: Arg = Arg::positional(
     "outline",
     Kind::Keypoint(&[KeypointShape::Outline]),
     "an outline",
+);
+const POINTS: Arg = Arg::positional(
+    "points",
+    Kind::Keypoint(&[KeypointShape::Points]),
+    "a list of points",
 );
 
 const DEPTH: Range = Range::new("a depth", (1.0, "mm"), (10.0, "m"));
@@ -586,6 +684,13 @@ fn corners(args: &Args, response: Response) -> Extractor {
         spacing_px: args.number("spacing"),
         block_px: args.whole("block"),
         response,
+    }
+}
+
+fn outermost(args: &Args, side: PictureSide) -> Extractor {
+    Extractor::Outermost {
+        points: args.name("points"),
+        side,
     }
 }
 
