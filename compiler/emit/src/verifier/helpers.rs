@@ -296,6 +296,21 @@ def _chebyshev_squared(a, b):
 ",
     },
     Helper {
+        name: "signed_square",
+        calls: &[],
+        rust: "\
+/// The square of a number, with its sign.
+fn signed_square(value: f64) -> f64 {
+    if value < 0.0 { -(value * value) } else { value * value }
+}
+",
+        python: "\
+def _signed_square(value):
+    \"\"\"The square of a number, with its sign.\"\"\"
+    return -(value * value) if value < 0.0 else value * value
+",
+    },
+    Helper {
         name: "from_to",
         calls: &[],
         rust: "\
@@ -380,14 +395,13 @@ def _angle_at_least(a, b, limit_cos):
     },
     Helper {
         name: "angle_sides",
-        calls: &[],
+        calls: &["signed_square"],
         rust: "\
 /// The cosine of an angle and of its limit, squared with their signs, times both squared lengths.
 ///
 /// The larger an angle, the smaller its cosine. This needs no root and no trigonometry.
 fn angle_sides(a: [f64; 2], b: [f64; 2], limit_cos: f64) -> (f64, f64) {
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-    let signed_square = |x: f64| if x < 0.0 { -(x * x) } else { x * x };
     let along = signed_square(dot(a, b));
     (along, signed_square(limit_cos) * (dot(a, a) * dot(b, b)))
 }
@@ -400,10 +414,6 @@ def _angle_sides(a, b, limit_cos):
     \"\"\"
     along = _signed_square(_dot(a, b))
     return along, _signed_square(limit_cos) * (_dot(a, a) * _dot(b, b))
-
-
-def _signed_square(value):
-    return -(value * value) if value < 0.0 else value * value
 
 
 def _dot(a, b):

@@ -26,15 +26,34 @@ pub fn shipped(task: &str) -> Program {
     compiled.programs.remove(0)
 }
 
+/// Returns the programs of `fixtures/truth` that stand above their tables, each with its table.
+pub fn written() -> Vec<(Program, String)> {
+    let folder = workspace().join("compiler/emit/tests/fixtures/truth");
+    let files = std::fs::read_dir(folder).unwrap();
+    let mut files: Vec<_> = files.map(|file| file.unwrap().path()).collect();
+    files.sort();
+    let texts = files
+        .iter()
+        .map(|file| std::fs::read_to_string(file).unwrap());
+    texts
+        .filter_map(|text| {
+            let (task, table) = text.split_once("---\n")?;
+            Some((program("task.fab", task), table.to_owned()))
+        })
+        .collect()
+}
+
 /// Returns every program, by name.
 pub fn all() -> Vec<Program> {
-    vec![
+    let written = written().into_iter().map(|(program, _)| program);
+    let made = [
         shipped("double_straight"),
         shipped("double_triangle"),
         steered(),
         placed(),
         boxed(),
-    ]
+    ];
+    made.into_iter().chain(written).collect()
 }
 
 /// Returns the program of that name.

@@ -1,5 +1,8 @@
 //! Reads the truth tables in `fixtures/truth`, which were written by reasoning.
 //!
+//! A task may stand above its table, and `---` between them: such a file is found by itself. The others are for the
+//! programs of [`super::programs`].
+//!
 //! A line sets what is known from there on, or judges an action:
 //!
 //! ```text
