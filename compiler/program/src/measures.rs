@@ -38,6 +38,18 @@ pub const MEASURES: &[Call<Make>] = &[
             if du > dv { du } else { dv }
         },
     ),
+    length(
+        "x",
+        &[POINT],
+        "how far a point is from the left of the picture",
+        |points| points[0][0] * points[0][0].abs(),
+    ),
+    length(
+        "y",
+        &[POINT],
+        "how far a point is from the top of the picture",
+        |points| points[0][1] * points[0][1].abs(),
+    ),
     other(
         "angle_between",
         "an angle",
@@ -118,6 +130,7 @@ pub const MEASURES: &[Call<Make>] = &[
 
 const A: Arg = Arg::positional("a", Kind::Point, "a point");
 const B: Arg = Arg::positional("b", Kind::Point, "another");
+const POINT: Arg = Arg::positional("point", Kind::Point, "a point");
 
 /// How the value of a call is made.
 #[derive(Clone, Copy, Debug)]

@@ -296,6 +296,36 @@ def _chebyshev_squared(a, b):
 ",
     },
     Helper {
+        name: "x_squared",
+        calls: &["signed_square"],
+        rust: "\
+/// The square of a point's distance from the left of the picture; negative beyond it.
+fn x_squared(point: [f64; 2]) -> f64 {
+    signed_square(point[0])
+}
+",
+        python: "\
+def _x_squared(point):
+    \"\"\"The square of a point's distance from the left of the picture; negative beyond it.\"\"\"
+    return _signed_square(point[0])
+",
+    },
+    Helper {
+        name: "y_squared",
+        calls: &["signed_square"],
+        rust: "\
+/// The square of a point's distance from the top of the picture; negative beyond it.
+fn y_squared(point: [f64; 2]) -> f64 {
+    signed_square(point[1])
+}
+",
+        python: "\
+def _y_squared(point):
+    \"\"\"The square of a point's distance from the top of the picture; negative beyond it.\"\"\"
+    return _signed_square(point[1])
+",
+    },
+    Helper {
         name: "signed_square",
         calls: &[],
         rust: "\
