@@ -45,13 +45,14 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
             let calls = u64::from(per_step) * u64::from(program.horizon);
             if !arguments.json && program.variant.is_none() {
                 output::data(&format!(
-                    "{file}: task `{}` is right; at most {per_step} model calls per step, {calls} in {} steps{}",
+                    "{file}: task `{}` is right; at most {per_step} model calls per step, {calls} in {} steps{}{}",
                     program.task,
                     program.horizon,
+                    notes(program),
                     variants(&compiled.programs[number + 1..])
                 ));
             }
-            tasks.push(json!({
+            let mut task = json!({
                 "task": program.task,
                 "variant": program.variant,
                 "file": file,
@@ -59,7 +60,11 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
                 "horizon": program.horizon,
                 "max_calls_per_step": per_step,
                 "max_calls": calls,
-            }));
+            });
+            for (name, note) in program.notes() {
+                task[name] = json!(note);
+            }
+            tasks.push(task);
         }
         if !arguments.json && compiled.programs.is_empty() && !compiled.has_errors() {
             output::data(&format!(
@@ -73,6 +78,14 @@ pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
         );
     }
     Ok(exit)
+}
+
+/// Writes what a task says of itself, a line each.
+fn notes(program: &Program) -> String {
+    let notes = program.notes().into_iter();
+    notes
+        .map(|(name, note)| format!("\n  {name}: {note}"))
+        .collect()
 }
 
 /// Lists the variants of a task, which follow it.

@@ -37,6 +37,18 @@ fn a_program_survives_json_and_its_hash_follows_the_text() {
 }
 
 #[test]
+fn a_hash_is_that_of_what_a_rollout_does() {
+    let right = program("task.fab", TASK);
+    let moved = program(
+        "other.fab",
+        &format!("# A remark.\n\n{TASK}# Another one.\n"),
+    );
+    assert_ne!(moved.sources, right.sources);
+    assert_ne!(moved.templates[0].line, right.templates[0].line);
+    assert_eq!(moved.hash(), right.hash());
+}
+
+#[test]
 fn quantities_are_in_base_units_and_folds_are_fractions() {
     let program = program("task.fab", TASK);
     assert_eq!(

@@ -13,6 +13,7 @@ mod lists;
 pub(crate) use lists::{Indexed, once, unique};
 
 use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
+use crate::lang::sections::{Merges, SECTIONS};
 use crate::load::Loaded;
 use fab_grammar::Span;
 use fab_grammar::ast::{
@@ -112,6 +113,7 @@ pub(crate) fn merge<'a>(
         missing_base,
     };
     for task in chain.into_iter().rev() {
+        merged.forget_what_is_not_inherited();
         merged.add(task.body(), report);
         merged.add_variants(task, report);
     }
@@ -179,6 +181,15 @@ fn unknown_task(base: Name<'_>, loaded: &Loaded<'_>) -> Diagnostic {
 }
 
 impl<'a> Merged<'a> {
+    /// Drops the statements of an extended task that belong to it alone; a variant keeps its task's.
+    fn forget_what_is_not_inherited(&mut self) {
+        let never = |word: &str| {
+            let mut rows = SECTIONS.iter();
+            rows.any(|row| row.word == word && row.merges == Merges::Never)
+        };
+        self.statements.retain(|word, _| !never(word));
+    }
+
     fn add(&mut self, body: Body<'a>, report: &mut Report) {
         let mut statements: BTreeMap<&str, Statement<'_>> = BTreeMap::new();
         for statement in body.statements() {

@@ -68,10 +68,36 @@ pub struct Program {
 }
 
 impl Program {
-    /// Returns the program's identity: the first 16 hex digits of the SHA-256 of its compact JSON.
+    /// Returns the program's identity: the first 16 hex digits of the SHA-256 of its compact JSON, without what changes
+    /// nothing in a rollout: its sources, the lines in them, and its [`Program::notes`].
     pub fn hash(&self) -> String {
-        let bytes = serde_json::to_vec(self).expect("a program has string keys and finite numbers");
+        let bytes = serde_json::to_vec(&self.without_notes())
+            .expect("a program has string keys and finite numbers");
         hex(&Sha256::digest(bytes))[..16].to_owned()
+    }
+
+    /// Returns what the task says of itself to people, each with its name; no model is told.
+    pub fn notes(&self) -> Vec<(&'static str, &str)> {
+        let notes: [(&'static str, Option<&str>); 0] = [];
+        let notes = notes.into_iter();
+        notes
+            .filter_map(|(name, note)| Some((name, note?)))
+            .collect()
+    }
+
+    fn without_notes(&self) -> Program {
+        let mut program = Program {
+            sources: Vec::new(),
+            ..self.clone()
+        };
+        for template in &mut program.templates {
+            (template.declared_in, template.line) = (String::new(), 0);
+        }
+        let examples = program.stages.iter_mut().flat_map(|it| &mut it.examples);
+        for text in examples.flat_map(|it| it.say.iter_mut().chain([&mut it.reply])) {
+            (text.declared_in, text.line) = (String::new(), 0);
+        }
+        program
     }
 
     /// Returns the template of that name.
