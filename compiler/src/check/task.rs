@@ -11,6 +11,7 @@ use crate::lang::sections::{Needed, SECTIONS};
 use crate::load::Loaded;
 use crate::merge::Merged;
 use crate::proof;
+use fab_grammar::ast::{Expr, Statement};
 use fab_program::{PROGRAM_FORMAT, Picker, Program, SourceStamp, Test, hex};
 use sha2::{Digest, Sha256};
 
@@ -33,6 +34,7 @@ pub(super) fn check<'a>(
     context.grid = grid;
     context.names = Names::of(merged);
     keypoints::constants(merged, context);
+    let about = merged.statement("about").map(|it| about(it, context));
     let statement = |word| merged.statement(word);
     context.cloth = cloth::statement(statement("cloth"), |it| cloth::cloth(it, context));
     context.camera = cloth::statement(statement("camera"), |it| cloth::camera(it, context));
@@ -84,6 +86,7 @@ pub(super) fn check<'a>(
         compiler: env!("CARGO_PKG_VERSION").to_owned(),
         task: merged.task.name().text().to_owned(),
         variant: merged.variant.as_ref().map(|variant| variant.name.clone()),
+        about: about.transpose()?,
         sources: stamps.to_vec(),
         cloth,
         camera,
@@ -111,6 +114,33 @@ pub(super) fn check<'a>(
         program,
         tests.into_iter().collect::<Result<_, _>>()?,
     )))
+}
+
+/// The most characters of `about`: about two lines.
+const MAX_ABOUT_CHARS: usize = 200;
+
+/// Reads what a task is for: one line in quotes.
+fn about(statement: Statement<'_>, context: &mut Context<'_, '_>) -> Result<String, Reported> {
+    let span = statement.value().span();
+    let Expr::Text(text) = statement.value() else {
+        let diagnostic = context.unexpected(Code::WrongForm, statement.value(), "a text in quotes");
+        return Err(context.error(diagnostic.help("write `about \"what the task is for\"`")));
+    };
+    let Some(about) = text.plain() else {
+        let message = "`about` has a placeholder, and nothing is known yet that it could show";
+        let diagnostic = Diagnostic::new(Code::WrongForm, span, message);
+        return Err(context.error(diagnostic.help("write plain words")));
+    };
+    let n_chars = about.chars().count();
+    if about.trim().is_empty() {
+        return Err(context.fault(Code::EmptyText, span, "the text is empty"));
+    }
+    if n_chars > MAX_ABOUT_CHARS {
+        let message =
+            format!("`about` has {n_chars} characters, at most {MAX_ABOUT_CHARS} are accepted");
+        return Err(context.fault(Code::TextTooLong, span, message));
+    }
+    Ok(about)
 }
 
 /// Reports where the action space contradicts itself.

@@ -62,6 +62,13 @@ const fn row(
 /// Every section, in the order of the reference.
 pub(crate) const SECTIONS: &[Section] = &[
     row(
+        "about",
+        "about \"TEXT\"",
+        Needed::Never,
+        Merges::Never,
+        "what the task is for, shown by `fabc check`; no model is told, and it changes no program's hash",
+    ),
+    row(
         "const",
         "const NAME = QUANTITY",
         Needed::Never,

@@ -35,6 +35,9 @@ pub struct Program {
     pub task: String,
     /// The variant of the task that this is; none: the task itself.
     pub variant: Option<String>,
+    /// What the task is for, in its author's words; for people alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub about: Option<String>,
     /// The files that went in, in the order in which they were first read.
     pub sources: Vec<SourceStamp>,
     /// The cloth that the task is about.
@@ -78,8 +81,7 @@ impl Program {
 
     /// Returns what the task says of itself to people, each with its name; no model is told.
     pub fn notes(&self) -> Vec<(&'static str, &str)> {
-        let notes: [(&'static str, Option<&str>); 0] = [];
-        let notes = notes.into_iter();
+        let notes = [("about", self.about.as_deref())].into_iter();
         notes
             .filter_map(|(name, note)| Some((name, note?)))
             .collect()
@@ -87,6 +89,7 @@ impl Program {
 
     fn without_notes(&self) -> Program {
         let mut program = Program {
+            about: None,
             sources: Vec::new(),
             ..self.clone()
         };
