@@ -49,6 +49,49 @@ fn a_hash_is_that_of_what_a_rollout_does() {
 }
 
 #[test]
+fn what_a_task_is_for_changes_nothing_that_a_model_sees() {
+    let about = TASK.replacen("{", "{\n    about \"Folds a corner.\"\n", 1);
+    let (silent, told) = (program("task.fab", TASK), program("task.fab", &about));
+    assert_eq!(told.notes(), [("about", "Folds a corner.")]);
+    assert_eq!((silent.notes(), silent.hash()), (Vec::new(), told.hash()));
+    let texts = |program: &Program| {
+        let templates = program.templates.iter();
+        templates.map(|it| it.text.clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(texts(&told), texts(&silent));
+    let again: Program = serde_json::from_str(&serde_json::to_string(&told).unwrap()).unwrap();
+    assert_eq!(again, told);
+}
+
+#[test]
+fn a_variant_keeps_what_its_task_is_for_and_an_extending_task_does_not() {
+    let about = TASK.replacen(
+        "{",
+        "{\n    about \"Folds a corner.\"\n    variant short { horizon 1 }\n    \
+         variant other { about \"Folds less.\" horizon 1 }\n",
+        1,
+    );
+    let text = format!("{about}\ntask child extends small {{ horizon 2 }}\n");
+    let programs = programs("task.fab", &Memory::of([("task.fab", text.as_str())]));
+    let told: Vec<_> = programs
+        .iter()
+        .map(|it| (it.title(), it.about.as_deref()))
+        .collect();
+    let expected = [
+        ("small", Some("Folds a corner.")),
+        ("small/short", Some("Folds a corner.")),
+        ("small/other", Some("Folds less.")),
+        ("child", None),
+        ("child/short", None),
+        ("child/other", Some("Folds less.")),
+    ];
+    assert_eq!(
+        told,
+        expected.map(|(title, about)| (title.to_owned(), about))
+    );
+}
+
+#[test]
 fn quantities_are_in_base_units_and_folds_are_fractions() {
     let program = program("task.fab", TASK);
     assert_eq!(
