@@ -4,33 +4,10 @@
 
 mod common;
 
-use fab_compiler::diag::CODES;
 use std::fs;
 
 fn reference() -> String {
     fs::read_to_string(common::workspace().join("docs/language.md")).unwrap()
-}
-
-#[test]
-fn the_table_of_codes_is_complete() {
-    let text = reference();
-    let (_, table) = text.split_once("## Codes\n").unwrap();
-    let expected: Vec<String> = CODES
-        .iter()
-        .map(|entry| {
-            format!(
-                "| {} | {} | {} |",
-                entry.code.as_str(),
-                entry.severity.as_str(),
-                entry.title
-            )
-        })
-        .collect();
-    let rows: Vec<&str> = table
-        .lines()
-        .filter(|line| line.starts_with("| F"))
-        .collect();
-    assert_eq!(rows, expected, "write:\n{}", expected.join("\n"));
 }
 
 /// The tables between markers are those that the compiler's own tables give; `FABC_WRITE_DOCS=1` writes them.

@@ -5,6 +5,7 @@
 
 use super::sections::Merges;
 use super::vocabulary::{CallEntry, Vocabulary, WordEntry, vocabulary};
+use crate::diag::CODES;
 use fab_program::units::Dimension;
 use fab_program::vocabulary::{Arg, Bound, Default, Kind, Range};
 
@@ -101,6 +102,14 @@ fn sections(known: &Vocabulary) -> String {
         ]
     });
     table(&["section", "says", "in a task that extends another"], rows)
+}
+
+fn codes() -> String {
+    let rows = CODES.iter().map(|entry| {
+        let (code, severity) = (entry.code.as_str(), entry.severity.as_str());
+        vec![code.to_owned(), severity.to_owned(), entry.title.to_owned()]
+    });
+    table(&["code", "severity", "what"], rows)
 }
 
 fn units(known: &Vocabulary) -> String {
