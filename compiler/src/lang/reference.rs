@@ -17,6 +17,7 @@ pub fn tables() -> Vec<(&'static str, String)> {
     let known = vocabulary();
     let mut tables = vec![
         ("sections", sections(&known)),
+        ("codes", codes()),
         ("units", units(&known)),
         (
             "keywords",
