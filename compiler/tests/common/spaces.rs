@@ -6,8 +6,8 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use fab_program::{
-    ActionField, Camera, Choices, Cloth, ClothStart, Direction, Exhausted, ImageUp, LengthChoice,
-    LengthUnit, PROGRAM_FORMAT, Program, Verify,
+    ActionField, Choices, Cloth, ClothStart, Direction, Exhausted, LengthChoice, LengthUnit,
+    Program, Verify,
 };
 
 /// The cloth's longer side.
@@ -81,11 +81,9 @@ pub fn lengths(unit: LengthUnit, values: &[f64]) -> Choices {
 
 /// Returns a program with these fields.
 pub fn program(actions: Vec<ActionField>) -> Program {
+    let program = super::common::program("task.fab", super::common::TASK);
     Program {
-        format: PROGRAM_FORMAT,
-        compiler: "test".to_owned(),
         task: "test".to_owned(),
-        variant: None,
         sources: Vec::new(),
         cloth: Cloth {
             dimx: 51,
@@ -93,13 +91,6 @@ pub fn program(actions: Vec<ActionField>) -> Program {
             spacing_m: EDGE_M / 50.0,
             start: ClothStart::Flat,
         },
-        camera: Camera {
-            height_m: 0.65,
-            fov_rad: std::f64::consts::FRAC_PI_4,
-            image_px: 224,
-            up: ImageUp::Y,
-        },
-        picker: fab_program::Picker::default(),
         subgoals: None,
         experts: Vec::new(),
         keypoints: Vec::new(),
@@ -118,5 +109,6 @@ pub fn program(actions: Vec<ActionField>) -> Program {
         },
         horizon: 1,
         goal: None,
+        ..program
     }
 }
