@@ -1,27 +1,19 @@
-//! `cloth grid(55, 44)`, `camera top_down(…)` and `picker drop`: the cloth, the camera and the gripper.
+//! `cloth grid(55, 44)`: how large the cloth is, and how it lies.
 
-use super::context::{Context, Declared};
-use super::expressions::{Scope, call, name_of};
-use crate::diag::{Code, Diagnostic, Reported, among};
-use crate::lang::calls::{CAMERAS, CLOTHS, SPACING_M, particle_limits};
+use super::context::Context;
+use super::expressions::{Scope, call, wrong_form};
+use crate::diag::{Code, Diagnostic, Reported};
+use crate::lang::calls::{CLOTHS, SPACING_M, particle_limits};
 use fab_grammar::ast::{Expr, Statement};
-use fab_program::vocabulary::{ArgValue, Call, Signature};
-use fab_program::{Camera, Cloth, Picker};
-
-/// Reads a statement, if there is one.
-pub(super) fn statement<'a, T>(
-    statement: Option<Statement<'a>>,
-    read: impl FnOnce(Statement<'a>) -> Result<T, Reported>,
-) -> Declared<T> {
-    statement.map(read).transpose()
-}
+use fab_program::Cloth;
+use fab_program::vocabulary::ArgValue;
 
 /// Reads the cloth's size and how it lies at the start.
-pub(crate) fn cloth<'a>(
+pub(crate) fn check<'a>(
     statement: Statement<'a>,
     context: &mut Context<'a, '_>,
 ) -> Result<Cloth, Reported> {
-    let signatures = CLOTHS.iter().map(signature);
+    let signatures = CLOTHS.iter().map(|row| &row.signature);
     let Expr::Call(written) = statement.value() else {
         return Err(wrong_form(
             statement.value(),
@@ -45,22 +37,6 @@ pub(crate) fn cloth<'a>(
     }
     rounded(&cloth, &args.0, statement, context);
     Ok(cloth)
-}
-
-fn signature<T>(row: &'static Call<T>) -> &'static Signature {
-    &row.signature
-}
-
-fn wrong_form(
-    value: Expr<'_>,
-    expected: &str,
-    rows: impl Iterator<Item = &'static Signature>,
-    context: &mut Context<'_, '_>,
-) -> Reported {
-    let forms: Vec<String> = rows.map(Signature::form).collect();
-    let message = format!("expected {expected}");
-    let diagnostic = Diagnostic::new(Code::WrongForm, value.span(), message);
-    context.error(diagnostic.help(format!("write {}", among(forms.iter().map(String::as_str)))))
 }
 
 /// Replaces the declared grid by the caller's, if there is one.
@@ -109,58 +85,4 @@ fn rounded(
     );
     let diagnostic = Diagnostic::new(Code::Rounded, statement.value().span(), message);
     context.remark(diagnostic.help(format!("`grid({dimx}, {dimy})` says the same exactly")));
-}
-
-/// Reads where the camera is, and what it sees.
-pub(crate) fn camera<'a>(
-    statement: Statement<'a>,
-    context: &mut Context<'a, '_>,
-) -> Result<Camera, Reported> {
-    let signatures = CAMERAS.iter().map(signature);
-    let Expr::Call(written) = statement.value() else {
-        return Err(wrong_form(
-            statement.value(),
-            "a camera",
-            signatures,
-            context,
-        ));
-    };
-    let (row, args, _) = call("camera", written, signatures, Scope::Everywhere, context)?;
-    Ok((CAMERAS[row].make)(&args))
-}
-
-/// Warns if the flat cloth, turned in any direction, does not fit into the picture.
-pub(crate) fn fits_picture(
-    laid: Statement<'_>,
-    seen: Statement<'_>,
-    context: &mut Context<'_, '_>,
-) {
-    let (Ok(Some(cloth)), Ok(Some(camera))) = (&context.cloth, &context.camera) else {
-        return;
-    };
-    let view_m = 2.0 * camera.height_m * (camera.fov_rad / 2.0).tan();
-    let side_m = |n_particles: u32| f64::from(n_particles - 1) * cloth.spacing_m;
-    let diagonal_m = side_m(cloth.dimx).hypot(side_m(cloth.dimy));
-    if diagonal_m > view_m {
-        let message = format!(
-            "the camera sees {:.0}mm of the table, and the cloth is {:.0}mm from corner to corner",
-            view_m * 1000.0,
-            diagonal_m * 1000.0
-        );
-        let diagnostic = Diagnostic::new(Code::CameraSeesTooLittle, laid.value().span(), message);
-        context.remark(
-            diagnostic
-                .also(seen.value().span(), "the camera")
-                .help("raise the camera, or widen its field of view"),
-        );
-    }
-}
-
-/// Reads how the gripper carries and releases the cloth.
-pub(crate) fn picker(
-    statement: Statement<'_>,
-    context: &mut Context<'_, '_>,
-) -> Result<Picker, Reported> {
-    let name = name_of(statement.value(), "picker", Picker::WORDS, context)?;
-    Ok(Picker::from_word(name).unwrap_or_default())
 }

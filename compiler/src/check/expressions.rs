@@ -80,6 +80,19 @@ fn by_default(default: Default, context: &Context<'_, '_>) -> Result<ArgValue, R
     })
 }
 
+/// Reports a value that is no call of these rows.
+pub(super) fn wrong_form(
+    value: Expr<'_>,
+    expected: &str,
+    rows: impl Iterator<Item = &'static Signature>,
+    context: &mut Context<'_, '_>,
+) -> Reported {
+    let forms: Vec<String> = rows.map(Signature::form).collect();
+    let message = format!("expected {expected}");
+    let diagnostic = Diagnostic::new(Code::WrongForm, value.span(), message);
+    context.error(diagnostic.help(format!("write {}", among(forms.iter().map(String::as_str)))))
+}
+
 /// Reads one argument by its kind.
 fn argument<'a>(
     expr: Expr<'a>,

@@ -1,13 +1,13 @@
-//! `goal particle_distance < 40mm` and `horizon 3`: when a rollout ends.
+//! `goal particle_distance < 40mm`: what counts as done.
 
-use super::context::{Context, Declared};
-use super::quantity::{read, read_whole};
+use super::context::Context;
+use super::quantity::read;
 use super::untouched;
 use crate::diag::{Code, Diagnostic, Reported, among};
-use crate::lang::goal::{METRICS, MetricRow, STEPS};
+use crate::lang::goal::{METRICS, MetricRow};
 use crate::merge::Merged;
 use fab_grammar::ast::{Expr, Name, Statement};
-use fab_program::{Comparison, Goal, Metric, Sequence, Subgoals, exact};
+use fab_program::{Comparison, Goal, Metric, Sequence, exact};
 
 /// Builds the goal.
 pub(crate) fn check<'a>(
@@ -107,51 +107,4 @@ fn has_experts(
     let span = statement.value().span();
     let diagnostic = Diagnostic::new(Code::NothingToCompare, span, message);
     Err(context.error(diagnostic.help("name `experts`: images do not say how the cloth ends")))
-}
-
-/// Returns the most steps of a rollout: as stated, or else as many as the subgoals show.
-pub(crate) fn horizon<'a>(
-    merged: &Merged<'a>,
-    subgoals: &Declared<Subgoals>,
-    context: &mut Context<'a, '_>,
-) -> Declared<u32> {
-    let n_shown = subgoals
-        .as_ref()
-        .map(|it| it.as_ref().map(|it| it.steps() as u32));
-    let Some(statement) = merged.statement("horizon") else {
-        let is_meant_to_run = merged.statement("cloth").is_some() && !merged.stages.is_empty();
-        if merged.subgoals.is_none() && is_meant_to_run && merged.missing_base.is_none() {
-            let name = merged.task.name();
-            let message = format!("`{}` has neither subgoals nor a `horizon`", name.text());
-            let diagnostic = Diagnostic::new(Code::NoHorizon, name.span(), message)
-                .help("write `horizon 10` for at most ten actions, or show `subgoals`");
-            return Err(context.missing(merged.is_damaged, name.span().file, diagnostic));
-        }
-        return n_shown.map_err(|reported| *reported);
-    };
-    let stated = read_whole(statement.value(), &STEPS, context)? as u32;
-    let Ok(Some(n_shown)) = n_shown else {
-        return Ok(Some(stated));
-    };
-    let steps = |count: u32| match count {
-        1 => "1 step".to_owned(),
-        _ => format!("{count} steps"),
-    };
-    let message = format!(
-        "the horizon is {}, the subgoals show {}",
-        steps(stated),
-        steps(n_shown)
-    );
-    let place = merged
-        .subgoals
-        .map_or(statement.span(), |part| part.head_span());
-    let new = |code| Diagnostic::new(code, statement.span(), message).also(place, "the subgoals");
-    if stated > n_shown {
-        let help = format!("write `horizon {n_shown}`, or show more");
-        return Err(context.error(new(Code::HorizonTooLong).help(help)));
-    }
-    if stated < n_shown {
-        context.remark(new(Code::HorizonTooShort));
-    }
-    Ok(Some(stated))
 }

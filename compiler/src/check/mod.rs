@@ -7,20 +7,25 @@
 mod actions;
 mod annotate;
 mod arguments;
+mod camera;
 mod cloth;
 mod conditions;
 mod context;
 mod demos;
 mod examples;
+mod experts;
 mod expressions;
 mod files;
 mod folds;
 mod goal;
+mod horizon;
 mod keypoints;
 mod names;
+mod picker;
 mod placeholders;
 mod quantity;
 mod stage;
+mod subgoals;
 mod task;
 mod test;
 mod untouched;
@@ -67,7 +72,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
     let mut context = Context::outside(loaded, report);
     for list in lists {
         // Reports every broken list, also those that no task names.
-        let _: Result<_, _> = folds::experts(*list, &mut context);
+        let _: Result<_, _> = experts::check(*list, &mut context);
     }
     // An error outside of tasks counts against every task that sees the file.
     let form_of = |file: FileId| {

@@ -5,7 +5,10 @@
 
 use super::context::{Context, Declared};
 use super::names::Names;
-use super::{actions, annotate, cloth, demos, folds, goal, keypoints, stage, test, verify};
+use super::{
+    actions, annotate, camera, cloth, demos, experts, goal, horizon, keypoints, picker, stage,
+    subgoals, test, verify,
+};
 use crate::diag::{Code, Diagnostic, Report, Reported, among};
 use crate::lang::sections::{Needed, SECTIONS};
 use crate::load::Loaded;
@@ -36,12 +39,18 @@ pub(super) fn check<'a>(
     keypoints::constants(merged, context);
     let about = merged.statement("about").map(|it| about(it, context));
     let statement = |word| merged.statement(word);
-    context.cloth = cloth::statement(statement("cloth"), |it| cloth::cloth(it, context));
-    context.camera = cloth::statement(statement("camera"), |it| cloth::camera(it, context));
+    context.cloth = statement("cloth")
+        .map(|it| cloth::check(it, context))
+        .transpose();
+    context.camera = statement("camera")
+        .map(|it| camera::check(it, context))
+        .transpose();
     if let (Some(laid), Some(seen)) = (statement("cloth"), statement("camera")) {
-        cloth::fits_picture(laid, seen, context);
+        camera::fits_cloth(laid, seen, context);
     }
-    let picker = cloth::statement(statement("picker"), |it| cloth::picker(it, context));
+    let picker = statement("picker")
+        .map(|it| picker::check(it, context))
+        .transpose();
     let keypoints = keypoints::check(merged, context);
     if let Some(part) = merged.actions {
         context.actions = actions::check(part, context);
@@ -53,10 +62,10 @@ pub(super) fn check<'a>(
         .collect();
     let subgoals = merged
         .subgoals
-        .map(|part| folds::subgoals(part, context))
+        .map(|part| subgoals::check(part, context))
         .transpose();
-    let experts = folds::expert_sequences(merged, &subgoals, context);
-    let horizon = goal::horizon(merged, &subgoals, context);
+    let experts = experts::sequences(merged, &subgoals, context);
+    let horizon = horizon::check(merged, &subgoals, context);
     let goal = statement("goal")
         .map(|it| goal::check(it, merged, &experts, context))
         .transpose();

@@ -1,0 +1,61 @@
+//! `experts NAME { sequence { … } }`: the fold sequences that count as right.
+
+use super::context::{Context, Declared};
+use super::folds;
+use crate::diag::{Code, Diagnostic, Reported};
+use crate::merge::Merged;
+use fab_grammar::ast::Experts;
+use fab_program::{Sequence, Subgoals};
+
+/// Builds the sequences of a list of experts.
+pub(crate) fn check<'a>(
+    list: Experts<'a>,
+    context: &mut Context<'a, '_>,
+) -> Result<Vec<Sequence>, Reported> {
+    let sequences: Vec<_> = list
+        .sequences()
+        .map(|block| {
+            Ok(Sequence {
+                folds: folds::check(block, context)?,
+            })
+        })
+        .collect();
+    if sequences.is_empty() {
+        let name = list.name();
+        let message = format!("`{}` has no sequence", name.text());
+        let diagnostic = Diagnostic::new(Code::NoFolds, name.span(), message)
+            .help("write one such as `sequence { fold corner(back_left) -> center }`");
+        return Err(context.missing(list.is_damaged(), name.span().file, diagnostic));
+    }
+    sequences.into_iter().collect()
+}
+
+/// Returns the sequences that count as right for a task: the named experts', or else the demonstration.
+pub(crate) fn sequences<'a>(
+    merged: &Merged<'a>,
+    subgoals: &Declared<Subgoals>,
+    context: &mut Context<'a, '_>,
+) -> Result<Vec<Sequence>, Reported> {
+    let Some(named) = merged.experts else {
+        return Ok(match subgoals {
+            Ok(Some(Subgoals::Demonstrate { folds })) => vec![Sequence {
+                folds: folds.clone(),
+            }],
+            Ok(_) => Vec::new(),
+            Err(reported) => return Err(*reported),
+        });
+    };
+    let file = named.name().span().file;
+    match context.loaded.experts(file, named.name().text()) {
+        // Every list is checked by itself too; the report shows the same message once.
+        Some(found) => check(found, context),
+        None => {
+            let seen = context
+                .loaded
+                .visible_from(file)
+                .flat_map(|file| &file.experts);
+            let names: Vec<&str> = seen.map(|list| list.name().text()).collect();
+            Err(context.unknown("list of experts", named.name(), names))
+        }
+    }
+}
