@@ -91,3 +91,12 @@ fn a_grid_that_no_cloth_may_have_is_told_with_its_numbers() {
         assert!(errors[0].help[0].contains("2 to 200"), "{errors:?}");
     }
 }
+
+#[test]
+fn a_percentage_is_compared_as_the_fraction_that_it_is() {
+    let fraction = "coverage(cloth) > 0.1";
+    let checks = |compared: &str| program(compiled(&TASK.replace(fraction, compared), None)).verify;
+    let expected = checks(fraction);
+    assert_eq!(checks("coverage(cloth) in percent > 10"), expected);
+    assert_ne!(checks("coverage(cloth) > 10"), expected);
+}

@@ -287,6 +287,12 @@ fn lengths<'a>(
     })
 }
 
+/// The least number of a length; a prompt would show a smaller one as 0.
+const LEAST_LENGTH: f64 = 0.001;
+
+/// The longest way of an arm, metres; also so that no length is infinite.
+const MOST_LENGTH_M: f64 = 100.0;
+
 fn length<'a>(
     choice: Expr<'a>,
     context: &mut Context<'a, '_>,
@@ -306,12 +312,11 @@ fn length<'a>(
         let help = "the arm moves over the table: write, for example, `0.25edge` or `50mm`";
         return Err(context.error(diagnostic.help(help)));
     };
-    if found.number <= 0.0 {
-        return Err(out_of_range(
-            choice,
-            "accepted are lengths above zero",
-            context,
-        ));
+    if found.number < LEAST_LENGTH || found.value > MOST_LENGTH_M {
+        let help = format!(
+            "accepted is {LEAST_LENGTH} of its unit or more, and {MOST_LENGTH_M} m or less"
+        );
+        return Err(out_of_range(choice, &help, context));
     }
     // Without a cloth there is no program, and `edge` has no size.
     Ok((

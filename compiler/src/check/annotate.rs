@@ -34,12 +34,14 @@ pub(crate) fn check<'a>(
 
 fn layer<'a>(declared: NamedValue<'a>, context: &mut Context<'a, '_>) -> Result<Layer, Reported> {
     let name = declared.name();
+    let is_constant = context.constants.contains_key(name.text());
     let is_free = match context.names.get(name.text()) {
-        None => Ok(()),
-        Some(_) => {
+        None if !is_constant => Ok(()),
+        _ => {
             let message = format!("the name `{}` is declared twice", name.text());
             let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);
-            let help = "layers share one space of names with keypoints, texts and fields";
+            let help =
+                "layers share one space of names with keypoints, texts, fields and constants";
             Err(context.error(diagnostic.help(help)))
         }
     };

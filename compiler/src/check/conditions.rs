@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::expressions::{
-    FramedLength, Operand, Scope, common_frame, keypoint, kind_of, operand, point,
+    AsPercent, FramedLength, Operand, Scope, common_frame, keypoint, kind_of, operand, point,
 };
 use super::quantity::{out_of_range, read};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
@@ -152,8 +152,19 @@ fn fixed<'a>(
                 limit_cos,
             })
         }
-        (Operand::Counted { number, .. }, Operand::Number(limit)) => {
-            counted(number, sign, *limit, turned, context)
+        (Operand::Counted { number, as_percent }, Operand::Number(written)) => {
+            let is_same = matches!(meaning(sign.text()), Some(Sign::Same | Sign::Different));
+            if is_same && !matches!(number, Number::Coverage { .. }) && written.fract() != 0.0 {
+                let message = format!("`{written}` is not a whole number");
+                let diagnostic = Diagnostic::new(Code::NotWhole, limit.expr.span(), message);
+                let help = "a count is a whole number: compare with one, or by `<` or `>`";
+                return Some(Err(context.error(diagnostic.help(help))));
+            }
+            let share = match as_percent {
+                AsPercent::Yes => written / 100.0,
+                AsPercent::No => *written,
+            };
+            counted(number, sign, share, turned, context)
         }
         (Operand::WordField(field), Operand::Word(word)) => {
             words(field, word, limit.expr, sign, context)

@@ -872,10 +872,14 @@ fn convert(
         }),
         (Operand::Angle { deg, .. }, Some(Dimension::Angle)) => Operand::Angle { deg, unit },
         (Operand::Between { a, b, .. }, Some(Dimension::Angle)) => Operand::Between { a, b, unit },
-        (Operand::Counted { number, .. }, None) if target.text() == "percent" => Operand::Counted {
-            number,
-            as_percent: AsPercent::Yes,
-        },
+        (Operand::Counted { number, .. }, None)
+            if target.text() == "percent" && matches!(number, Number::Coverage { .. }) =>
+        {
+            Operand::Counted {
+                number,
+                as_percent: AsPercent::Yes,
+            }
+        }
         (value, _) => {
             let message = format!("{} has no size in `{}`", kind_of(&value), target.text());
             return Err(no_conversion(target, message, context));

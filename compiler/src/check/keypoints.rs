@@ -2,9 +2,11 @@
 
 use super::context::Context;
 use super::expressions::{Scope, call};
+use super::names::Meaning;
+use super::quantity::unit;
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::merge::Merged;
-use fab_grammar::ast::{Expr, NamedValue};
+use fab_grammar::ast::{Expr, Name, NamedValue};
 use fab_program::data::keypoints::AT;
 use fab_program::vocabulary::Args;
 use fab_program::{EXTRACTORS, Keypoint, Moment};
@@ -18,8 +20,12 @@ pub(crate) const RESERVED: [&str; 5] = ["last", "step", "scene", "depth", "unrea
 /// Reads the constants.
 pub(crate) fn constants<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) {
     for constant in merged.constants.iter() {
+        let is_free = is_free(constant.name(), context);
         let value = match constant.value() {
-            Expr::Quantity(quantity) => Ok(quantity),
+            Expr::Quantity(quantity) => match quantity.unit() {
+                Some(name) => unit(name, context).map(|_| quantity),
+                None => Ok(quantity),
+            },
             other => {
                 let found = context.written(other.span());
                 let message = format!("a constant is a number and its unit, found `{found}`");
@@ -28,8 +34,22 @@ pub(crate) fn constants<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) 
                 Err(context.error(diagnostic.help(help)))
             }
         };
+        let value = value.and_then(|value| is_free.map(|()| value));
         context.constants.insert(constant.name().text(), value);
     }
+}
+
+/// Reports a constant that takes the name of a word, a text or a field; one with a keypoint's name is reported there.
+fn is_free(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported> {
+    let taken_by = match context.names.get(name.text()) {
+        _ if RESERVED.contains(&name.text()) => "has a meaning of its own",
+        Some(Meaning::Text { .. }) => "is a text that a stage reads",
+        Some(Meaning::Field) => "is a field of the action",
+        Some(Meaning::Keypoint(_)) | None => return Ok(()),
+    };
+    let message = format!("`{}` {taken_by}", name.text());
+    let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);
+    Err(context.error(diagnostic.help("choose another name for the constant")))
 }
 
 /// Builds the keypoints in order.

@@ -245,7 +245,10 @@ pub(super) fn no_conversion(
     )
 }
 
-fn unit(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<&'static units::Unit, Reported> {
+pub(super) fn unit(
+    name: Name<'_>,
+    context: &mut Context<'_, '_>,
+) -> Result<&'static units::Unit, Reported> {
     let word = name.text();
     if let Some(unit) = units::find(word) {
         return Ok(unit);

@@ -8,10 +8,11 @@ use super::quantity::read_whole;
 use super::stage::Prompts;
 use crate::diag::{Code, Diagnostic, Reported};
 use crate::lang::test::{EXPECTATIONS, GIVEN, STEP};
-use crate::merge::{Merged, once};
+use crate::merge::{Merged, once, repeated};
 use fab_grammar::ast::{self, Expr, Name, Reply};
 use fab_program::verify::OFFERED;
 use fab_program::{Expect, Given, KeypointShape, PixelPoint, Read, Stage, Test};
+use std::collections::BTreeMap;
 
 /// The most tests of a task.
 const MAX_TESTS: usize = 1000;
@@ -125,7 +126,13 @@ fn given<'a>(test: ast::Test<'a>, context: &mut Context<'a, '_>) -> Result<Given
     };
     let mut last: Last = [None, None];
     let mut all = Ok(());
+    let mut seen = BTreeMap::new();
     for part in test.given() {
+        let name = part.name();
+        if let Some(first) = seen.insert(name.text(), name.span()) {
+            all = Err(context.error(repeated(name.text(), first, name.span())));
+            continue;
+        }
         if let Err(reported) = give(part, &mut given, &mut last, context) {
             all = Err(reported);
         }
@@ -163,8 +170,11 @@ fn give<'a>(
                 .ok_or_else(|| expected(part, "a text in quotes", context))?;
             given.texts.push((text, plain(text_given, context)?));
         }
-        (_, Some(Meaning::Keypoint(Some(Points | Point)))) => {
+        (_, Some(Meaning::Keypoint(Some(Points)))) => {
             given.points.push((text, points(part, context)?));
+        }
+        (_, Some(Meaning::Keypoint(Some(Point)))) => {
+            given.points.push((text, vec![point(part, context)?]));
         }
         (_, Some(Meaning::Keypoint(Some(Mask | Box)))) => {
             given.regions.push((text, rectangle(part, context)?));

@@ -108,7 +108,7 @@ pub(crate) fn once<T: Copy>(
 }
 
 /// Makes the diagnostic for a repeated statement.
-pub(super) fn repeated(what: &str, first: Span, again: Span) -> Diagnostic {
+pub(crate) fn repeated(what: &str, first: Span, again: Span) -> Diagnostic {
     let message = format!("`{what}` is stated twice");
     Diagnostic::new(Code::Repeated, again, message).also(first, "stated here first")
 }

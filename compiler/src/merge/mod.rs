@@ -10,7 +10,7 @@
 
 mod lists;
 
-pub(crate) use lists::{Indexed, once, unique};
+pub(crate) use lists::{Indexed, once, repeated, unique};
 
 use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
 use crate::lang::sections::{Merges, SECTIONS};
@@ -20,7 +20,7 @@ use fab_grammar::ast::{
     Actions, Body, Check, Component, Declares, Demos, ExpertsUsed, Expr, Keypoints, Name,
     NamedValue, Stage, Statement, Subgoals, Task, Verify,
 };
-use lists::{LEAVE_OUT, OVERRIDE, repeated};
+use lists::{LEAVE_OUT, OVERRIDE};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The most tasks that one may extend, one through another.
