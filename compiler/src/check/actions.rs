@@ -335,7 +335,10 @@ fn words<'a>(list: &[Expr<'a>], context: &mut Context<'a, '_>) -> Result<Choices
             _ => None,
         };
         let word = word.ok_or_else(|| {
-            let message = "a choice cannot contain `{{ … }}`";
+            let message = match choice {
+                Expr::Text(text) if text.is_blank() => "the text is empty",
+                _ => "a choice cannot contain `{{ … }}`",
+            };
             context.fault(Code::EmptyText, choice.span(), message)
         })?;
         Ok((word.to_lowercase(), word))

@@ -178,7 +178,9 @@ impl<'a, 'r> Context<'a, 'r> {
         if let Some(reported) = self.names.hidden(text, self.loaded) {
             return reported;
         }
-        let candidates: Vec<&str> = candidates.into_iter().collect();
+        let mut candidates: Vec<&str> = candidates.into_iter().collect();
+        // A word of several forms has a row for each, one below the other.
+        candidates.dedup();
         let message = format!("there is no {kind} `{text}`");
         let diagnostic = Diagnostic::new(Code::UnknownName, span, message);
         self.error(match nearest(text, candidates.iter().copied()) {

@@ -175,7 +175,10 @@ fn in_dimension<'a>(
     let diagnostic = match (expected, found.dimension) {
         (_, Dimension::Number) => new(Code::MissingUnit, format!("`{written}` has no unit"))
             .label(format!("expected {expected_noun}"))
-            .help(format!("write `{written}{}`", usual_unit(expected))),
+            .help(match expr {
+                Expr::Name(_) => format!("give the constant a unit: {}", example(expected)),
+                _ => format!("write `{written}{}`", usual_unit(expected)),
+            }),
         (Dimension::Number, _) => new(
             Code::WrongQuantity,
             format!("expected a number without a unit, found `{written}`"),
