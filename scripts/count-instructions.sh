@@ -4,7 +4,7 @@
 # count-instructions.sh        counts, prints, compares; ends with 1 where a pinned number is exceeded by over 5 %
 # count-instructions.sh --pin  counts, and pins what it counted
 #
-# Valgrind's callgrind runs examples/fold.rs of the crate `sim`. Counts do not depend on how busy the machine is,
+# Valgrind's callgrind runs examples/fold.rs of the crate `fab-sim`. Counts do not depend on how busy the machine is,
 # so that a slower step shows anywhere; without valgrind nothing is counted, and the exit code is 0. Two builds are
 # counted: `narrow`, for the baseline instruction set, and `wide`, where this machine has AVX2. Of each, one whole
 # fold of 50 x 50 particles, in all and by function, and the first 15 steps of several sizes. sim/benches/instructions.txt

@@ -29,6 +29,15 @@ no_system_library() {
     fi
 }
 
+# Fails where a lock file no longer fits its manifest. The workspace's is read by every step; these two are
+# workspaces of their own, which only slow tests and fuzzing build.
+lock_file_fits() {
+    cargo metadata --locked --format-version 1 --manifest-path "$1/Cargo.toml" >/dev/null
+}
+
+step lock_file_fits tests/wasm
+step lock_file_fits fuzz
+
 # The compiler and the authoring tool have to build alone.
 step cargo clippy --package fabc --no-default-features --locked -- -D warnings
 step no_system_library fabc --no-default-features

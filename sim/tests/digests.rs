@@ -168,7 +168,14 @@ fn a_picker_on_its_way_leaves_a_resting_cloth_alone() {
 /// Runs the pinned digests in another build of this crate.
 fn the_pinned_digests_hold_with(arguments: &[&str]) {
     let run = Command::new(env!("CARGO"))
-        .args(["test", "--locked", "--package", "sim", "--test", "digests"])
+        .args([
+            "test",
+            "--locked",
+            "--package",
+            env!("CARGO_PKG_NAME"),
+            "--test",
+            "digests",
+        ])
         .args(arguments)
         .args(["--", "--exact", "runs_give_the_pinned_digests"])
         .env_remove("FABC_WRITE_DIGESTS")
@@ -189,7 +196,14 @@ fn long_optimised_code_gives_the_pinned_digests() {
 #[test]
 #[ignore = "builds this crate anew"]
 fn long_unoptimised_code_gives_the_pinned_digests() {
-    the_pinned_digests_hold_with(&["--config", "profile.dev.package.sim.opt-level=0"]);
+    the_pinned_digests_hold_with(&[
+        "--config",
+        concat!(
+            "profile.dev.package.",
+            env!("CARGO_PKG_NAME"),
+            ".opt-level=0"
+        ),
+    ]);
 }
 
 #[test]
