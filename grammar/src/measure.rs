@@ -48,7 +48,12 @@ pub(crate) fn unexpected(tree: &Tree, span: Span, expected: Vec<&'static str>) -
     let text = tree.text();
     let at = span.start;
     let at = at + (text[at..].len() - text[at..].trim_start_matches([' ', '\t', '\u{a0}']).len());
-    let found = token_at(text, at..span.end.max(at));
+    // What follows on the line was expected to be something else, also where it belongs to what comes next.
+    let end = match text[at..].starts_with('"') {
+        true => span.end.max(at),
+        false => text.len(),
+    };
+    let found = token_at(text, at..end);
     if found.is_empty() || found.starts_with('#') {
         // Point directly after the last word, not at the next line.
         let at = text[..at].trim_end().len();

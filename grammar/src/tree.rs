@@ -153,7 +153,7 @@ kinds! {
     Negation negation, "A part after any number of `not`.";
     Relation relation, "An operand, compared or not.";
     Margin margin, "`N of`.";
-    Operand operand, "A value, converted or not.";
+    Operand operand | amount, "A value, converted or not.";
     Target target, "What it is converted to.";
     Heading heading, "`from A to B`.";
     Group group, "`( … )`, one part or two.";

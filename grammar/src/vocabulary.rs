@@ -31,7 +31,7 @@ pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
         | Rule::call
         | Rule::operand
         | Rule::heading => "a value",
-        Rule::quantity | Rule::number => "a number",
+        Rule::quantity | Rule::number | Rule::amount => "a number",
         Rule::block_text
         | Rule::string
         | Rule::triple

@@ -58,11 +58,9 @@ pub const MEASURES: &[Call<Make>] = &[
             Arg::positional("b", Kind::Heading, "another"),
         ],
         "the angle between two directions, `0deg` to `180deg`",
-        |args, _| {
-            Some(Measure::Angle {
-                a: args.heading("a"),
-                b: args.heading("b"),
-            })
+        |args, _| Measure::Angle {
+            a: args.heading("a"),
+            b: args.heading("b"),
         },
     ),
     other(
@@ -75,9 +73,9 @@ pub const MEASURES: &[Call<Make>] = &[
         )],
         "how many points a keypoint has",
         |args, _| {
-            Some(Measure::Number(Number::Count {
+            Measure::Number(Number::Count {
                 keypoint: args.name("points"),
-            }))
+            })
         },
     ),
     other(
@@ -90,10 +88,10 @@ pub const MEASURES: &[Call<Make>] = &[
         )],
         "a mask's pixels over those of the flat cloth",
         |args, flat_px| {
-            Some(Measure::Number(Number::Coverage {
+            Measure::Number(Number::Coverage {
                 mask: args.name("mask"),
-                flat_px: flat_px?,
-            }))
+                flat_px,
+            })
         },
     ),
     other(
@@ -105,10 +103,10 @@ pub const MEASURES: &[Call<Make>] = &[
         ],
         "the point on the other side of another",
         |args, _| {
-            Some(Measure::Point(Point::Mirror {
+            Measure::Point(Point::Mirror {
                 of: Box::new(args.point("point")),
                 about: Box::new(args.point("about")),
-            }))
+            })
         },
     ),
     other(
@@ -119,11 +117,9 @@ pub const MEASURES: &[Call<Make>] = &[
             Arg::positional("direction", Kind::Heading, "a direction"),
         ],
         "the field's choice that is nearest to a direction",
-        |args, _| {
-            Some(Measure::Nearest {
-                field: args.name("field"),
-                to: args.heading("direction"),
-            })
+        |args, _| Measure::Nearest {
+            field: args.name("field"),
+            to: args.heading("direction"),
         },
     ),
 ];
@@ -137,8 +133,8 @@ const POINT: Arg = Arg::positional("point", Kind::Point, "a point");
 pub enum Make {
     /// A length in the picture, of the points that are the call's arguments.
     Length(Square),
-    /// Any other value; None where it needs the flat cloth's pixels and they are not given.
-    Other(fn(&Args, Option<f64>) -> Option<Measure>),
+    /// Any other value, of the arguments and the flat cloth's pixels.
+    Other(fn(&Args, f64) -> Measure),
 }
 
 /// Computes a length's square from its points, `[column, row]`; negative where the length is.
@@ -174,12 +170,10 @@ pub enum Measure {
 impl Call<Make> {
     /// Makes the value of a call with these arguments.
     ///
-    /// - `flat_px`: the flat cloth's pixels, where the task has a cloth and a camera.
-    ///
-    /// Returns None if it needs `flat_px` and that is None.
-    pub fn measure(&'static self, args: &Args, flat_px: Option<f64>) -> Option<Measure> {
+    /// - `flat_px`: the flat cloth's pixels; NaN where the task has no cloth or no camera.
+    pub fn measure(&'static self, args: &Args, flat_px: f64) -> Measure {
         match self.make {
-            Make::Length(square) => Some(Measure::Length(Length::OfPoints(PointMeasure {
+            Make::Length(square) => Measure::Length(Length::OfPoints(PointMeasure {
                 signature: &self.signature,
                 square,
                 points: self
@@ -188,7 +182,7 @@ impl Call<Make> {
                     .iter()
                     .map(|arg| args.point(arg.name))
                     .collect(),
-            }))),
+            })),
             Make::Other(make) => make(args, flat_px),
         }
     }
@@ -434,7 +428,7 @@ const fn other(
     gives: &'static str,
     args: &'static [Arg],
     doc: &'static str,
-    make: fn(&Args, Option<f64>) -> Option<Measure>,
+    make: fn(&Args, f64) -> Measure,
 ) -> Call<Make> {
     call(name, gives, args, doc, Make::Other(make))
 }
@@ -464,7 +458,7 @@ mod tests {
     fn every_measure_is_made_from_the_arguments_that_its_row_declares() {
         for row in MEASURES {
             for args in samples::of(&row.signature) {
-                let measure = row.measure(&args, Some(100.0)).expect("a measure");
+                let measure = row.measure(&args, 100.0);
                 if let Measure::Length(length) = measure {
                     let json = serde_json::to_string(&length).expect("a length");
                     let read: Length = serde_json::from_str(&json).expect("the same length");

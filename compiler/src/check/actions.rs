@@ -3,10 +3,9 @@
 use super::context::{Context, Fields};
 use super::expressions::{Scope, fixed_deg, keypoint, wrong_shape};
 use super::names::Meaning;
-use super::quantity::{measured, noun, out_of_range, quantity_of};
+use super::quantity::{measured, noun, out_of_range, quantity_of, unit as unit_of};
 use crate::diag::{Code, Diagnostic, Reported, nearest};
 use crate::lang::actions::{ChoiceKind, FIELDS, FieldRow, field as moving_field};
-use crate::merge::unique;
 use crate::proof::MAX_FIELDS;
 use fab_grammar::Span;
 use fab_grammar::ast::{Actions, Expr, Field, Name};
@@ -20,11 +19,6 @@ const MAX_CHOICES: usize = 256;
 
 /// Builds the action space.
 pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fields<'a> {
-    unique(
-        part.fields().map(|field| field.name()),
-        "field",
-        context.report,
-    );
     let beyond = part
         .fields()
         .nth(MAX_FIELDS)
@@ -34,7 +28,9 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fie
     });
     let fields = part.fields().map(|field| {
         let name = field.name().text();
-        (name, within.and_then(|()| self::field(field, context)))
+        let once = context.names.one_meaning(name);
+        let field = within.and_then(|()| self::field(field, context));
+        (name, field.and_then(|field| once.map(|()| field)))
     });
     let list: Vec<(&str, Result<ActionField, Reported>)> = fields.collect();
     let right = list
@@ -146,7 +142,7 @@ fn listed<'a>(
     }
     offers(row, kind, first.span(), context)?;
     match kind {
-        ChoiceKind::Points => points(&list, context),
+        ChoiceKind::Points => points(&list, row, context),
         ChoiceKind::Directions => directions(&list, context),
         ChoiceKind::Lengths => lengths(name, &list, context),
         ChoiceKind::Words => words(&list, context),
@@ -173,11 +169,15 @@ fn kind<'a>(
             .usual_unit();
         let message = format!("`{written}` has no unit");
         let diagnostic = Diagnostic::new(Code::MissingUnit, choice.span(), message);
-        return Err(
-            context.error(diagnostic.help(format!("write `{written}{unit}`, or words in quotes")))
-        );
+        let or_words = if row.is_none() {
+            ", or words in quotes"
+        } else {
+            ""
+        };
+        let help = format!("write `{written}{unit}`{or_words}");
+        return Err(context.error(diagnostic.help(help)));
     };
-    Ok(ChoiceKind::of_unit(unit.text()))
+    Ok(ChoiceKind::of(unit_of(unit, context)?.dimension))
 }
 
 /// Reports choices of the wrong kind for a field that moves the cloth.
@@ -225,7 +225,11 @@ fn distinct<'a, K: Ord, T>(
     choices.into_iter().collect()
 }
 
-fn points<'a>(list: &[Expr<'a>], context: &mut Context<'a, '_>) -> Result<Choices, Reported> {
+fn points<'a>(
+    list: &[Expr<'a>],
+    row: Option<&FieldRow>,
+    context: &mut Context<'a, '_>,
+) -> Result<Choices, Reported> {
     let are_points = |shape| matches!(shape, KeypointShape::Points | KeypointShape::Point);
     let keypoints = distinct(list, context, |choice, context| {
         let written = context.loaded.written(choice.span());
@@ -236,6 +240,8 @@ fn points<'a>(list: &[Expr<'a>], context: &mut Context<'a, '_>) -> Result<Choice
             (Expr::Name(name), Some(Meaning::Keypoint(shape))) => {
                 Err(wrong_shape(name, shape, "points to choose from", context))
             }
+            (_, Some(Meaning::Twice(reported))) => Err(reported),
+            (Expr::Name(name), None) if row.is_none() => Err(bare_word(name, context)),
             _ => {
                 let offered = context.names.that(
                     |meaning| matches!(meaning, Meaning::Keypoint(shape) if shape.is_none_or(are_points)),
@@ -245,6 +251,25 @@ fn points<'a>(list: &[Expr<'a>], context: &mut Context<'a, '_>) -> Result<Choice
         }
     })?;
     Ok(Choices::Points { keypoints })
+}
+
+/// Reports a choice without quotes that names no keypoint, in a field that may offer words.
+fn bare_word(name: Name<'_>, context: &mut Context<'_, '_>) -> Reported {
+    if let Err(reported) = context.may_be_hidden(name.text()) {
+        return reported;
+    }
+    let message = format!("there is no keypoint `{}`", name.text());
+    let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message);
+    let keypoints = context
+        .names
+        .that(|meaning| matches!(meaning, Meaning::Keypoint(_)));
+    context.error(match nearest(name.text(), keypoints) {
+        Some(meant) => diagnostic.meant(name.span(), meant),
+        None => diagnostic.help(format!(
+            "a word stands in quotes: write `\"{}\"`",
+            name.text()
+        )),
+    })
 }
 
 fn directions<'a>(list: &[Expr<'a>], context: &mut Context<'a, '_>) -> Result<Choices, Reported> {

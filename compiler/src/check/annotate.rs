@@ -20,14 +20,13 @@ pub(crate) fn check<'a>(
     context: &mut Context<'a, '_>,
 ) -> Vec<(&'a str, Result<Layer, Reported>)> {
     let layers = || merged.annotate.into_iter().flat_map(|part| part.list());
-    unique(layers().map(|layer| layer.name()), "layer", context.report);
+    let twice = unique(layers().map(|layer| layer.name()), "layer", context.report);
     let beyond = layers().nth(MAX_LAYERS).map(|layer| layer.name().span());
     let within = context.bounded(beyond, || format!("at most {MAX_LAYERS} layers are drawn"));
     let layer = |declared: NamedValue<'a>| {
-        (
-            declared.name().text(),
-            within.and_then(|()| layer(declared, context)),
-        )
+        let name = declared.name().text();
+        let layer = within.and_then(|()| layer(declared, context));
+        (name, layer.and_then(|layer| twice.of(name).map(|()| layer)))
     };
     layers().map(layer).collect()
 }

@@ -50,9 +50,12 @@ fn parameter(signature: &Signature, label: &str) -> Option<&'static Arg> {
 }
 
 /// Binds each argument to its parameter, and reports every argument that fits none.
+///
+/// - `forms`: how calls of this name are written, for advice.
 pub(crate) fn bind<'a>(
     call: Call<'a>,
     signature: &Signature,
+    forms: &dyn Fn() -> String,
     context: &mut Context<'a, '_>,
 ) -> Result<Bound<'a>, Reported> {
     let mut bound: Bound<'a> = Vec::with_capacity(signature.args.len());
@@ -65,7 +68,7 @@ pub(crate) fn bind<'a>(
     for argument in call.arguments() {
         let arg = match argument.label() {
             Some(label) => parameter(signature, label.text())
-                .ok_or_else(|| unknown_label(call.name(), label, signature)),
+                .ok_or_else(|| unknown_label(call.name(), label, signature, forms)),
             None => match place {
                 Some(arg) => {
                     if arg.place == Place::Positional {
@@ -157,7 +160,12 @@ fn needs_partner(
     ))))
 }
 
-fn unknown_label(call: Name<'_>, label: Name<'_>, signature: &Signature) -> Diagnostic {
+fn unknown_label(
+    call: Name<'_>,
+    label: Name<'_>,
+    signature: &Signature,
+    forms: &dyn Fn() -> String,
+) -> Diagnostic {
     let message = format!("`{}` takes no `{}`", call.text(), label.text());
     let diagnostic = Diagnostic::new(Code::WrongArguments, label.span(), message);
     let named = signature
@@ -166,7 +174,7 @@ fn unknown_label(call: Name<'_>, label: Name<'_>, signature: &Signature) -> Diag
         .filter(|arg| arg.place == Place::Named);
     match nearest(label.text(), named.map(|arg| arg.name)) {
         Some(meant) => diagnostic.meant(label.span(), meant),
-        None => diagnostic.help(format!("write `{}`", signature.form())),
+        None => diagnostic.help(format!("write {}", forms())),
     }
 }
 
@@ -177,13 +185,18 @@ fn surplus(
     context: &Context<'_, '_>,
 ) -> Diagnostic {
     let span = argument.value().span();
-    let before = &context.loaded.texts.sources.get(span.file).text[..span.start];
-    if let (Some(whole), Expr::Quantity(_)) = (before.strip_suffix(','), argument.value())
-        && whole.ends_with(|last: char| last.is_ascii_digit())
-    {
+    let text = &context.loaded.texts.sources.get(span.file).text;
+    let (begin, end) = (call.span().end, (span.start + 1).min(text.len()));
+    let is_digit = |at: usize| text.as_bytes()[at].is_ascii_digit();
+    let mut commas = text.as_bytes()[begin..end].iter().enumerate();
+    let comma = commas.find_map(|(at, byte)| {
+        let at = begin + at;
+        (*byte == b',' && at + 1 < end && is_digit(at - 1) && is_digit(at + 1)).then_some(at)
+    });
+    if let Some(start) = comma {
         let comma = Span {
-            start: span.start - 1,
-            end: span.start,
+            start,
+            end: start + 1,
             ..span
         };
         let message = "decimals follow a point, not a comma";

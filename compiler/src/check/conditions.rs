@@ -4,7 +4,7 @@ use super::context::Context;
 use super::expressions::{
     AsPercent, FramedLength, Operand, Scope, common_frame, keypoint, kind_of, operand, point,
 };
-use super::quantity::{out_of_range, read};
+use super::quantity::{not_whole, out_of_range, read};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::conditions::{ANGLE_BETWEEN, MARGIN, SIGNS, Sign, WORDS, sign as meaning};
 use fab_grammar::ast::{Compare, Expr, Name, Within};
@@ -154,11 +154,9 @@ fn fixed<'a>(
         }
         (Operand::Counted { number, as_percent }, Operand::Number(written)) => {
             let is_same = matches!(meaning(sign.text()), Some(Sign::Same | Sign::Different));
-            if is_same && !matches!(number, Number::Coverage { .. }) && written.fract() != 0.0 {
-                let message = format!("`{written}` is not a whole number");
-                let diagnostic = Diagnostic::new(Code::NotWhole, limit.expr.span(), message);
+            if is_same && number.is_whole() && written.fract() != 0.0 {
                 let help = "a count is a whole number: compare with one, or by `<` or `>`";
-                return Some(Err(context.error(diagnostic.help(help))));
+                return Some(Err(not_whole(limit.expr, help, context)));
             }
             let share = match as_percent {
                 AsPercent::Yes => written / 100.0,
@@ -180,8 +178,13 @@ fn lengths<'a>(
 ) -> Result<Condition, Reported> {
     let is = order(compare.sign(), "lengths", context);
     if left.frame != right.frame {
-        let [left_words, right_words] =
-            [compare.left(), compare.right()].map(|side| context.written(side.span()));
+        let [left_words, right_words] = [compare.left(), compare.right()].map(|side| {
+            let value = match side {
+                Expr::Converted(converted) => converted.value(),
+                _ => side,
+            };
+            context.written(value.span())
+        });
         let noun = |length: &FramedLength| kind_of(&Operand::Length(length.clone()));
         let message = "a length in the picture is compared with a length on the table";
         let diagnostic = Diagnostic::new(Code::MixedFrames, compare.right().span(), message)
@@ -220,7 +223,7 @@ fn counted(
     turned: fn(Comparison) -> Comparison,
     context: &mut Context<'_, '_>,
 ) -> Result<Condition, Reported> {
-    let is_whole = !matches!(number, Number::Coverage { .. });
+    let is_whole = number.is_whole();
     let compared = |is| Condition::Number {
         left: number.clone(),
         is,
@@ -319,14 +322,32 @@ fn unlike(
     let [left_words, right_words] = [left, right].map(|side| context.written(side.expr.span()));
     let new = |code, span, message: String| Diagnostic::new(code, span, message);
     if left_kind == right_kind {
-        let message = match left.value {
-            Operand::Point(_) | Operand::Heading => {
-                format!("`{left_words}` and `{right_words}` have no order: each is {left_kind}")
+        let both = format!("`{left_words}` and `{right_words}`");
+        let (message, help) = match (&left.value, &right.value) {
+            (Operand::Point(_), _) => (
+                format!("{both} are points, which are not compared"),
+                "write, for example, `distance(pick, place) < 10px`",
+            ),
+            (Operand::Heading, _) => (
+                format!("{both} are directions, which are not compared"),
+                "write, for example, `angle_between(from center to pick, 90deg) < 45deg`",
+            ),
+            (a, b) if a.is_constant() && b.is_constant() => {
+                (format!("{both} are both constants"), FORMS)
             }
-            _ => format!("`{left_words}` and `{right_words}` are both constants"),
+            _ => (
+                format!("{both} both depend on the action or the scene"),
+                "one side is a constant: a number, an angle such as `45deg`, or a word in quotes",
+            ),
         };
-        return new(Code::WrongExpression, compare.span(), message).help(FORMS);
+        return new(Code::WrongExpression, compare.span(), message).help(help);
     }
+    let has_unit = |side: &Side<'_>| {
+        matches!(
+            side.value,
+            Operand::Length(_) | Operand::Angle { .. } | Operand::Between { .. }
+        )
+    };
     let bare = |side: &Side<'_>, words: &str| {
         new(
             Code::MissingUnit,
@@ -335,8 +356,8 @@ fn unlike(
         )
     };
     let diagnostic = match (&left.value, &right.value) {
-        (_, Operand::Number(_)) => bare(right, &right_words),
-        (Operand::Number(_), _) => bare(left, &left_words),
+        (_, Operand::Number(_)) if has_unit(left) => bare(right, &right_words),
+        (Operand::Number(_), _) if has_unit(right) => bare(left, &left_words),
         _ => {
             let message = format!("{left_kind} is compared with {right_kind}");
             new(Code::WrongQuantity, right.expr.span(), message)

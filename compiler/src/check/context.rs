@@ -175,7 +175,7 @@ impl<'a, 'r> Context<'a, 'r> {
         span: Span,
         candidates: impl IntoIterator<Item = &'c str>,
     ) -> Reported {
-        if let Some(reported) = self.names.hidden(text, self.loaded) {
+        if let Err(reported) = self.may_be_hidden(text) {
             return reported;
         }
         let mut candidates: Vec<&str> = candidates.into_iter().collect();
@@ -188,6 +188,14 @@ impl<'a, 'r> Context<'a, 'r> {
             None if candidates.is_empty() => diagnostic,
             None => diagnostic.help(format!("there is {}", among(candidates))),
         })
+    }
+
+    /// Returns the proof of an error that may hide the declaration of a name without a meaning.
+    pub fn may_be_hidden(&self, name: &str) -> Result<(), Reported> {
+        match self.names.get(name) {
+            Some(_) => Ok(()),
+            None => self.names.hidden(name, self.loaded).map_or(Ok(()), Err),
+        }
     }
 
     /// Finds a word of a closed set of `kind`.

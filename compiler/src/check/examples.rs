@@ -71,10 +71,12 @@ fn one<'a>(
 ) -> Result<Example, Reported> {
     let say = once(example.say(), "say", Sayings::span, context.report);
     let reply = once(example.replies(), "reply", Reply::span, context.report);
-    let say = required(say, "say", example, context).and_then(|say| question(say, context));
+    let alone = say.alone.and(reply.alone);
+    let say = required(say.first, "say", example, context).and_then(|say| question(say, context));
     let images = images(example, reader.role, context);
-    let reply = required(reply, "reply", example, context);
+    let reply = required(reply.first, "reply", example, context);
     let reply = reply.and_then(|reply| answer(reply, reader, context));
+    alone?;
     Ok(Example {
         say: say?,
         images: images?,

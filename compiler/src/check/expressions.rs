@@ -44,7 +44,12 @@ pub(crate) fn call<'a>(
     let Some((row, signature)) = form(call, rows.clone()) else {
         return Err(context.unknown(kind, call.name(), rows.map(|row| row.name)));
     };
-    let bound = bind(call, signature, context)?;
+    let forms = || {
+        let same_name = rows.clone().filter(|row| row.name == signature.name);
+        let forms: Vec<String> = same_name.map(Signature::form).collect();
+        among(forms.iter().map(String::as_str))
+    };
+    let bound = bind(call, signature, &forms, context)?;
     let mut values = Vec::with_capacity(signature.args.len());
     let mut all = Ok(());
     for (index, (arg, expr)) in bound.iter().enumerate() {
@@ -163,7 +168,11 @@ pub(super) fn word(
         return Ok(word.name);
     }
     let diagnostic = context.unexpected(Code::WrongForm, expr, &among(names(words)));
-    Err(context.error(diagnostic))
+    let found = context.written(expr.span());
+    Err(context.error(match nearest(&found, names(words)) {
+        Some(meant) => diagnostic.meant(expr.span(), meant),
+        None => diagnostic,
+    }))
 }
 
 /// Reads a word of a closed set that messages have a noun for, such as a colour.
@@ -270,11 +279,17 @@ pub(super) fn keypoint(
             }
         });
     };
+    context.names.one_meaning(name.text())?;
     let Some(Meaning::Keypoint(shape)) = context.names.get(name.text()) else {
         let fits =
             |meaning| matches!(meaning, Meaning::Keypoint(Some(shape)) if shapes.contains(&shape));
         let kinds: Vec<&str> = shapes.iter().map(|shape| shape.name()).collect();
-        return Err(context.unknown(&kinds.join(" or "), name, context.names.that(fits)));
+        let mut candidates = context.names.that(fits);
+        if let Scope::Above(below) = scope {
+            let is_above = |name: &&str| matches!(context.keypoints.get(name), Some((place, _)) if *place < below);
+            candidates.retain(is_above);
+        }
+        return Err(context.unknown(&kinds.join(" or "), name, candidates));
     };
     if let Scope::Above(place) = scope {
         let found = context.keypoints.get(name.text());
@@ -445,6 +460,10 @@ pub(crate) fn point<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result
         Expr::Path(path) => match path.text() {
             "last.pick" => Ok(Point::Last { end: End::Pick }),
             "last.place" => Ok(Point::Last { end: End::Place }),
+            text if is_last_field(text, context) => {
+                let message = format!("`{text}` is known only in texts, as `{{{{ {text} }}}}`");
+                Err(context.fault(Code::WrongExpression, path.span(), message))
+            }
             text => {
                 Err(context.unknown_at("point", text, path.span(), ["last.pick", "last.place"]))
             }
@@ -456,6 +475,12 @@ pub(crate) fn point<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result
         Expr::Name(name) => named_point(name, context),
         _ => Err(not_a_point(expr, context)),
     }
+}
+
+/// Returns whether a name with a dot is a field of the last action.
+fn is_last_field(text: &str, context: &Context<'_, '_>) -> bool {
+    let field = text.strip_prefix("last.");
+    field.is_some_and(|name| matches!(context.actions.get(name), Ok(Some(_))))
 }
 
 fn not_a_point(expr: Expr<'_>, context: &mut Context<'_, '_>) -> Reported {
@@ -477,23 +502,37 @@ fn named_point(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<Point, R
         },
         Some(Meaning::Keypoint(Some(KeypointShape::Point))) => Ok(Point::Keypoint { name: text }),
         Some(Meaning::Keypoint(shape)) => Err(wrong_shape(name, shape, "one point", context)),
+        Some(Meaning::Twice(reported)) => Err(reported),
         None if text == "last" => {
             let message = "`last` is a condition, not a point";
             let diagnostic = Diagnostic::new(Code::WrongExpression, name.span(), message);
             Err(context.error(diagnostic.help("write `last.pick` or `last.place`")))
         }
+        None if context.constants.contains_key(text.as_str()) => {
+            let message = format!("expected a point, found `{text}`");
+            let diagnostic = Diagnostic::new(Code::WrongKindOfName, name.span(), message);
+            Err(context.error(diagnostic.label("this is a constant")))
+        }
         Some(Meaning::Text { .. }) | None => {
-            let candidates = context.names.that(is_point);
+            let candidates = points(context);
             Err(context.unknown("point", name, candidates))
         }
     }
 }
 
-fn is_point(meaning: Meaning) -> bool {
-    matches!(
-        meaning,
-        Meaning::Field | Meaning::Keypoint(Some(KeypointShape::Point))
-    )
+/// Returns the names of points.
+fn points<'a>(context: &Context<'a, '_>) -> Vec<&'a str> {
+    let mut names = context.names.that(|meaning| {
+        matches!(
+            meaning,
+            Meaning::Field | Meaning::Keypoint(Some(KeypointShape::Point))
+        )
+    });
+    names.retain(|name| match context.actions.get(name) {
+        Ok(Some(field)) => field.is_point(),
+        Ok(None) | Err(_) => true,
+    });
+    names
 }
 
 /// Returns the `place` of an action that declares a direction and a distance instead.
@@ -577,6 +616,7 @@ pub(crate) fn heading<'a>(
             if let Expr::Name(name) = expr {
                 // A broken field is reported at its declaration.
                 context.actions.get(name.text())?;
+                context.may_be_hidden(name.text())?;
             }
             let diagnostic = context.unexpected(Code::WrongExpression, expr, "a direction");
             Err(context.error(diagnostic.help("write `from center to pick`, an angle such as `45deg`, or a field of the action that is a direction")))
@@ -609,6 +649,7 @@ fn direction_field(expr: Expr<'_>, context: &mut Context<'_, '_>) -> Result<Stri
             return Ok(name.text().to_owned());
         }
         context.actions.get(name.text())?;
+        context.may_be_hidden(name.text())?;
     }
     let diagnostic = context.unexpected(Code::WrongExpression, expr, "a field that is a direction");
     Err(context.error(diagnostic))
@@ -649,6 +690,16 @@ pub(crate) enum Operand {
     /// A field that is a word.
     WordField(String),
     Word(String),
+}
+
+impl Operand {
+    /// Returns whether it is the same in every scene and for every action; lengths are compared in their own way.
+    pub fn is_constant(&self) -> bool {
+        matches!(
+            self,
+            Operand::Angle { .. } | Operand::Number(_) | Operand::Word(_)
+        )
+    }
 }
 
 /// Whether a fraction is written as a percentage.
@@ -779,13 +830,8 @@ pub(super) fn measure<'a>(
     let flat_px = context
         .area_m2()
         .and_then(|area_m2| Ok(area_m2 * px_per_m? * px_per_m?));
-    match MEASURES[row].measure(&args, flat_px.ok()) {
-        Some(measure) => Ok(measure),
-        // Only a broken cloth or camera leaves no flat cloth to compare with.
-        None => Err(flat_px
-            .err()
-            .unwrap_or_else(|| context.unknown("measure", call.name(), []))),
-    }
+    // A task with a broken cloth or camera never becomes a program, so its size does not matter.
+    Ok(MEASURES[row].measure(&args, flat_px.unwrap_or(f64::NAN)))
 }
 
 fn constant<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Operand, Reported> {
@@ -844,7 +890,7 @@ fn named<'a>(
             as_percent: AsPercent::No,
         }),
         None if text != "last" => {
-            let mut candidates = context.names.that(is_point);
+            let mut candidates = points(context);
             candidates.extend(context.constants.keys());
             Err(context.unknown("value", name, candidates))
         }
@@ -873,7 +919,7 @@ fn convert(
         (Operand::Angle { deg, .. }, Some(Dimension::Angle)) => Operand::Angle { deg, unit },
         (Operand::Between { a, b, .. }, Some(Dimension::Angle)) => Operand::Between { a, b, unit },
         (Operand::Counted { number, .. }, None)
-            if target.text() == "percent" && matches!(number, Number::Coverage { .. }) =>
+            if target.text() == "percent" && !number.is_whole() =>
         {
             Operand::Counted {
                 number,

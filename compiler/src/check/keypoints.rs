@@ -20,7 +20,8 @@ pub(crate) const RESERVED: [&str; 5] = ["last", "step", "scene", "depth", "unrea
 /// Reads the constants.
 pub(crate) fn constants<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) {
     for constant in merged.constants.iter() {
-        let is_free = is_free(constant.name(), context);
+        let once = merged.twice.of(constant.name().text());
+        let is_free = once.and_then(|()| is_free(constant.name(), context));
         let value = match constant.value() {
             Expr::Quantity(quantity) => match quantity.unit() {
                 Some(name) => unit(name, context).map(|_| quantity),
@@ -45,6 +46,7 @@ fn is_free(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported
         _ if RESERVED.contains(&name.text()) => "has a meaning of its own",
         Some(Meaning::Text { .. }) => "is a text that a stage reads",
         Some(Meaning::Field) => "is a field of the action",
+        Some(Meaning::Twice(reported)) => return Err(reported),
         Some(Meaning::Keypoint(_)) | None => return Ok(()),
     };
     let message = format!("`{}` {taken_by}", name.text());
@@ -88,7 +90,7 @@ fn keypoint_of<'a>(
     context: &mut Context<'a, '_>,
 ) -> Result<Keypoint, Reported> {
     let name = keypoint.name();
-    let mut named = Ok(());
+    let mut named = context.names.one_meaning(name.text());
     if RESERVED.contains(&name.text()) {
         let message = format!("`{}` has a meaning of its own", name.text());
         let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);

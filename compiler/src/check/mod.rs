@@ -58,12 +58,10 @@ pub const MAX_INHERITED_BYTES: usize = 64 << 20;
 /// - `grid`: particles along X and Y; if given, it replaces the grid of every task's cloth.
 pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Report) -> Checked {
     let files = || loaded.files.iter();
-    merge::unique(
-        files().flat_map(|file| &file.tasks).map(|task| task.name()),
-        "task",
-        report,
-    );
+    let tasks = files().flat_map(|file| &file.tasks);
     let lists = files().flat_map(|file| &file.experts);
+    // An error outside of tasks counts against every task that sees the file, so the proofs are not needed here.
+    merge::unique(tasks.map(|task| task.name()), "task", report);
     merge::unique(
         lists.clone().map(|list| list.name()),
         "list of experts",
@@ -74,7 +72,6 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
         // Reports every broken list, also those that no task names.
         let _: Result<_, _> = experts::check(*list, &mut context);
     }
-    // An error outside of tasks counts against every task that sees the file.
     let form_of = |file: FileId| {
         let mut seen = loaded.visible_from(file);
         seen.find_map(|seen| context.report.error_in(seen.id))

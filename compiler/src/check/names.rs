@@ -2,11 +2,12 @@
 //!
 //! Keypoints, texts that stages read, and action fields share one namespace: all can be used in a text.
 
+use crate::diag::Report;
 use crate::diag::Reported;
 use crate::load::Loaded;
-use crate::merge::Merged;
+use crate::merge::{Merged, declared_twice};
 use fab_grammar::FileId;
-use fab_grammar::ast::Expr;
+use fab_grammar::ast::{Expr, Name};
 use fab_program::{EXTRACTORS, KeypointShape};
 use std::collections::BTreeMap;
 
@@ -19,6 +20,8 @@ pub(crate) enum Meaning {
     Text { stage: usize },
     /// A field of the action.
     Field,
+    /// It is declared twice, which was reported.
+    Twice(Reported),
 }
 
 /// Every name of a task.
@@ -29,28 +32,44 @@ pub(crate) struct Names<'a> {
 }
 
 impl<'a> Names<'a> {
-    /// Collects the names of a task; the call in a keypoint's declaration gives its shape.
-    pub fn of(merged: &Merged<'a>) -> Names<'a> {
+    /// Collects the names of a task, and reports those with two meanings; the call in a keypoint's declaration gives
+    /// its shape.
+    pub fn of(merged: &Merged<'a>, report: &mut Report) -> Names<'a> {
+        let keypoints = merged.keypoints.iter().map(|keypoint| {
+            let meaning = match merged.twice.of(keypoint.name().text()) {
+                Ok(()) => Meaning::Keypoint(shape(keypoint.value())),
+                Err(reported) => Meaning::Twice(reported),
+            };
+            (keypoint.name(), "keypoint", meaning)
+        });
+        let fields = merged.actions.into_iter().flat_map(|part| part.fields());
+        let fields = fields.map(|field| (field.name(), "field", Meaning::Field));
+        let texts = merged
+            .stages
+            .iter()
+            .enumerate()
+            .filter_map(|(stage, part)| {
+                let name = part.read().next()?.name();
+                (name.text() != "action").then_some((name, "text", Meaning::Text { stage }))
+            });
         let mut meanings = BTreeMap::new();
-        for (stage, part) in merged.stages.iter().enumerate() {
-            for read in part.read().filter(|read| read.name().text() != "action") {
-                meanings
-                    .entry(read.name().text())
-                    .or_insert(Meaning::Text { stage });
-            }
+        let mut declared: BTreeMap<&str, (Name<'_>, &str)> = BTreeMap::new();
+        for (name, kind, meaning) in keypoints.chain(fields).chain(texts) {
+            let (first, first_kind) = *declared.entry(name.text()).or_insert((name, kind));
+            let meaning = if first.span() == name.span() {
+                meaning
+            } else {
+                let kind = if kind == first_kind { kind } else { "name" };
+                let diagnostic = declared_twice(kind, name.text(), first.span(), name.span());
+                Meaning::Twice(report.error(diagnostic))
+            };
+            meanings.insert(name.text(), meaning);
         }
         // A missing or misspelt field is reported at the action's declaration.
         if merged.actions.is_some() {
-            meanings.extend(["pick", "place"].map(|field| (field, Meaning::Field)));
-        }
-        for field in merged.actions.into_iter().flat_map(|part| part.fields()) {
-            meanings.insert(field.name().text(), Meaning::Field);
-        }
-        for keypoint in merged.keypoints.iter() {
-            meanings.insert(
-                keypoint.name().text(),
-                Meaning::Keypoint(shape(keypoint.value())),
-            );
+            for field in ["pick", "place"] {
+                meanings.entry(field).or_insert(Meaning::Field);
+            }
         }
         Names {
             meanings,
@@ -65,6 +84,14 @@ impl<'a> Names<'a> {
             meanings: BTreeMap::new(),
             seen_from,
             missing_base: None,
+        }
+    }
+
+    /// Returns the proof of an error if the name is declared twice.
+    pub fn one_meaning(&self, name: &str) -> Result<(), Reported> {
+        match self.get(name) {
+            Some(Meaning::Twice(reported)) => Err(reported),
+            _ => Ok(()),
         }
     }
 

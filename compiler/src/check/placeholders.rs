@@ -236,6 +236,7 @@ fn named<'a>(
             }
             Placeholder::Text { name: text }
         }
+        Some(Meaning::Twice(reported)) => return Err(reported),
         Some(Meaning::Field) => match context.actions.get(name.text())? {
             Some(_) => Placeholder::Field { field: text },
             // The place that follows from a direction and a distance.
@@ -261,6 +262,7 @@ fn candidates<'a>(place: TextPlace, context: &Context<'a, '_>) -> Vec<&'a str> {
         }
         (Meaning::Text { stage }, TextPlace::Stage(here)) => stage < here,
         (Meaning::Field, TextPlace::Stage(_)) | (_, TextPlace::Result) => false,
+        (Meaning::Twice(_), _) => false,
         (_, TextPlace::Message | TextPlace::Nowhere) => true,
     });
     names.extend(context.constants.keys());

@@ -113,7 +113,7 @@ pub(crate) fn read<'a>(
     range: &Range,
     context: &mut Context<'a, '_>,
 ) -> Result<f64, Reported> {
-    let value = in_dimension(expr, range.dimension(), context)?;
+    let value = in_dimension(expr, range.dimension(), Precision::Any, context)?;
     if range.contains(value) || value.is_nan() {
         return Ok(value);
     }
@@ -130,14 +130,19 @@ pub(crate) fn read_whole<'a>(
     range: &Range,
     context: &mut Context<'a, '_>,
 ) -> Result<f64, Reported> {
-    let value = in_dimension(expr, range.dimension(), context)?;
+    let value = in_dimension(expr, range.dimension(), Precision::Whole, context)?;
     if value.fract() == 0.0 {
         return read(expr, range, context);
     }
+    let help = format!("accepted is {}", range.words());
+    Err(not_whole(expr, &help, context))
+}
+
+/// Reports a number that is not whole.
+pub(super) fn not_whole(expr: Expr<'_>, help: &str, context: &mut Context<'_, '_>) -> Reported {
     let written = context.written(expr.span());
     let message = format!("`{written}` is not a whole number");
-    let diagnostic = Diagnostic::new(Code::NotWhole, expr.span(), message);
-    Err(context.error(diagnostic.help(format!("accepted is {}", range.words()))))
+    context.error(Diagnostic::new(Code::NotWhole, expr.span(), message).help(help))
 }
 
 /// Reports a number outside of its range.
@@ -147,9 +152,17 @@ pub(super) fn out_of_range(expr: Expr<'_>, help: &str, context: &mut Context<'_,
     context.error(Diagnostic::new(Code::OutOfRange, expr.span(), message).help(help))
 }
 
+/// Which numbers are accepted; a length on the table is hardly ever a whole number of pixels.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Precision {
+    Any,
+    Whole,
+}
+
 fn in_dimension<'a>(
     expr: Expr<'a>,
     expected: Dimension,
+    precision: Precision,
     context: &mut Context<'a, '_>,
 ) -> Result<f64, Reported> {
     if let Expr::Converted(converted) = expr {
@@ -184,11 +197,16 @@ fn in_dimension<'a>(
             format!("expected a number without a unit, found `{written}`"),
         )
         .label(format!("this is {found_noun}")),
-        (Dimension::Pixels, Dimension::Length) if matches!(context.camera, Ok(Some(_))) => mixed()
-            .help(format!(
+        (Dimension::Pixels, Dimension::Length)
+            if precision == Precision::Any && matches!(context.camera, Ok(Some(_))) =>
+        {
+            mixed().help(format!(
                 "write `{written} in px` for its length in the picture, or {help}"
-            )),
-        (Dimension::Length, Dimension::Pixels) => mixed().help(help),
+            ))
+        }
+        (Dimension::Length, Dimension::Pixels) | (Dimension::Pixels, Dimension::Length) => {
+            mixed().help(help)
+        }
         _ => new(
             Code::WrongQuantity,
             format!("expected {expected_noun}, found {found_noun}"),
@@ -241,11 +259,24 @@ pub(super) fn no_conversion(
     };
     let lengths = of(|it| matches!(it, Dimension::Length | Dimension::Pixels));
     let angles = of(|it| it == Dimension::Angle);
-    context.error(
-        Diagnostic::new(Code::NoConversion, target.span(), message).help(format!(
+    let diagnostic = Diagnostic::new(Code::NoConversion, target.span(), message);
+    let meant = match units::find(target.text()) {
+        None => nearest_unit(target.text()),
+        Some(_) => None,
+    };
+    context.error(match meant {
+        Some(meant) => diagnostic.meant(target.span(), meant),
+        None => diagnostic.help(format!(
             "after `in`, write {lengths} for lengths, {angles} for angles, `percent` for fractions"
         )),
-    )
+    })
+}
+
+/// Returns the unit that a word probably means.
+fn nearest_unit(word: &str) -> Option<&'static str> {
+    let right = UNITS.iter().find(|unit| unit.spellings.contains(&word));
+    let names = UNITS.iter().map(|unit| unit.name);
+    right.map(|unit| unit.name).or_else(|| nearest(word, names))
 }
 
 pub(super) fn unit(

@@ -64,7 +64,6 @@ pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> P
         .map(|(number, stage)| builder.stage(number, stage, context))
         .collect();
     action_readers(merged, context);
-    read_names(merged, context);
     builder.unused(context);
     builder.layers(context);
     Prompts {
@@ -96,25 +95,6 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
         let message = format!("the last stage, `{name}`, does not read the action");
         context.error(report(read.span(), message).help("write `read action`"));
     }
-}
-
-/// Reports texts that are read under a name that is already taken.
-fn read_names(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
-    let keypoints = merged.keypoints.iter().map(|keypoint| keypoint.name());
-    let fields = merged.actions.into_iter().flat_map(|part| part.fields());
-    let reads = merged
-        .stages
-        .iter()
-        .flat_map(|stage| stage.read())
-        .map(|read| read.name());
-    let texts = reads.filter(|name| name.text() != "action");
-    unique(
-        keypoints
-            .chain(fields.map(|field| field.name()))
-            .chain(texts),
-        "name",
-        context.report,
-    );
 }
 
 /// Builds the condition under which a component is used.
@@ -162,35 +142,38 @@ impl<'a> Builder<'_, 'a> {
         let say = once(stage.say(), "say", Sayings::span, context.report);
         let system = once(stage.system(), "system", Sayings::span, context.report);
         let read = once(stage.read(), "read", ast::Read::span, context.report);
+        let lines = [model.alone, show.alone, say.alone, system.alone, read.alone];
         let model = required(
-            model,
+            model.first,
             "model",
             "write `model vision` or `model text`",
             stage,
             context,
         );
         let say = required(
-            say,
+            say.first,
             "say",
             "write `say` and components or a text",
             stage,
             context,
         );
         let how = "write `read action`, or `read NAME from \"…{NAME}\"`";
-        let read = required(read, "read", how, stage, context);
+        let read = required(read.first, "read", how, stage, context);
 
         let (role, settings) = match model {
             Ok(line) => self::model(line, context),
             Err(reported) => (Err(reported), Err(reported)),
         };
-        let pictures = show.map_or(Vec::new(), |line| self::pictures(line, context));
-        let showable = show.map_or(Ok(()), |line| {
+        let pictures = show
+            .first
+            .map_or(Vec::new(), |line| self::pictures(line, context));
+        let showable = show.first.map_or(Ok(()), |line| {
             let role = role.and_then(|role| Ok((role, model?)));
             self.showable(stage, line, role, &pictures, context)
         });
 
         context.named_layers.clear();
-        let system = system.map_or(Ok(Vec::new()), |line| {
+        let system = system.first.map_or(Ok(Vec::new()), |line| {
             self.sayings(number, stage, "system", line, context)
         });
         let say = say.and_then(|line| self.sayings(number, stage, "say", line, context));
@@ -213,6 +196,7 @@ impl<'a> Builder<'_, 'a> {
         let read = read.and_then(|line| self::read(line, context));
         let examples = examples::check(stage, role, read.as_ref().map_err(|it| *it), context);
         showable?;
+        lines.into_iter().collect::<Result<(), _>>()?;
         beyond.map_or(Ok(()), Err)?;
         let settings = settings?;
         Ok(program::Stage {
@@ -398,6 +382,7 @@ impl<'a> Builder<'_, 'a> {
             .map(|component| component.name().span())
             .collect();
         let can_say = !merged.stages.is_empty() && merged.missing_base.is_none();
+        let can_say = can_say && !self.may_say_more();
         for component in merged.components.iter() {
             let name = component.name();
             if self.last_use.contains_key(name.text()) {
@@ -425,6 +410,12 @@ impl<'a> Builder<'_, 'a> {
         }
     }
 
+    /// Returns whether a stage, or a line of one, may be in a part that did not parse.
+    fn may_say_more(&self) -> bool {
+        let mut stages = self.merged.stages.iter();
+        self.merged.is_damaged || stages.any(ast::Stage::is_damaged)
+    }
+
     /// Reports layers that are drawn but not named, or named but not drawn.
     fn layers(&self, context: &mut Context<'a, '_>) {
         for stage in &self.layers {
@@ -441,7 +432,7 @@ impl<'a> Builder<'_, 'a> {
         }
         // A variant may leave out the text that names a layer; that is no slip.
         let merged = self.merged;
-        if merged.stages.is_empty() || merged.variant.is_some() || merged.is_damaged {
+        if merged.stages.is_empty() || merged.variant.is_some() || self.may_say_more() {
             return;
         }
         let named = self.layers.iter().flat_map(|stage| &stage.named);
@@ -484,11 +475,8 @@ fn model<'a>(
     line: ast::Model<'a>,
     context: &mut Context<'a, '_>,
 ) -> (Result<ModelRole, Reported>, Result<Settings, Reported>) {
-    unique(
-        line.settings().map(|setting| setting.name()),
-        "setting",
-        context.report,
-    );
+    let names = line.settings().map(|setting| setting.name());
+    let twice = unique(names, "setting", context.report);
     let mut list = line.settings();
     let Some(kind) = list.next() else {
         let diagnostic = Diagnostic::new(Code::WrongForm, line.span(), "expected a kind of model");
@@ -501,7 +489,7 @@ fn model<'a>(
             "vision" => ModelRole::Vision,
             _ => ModelRole::Text,
         });
-    let mut settings = Ok(Settings::new());
+    let mut settings = twice.any().map(|()| Settings::new());
     if let Some(value) = kind.value() {
         let message = format!("`{}` takes no number", kind.name().text());
         settings = Err(context.fault(Code::WrongForm, value.span(), message));

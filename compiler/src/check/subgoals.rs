@@ -18,7 +18,7 @@ pub(crate) fn check<'a>(
 ) -> Result<Subgoals, Reported> {
     let head = |block: FoldBlock<'_>| block.head_span();
     let demonstrated = once(part.demonstrations(), "demonstrate", head, context.report);
-    match (demonstrated, part.images().next()) {
+    let subgoals = match (demonstrated.first, part.images().next()) {
         (Some(block), Some(image)) => {
             let message = "the subgoals are both demonstrated and listed as images";
             let diagnostic = Diagnostic::new(Code::MixedSubgoals, image.span(), message);
@@ -38,7 +38,8 @@ pub(crate) fn check<'a>(
                 .help("write `demonstrate { fold … }`, or list images");
             Err(context.missing(part.is_damaged(), span.file, diagnostic))
         }
-    }
+    };
+    demonstrated.alone.and(subgoals)
 }
 
 fn images<'a>(

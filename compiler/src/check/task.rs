@@ -35,7 +35,7 @@ pub(super) fn check<'a>(
     let mut context = Context::outside(loaded, report);
     let context = &mut context;
     context.grid = grid;
-    context.names = Names::of(merged);
+    context.names = Names::of(merged, context.report);
     keypoints::constants(merged, context);
     let about = merged.statement("about").map(|it| about(it, context));
     let statement = |word| merged.statement(word);
@@ -84,6 +84,7 @@ pub(super) fn check<'a>(
     let whole = completeness(merged, form, loaded, context.report)?;
     // Any reported error counts, whichever part it concerns.
     context.report.has_errors()?;
+    merged.joined?;
     form?;
     let (Some(cloth), Some(camera), Some(horizon), true) = (cloth?, camera?, horizon?, whole)
     else {

@@ -51,19 +51,20 @@ fn one<'a>(
     let reply = once(test.replies(), "reply", Reply::span, context.report);
     let expect = once(test.expect(), "expect", ast::Expect::span, context.report);
     let name = required(test.name(), "a name in quotes", test, context);
-    let reply = required(reply, "`reply`", test, context);
-    let expect = required(expect, "`expect`", test, context);
+    let alone = reply.alone.and(expect.alone);
+    let reply = required(reply.first, "`reply`", test, context);
+    let expect = required(expect.first, "`expect`", test, context);
 
     let name = name.and_then(|name| plain(name, context));
     let given = self::given(test, context);
     let answer = reply.and_then(|reply| plain(reply.text(), context));
     let stage = reply.and_then(|reply| answered(reply, merged, prompts, context));
-    let expect = expect.and_then(|line| match stage? {
-        Some((_, stage)) => self::expect(line, stage, merged, context).map(Some),
-        None => Ok(None),
-    });
+    let expect =
+        expect.and_then(|line| self::expect(line, stage?.map(|(_, stage)| stage), merged, context));
+    alone?;
     let (name, given, answer) = (name?, given?, answer?);
-    let (Some((stage, _)), Some(expect)) = (stage?, expect?) else {
+    let expect = expect?;
+    let Some((stage, _)) = stage? else {
         return Ok(None);
     };
     let (declared_in, line) = context.loaded.place(test.span().file, test.span().start);
@@ -164,6 +165,7 @@ fn give<'a>(
         ("last.pick", _) => last[0] = Some(point(part, context)),
         ("last.place", _) => last[1] = Some(point(part, context)),
         ("step", _) => given.step = read_whole(single(part, context)?, &STEP, context)? as u32,
+        (_, Some(Meaning::Twice(reported))) => return Err(reported),
         (_, Some(Meaning::Text { .. })) => {
             let text_given = part
                 .text()
@@ -259,16 +261,19 @@ fn rectangle<'a>(
 
 // ---- expect --------------------------------------------------------------------------------------
 
+/// Reads what a test expects; of a base without stages as much as can be said.
 fn expect<'a>(
     line: ast::Expect<'a>,
-    stage: &Stage,
+    stage: Option<&Stage>,
     merged: &Merged<'a>,
     context: &mut Context<'a, '_>,
 ) -> Result<Expect, Reported> {
-    let reads_action = stage.read == Read::Action;
+    let reads = |stage: &&Stage, action: bool| (stage.read == Read::Action) == action;
+    let reads_action = stage.filter(|stage| reads(stage, true));
+    let reads_text = stage.filter(|stage| reads(stage, false));
     match context.word("expectation", line.what(), EXPECTATIONS)? {
         "malformed" => Ok(Expect::Malformed),
-        "text" if reads_action => Err(mismatch(
+        "text" if let Some(stage) = reads_action => Err(mismatch(
             line,
             &format!("the stage `{}` reads the action", stage.name),
             context,
@@ -281,7 +286,7 @@ fn expect<'a>(
                 context,
             )),
         },
-        _ if !reads_action => Err(mismatch(
+        _ if let Some(stage) = reads_text => Err(mismatch(
             line,
             &format!("the stage `{}` reads a text", stage.name),
             context,

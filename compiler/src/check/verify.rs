@@ -42,7 +42,8 @@ pub(crate) fn check<'a>(
         .map(|check| self::declared(check, prompts, context));
     let checks: Vec<Result<Check, Reported>> = checks.collect();
     let attempts = part.into_iter().flat_map(|part| part.attempts());
-    let attempts = once(attempts, "attempts", |it| it.span(), context.report);
+    let stated = once(attempts, "attempts", |it| it.span(), context.report);
+    let attempts = stated.first;
     let count = attempts.map_or(Ok(DEFAULT_ATTEMPTS), |it| {
         read_whole(it.count(), &ATTEMPTS.range, context)
     });
@@ -52,10 +53,12 @@ pub(crate) fn check<'a>(
         .map(|it| shows_refused(it, prompts, context))
         .transpose();
     let results = part.into_iter().flat_map(|part| part.results());
-    let result = once(results, "result", |it| it.span(), context.report);
-    let result = result
+    let results = once(results, "result", |it| it.span(), context.report);
+    let result = results
+        .first
         .map(|it| self::result(it, prompts, context))
         .transpose();
+    stated.alone.and(results.alone)?;
     Ok(Verify {
         checks: checks.into_iter().collect::<Result<_, _>>()?,
         attempts: count? as u32,
@@ -183,7 +186,7 @@ fn relaxed<'a>(
     merged: &Merged<'a>,
     context: &mut Context<'a, '_>,
 ) -> Result<Vec<String>, Reported> {
-    unique(attempts.relaxed(), "check", context.report);
+    let twice = unique(attempts.relaxed(), "check", context.report);
     // `then without` may name a check that was already removed.
     let there = attempts
         .relaxed()
@@ -193,6 +196,7 @@ fn relaxed<'a>(
         None => Err(not_relaxed(name, merged, context)),
     });
     let relaxed: Vec<Result<String, Reported>> = relaxed.collect();
+    twice.any()?;
     relaxed.into_iter().collect()
 }
 

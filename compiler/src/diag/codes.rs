@@ -221,7 +221,7 @@ codes! {
 
     "F0212" NoConversion Error
     "a value cannot be converted to this unit"
-    "`in` is followed by a unit of the same kind: `mm`, `cm`, `m`, `edge` and `px` for lengths, `deg` and `rad` for angles, `percent` for fractions. The message names the value and the unit."
+    "`in` is followed by a unit of the same kind as the value, or by `percent` for fractions. The message names both."
 
     "F0301" UnknownName Error
     "a name is unknown"

@@ -108,6 +108,7 @@ impl Report {
         for (severity, (count, n_kept)) in other.counts {
             self.counts.entry(severity).or_default().0 += count - n_kept;
         }
+        self.files_with_errors.extend(other.files_with_errors);
         for diagnostic in other.found {
             self.add(diagnostic);
         }

@@ -97,6 +97,19 @@ pub(super) fn recognise(
                 .help(format!("write `{}`", &found[1..]))
                 .edit(span, &found[1..])
         }
+        _ if found.starts_with(|first: char| first.is_ascii_digit())
+            && text[..span.start].ends_with(['e', 'E'])
+            && text[..span.start - 1].ends_with(|last: char| last.is_ascii_digit()) =>
+        {
+            fault(span, "a number has no exponent".to_owned()).help("write all of its digits")
+        }
+        _ if rest.starts_with('"') && text[..span.start].ends_with("\"\"") => {
+            fault(span, "a text of several lines cannot stand here".to_owned())
+                .help("write one line between `\"` and `\"`")
+        }
+        _ if before.ends_with("expect reject") => {
+            usual().help(format!("write `expect reject({found})`"))
+        }
         ":" | "=" => usual().help(format!("remove the `{found}`")),
         "}" | ")" if before.ends_with(',') => usual().help("remove the comma before it"),
         "“" | "”" | "'" | "‘" | "’" => usual().help("write straight double quotes `\"`"),

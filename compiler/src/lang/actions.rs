@@ -1,6 +1,6 @@
 //! Rows of `actions`: the fields that move the cloth.
 
-use fab_program::units::{self, Dimension, UNITS};
+use fab_program::units::{Dimension, UNITS};
 
 /// The kind of a field's choices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,13 +56,11 @@ pub(crate) fn field(name: &str) -> Option<&'static FieldRow> {
 }
 
 impl ChoiceKind {
-    /// Returns the kind of a number with this unit; misspelt units count, so that advice can correct them.
-    pub fn of_unit(written: &str) -> ChoiceKind {
-        let is_written =
-            |unit: &&units::Unit| unit.name == written || unit.spellings.contains(&written);
-        match UNITS.iter().find(is_written).map(|unit| unit.dimension) {
-            Some(Dimension::Angle) => ChoiceKind::Directions,
-            _ => ChoiceKind::Lengths,
+    /// Returns the kind of a number of this dimension.
+    pub fn of(dimension: Dimension) -> ChoiceKind {
+        match dimension {
+            Dimension::Angle => ChoiceKind::Directions,
+            Dimension::Length | Dimension::Pixels | Dimension::Number => ChoiceKind::Lengths,
         }
     }
 

@@ -7,7 +7,7 @@ use super::sections::Merges;
 use super::vocabulary::{CallEntry, Vocabulary, WordEntry, vocabulary};
 use crate::diag::CODES;
 use fab_program::units::Dimension;
-use fab_program::vocabulary::{Arg, Bound, Default, Kind, Range};
+use fab_program::vocabulary::{Arg, Bound, Default, Kind, Place, Range};
 
 const BEGIN: &str = "<!-- table: ";
 const END: &str = "<!-- end -->";
@@ -154,7 +154,12 @@ fn argument(arg: &Arg) -> String {
             format!(" (without it: `{number}{unit}`)")
         }
     };
-    format!("`{}`: {}{}{default}", arg.name, arg.doc, accepted(arg.kind))
+    // As in the call's form: only labels are written in small letters.
+    let name = match arg.place {
+        Place::Named => arg.name.to_owned(),
+        Place::Positional | Place::Rest => arg.name.to_uppercase(),
+    };
+    format!("`{name}`: {}{}{default}", arg.doc, accepted(arg.kind))
 }
 
 /// Says which numbers or words are accepted.

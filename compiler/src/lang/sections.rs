@@ -66,7 +66,7 @@ pub(crate) const SECTIONS: &[Section] = &[
         "about \"TEXT\"",
         Needed::Never,
         Merges::Never,
-        "what the task is for, shown by `fabc check`; no model is told, and it changes no program's hash",
+        "what the task is for in one line, shown by `fabc check`; no model is told, and it changes no program's hash",
     ),
     row(
         "const",

@@ -1,6 +1,6 @@
 //! Lists of named parts, and statements that may appear only once.
 
-use crate::diag::{Code, Diagnostic, Report, among, nearest};
+use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
 use fab_grammar::Span;
 use fab_grammar::ast::Name;
 use std::collections::{BTreeMap, BTreeSet};
@@ -92,19 +92,28 @@ impl<'a, T: Copy> Indexed<'a, T> {
     }
 }
 
+/// The first of some statements, and the proof of an error if others follow it.
+///
+/// The first is checked all the same, so that its own errors are reported in the same run.
+pub(crate) struct Once<T> {
+    pub first: Option<T>,
+    pub alone: Result<(), Reported>,
+}
+
 /// Returns the first statement, and reports any others.
 pub(crate) fn once<T: Copy>(
     list: impl IntoIterator<Item = T>,
     what: &str,
     span: impl Fn(T) -> Span,
     report: &mut Report,
-) -> Option<T> {
+) -> Once<T> {
     let mut list = list.into_iter();
-    let first = list.next()?;
-    for again in list {
-        report.error(repeated(what, span(first), span(again)));
+    let first = list.next();
+    let mut alone = Ok(());
+    for (first, again) in first.into_iter().cycle().zip(list) {
+        alone = Err(report.error(repeated(what, span(first), span(again))));
     }
-    Some(first)
+    Once { first, alone }
 }
 
 /// Makes the diagnostic for a repeated statement.
@@ -113,27 +122,45 @@ pub(crate) fn repeated(what: &str, first: Span, again: Span) -> Diagnostic {
     Diagnostic::new(Code::Repeated, again, message).also(first, "stated here first")
 }
 
+/// The names that are declared twice, each with the proof of its error.
+#[derive(Default)]
+pub(crate) struct Twice<'a>(pub BTreeMap<&'a str, Reported>);
+
+impl Twice<'_> {
+    /// Returns the proof of an error if this name is declared twice.
+    pub fn of(&self, name: &str) -> Result<(), Reported> {
+        self.0.get(name).map_or(Ok(()), |reported| Err(*reported))
+    }
+
+    /// Returns the proof of an error if any name is declared twice.
+    pub fn any(&self) -> Result<(), Reported> {
+        self.0.values().next().map_or(Ok(()), |it| Err(*it))
+    }
+}
+
 /// Reports names that appear twice.
 pub(crate) fn unique<'a>(
     names: impl IntoIterator<Item = Name<'a>>,
     kind: &str,
     report: &mut Report,
-) {
-    let mut seen: BTreeMap<&str, Name<'_>> = BTreeMap::new();
+) -> Twice<'a> {
+    let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
+    let mut twice = Twice::default();
     for name in names {
-        match seen.get(name.text()) {
-            Some(first) => {
-                let message = format!("the {kind} `{}` is declared twice", name.text());
-                report.error(
-                    Diagnostic::new(Code::DuplicateName, name.span(), message)
-                        .also(first.span(), "declared here first"),
-                );
-            }
-            None => {
-                seen.insert(name.text(), name);
-            }
+        if let Some(first) = seen.get(name.text()) {
+            let reported = report.error(declared_twice(kind, name.text(), *first, name.span()));
+            twice.0.insert(name.text(), reported);
+        } else {
+            seen.insert(name.text(), name.span());
         }
     }
+    twice
+}
+
+/// Makes the diagnostic for a name that is declared twice.
+pub(crate) fn declared_twice(kind: &str, name: &str, first: Span, again: Span) -> Diagnostic {
+    let message = format!("the {kind} `{name}` is declared twice");
+    Diagnostic::new(Code::DuplicateName, again, message).also(first, "declared here first")
 }
 
 /// A change to an inherited part by its name; an error if nothing of this name is inherited.

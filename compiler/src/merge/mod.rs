@@ -10,7 +10,7 @@
 
 mod lists;
 
-pub(crate) use lists::{Indexed, once, repeated, unique};
+pub(crate) use lists::{Indexed, Once, Twice, declared_twice, once, repeated, unique};
 
 use crate::diag::{Code, Diagnostic, Report, Reported, among, nearest};
 use crate::lang::sections::{Merges, SECTIONS};
@@ -60,6 +60,10 @@ pub(crate) struct Merged<'a> {
     pub is_damaged: bool,
     /// The proof that a task it extends is missing, if one is: an unknown name may be declared there.
     pub missing_base: Option<Reported>,
+    /// The constants and keypoints that one body declares twice.
+    pub twice: Twice<'a>,
+    /// The proof of an error in how its parts were put together, if there is one.
+    pub joined: Result<(), Reported>,
 }
 
 /// A variant of a task.
@@ -111,6 +115,8 @@ pub(crate) fn merge<'a>(
         bytes: 0,
         is_damaged: false,
         missing_base,
+        twice: Twice::default(),
+        joined: missing_base.map_or(Ok(()), Err),
     };
     for task in chain.into_iter().rev() {
         merged.forget_what_is_not_inherited();
@@ -196,23 +202,29 @@ impl<'a> Merged<'a> {
             let word = statement.word().text();
             let first = *statements.entry(word).or_insert(statement);
             if first.span() != statement.span() {
-                report.error(repeated(word, first.span(), statement.span()));
+                let diagnostic = repeated(word, first.span(), statement.span());
+                self.joined = Err(report.error(diagnostic));
             }
         }
         self.statements.append(&mut statements);
-        self.subgoals =
-            once(body.subgoals(), "subgoals", |it| it.head_span(), report).or(self.subgoals);
-        self.experts = once(body.experts(), "experts", |it| it.span(), report).or(self.experts);
-        self.demos = once(body.demos(), "demos", |it| it.span(), report).or(self.demos);
-        self.annotate =
-            once(body.annotate(), "annotate", |it| it.head_span(), report).or(self.annotate);
-        self.actions =
-            once(body.actions(), "actions", |it| it.head_span(), report).or(self.actions);
+        let subgoals = once(body.subgoals(), "subgoals", |it| it.head_span(), report);
+        self.subgoals = self.only(subgoals).or(self.subgoals);
+        let experts = once(body.experts(), "experts", |it| it.span(), report);
+        self.experts = self.only(experts).or(self.experts);
+        let demos = once(body.demos(), "demos", |it| it.span(), report);
+        self.demos = self.only(demos).or(self.demos);
+        let annotate = once(body.annotate(), "annotate", |it| it.head_span(), report);
+        self.annotate = self.only(annotate).or(self.annotate);
+        let actions = once(body.actions(), "actions", |it| it.head_span(), report);
+        self.actions = self.only(actions).or(self.actions);
         let keypoints = once(body.keypoints(), "keypoints", |it| it.head_span(), report);
+        let keypoints = self.only(keypoints);
         let keypoints = || keypoints.into_iter().flat_map(|part| part.list());
-        unique(body.constants().map(|it| it.name()), "constant", report);
-        unique(keypoints().map(|it| it.name()), "keypoint", report);
-        unique(body.stages().map(|it| it.name()), "stage", report);
+        let mut constants = unique(body.constants().map(|it| it.name()), "constant", report);
+        let mut points = unique(keypoints().map(|it| it.name()), "keypoint", report);
+        self.twice.0.append(&mut constants.0);
+        self.twice.0.append(&mut points.0);
+        self.distinct(body.stages().map(|it| it.name()), "stage", report);
         for constant in body.constants() {
             self.constants.put(constant.name().text(), constant);
         }
@@ -227,11 +239,27 @@ impl<'a> Merged<'a> {
         self.bytes += body.bytes();
     }
 
+    /// Returns the first of a section, and keeps the proof that it is not the only one.
+    fn only<T>(&mut self, section: Once<T>) -> Option<T> {
+        self.joined = self.joined.and(section.alone);
+        section.first
+    }
+
+    /// Reports names that appear twice.
+    fn distinct(
+        &mut self,
+        names: impl IntoIterator<Item = Name<'a>>,
+        kind: &str,
+        report: &mut Report,
+    ) {
+        self.joined = self.joined.and(unique(names, kind, report).any());
+    }
+
     // ---- components ----------------------------------------------------------------------------
 
     /// Adds and replaces components.
     fn add_components(&mut self, body: Body<'a>, report: &mut Report) {
-        unique(body.components().map(|it| it.name()), "component", report);
+        self.distinct(body.components().map(|it| it.name()), "component", report);
         let inherited = self.component_names();
         for name in body.without() {
             self.leave_out(name, report);
@@ -247,13 +275,14 @@ impl<'a> Merged<'a> {
                     let diagnostic =
                         Diagnostic::new(Code::NotMarkedAsOverride, name.span(), message)
                             .help("write `override component` to replace its text");
-                    report.error(match self.components.get(name.text()) {
+                    self.joined = Err(report.error(match self.components.get(name.text()) {
                         Some(before) => diagnostic.also(before.name().span(), "declared here"),
                         None => diagnostic,
-                    });
+                    }));
                 }
                 Declares::Override if !is_inherited && self.missing_base.is_none() => {
-                    report.error(OVERRIDE.impossible("component", name, &inherited));
+                    let diagnostic = OVERRIDE.impossible("component", name, &inherited);
+                    self.joined = Err(report.error(diagnostic));
                     continue;
                 }
                 Declares::New | Declares::Override => {}
@@ -269,7 +298,8 @@ impl<'a> Merged<'a> {
             self.removed.insert(name.text());
         } else if self.missing_base.is_none() && !self.removed.contains(name.text()) {
             let inherited = self.component_names();
-            report.error(LEAVE_OUT.impossible("component", name, &inherited));
+            let diagnostic = LEAVE_OUT.impossible("component", name, &inherited);
+            self.joined = Err(report.error(diagnostic));
         }
     }
 
@@ -285,11 +315,12 @@ impl<'a> Merged<'a> {
     /// Takes over the checks of a `verify`, or changes single inherited ones.
     fn add_checks(&mut self, body: Body<'a>, report: &mut Report) {
         let changed = || body.override_checks().map(|check| check.name());
-        if let Some(verify) = once(body.verify(), "verify", |it| it.head_span(), report) {
+        let verify = once(body.verify(), "verify", |it| it.head_span(), report);
+        if let Some(verify) = self.only(verify) {
             for name in changed().chain(body.without_checks()) {
-                report.error(beside(name, verify));
+                self.joined = Err(report.error(beside(name, verify)));
             }
-            unique(verify.checks().map(|check| check.name()), "check", report);
+            self.distinct(verify.checks().map(|check| check.name()), "check", report);
             self.verify = Some(verify);
             self.checks = Indexed::default();
             self.removed_checks.clear();
@@ -298,13 +329,14 @@ impl<'a> Merged<'a> {
             }
             return;
         }
-        unique(changed(), "check", report);
+        self.distinct(changed(), "check", report);
         let inherited: BTreeSet<&str> = self.check_names().collect();
         for name in body.without_checks() {
             if self.checks.remove(name.text()).is_some() {
                 self.removed_checks.insert(name.text());
             } else if self.missing_base.is_none() && !self.removed_checks.contains(name.text()) {
-                report.error(LEAVE_OUT.impossible("check", name, &inherited));
+                let diagnostic = LEAVE_OUT.impossible("check", name, &inherited);
+                self.joined = Err(report.error(diagnostic));
             }
         }
         let left: BTreeSet<&str> = self.check_names().collect();
@@ -312,7 +344,8 @@ impl<'a> Merged<'a> {
             if left.contains(check.name().text()) {
                 self.checks.put(check.name().text(), check);
             } else if self.missing_base.is_none() {
-                report.error(OVERRIDE.impossible("check", check.name(), &left));
+                let diagnostic = OVERRIDE.impossible("check", check.name(), &left);
+                self.joined = Err(report.error(diagnostic));
             }
         }
     }
@@ -339,16 +372,14 @@ impl<'a> Merged<'a> {
         let mut own: Vec<VariantOf<'a>> = Vec::new();
         for variant in declared.chain(ablated) {
             if let Some(first) = own.iter().find(|known| known.name == variant.name) {
-                let message = format!("the variant `{}` is declared twice", variant.name);
-                report.error(
-                    Diagnostic::new(Code::DuplicateName, variant.span, message)
-                        .also(first.span, "declared here first"),
-                );
+                let diagnostic = declared_twice("variant", &variant.name, first.span, variant.span);
+                self.joined = Err(report.error(diagnostic));
                 continue;
             }
             if own.len() >= MAX_VARIANTS {
                 let message = format!("a task has at most {MAX_VARIANTS} variants");
-                report.error(Diagnostic::new(Code::OutOfRange, variant.span, message));
+                let diagnostic = Diagnostic::new(Code::OutOfRange, variant.span, message);
+                self.joined = Err(report.error(diagnostic));
                 break;
             }
             own.push(variant);
