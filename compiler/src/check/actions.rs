@@ -225,12 +225,22 @@ fn distinct<'a, K: Ord, T>(
     choices.into_iter().collect()
 }
 
+fn are_points(shape: KeypointShape) -> bool {
+    matches!(shape, KeypointShape::Points | KeypointShape::Point)
+}
+
+/// Returns the keypoints that may be choices; one that is broken may be meant to.
+fn offerable<'a>(context: &Context<'a, '_>) -> Vec<&'a str> {
+    context
+        .names
+        .that(|meaning| matches!(meaning, Meaning::Keypoint(shape) if shape.is_none_or(are_points)))
+}
+
 fn points<'a>(
     list: &[Expr<'a>],
     row: Option<&FieldRow>,
     context: &mut Context<'a, '_>,
 ) -> Result<Choices, Reported> {
-    let are_points = |shape| matches!(shape, KeypointShape::Points | KeypointShape::Point);
     let keypoints = distinct(list, context, |choice, context| {
         let written = context.loaded.written(choice.span());
         match (choice, context.names.get(written)) {
@@ -243,9 +253,7 @@ fn points<'a>(
             (_, Some(Meaning::Twice(reported))) => Err(reported),
             (Expr::Name(name), None) if row.is_none() => Err(bare_word(name, context)),
             _ => {
-                let offered = context.names.that(
-                    |meaning| matches!(meaning, Meaning::Keypoint(shape) if shape.is_none_or(are_points)),
-                );
+                let offered = offerable(context);
                 Err(context.unknown_at("keypoint", written, choice.span(), offered))
             }
         }
@@ -260,10 +268,7 @@ fn bare_word(name: Name<'_>, context: &mut Context<'_, '_>) -> Reported {
     }
     let message = format!("there is no keypoint `{}`", name.text());
     let diagnostic = Diagnostic::new(Code::UnknownName, name.span(), message);
-    let keypoints = context
-        .names
-        .that(|meaning| matches!(meaning, Meaning::Keypoint(_)));
-    context.error(match nearest(name.text(), keypoints) {
+    context.error(match nearest(name.text(), offerable(context)) {
         Some(meant) => diagnostic.meant(name.span(), meant),
         None => diagnostic.help(format!(
             "a word stands in quotes: write `\"{}\"`",

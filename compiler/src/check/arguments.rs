@@ -64,6 +64,7 @@ pub(crate) fn bind<'a>(
         .iter()
         .filter(|arg| arg.place != Place::Named);
     let mut place = places.next();
+    let mut n_surplus = 0;
     let mut fits = Ok(());
     for argument in call.arguments() {
         let arg = match argument.label() {
@@ -76,7 +77,16 @@ pub(crate) fn bind<'a>(
                     }
                     Ok(arg)
                 }
-                None => Err(surplus(call.name(), argument, signature, context)),
+                None => {
+                    if n_surplus == 0
+                        && matches!(argument.value(), Expr::Quantity(_))
+                        && let Some(diagnostic) = decimal_comma(call, context)
+                    {
+                        return Err(context.error(diagnostic));
+                    }
+                    n_surplus += 1;
+                    Err(surplus(call.name(), argument, signature))
+                }
             },
         };
         let arg = match arg {
@@ -178,31 +188,27 @@ fn unknown_label(
     }
 }
 
-fn surplus(
-    call: Name<'_>,
-    argument: Argument<'_>,
-    signature: &Signature,
-    context: &Context<'_, '_>,
-) -> Diagnostic {
-    let span = argument.value().span();
-    let text = &context.loaded.texts.sources.get(span.file).text;
-    let (begin, end) = (call.span().end, (span.start + 1).min(text.len()));
-    let is_digit = |at: usize| text.as_bytes()[at].is_ascii_digit();
-    let mut commas = text.as_bytes()[begin..end].iter().enumerate();
-    let comma = commas.find_map(|(at, byte)| {
-        let at = begin + at;
-        (*byte == b',' && at + 1 < end && is_digit(at - 1) && is_digit(at + 1)).then_some(at)
-    });
-    if let Some(start) = comma {
-        let comma = Span {
-            start,
-            end: start + 1,
-            ..span
+/// Makes the diagnostic for a comma between two plain digits of a call, as in `2,5`, if there is one.
+fn decimal_comma(call: Call<'_>, context: &Context<'_, '_>) -> Option<Diagnostic> {
+    let mut arguments = call.arguments().zip(call.arguments().skip(1));
+    let comma = arguments.find_map(|(whole, decimals)| {
+        let (Expr::Quantity(number), Expr::Quantity(_)) = (whole.value(), decimals.value()) else {
+            return None;
         };
-        let message = "decimals follow a point, not a comma";
-        return Diagnostic::new(Code::WrongArguments, comma, message)
-            .help("write `.`, or a space after the comma if these are two numbers");
-    }
+        let comma = Span {
+            start: whole.value().span().end,
+            end: decimals.value().span().start,
+            ..whole.value().span()
+        };
+        (number.unit().is_none() && context.loaded.written(comma) == ",").then_some(comma)
+    })?;
+    let message = "decimals follow a point, not a comma";
+    let diagnostic = Diagnostic::new(Code::WrongArguments, comma, message);
+    Some(diagnostic.help("write `.`, or a space after the comma if these are two numbers"))
+}
+
+fn surplus(call: Name<'_>, argument: Argument<'_>, signature: &Signature) -> Diagnostic {
+    let span = argument.value().span();
     let places = signature
         .args
         .iter()

@@ -86,6 +86,7 @@ fn compare<'a>(compare: Compare<'a>, context: &mut Context<'a, '_>) -> Result<Co
         && context.names.get(word.text()).is_none()
     {
         let (span, word) = (word.span(), word.text());
+        context.may_be_hidden(word)?;
         let message = format!("`{field}` is compared with `{word}`, which is not a text in quotes");
         let diagnostic = Diagnostic::new(Code::WrongExpression, span, message);
         let quoted = format!("\"{word}\"");
@@ -336,7 +337,7 @@ fn unlike(
                 (format!("{both} are both constants"), FORMS)
             }
             _ => (
-                format!("{both} both depend on the action or the scene"),
+                format!("{both} are compared, and neither is a constant"),
                 "one side is a constant: a number, an angle such as `45deg`, or a word in quotes",
             ),
         };
@@ -367,6 +368,9 @@ fn unlike(
         (Operand::Heading, _) | (_, Operand::Heading) => {
             diagnostic.help("write `angle_between(direction, from center to pick) < 45deg`")
         }
+        _ if diagnostic.span == left.expr.span() => diagnostic
+            .label(format!("expected {right_kind}"))
+            .also(right.expr.span(), format!("this is {right_kind}")),
         _ => diagnostic
             .label(format!("expected {left_kind}"))
             .also(left.expr.span(), format!("this is {left_kind}")),

@@ -6,7 +6,9 @@
 use super::arguments::{Bound, bind, form};
 use super::context::Context;
 use super::names::Meaning;
-use super::quantity::{measured, no_conversion, out_of_range, quantity_of, read, read_whole};
+use super::quantity::{
+    measured, no_conversion, out_of_range, quantity_of, read, read_whole, units_of,
+};
 use super::{files, uses};
 use crate::diag::{Code, Diagnostic, Reported, among, nearest};
 use crate::lang::calls::CLOTH_POINTS;
@@ -17,7 +19,8 @@ use fab_program::measures::{MEASURES, Measure};
 use fab_program::units::{self, Dimension};
 use fab_program::vocabulary::{ArgValue, Args, Default, Kind, Place, Range, Signature, Word};
 use fab_program::{
-    Choices, ClothPoint, End, Heading, KeypointShape, Length, Number, PixelPoint, Point, Spot,
+    ActionField, Choices, ClothPoint, End, Heading, KeypointShape, Length, Number, PixelPoint,
+    Point, Spot,
 };
 
 // ---- calls ---------------------------------------------------------------------------------------
@@ -460,13 +463,15 @@ pub(crate) fn point<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result
         Expr::Path(path) => match path.text() {
             "last.pick" => Ok(Point::Last { end: End::Pick }),
             "last.place" => Ok(Point::Last { end: End::Place }),
-            text if is_last_field(text, context) => {
-                let message = format!("`{text}` is known only in texts, as `{{{{ {text} }}}}`");
-                Err(context.fault(Code::WrongExpression, path.span(), message))
-            }
-            text => {
-                Err(context.unknown_at("point", text, path.span(), ["last.pick", "last.place"]))
-            }
+            text => match last_field(text, context)? {
+                Some(_) => {
+                    let message = format!("`{text}` is known only in texts, as `{{{{ {text} }}}}`");
+                    Err(context.fault(Code::WrongExpression, path.span(), message))
+                }
+                None => {
+                    Err(context.unknown_at("point", text, path.span(), ["last.pick", "last.place"]))
+                }
+            },
         },
         Expr::Call(call) if is_measure_of_point(call) => match measure(call, context)? {
             Measure::Point(point) => Ok(point),
@@ -477,10 +482,16 @@ pub(crate) fn point<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result
     }
 }
 
-/// Returns whether a name with a dot is a field of the last action.
-fn is_last_field(text: &str, context: &Context<'_, '_>) -> bool {
-    let field = text.strip_prefix("last.");
-    field.is_some_and(|name| matches!(context.actions.get(name), Ok(Some(_))))
+/// Returns the field of the last action that a name with a dot means; none if the action has no such field.
+fn last_field<'c>(
+    text: &str,
+    context: &'c Context<'_, '_>,
+) -> Result<Option<&'c ActionField>, Reported> {
+    let Some(name) = text.strip_prefix("last.") else {
+        return Ok(None);
+    };
+    context.may_be_hidden(name)?;
+    context.actions.get(name)
 }
 
 fn not_a_point(expr: Expr<'_>, context: &mut Context<'_, '_>) -> Reported {
@@ -617,6 +628,9 @@ pub(crate) fn heading<'a>(
                 // A broken field is reported at its declaration.
                 context.actions.get(name.text())?;
                 context.may_be_hidden(name.text())?;
+            }
+            if let Expr::Path(path) = expr {
+                last_field(path.text(), context)?;
             }
             let diagnostic = context.unexpected(Code::WrongExpression, expr, "a direction");
             Err(context.error(diagnostic.help("write `from center to pick`, an angle such as `45deg`, or a field of the action that is a direction")))
@@ -928,7 +942,13 @@ fn convert(
         }
         (value, _) => {
             let message = format!("{} has no size in `{}`", kind_of(&value), target.text());
-            return Err(no_conversion(target, message, context));
+            let fitting = match &value {
+                Operand::Length(_) => units_of(&[Dimension::Length, Dimension::Pixels]),
+                Operand::Angle { .. } | Operand::Between { .. } => units_of(&[Dimension::Angle]),
+                Operand::Counted { number, .. } if !number.is_whole() => vec!["percent"],
+                _ => Vec::new(),
+            };
+            return Err(no_conversion(target, message, fitting, context));
         }
     })
 }

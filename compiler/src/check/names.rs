@@ -2,14 +2,13 @@
 //!
 //! Keypoints, texts that stages read, and action fields share one namespace: all can be used in a text.
 
-use crate::diag::Report;
-use crate::diag::Reported;
+use crate::diag::{Report, Reported};
 use crate::load::Loaded;
 use crate::merge::{Merged, declared_twice};
 use fab_grammar::FileId;
 use fab_grammar::ast::{Expr, Name};
 use fab_program::{EXTRACTORS, KeypointShape};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The meaning of a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,14 +43,13 @@ impl<'a> Names<'a> {
         });
         let fields = merged.actions.into_iter().flat_map(|part| part.fields());
         let fields = fields.map(|field| (field.name(), "field", Meaning::Field));
-        let texts = merged
-            .stages
-            .iter()
-            .enumerate()
-            .filter_map(|(stage, part)| {
-                let name = part.read().next()?.name();
-                (name.text() != "action").then_some((name, "text", Meaning::Text { stage }))
-            });
+        let texts = merged.stages.iter().enumerate().flat_map(|(stage, part)| {
+            // A stage that reads twice is reported as that.
+            let mut seen = BTreeSet::from(["action"]);
+            let names = part.read().map(|read| read.name());
+            let names = names.filter(move |name| seen.insert(name.text()));
+            names.map(move |name| (name, "text", Meaning::Text { stage }))
+        });
         let mut meanings = BTreeMap::new();
         let mut declared: BTreeMap<&str, (Name<'_>, &str)> = BTreeMap::new();
         for (name, kind, meaning) in keypoints.chain(fields).chain(texts) {

@@ -69,7 +69,7 @@ pub(crate) fn quantity_of<'a>(
         Expr::Name(name) => match context.constants.get(name.text()) {
             Some(Ok(quantity)) => Ok(Some(*quantity)),
             Some(Err(reported)) => Err(*reported),
-            None => Ok(None),
+            None => context.may_be_hidden(name.text()).map(|()| None),
         },
         _ => Ok(None),
     }
@@ -230,7 +230,8 @@ fn converted<'a>(
             noun(expected),
             target.text()
         );
-        return Err(no_conversion(target, message, context));
+        let units = units_of(&[expected]);
+        return Err(no_conversion(target, message, units, context));
     }
     let Some(from) = measured(value, context)? else {
         let diagnostic = context.unexpected(Code::WrongForm, value, &example(expected));
@@ -242,26 +243,41 @@ fn converted<'a>(
         (Dimension::Pixels, Dimension::Length) => Ok(from.value / context.px_per_m()?),
         (dimension, _) => {
             let message = format!("{} has no size in `{}`", noun(dimension), target.text());
-            Err(no_conversion(target, message, context))
+            Err(no_conversion(
+                target,
+                message,
+                units_of(&[dimension]),
+                context,
+            ))
         }
     }
 }
 
+/// Returns the names of the units of these dimensions.
+pub(super) fn units_of(dimensions: &[Dimension]) -> Vec<&'static str> {
+    let units = UNITS.iter();
+    let units = units.filter(|unit| dimensions.contains(&unit.dimension));
+    units.map(|unit| unit.name).collect()
+}
+
 /// Reports a conversion that makes no sense.
+///
+/// - `fitting`: the units that would fit.
 pub(super) fn no_conversion(
     target: Name<'_>,
     message: String,
+    fitting: Vec<&'static str>,
     context: &mut Context<'_, '_>,
 ) -> Reported {
-    let of = |fits: fn(Dimension) -> bool| {
-        let units = UNITS.iter().filter(|unit| fits(unit.dimension));
-        among(units.map(|unit| unit.name))
-    };
-    let lengths = of(|it| matches!(it, Dimension::Length | Dimension::Pixels));
-    let angles = of(|it| it == Dimension::Angle);
+    let lengths = among(units_of(&[Dimension::Length, Dimension::Pixels]));
+    let angles = among(units_of(&[Dimension::Angle]));
     let diagnostic = Diagnostic::new(Code::NoConversion, target.span(), message);
+    let is_spelled = |unit: &&units::Unit| {
+        fitting.contains(&unit.name) && unit.spellings.contains(&target.text())
+    };
+    let spelled = UNITS.iter().find(is_spelled).map(|unit| unit.name);
     let meant = match units::find(target.text()) {
-        None => nearest_unit(target.text()),
+        None => spelled.or_else(|| nearest(target.text(), fitting.iter().copied())),
         Some(_) => None,
     };
     context.error(match meant {
@@ -270,13 +286,6 @@ pub(super) fn no_conversion(
             "after `in`, write {lengths} for lengths, {angles} for angles, `percent` for fractions"
         )),
     })
-}
-
-/// Returns the unit that a word probably means.
-fn nearest_unit(word: &str) -> Option<&'static str> {
-    let right = UNITS.iter().find(|unit| unit.spellings.contains(&word));
-    let names = UNITS.iter().map(|unit| unit.name);
-    right.map(|unit| unit.name).or_else(|| nearest(word, names))
 }
 
 pub(super) fn unit(

@@ -33,6 +33,8 @@ pub(crate) struct Prompts {
     /// In the order of their declarations.
     pub stages: Vec<Result<program::Stage, Reported>>,
     pub templates: Vec<Result<Template, Reported>>,
+    /// The proof of an error between stages, if there is one.
+    pub joined: Result<(), Reported>,
 }
 
 /// Builds the stages of a task and their texts.
@@ -50,6 +52,7 @@ pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> P
         return Prompts {
             stages: vec![Err(reported); n_stages],
             templates: Vec::new(),
+            joined: Ok(()),
         };
     }
     let mut builder = Builder {
@@ -63,21 +66,23 @@ pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> P
     let stages = stages
         .map(|(number, stage)| builder.stage(number, stage, context))
         .collect();
-    action_readers(merged, context);
+    let readers = action_readers(merged, context);
     builder.unused(context);
-    builder.layers(context);
+    let layers = builder.layers(context);
     Prompts {
         stages,
         templates: builder.in_order(),
+        joined: readers.and(layers),
     }
 }
 
 /// Reports the stages if the action is not read by the last one alone.
-fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
+fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported> {
     let mut earlier = merged.stages.iter();
     let Some(last) = earlier.next_back() else {
-        return;
+        return Ok(());
     };
+    let mut all = Ok(());
     let action = |stage: ast::Stage<'_>| {
         let read = stage.read().find(|read| read.name().text() == "action");
         read.map(|read| read.span())
@@ -87,14 +92,17 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) {
         if let Some(span) = action(stage) {
             let name = stage.name().text();
             let message = format!("`{name}` reads the action, but it is not the last stage");
-            context.error(report(span, message).also(last.name().span(), "this is the last stage"));
+            let diagnostic =
+                report(span, message).also(last.name().span(), "this is the last stage");
+            all = Err(context.error(diagnostic));
         }
     }
     if let (None, Some(read)) = (action(last), last.read().next()) {
         let name = last.name().text();
         let message = format!("the last stage, `{name}`, does not read the action");
-        context.error(report(read.span(), message).help("write `read action`"));
+        all = Err(context.error(report(read.span(), message).help("write `read action`")));
     }
+    all
 }
 
 /// Builds the condition under which a component is used.
@@ -417,7 +425,8 @@ impl<'a> Builder<'_, 'a> {
     }
 
     /// Reports layers that are drawn but not named, or named but not drawn.
-    fn layers(&self, context: &mut Context<'a, '_>) {
+    fn layers(&self, context: &mut Context<'a, '_>) -> Result<(), Reported> {
+        let mut all = Ok(());
         for stage in &self.layers {
             for (layer, span) in stage
                 .named
@@ -427,13 +436,13 @@ impl<'a> Builder<'_, 'a> {
                 let message = format!("no picture of this stage shows `{layer}`");
                 let diagnostic = Diagnostic::new(Code::LayerNotShown, *span, message);
                 let help = "write `show scene with annotations` in the stage";
-                context.error(diagnostic.help(help));
+                all = Err(context.error(diagnostic.help(help)));
             }
         }
         // A variant may leave out the text that names a layer; that is no slip.
         let merged = self.merged;
         if merged.stages.is_empty() || merged.variant.is_some() || self.may_say_more() {
-            return;
+            return all;
         }
         let named = self.layers.iter().flat_map(|stage| &stage.named);
         let named: BTreeSet<&str> = named.map(|(layer, _)| layer.as_str()).collect();
@@ -443,9 +452,10 @@ impl<'a> Builder<'_, 'a> {
                 let message = format!("the layer `{name}` is drawn, but no prompt says what it is");
                 let diagnostic = Diagnostic::new(Code::LayerNotNamed, layer.name().span(), message);
                 let help = format!("write `{{{{ {name} }}}}` in a text of the stage that shows it");
-                context.error(diagnostic.help(help));
+                all = Err(context.error(diagnostic.help(help)));
             }
         }
+        all
     }
 }
 

@@ -80,11 +80,12 @@ pub(super) fn check<'a>(
     };
     let actions = std::mem::take(&mut context.actions.list);
     let complete = context.actions.complete;
+    let joined = prompts.joined.and(merged.joined);
     let (cloth, camera) = (context.cloth.clone(), context.camera.clone());
     let whole = completeness(merged, form, loaded, context.report)?;
     // Any reported error counts, whichever part it concerns.
     context.report.has_errors()?;
-    merged.joined?;
+    joined?;
     form?;
     let (Some(cloth), Some(camera), Some(horizon), true) = (cloth?, camera?, horizon?, whole)
     else {

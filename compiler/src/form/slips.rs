@@ -97,7 +97,7 @@ pub(super) fn recognise(
                 .help(format!("write `{}`", &found[1..]))
                 .edit(span, &found[1..])
         }
-        _ if found.starts_with(|first: char| first.is_ascii_digit())
+        _ if found.starts_with(|first: char| first.is_ascii_digit() || "+-".contains(first))
             && text[..span.start].ends_with(['e', 'E'])
             && text[..span.start - 1].ends_with(|last: char| last.is_ascii_digit()) =>
         {
@@ -107,8 +107,9 @@ pub(super) fn recognise(
             fault(span, "a text of several lines cannot stand here".to_owned())
                 .help("write one line between `\"` and `\"`")
         }
-        _ if before.ends_with("expect reject") => {
-            usual().help(format!("write `expect reject({found})`"))
+        _ if before.ends_with("expect reject") && found.starts_with(char::is_alphabetic) => {
+            fault(span, format!("expected `(`, found `{found}`"))
+                .help(format!("write `expect reject({found})`"))
         }
         ":" | "=" => usual().help(format!("remove the `{found}`")),
         "}" | ")" if before.ends_with(',') => usual().help("remove the comma before it"),
