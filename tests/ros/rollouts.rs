@@ -1,7 +1,7 @@
 //! Rollouts over ROS in which something goes wrong: each ends with a word for it, the arm stays in its box, and one that
 //! was stopped moves no more.
 //!
-//! What goes wrong begins with a segment of the first pick and place, which the arm's journal tells.
+//! What goes wrong begins during the first pick and place, at a segment that the arm's journal names.
 
 use super::key::Key;
 use super::lab::{BOX_M, Driver, Ended, Lab, Truth};

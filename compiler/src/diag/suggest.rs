@@ -1,11 +1,12 @@
 //! Finds the word that was probably meant, and lists candidates.
 
+/// How many candidates are looked at for one message: were it all, the time of a file full of errors would grow with its square.
+const MOST_LOOKED_AT: usize = 200;
+
 /// Returns the candidate nearest to `word`, within an edit distance of `max(1, len / 3)`.
 ///
-/// Of equally near candidates the first wins. Words and lists far longer than people write are not searched,
-/// because the time would grow with the square of the file.
+/// Of equally near candidates the first wins. Words and lists far longer than people write are not searched to their end.
 pub fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
-    const MOST: usize = 200;
     const LONGEST: usize = 40;
     if word.len() > LONGEST {
         return None;
@@ -15,7 +16,7 @@ pub fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) ->
     let mut best = None;
     for candidate in candidates
         .into_iter()
-        .take(MOST)
+        .take(MOST_LOOKED_AT)
         .filter(|name| name.len() <= LONGEST)
     {
         if let Some(distance) = edit_distance(&word, &lower_case(candidate), limit) {
@@ -43,12 +44,13 @@ pub fn among<'c>(names: impl IntoIterator<Item = &'c str>) -> String {
         .take(MOST)
         .map(|name| format!("`{name}`"))
         .collect();
-    let count = names.len() + all.count();
+    let more = all.take(MOST_LOOKED_AT).count();
     match names.as_slice() {
         [] => String::new(),
         [one] => one.clone(),
-        [first @ .., last] if count <= MOST => format!("{} or {last}", first.join(", ")),
-        _ => format!("{} or {} more", names.join(", "), count - MOST),
+        [first @ .., last] if more == 0 => format!("{} or {last}", first.join(", ")),
+        _ if more == MOST_LOOKED_AT => format!("{} or many more", names.join(", ")),
+        _ => format!("{} or {more} more", names.join(", ")),
     }
 }
 
@@ -119,5 +121,7 @@ mod tests {
         let names: Vec<String> = (0..20).map(|number| number.to_string()).collect();
         let listed = among(names.iter().map(String::as_str));
         assert!(listed.ends_with("`11` or 8 more"), "{listed}");
+        let listed = among(std::iter::repeat_n("corner", 1000));
+        assert!(listed.ends_with("`corner` or many more"), "{listed}");
     }
 }
