@@ -28,7 +28,7 @@ run: deps
 	@$(WITH_ENV) sh scripts/run.sh tasks/double_straight.fab $(ARGS)
 
 test: deps
-	@$(WITH_ENV) sh scripts/test.sh --workspace --locked --no-fail-fast
+	@$(WITH_ENV) sh scripts/test.sh --workspace --exclude fab-arm-ros --locked --no-fail-fast
 
 test-peers: deps
 	@$(WITH_ENV) sh scripts/test-peers.sh

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Fits the estimate of the stand-in `geometric` to pulls that were tried in the simulator.
 
-    cargo run --release -p fab-runtime --example collect_pulls -- 300 100 10 > pulls.csv
-    scripts/fit-pulls.py pulls.csv runtime/src/model/geometric/smooth/estimate.json "seeds 300 to 399"
+    cargo run --release -p fab-agent --example collect_pulls -- 300 100 10 > pulls.csv
+    scripts/fit-pulls.py pulls.csv runtime/standins/src/geometric/smooth/estimate.json "seeds 300 to 399"
 
 Needs numpy and scikit-learn. Prints how well the estimate does on starts that it is not fitted to: the correlation of
 estimate and gain, and what the pull gains that it puts first of those tried.

@@ -9,11 +9,11 @@ step() {
 }
 
 step cargo fmt --all --check
-step cargo clippy --workspace --all-targets --locked -- -D warnings
+step cargo clippy --workspace --exclude fab-arm-ros --all-targets --locked -- -D warnings
 if pkg-config --exists openssl 2>/dev/null; then
-    step cargo clippy --package fabc --package fab-runtime --features ros --all-targets --locked -- -D warnings
+    step cargo clippy --package fabc --package fab-arm-ros --features fabc/ros --all-targets --locked -- -D warnings
 else
-    echo "left out: the feature ros, which needs OpenSSL's development files"
+    echo "left out: fab-arm-ros, which needs OpenSSL's development files"
 fi
 
 # Fails where a package's build needs what finds or binds a system library: no_system_library PACKAGE [ARGUMENT...]
@@ -23,10 +23,22 @@ fi
 # may too: they declare calls of the kernel, and link nothing.
 no_system_library() {
     tree=$(cargo tree --edges normal,build --prefix none --locked --package "$@")
-    if printf '%s\n' "$tree" | grep -v -E '^(inotify|linux-raw)-sys v' | grep -E '^(fab-runtime|opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
+    if printf '%s\n' "$tree" | grep -v -E '^(inotify|linux-raw)-sys v' | grep -E '^(opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
         echo "$1 depends on the crates named above, which need a system library" >&2
         exit 1
     fi
+}
+
+# Fails where a package of ours uses another: uses_no PACKAGE CRATE...
+uses_no() {
+    package=$1
+    shift
+    for other; do
+        if cargo tree --prefix none --locked --package "$package" | grep "^$other v"; then
+            echo "$package depends on $other, which is for the crates above it" >&2
+            exit 1
+        fi
+    done
 }
 
 # Fails where a lock file no longer fits its manifest. The workspace's is read by every step; these two are
@@ -41,6 +53,16 @@ step lock_file_fits fuzz
 # The compiler and the authoring tool have to build alone.
 step cargo clippy --package fabc --no-default-features --locked -- -D warnings
 step no_system_library fabc --no-default-features
+for room in base picture model standins world arm; do
+    step no_system_library "fab-$room"
+done
+for room in base picture model providers standins world arm; do
+    step uses_no "fab-$room" opencv
+done
+for room in vision world; do
+    step uses_no "fab-$room" reqwest axum hyper
+done
+step uses_no fab-sim reqwest axum hyper
 step no_system_library fab-program
 step no_system_library fab-emit
 step no_system_library fab-compiler
@@ -52,4 +74,4 @@ step cargo package --workspace --locked --offline --no-verify --allow-dirty --qu
 
 RUSTDOCFLAGS="-D warnings"
 export RUSTDOCFLAGS
-step cargo doc --workspace --no-deps --locked
+step cargo doc --workspace --exclude fab-arm-ros --no-deps --locked

@@ -93,12 +93,12 @@ fi
 # The wire to ROS: what of it needs no other program, and the peer_ros_ tests. Their sums are added to the last line.
 without_ros=$(sh "$here/ros-parts.sh")
 if [ -z "$without_ros" ]; then
-    cargo build --locked --package fab-runtime --features ros --example arm_engine || exit
+    cargo build --locked --package fab-arm --example arm_engine || exit
     log=$(mktemp) || exit
     # Nodes are to find each other on this machine whatever its name; ROS_HOSTNAME would come first.
     env -u ROS_HOSTNAME ROS_IP=127.0.0.1 FABC_PEER_ARM_ENGINE="$(dirname "$environment")/debug/examples/arm_engine" \
-        sh "$here/test.sh" --package fabc --package fab-runtime --features ros --locked --no-fail-fast --lib --test ros \
-        -- --include-ignored arm::ros:: peer_ros_ | tee "$log" | sed 's/^[0-9]* passed, .* skipped$/over ROS: &/'
+        sh "$here/test.sh" --package fabc --package fab-arm-ros --features fabc/ros --locked --no-fail-fast --lib --test ros \
+        -- --include-ignored | tee "$log" | sed 's/^[0-9]* passed, .* skipped$/over ROS: &/'
     FABC_EARLIER=$(tail -n 1 "$log" | tr -dc '0-9 ')
     export FABC_EARLIER
     rm -f "$log"

@@ -2,7 +2,8 @@
 
 use crate::cli::{BuildArguments, EmitArgument};
 use crate::exit::{Exit, Failure};
-use crate::{output, sources, store};
+use crate::{output, sources};
+use fab_base::files;
 use fab_emit::{self, Artifact, Target};
 use serde_json::json;
 use std::fs;
@@ -40,7 +41,7 @@ fn write(folder: &Path, artifact: &Artifact) -> Result<PathBuf, Failure> {
     let path = folder.join(&artifact.path);
     let above = path.parent().unwrap_or(folder);
     let written = fs::create_dir_all(above)
-        .and_then(|()| store::write_whole(&path, artifact.text.as_bytes()));
+        .and_then(|()| files::write_whole(&path, artifact.text.as_bytes()));
     match written {
         Ok(()) => Ok(path),
         Err(error) => Err(Failure::environment(format!(

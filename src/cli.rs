@@ -24,9 +24,9 @@ pub mod snap;
 use asked::{ModelArguments, SpendArguments, dollars};
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 #[cfg(feature = "runtime")]
-use fab_program::PixelPoint;
+use fab_model::calls::Usd;
 #[cfg(feature = "runtime")]
-use fab_runtime::calls::Usd;
+use fab_program::PixelPoint;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

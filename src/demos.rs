@@ -3,9 +3,10 @@
 use crate::cli::DemosArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, setting, sources};
-use fab_runtime::demos::{self, Demo, Header, MakeError, Making};
-use fab_runtime::store;
-use fab_runtime::world::WorldError;
+use fab_agent::demos;
+use fab_agent::demos::{Demo, Header, MakeError, Making};
+use fab_base::files;
+use fab_world::WorldError;
 use serde::Serialize;
 use serde_json::json;
 use std::fs;
@@ -39,7 +40,7 @@ pub fn run(arguments: &DemosArguments) -> Result<Exit, Failure> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(unwritable)?;
     }
-    store::write_whole(&path, lines(&header, &made).as_bytes()).map_err(unwritable)?;
+    files::write_whole(&path, lines(&header, &made).as_bytes()).map_err(unwritable)?;
     let actions: usize = made.iter().map(|demo| demo.steps.len()).sum();
     if arguments.json {
         output::json(&json!({

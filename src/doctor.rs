@@ -8,8 +8,8 @@ use crate::exit::{Exit, Failure};
 use crate::setting::known::{self, UserFile};
 use crate::setting::remote;
 use crate::{output, setting};
-use fab_runtime::model::catalogue::{Catalogue, KeyNeed, Provider};
-use fab_runtime::model::remote::Key;
+use fab_providers::catalogue::{Catalogue, KeyNeed, Provider};
+use fab_providers::remote::Key;
 use serde::Serialize;
 use serde_json::json;
 use std::net::{SocketAddr, TcpStream};
@@ -116,7 +116,7 @@ pub fn run(arguments: &DoctorArguments) -> Result<Exit, Failure> {
 }
 
 fn versions() -> Vec<Finding> {
-    let library = match fab_runtime::vision::library() {
+    let library = match fab_vision::library() {
         Ok(version) => Finding::ready(About::Version, "OpenCV", version),
         Err(error) => Finding::broken(About::Version, "OpenCV", error.to_string()),
     };

@@ -3,9 +3,9 @@
 use crate::output;
 use crate::setting::known;
 use crate::setting::models::Answering;
+use fab_agent::rollout::FirstQuestion;
 use fab_program::Program;
-use fab_runtime::calls::estimate::{Correction, Estimate, Plan, Question};
-use fab_runtime::rollout::FirstQuestion;
+use fab_providers::estimate::{Correction, Estimate, Plan, Question};
 
 /// Rollouts that ask alike.
 pub struct Asking<'a> {

@@ -2,7 +2,8 @@
 
 use crate::cli::ExplainArguments;
 use crate::exit::{Exit, Failure};
-use crate::{output, store};
+use crate::output;
+use fab_base::files;
 use fab_compiler::diag::Code;
 use fab_compiler::explain;
 use std::path::Path;
@@ -32,7 +33,7 @@ fn write_pages(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|error| failed(folder, error))?;
     for (name, text) in explain::pages() {
         let path = folder.join(name);
-        store::write_whole(&path, text.as_bytes()).map_err(|error| failed(&path, error))?;
+        files::write_whole(&path, text.as_bytes()).map_err(|error| failed(&path, error))?;
         output::data(&path.display().to_string());
     }
     Ok(())

@@ -1,7 +1,8 @@
 //! Makes the changes that diagnostics are certain of.
 
 use crate::exit::Failure;
-use crate::{output, sources, store};
+use crate::{output, sources};
+use fab_base::files;
 use fab_compiler::diag::{Certainty, Diagnostic, Edit};
 use fab_compiler::{Compiled, Span};
 use std::collections::BTreeMap;
@@ -74,6 +75,6 @@ fn meet(a: Span, b: Span) -> bool {
 fn write(path: &Path, text: &str) -> std::io::Result<()> {
     let path = fs::canonicalize(path)?;
     let permissions = fs::metadata(&path)?.permissions();
-    store::write_whole(&path, text.as_bytes())?;
+    files::write_whole(&path, text.as_bytes())?;
     fs::set_permissions(&path, permissions)
 }

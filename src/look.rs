@@ -5,22 +5,24 @@
 
 use crate::exit::Failure;
 use crate::output;
+use fab_agent::action::Action;
+use fab_agent::agent;
+use fab_agent::agent::{Asking, Decision, Situation};
+use fab_agent::examples::Examples;
+use fab_agent::pictures::Pictures;
+use fab_agent::scene::Scene;
+use fab_agent::subgoals::SubgoalSet;
+use fab_base::interrupt::Interrupt;
+use fab_model::Models;
+use fab_picture::camera::Camera;
+use fab_picture::observation::Observation;
 use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
 use fab_program::{Fold, PixelPoint, Program, Subgoals, Value};
-use fab_runtime::action::Action;
-use fab_runtime::agent::{self, Asking, Decision, Models, Situation};
-use fab_runtime::camera::Camera;
-use fab_runtime::examples::Examples;
-use fab_runtime::expert;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::model::Geometric;
-use fab_runtime::observation::Observation;
-use fab_runtime::pictures::Pictures;
-use fab_runtime::scene::Scene;
-use fab_runtime::start::Start;
-use fab_runtime::subgoals::SubgoalSet;
-use fab_runtime::world::{Motion, World, everywhere};
+use fab_standins::Geometric;
+use fab_world::expert;
+use fab_world::start::Start;
+use fab_world::{Motion, World, everywhere};
 use std::convert::Infallible;
 
 /// What the camera sees at a step, and the action before it.

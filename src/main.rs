@@ -14,10 +14,6 @@ mod snap;
 mod snapshots;
 mod sources;
 
-// A symbolic link to the runtime's file: the authoring tool writes files too and is built without the runtime,
-// and a package cannot name a file outside its folder. A crate below both will replace it.
-mod store;
-
 #[cfg(feature = "runtime")]
 mod bench;
 mod build;

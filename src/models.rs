@@ -4,10 +4,10 @@ use crate::cli::models::ModelsArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
 use crate::setting::known;
-use fab_runtime::model::catalogue::{
+use fab_providers::catalogue::{
     Catalogue, Date, Facts, ImageTokens, Listed, Price, Profile, Provider, Source, Tokens,
 };
-use fab_runtime::model::probe::SIDES_PX;
+use fab_providers::probe::SIDES_PX;
 use serde_json::{Value, json};
 
 /// Lists the models.
@@ -106,8 +106,8 @@ fn as_json(
 fn shown_notices(
     profile: &Profile,
     today: Date,
-) -> impl Iterator<Item = fab_runtime::model::catalogue::Notice> {
-    use fab_runtime::model::catalogue::Notice;
+) -> impl Iterator<Item = fab_providers::catalogue::Notice> {
+    use fab_providers::catalogue::Notice;
     profile
         .notices(today)
         .into_iter()
@@ -143,7 +143,7 @@ fn as_text(profiles: &[Profile], families: &[Family<'_>], today: Date) -> String
         let marks = footnotes(&profile.sources, &mut sources);
         rows.push(row(title.clone(), price, &profile.facts, marks));
         let notices = shown_notices(profile, today).filter(|notice| {
-            use fab_runtime::model::catalogue::Notice::{PriceChanges, Retired, RetiresSoon};
+            use fab_providers::catalogue::Notice::{PriceChanges, Retired, RetiresSoon};
             matches!(
                 notice,
                 PriceChanges { .. } | Retired { .. } | RetiresSoon { .. }

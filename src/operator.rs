@@ -5,8 +5,8 @@
 
 use crate::output;
 use crate::robot::terminal;
-use fab_runtime::operator::{Cause, Judgement, Operator};
-use fab_runtime::rollout::RolloutReport;
+use fab_agent::operator::{Cause, Judgement, Operator};
+use fab_agent::rollout::RolloutReport;
 
 /// How often a question is put again where the answer is none of the offered ones.
 const TRIES: u32 = 10;

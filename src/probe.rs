@@ -5,9 +5,9 @@ use crate::cli::models::ProbeArguments;
 use crate::exit::{Exit, Failure};
 use crate::setting::{known, models};
 use crate::{output, setting};
-use fab_runtime::calls::{Budget, CallRefused, Capped, Caps, Spent};
-use fab_runtime::model::ModelError;
-use fab_runtime::model::probe::{ErrorPx, Probe, SIDES_PX, probe};
+use fab_model::ModelError;
+use fab_model::calls::{Budget, CallRefused, Capped, Caps, Spent};
+use fab_providers::probe::{ErrorPx, Probe, SIDES_PX, probe};
 use serde_json::json;
 
 /// Asks, and says in which frame the answers fit.

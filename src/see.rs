@@ -3,9 +3,10 @@
 use crate::cli::SeeArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, sources};
+use fab_agent::see::{Brought, LastAction, SeeError, Seen, see};
+use fab_base::files;
+use fab_picture::png;
 use fab_program::PixelPoint;
-use fab_runtime::see::{Brought, LastAction, SeeError, Seen, see};
-use fab_runtime::{picture, store};
 use image::RgbImage;
 use serde_json::{Map, Value, json};
 use std::fs;
@@ -14,8 +15,8 @@ use std::path::{Path, PathBuf};
 /// Looks, writes the pictures where `--out` says, and lists the keypoints.
 pub fn run(arguments: &SeeArguments) -> Result<Exit, Failure> {
     let program = sources::compile_task(&arguments.task)?;
-    let rgb = picture::load(&arguments.image).map_err(Failure::environment)?;
-    let depth_m = arguments.depth.as_deref().map(picture::load_depth);
+    let rgb = png::load(&arguments.image).map_err(Failure::environment)?;
+    let depth_m = arguments.depth.as_deref().map(png::load_depth);
     let brought = Brought {
         rgb,
         depth_m: depth_m.transpose().map_err(Failure::environment)?,
@@ -88,7 +89,7 @@ fn write(folder: &Path, seen: &Seen) -> std::io::Result<Vec<PathBuf>> {
     let mut files = Vec::with_capacity(pictures.len());
     for (name, drawn) in pictures {
         let path = folder.join(name);
-        store::write_whole(&path, &picture::encode(drawn))?;
+        files::write_whole(&path, &png::encode(drawn))?;
         files.push(path);
     }
     Ok(files)

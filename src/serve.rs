@@ -4,7 +4,7 @@ use crate::cli::models::ServeArguments;
 use crate::exit::{Exit, Failure};
 use crate::setting::models;
 use crate::{output, setting};
-use fab_runtime::serve::serve;
+use fab_providers::serve::serve;
 use serde_json::json;
 
 /// Serves until SIGINT.

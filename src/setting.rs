@@ -8,13 +8,13 @@ pub mod remote;
 use crate::cli::{FrameArguments, StartArguments, TaskArguments};
 use crate::exit::Failure;
 use crate::{output, sources};
+use fab_agent::task_files;
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
 use fab_program::{ClothStart, Program};
-use fab_runtime::cache::Cache;
-use fab_runtime::crumple;
-use fab_runtime::files;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::start::{Grid, Start, StartFrame, Up};
-use fab_runtime::world::{SimulatedWorld, World, WorldError};
+use fab_world::crumple;
+use fab_world::start::{Grid, Start, StartFrame, Up};
+use fab_world::{SimulatedWorld, World, WorldError};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -47,7 +47,7 @@ pub fn start(
             ClothStart::Flat => Ok(Start::flat(&program.cloth)),
             ClothStart::Crumpled => crumpled(program, DEFAULT_SEED, world, interrupt),
             ClothStart::File { file } => {
-                let path = files::resolve(folder, file).map_err(Failure::environment)?;
+                let path = task_files::resolve(folder, file).map_err(Failure::environment)?;
                 Start::load(&path, None).map_err(Failure::environment)
             }
         };

@@ -5,11 +5,12 @@ mod offered;
 use crate::cli::SubgoalsArguments;
 use crate::exit::{Exit, Failure};
 use crate::{output, setting, sources};
+use fab_agent::subgoals::{Demonstrated, Origin, SubgoalError, SubgoalSet};
+use fab_base::files;
+use fab_picture::png;
 use fab_program::{Arrow, SubgoalStep};
-use fab_runtime::store;
-use fab_runtime::subgoals::{Demonstrated, Origin, SubgoalError, SubgoalSet};
-use fab_runtime::vision::VisionError;
-use fab_runtime::{picture, world::WorldError};
+use fab_vision::VisionError;
+use fab_world::WorldError;
 use image::{RgbImage, imageops};
 use offered::Offered;
 use serde_json::json;
@@ -56,9 +57,9 @@ pub fn run(arguments: &SubgoalsArguments) -> Result<Exit, Failure> {
                 "`--sheet {shown}` is no PNG file; name one that ends in `.png`"
             )));
         }
-        store::write_whole(
+        files::write_whole(
             path,
-            &picture::encode(&sheet(&set).map_err(Failure::environment)?),
+            &png::encode(&sheet(&set).map_err(Failure::environment)?),
         )
         .map_err(|error| {
             Failure::environment(format!("cannot write `{}`: {error}", path.display()))

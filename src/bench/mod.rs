@@ -1,6 +1,6 @@
 //! `fabc bench`: a suite of many rollouts, and its table.
 //!
-//! What a suite is, how it is carried out and what is said of it is `fab_runtime::bench`; here files are found, tasks
+//! What a suite is, how it is carried out and what is said of it is `fab_bench`; here files are found, tasks
 //! compiled, and tables printed and written.
 
 mod on_arm;
@@ -15,15 +15,16 @@ use crate::operator::Terminal;
 use crate::setting::arm::Moving;
 use crate::setting::models::{self, Answering};
 use crate::{output, setting};
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout::FirstQuestion;
+use fab_base::cache::Cache;
+use fab_bench::on_arm::OnArm;
+use fab_bench::play;
+use fab_bench::play::{Phase, Results, Stop};
+use fab_bench::{Bench, BenchError, first_questions_of, rows};
+use fab_model::calls::Budget;
 use fab_program::Program;
-use fab_runtime::bench::on_arm::OnArm;
-use fab_runtime::bench::play::{self, Phase, Results, Stop};
-use fab_runtime::bench::{Bench, BenchError, first_questions_of, rows};
-use fab_runtime::cache::Cache;
-use fab_runtime::calls::Budget;
-use fab_runtime::calls::estimate::Estimate;
-use fab_runtime::outcome::Outcome;
-use fab_runtime::rollout::FirstQuestion;
+use fab_providers::estimate::Estimate;
 use prepare::AnsweringBy;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};

@@ -6,10 +6,11 @@ use crate::cli::bench::BenchArguments;
 use crate::exit::Failure;
 use crate::setting;
 use crate::setting::arm::Moving;
-use fab_runtime::arm::settings::{DriverKind, Settings};
-use fab_runtime::bench::on_arm::Cloths;
-use fab_runtime::bench::suite::Suite;
-use fab_runtime::world::jaco::{self, About};
+use fab_arm::settings::{DriverKind, Settings};
+use fab_arm::world;
+use fab_arm::world::About;
+use fab_bench::on_arm::Cloths;
+use fab_bench::suite::Suite;
 
 /// An arm that a suite can be carried out on.
 pub struct Arm {
@@ -39,7 +40,7 @@ pub fn check(arguments: &BenchArguments, suite: &Suite) -> Result<Option<Arm>, F
     cloths.check(suite).map_err(Failure::environment)?;
     let settings = setting::arm::check(&arguments.arm, Moving::Carried)?;
     Ok(Some(Arm {
-        about: jaco::about(&arguments.arm.robot).map_err(Failure::environment)?,
+        about: world::about(&arguments.arm.robot).map_err(Failure::environment)?,
         cloths,
         settings,
     }))

@@ -2,12 +2,12 @@
 
 use crate::cli::bench::Shard;
 use crate::exit::Failure;
-use crate::store;
-use fab_runtime::bench::Bench;
-use fab_runtime::bench::play::{Results, Stop};
-use fab_runtime::bench::rows::Row;
-use fab_runtime::bench::{statistics, table};
-use fab_runtime::model::Nature;
+use fab_base::files;
+use fab_bench::Bench;
+use fab_bench::play::{Results, Stop};
+use fab_bench::rows::Row;
+use fab_bench::{statistics, table};
+use fab_model::Nature;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -114,7 +114,7 @@ impl Report<'_> {
         ];
         for (name, text) in files {
             let path = out.join(name);
-            store::write_whole(&path, text.as_bytes()).map_err(|error| {
+            files::write_whole(&path, text.as_bytes()).map_err(|error| {
                 Failure::environment(format!("cannot write `{}`: {error}", path.display()))
             })?;
         }

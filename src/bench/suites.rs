@@ -2,7 +2,7 @@
 
 use crate::exit::Failure;
 use crate::sources;
-use fab_runtime::bench::suite::{Method, Suite};
+use fab_bench::suite::{Method, Suite};
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -12,14 +12,16 @@ use crate::exit::{Exit, Failure};
 use crate::output;
 use crate::robot::connect;
 use crate::setting::known;
-use fab_runtime::arm::calibration::{
-    Calibration, Method, Pair, Refusal, Terms, ToolReader, draw_errors, place_at_rest, read_pairs,
+use fab_agent::arm_sight::draw_errors;
+use fab_arm::calibration::{
+    Calibration, Method, Pair, Refusal, Terms, ToolReader, place_at_rest, read_pairs,
 };
-use fab_runtime::arm::directory::{Which, last_picture};
-use fab_runtime::arm::rgbd::Intrinsics;
-use fab_runtime::arm::settings::{CameraSource, Settings};
-use fab_runtime::world::jaco;
-use fab_runtime::{picture, store};
+use fab_arm::directory::{Which, last_picture};
+use fab_arm::rgbd::Intrinsics;
+use fab_arm::settings::{CameraSource, Settings};
+use fab_arm::world;
+use fab_base::files;
+use fab_picture::png;
 use image::RgbImage;
 use std::path::{Path, PathBuf};
 
@@ -78,7 +80,7 @@ fn run_with(
         Some(mut seen) => {
             draw_errors(&mut seen, &pairs, fit).map_err(Failure::environment)?;
             let drawn = path.with_extension("points.png");
-            write(&drawn, &picture::encode(&seen))?;
+            write(&drawn, &png::encode(&seen))?;
             Some(drawn)
         }
         None => None,
@@ -159,7 +161,7 @@ fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<Se
         intrinsics: None,
     };
     if arguments.image.is_none() && settings.camera.source == CameraSource::Simulated {
-        let table = jaco::simulated_table(settings).map_err(Failure::environment)?;
+        let table = world::simulated_table(settings).map_err(Failure::environment)?;
         return Ok(Some(plain(table)));
     }
     if arguments.shoot {
@@ -189,7 +191,7 @@ fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<Se
         }
         _ => None,
     };
-    let seen = path.map(|path| picture::load(&path).map(plain)).transpose();
+    let seen = path.map(|path| png::load(&path).map(plain)).transpose();
     seen.map_err(Failure::environment)
 }
 
@@ -211,7 +213,7 @@ fn beside(robot: &Path, named: &Path) -> PathBuf {
 
 /// Writes a file whole.
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    store::write_whole(path, bytes).map_err(|error| {
+    files::write_whole(path, bytes).map_err(|error| {
         Failure::environment(format!("cannot write `{}`: {error}", path.display()))
     })
 }

@@ -1,8 +1,9 @@
 //! What is said of a calibration: as text, as JSON, and what is doubtful about it.
 
 use crate::output;
-use fab_runtime::arm::calibration::{Calibration, Fit};
-use fab_runtime::arm::settings::Settings;
+use fab_agent::arm_sight::SIGHT;
+use fab_arm::calibration::{Calibration, Fit};
+use fab_arm::settings::Settings;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -45,7 +46,7 @@ pub fn say_doubts(calibration: &Calibration, settings: &Settings) {
             "the table's middle is at {measured:.4} m by the points, and `table.center_m` says {stated:.4} m"
         ));
     }
-    let [n_marks, needed] = calibration.marks();
+    let [n_marks, needed] = calibration.marks(&SIGHT);
     if calibration.reference.is_none() {
         note(
             "without a picture, a moved camera could not be noticed, so that no run begins; give one with `--image PNG`, or take one with `--shoot`"
@@ -95,7 +96,7 @@ pub fn as_json(calibration: &Calibration, settings: &Settings, written: &Written
         },
         "height_m": height_m(calibration, settings),
         "tilt_deg": calibration.fit.tilt_deg(),
-        "marks": calibration.marks()[0],
+        "marks": calibration.marks(&SIGHT)[0],
         "file": written.file,
         "reference": written.reference,
         "drawn": written.drawn,

@@ -6,10 +6,10 @@
 use super::{kept, write};
 use crate::exit::Failure;
 use crate::output;
+use fab_arm::calibration::{Pair, Said, Session, Terms, ToolReader, csv_line, grid};
+use fab_picture::png;
 use fab_program::PixelPoint;
-use fab_runtime::arm::calibration::{Pair, Said, Session, Terms, ToolReader, csv_line, grid};
-use fab_runtime::picture;
-use fab_runtime::vision::{draw_numbers, draw_points};
+use fab_vision::{draw_numbers, draw_points};
 use image::RgbImage;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
@@ -109,7 +109,7 @@ fn show(targets: &[[f64; 2]], asked: &Asked<'_>) -> Result<(), Failure> {
     draw_points(&mut drawn, &points, [255, 220, 0], 3).map_err(Failure::environment)?;
     draw_numbers(&mut drawn, targets);
     let path: PathBuf = asked.path.with_extension("grid.png");
-    write(&path, &picture::encode(&drawn))?;
+    write(&path, &png::encode(&drawn))?;
     output::talk(&format!(
         "`{}` shows where points are best touched",
         path.display()
@@ -122,8 +122,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use fab_runtime::arm::calibration::Method;
-    use fab_runtime::arm::settings::Settings;
+    use fab_arm::calibration::Method;
+    use fab_arm::settings::Settings;
 
     /// What is typed of an arm that is guided, and what is made of it.
     fn guided(typed: &str, mut places: Vec<Result<[f64; 3], String>>) -> (Vec<Pair>, usize) {
@@ -146,7 +146,7 @@ mod tests {
         let mut lines = typed.as_bytes();
         let pairs = type_points(&terms, Vec::new(), Some(Box::new(tool)), &asked, &mut lines);
         let pairs = pairs.unwrap();
-        let kept = fab_runtime::arm::calibration::read_pairs(&path.with_extension("pairs.csv"));
+        let kept = fab_arm::calibration::read_pairs(&path.with_extension("pairs.csv"));
         assert_eq!(kept.unwrap_or_default(), pairs);
         (pairs, n_looks)
     }

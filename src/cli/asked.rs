@@ -2,7 +2,7 @@
 
 use super::models::FactsArguments;
 use clap::{Args, ValueEnum, ValueHint};
-use fab_runtime::calls::Usd;
+use fab_model::calls::Usd;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

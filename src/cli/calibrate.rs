@@ -1,7 +1,7 @@
 //! Arguments of `calibrate`.
 
 use clap::{Args, ValueEnum, ValueHint};
-use fab_runtime::arm::calibration::Method;
+use fab_arm::calibration::Method;
 use std::path::PathBuf;
 
 /// How points are given.

@@ -2,8 +2,8 @@
 
 use super::asked::{ReachArguments, dollars};
 use clap::{Args, ValueHint};
-use fab_runtime::calls::Usd;
-use fab_runtime::model::catalogue::Date;
+use fab_model::calls::Usd;
+use fab_providers::catalogue::Date;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

@@ -3,9 +3,9 @@
 use super::staging::Staging;
 use crate::exit::Failure;
 use crate::setting;
+use fab_agent::subgoals::{SubgoalError, SubgoalSet};
 use fab_program::{Program, Subgoals};
-use fab_runtime::subgoals::{SubgoalError, SubgoalSet};
-use fab_runtime::world::WorldError;
+use fab_world::WorldError;
 use std::path::{Path, PathBuf};
 
 /// What `demonstrate` looks like, and by which parameters of the world it was drawn.

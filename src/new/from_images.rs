@@ -1,16 +1,17 @@
 //! A fold that is drafted from the user's pictures, as a task's text.
 //!
-//! In: files, and what `fab_runtime::draft` finds in them. Out: a [`Draft`]; its text and its guesses are written by `page`.
+//! In: files, and what `fab_agent::draft` finds in them. Out: a [`Draft`]; its text and its guesses are written by `page`.
 
 use super::page::Page;
 use super::{Draft, FOLDING, file_of, folder_of, pictures, shown};
 use crate::cli::new::NewFoldArguments;
 use crate::exit::Failure;
 use crate::{output, setting, sources};
+use fab_agent::draft;
+use fab_agent::draft::{DraftError, Named, Stated};
+use fab_picture::png;
 use fab_program::{Camera, Picker};
-use fab_runtime::draft::{self, DraftError, Named, Stated};
-use fab_runtime::picture;
-use fab_runtime::world::{SimulatedWorld, World, WorldError};
+use fab_world::{SimulatedWorld, World, WorldError};
 use std::path::{Path, PathBuf};
 
 /// Looks at the pictures and writes the task.
@@ -83,7 +84,7 @@ fn places(
     let places = numbered.map(|(number, (path, named))| {
         beside(&folder, path).unwrap_or_else(|| {
             let place = format!("{}.images/{number}.png", arguments.task.name);
-            brought.push((PathBuf::from(&place), picture::encode(&named.picture)));
+            brought.push((PathBuf::from(&place), png::encode(&named.picture)));
             place
         })
     });

@@ -1,7 +1,7 @@
 //! `fabc new`: a commented task that runs at once, with the libraries that it uses.
 //!
 //! In: a name, and pictures where a fold is drafted from them. Out: files, which were compiled before any of them
-//! was written; what to do next. What pictures show is found by `fab_runtime::draft`.
+//! was written; what to do next. What pictures show is found by `fab_agent::draft`.
 
 mod names;
 mod staging;

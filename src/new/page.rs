@@ -1,11 +1,12 @@
 //! The text of a drafted task, and all that had to be guessed for it.
 //!
-//! In: what `fab_runtime::draft` found in pictures, and what the user stated. Out: text that compiles, with a comment at
+//! In: what `fab_agent::draft` found in pictures, and what the user stated. Out: text that compiles, with a comment at
 //! each guess, and the same guesses one by one.
 
 use super::points::{fold_text, point_text};
+use fab_agent::draft;
+use fab_agent::draft::{ArrowOrigin, DraftStep, Named, Stated};
 use fab_program::{ClothPoint, Fold, Sequence};
-use fab_runtime::draft::{self, ArrowOrigin, DraftStep, Named, Stated};
 use std::fmt::Write;
 
 /// The camera of the base task: height, millimetres, and side of its pictures, pixels.

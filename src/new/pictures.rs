@@ -2,8 +2,9 @@
 
 use super::shown;
 use crate::exit::Failure;
-use fab_runtime::draft::Named;
-use fab_runtime::picture::{self, PictureError};
+use fab_agent::draft::Named;
+use fab_picture::png;
+use fab_picture::png::PictureError;
 use image::ImageFormat;
 use std::fs::File;
 use std::io::Read;
@@ -15,7 +16,7 @@ const HEAD_BYTES: u64 = 32;
 /// Reads a PNG picture.
 pub fn load(path: &Path) -> Result<Named, Failure> {
     let name = shown(path);
-    match picture::load(path) {
+    match png::load(path) {
         Ok(picture) => Ok(Named { name, picture }),
         Err(error @ PictureError::TooLarge { .. }) => {
             Err(Failure::environment(error).saying(&conversion(&name)))

@@ -51,7 +51,7 @@ impl Staging {
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder)?;
         }
-        crate::store::write_whole(&path, bytes)?;
+        fab_base::files::write_whole(&path, bytes)?;
         self.include(unit);
         Ok(())
     }

@@ -11,21 +11,22 @@ use crate::run::say_origin;
 use crate::setting::known;
 use crate::setting::models::Told;
 use crate::{setting, sources};
+use fab_agent::agent;
+use fab_agent::agent::{Conversation, Finding, Rehearsed, Situation, Spoken, SpokenPart};
+use fab_agent::examples::Examples;
+use fab_agent::pictures::Pictures;
+use fab_agent::subgoals::SubgoalSet;
+use fab_base::interrupt::Interrupt;
+use fab_model::calls::Usage;
+use fab_model::{Message, Part, Speaker};
+use fab_picture::png;
 use fab_program::facts::Facts;
 use fab_program::render::Values;
 use fab_program::scene::SceneView;
 use fab_program::verify::Verdict;
 use fab_program::{ClothStart, Program, Stage};
-use fab_runtime::agent::{self, Conversation, Finding, Rehearsed, Situation, Spoken, SpokenPart};
-use fab_runtime::calls::Usage;
-use fab_runtime::examples::Examples;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::model::catalogue::Profile;
-use fab_runtime::model::{Message, Part, Speaker};
-use fab_runtime::picture;
-use fab_runtime::pictures::Pictures;
-use fab_runtime::subgoals::SubgoalSet;
-use fab_runtime::world::everywhere;
+use fab_providers::catalogue::Profile;
+use fab_world::everywhere;
 use std::collections::BTreeMap;
 
 /// Returns the task for the cloth of the start file that is named, where one is; else the task as it is.
@@ -277,7 +278,7 @@ impl Rates for Profile {
     }
 
     fn picture_tokens(&self, png: &[u8]) -> Option<(u64, u64)> {
-        let [width, height] = picture::size(png)?;
+        let [width, height] = png::size(png)?;
         let tokens = self.facts.image_tokens.as_ref()?.of(width, height);
         Some((tokens.at_least, tokens.at_most))
     }

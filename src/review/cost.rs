@@ -9,7 +9,7 @@ pub struct Pricing {
     /// The model, as `PROVIDER:NAME`.
     pub model: String,
     /// Its price of today.
-    pub price: fab_runtime::model::catalogue::Price,
+    pub price: fab_providers::catalogue::Price,
 }
 
 /// What a model takes for a question, which this build does not know.
@@ -30,9 +30,9 @@ impl Pricing {
     fn usd(&self, input_tokens: u64) -> f64 {
         #[cfg(feature = "runtime")]
         return {
-            let usage = fab_runtime::calls::Usage {
+            let usage = fab_model::calls::Usage {
                 input_tokens,
-                ..fab_runtime::calls::Usage::default()
+                ..fab_model::calls::Usage::default()
             };
             self.price.cost(usage).dollars()
         };

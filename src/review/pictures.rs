@@ -4,7 +4,7 @@
 //! pale grey copy of the picture after; pictures of two sizes are laid at the top left of the larger one. In place of
 //! a file that is no picture there is an empty panel.
 
-use fab_runtime::picture;
+use fab_picture::png;
 use image::{Rgb, RgbImage, imageops};
 use std::path::Path;
 
@@ -30,7 +30,7 @@ pub struct Compared {
 
 /// Compares two PNG files, before and after; their paths name them in words.
 pub fn compare(files: [&[u8]; 2], paths: [&Path; 2]) -> Compared {
-    let decoded = [0, 1].map(|side| picture::decode(files[side], paths[side]));
+    let decoded = [0, 1].map(|side| png::decode(files[side], paths[side]));
     match decoded {
         [Ok(before), Ok(after)] => both(before, after),
         [before, after] => {

@@ -5,9 +5,9 @@
 use super::find::Pending;
 use crate::exit::Failure;
 #[cfg(feature = "runtime")]
-use crate::store;
+use fab_base::files;
 #[cfg(feature = "runtime")]
-use fab_runtime::picture;
+use fab_picture::png;
 use std::path::PathBuf;
 
 /// Where such files go.
@@ -70,7 +70,7 @@ impl Sheets {
         let path = match &compared.sheet {
             Some(sheet) => {
                 let path = self.made()?.join(format!("{name}.png"));
-                store::write_whole(&path, &picture::encode(sheet)).map_err(|error| {
+                files::write_whole(&path, &png::encode(sheet)).map_err(|error| {
                     Failure::environment(format!("cannot write `{}`: {error}", path.display()))
                 })?;
                 Some(path)

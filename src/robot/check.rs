@@ -6,11 +6,11 @@
 use crate::cli::robot::CheckArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
-use fab_runtime::arm::calibration::Calibration;
-use fab_runtime::arm::kinematics::chain::Chain;
-use fab_runtime::arm::kinematics::reach::{Reach, Turn};
-use fab_runtime::arm::limits;
-use fab_runtime::arm::settings::Settings;
+use fab_arm::calibration::Calibration;
+use fab_arm::kinematics::chain::Chain;
+use fab_arm::kinematics::reach::{Reach, Turn};
+use fab_arm::limits;
+use fab_arm::settings::Settings;
 use nalgebra::Point3;
 use serde_json::{Value, json};
 use std::path::Path;

@@ -4,11 +4,11 @@
 //! without the feature `ros` connects to none.
 
 use crate::exit::Failure;
-use fab_runtime::arm::directory::{DirectoryCamera, Which};
-use fab_runtime::arm::driver::Arm;
-use fab_runtime::arm::port::Port;
-use fab_runtime::arm::rgbd::RgbdSource;
-use fab_runtime::arm::settings::{CameraSource, DriverKind, Settings};
+use fab_arm::directory::{DirectoryCamera, Which};
+use fab_arm::driver::Arm;
+use fab_arm::port::Port;
+use fab_arm::rgbd::RgbdSource;
+use fab_arm::settings::{CameraSource, DriverKind, Settings};
 use std::path::Path;
 
 /// Loads the settings of a real arm; fails for one that this program simulates, and where this build has no ROS.
@@ -64,7 +64,7 @@ fn subscribed(settings: &Settings) -> Result<Box<dyn RgbdSource>, String> {
         .ros
         .as_ref()
         .ok_or("the settings have no `[ros]`")?;
-    let camera = fab_runtime::arm::ros::RosCamera::subscribe(ros, settings.camera.timeout_s);
+    let camera = fab_arm_ros::RosCamera::subscribe(ros, settings.camera.timeout_s);
     Ok(Box::new(camera.map_err(|error| error.to_string())?))
 }
 
@@ -80,20 +80,20 @@ pub fn port(settings: &Settings) -> Result<Box<dyn Port>, String> {
 }
 
 #[cfg(feature = "ros")]
-fn ros(settings: &Settings) -> Result<fab_runtime::arm::ros::RosPort, String> {
+fn ros(settings: &Settings) -> Result<fab_arm_ros::RosPort, String> {
     let ros = settings
         .ros
         .as_ref()
         .ok_or("the settings have no `[ros]`")?;
-    let connected = fab_runtime::arm::ros::connect(ros, &settings.model, settings.camera.timeout_s);
+    let connected = fab_arm_ros::connect(ros, &settings.model, settings.camera.timeout_s);
     connected.map_err(|error| error.to_string())
 }
 
 /// Connects to the node of an arm, and drives it as its settings say.
 #[cfg(feature = "ros")]
 pub fn arm(settings: &Settings) -> Result<Box<dyn Arm>, String> {
-    use fab_runtime::arm::driver::PortArm;
-    use fab_runtime::arm::kinematics::chain::Chain;
+    use fab_arm::driver::PortArm;
+    use fab_arm::kinematics::chain::Chain;
 
     let port = ros(settings)?;
     let (fingers, tolerance) = (settings.fingers, settings.tolerance);

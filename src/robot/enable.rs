@@ -8,9 +8,10 @@ use super::{connect, standing};
 use crate::cli::robot::EnableArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
-use fab_runtime::arm::driver::Arm;
-use fab_runtime::arm::last::{self, Standing};
-use fab_runtime::arm::log::{ARM_FILE, ArmLog, Entry};
+use fab_arm::driver::Arm;
+use fab_arm::last;
+use fab_arm::last::Standing;
+use fab_arm::log::{ARM_FILE, ArmLog, Entry};
 use serde_json::json;
 use std::path::Path;
 
@@ -82,9 +83,9 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use fab_runtime::arm::driver::{ArmError, Opening, PortArm};
-    use fab_runtime::arm::settings::Settings;
-    use fab_runtime::arm::simulated::{SimulatedArm, Simulation};
+    use fab_arm::driver::{ArmError, Opening, PortArm};
+    use fab_arm::settings::Settings;
+    use fab_arm::simulated::{SimulatedArm, Simulation};
     use std::fs;
 
     #[test]

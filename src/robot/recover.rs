@@ -6,8 +6,9 @@
 use crate::cli::robot::RecoverArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
-use fab_runtime::arm::last::{self, Standing};
-use fab_runtime::arm::log::{ARM_FILE, ArmLog, Entry, Left, left};
+use fab_arm::last;
+use fab_arm::last::Standing;
+use fab_arm::log::{ARM_FILE, ArmLog, Entry, Left, left};
 use serde_json::{Value, json};
 use std::io::{BufRead, Read};
 use std::path::Path;

@@ -5,8 +5,9 @@
 
 use super::recover::in_words;
 use crate::output;
-use fab_runtime::arm::last::{self, Standing};
-use fab_runtime::arm::log::{Left, left};
+use fab_arm::last;
+use fab_arm::last::Standing;
+use fab_arm::log::{Left, left};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};

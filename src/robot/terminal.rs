@@ -8,9 +8,9 @@ use super::held::{self, Held, Key, Keys};
 use crate::cli::robot::Confirm;
 use crate::exit::Failure;
 use crate::{output, setting};
-use fab_runtime::arm::route::{Act, Segment};
-use fab_runtime::arm::supervisor::{Asked, Supervisor};
-use fab_runtime::start::Start;
+use fab_arm::route::{Act, Segment};
+use fab_arm::supervisor::{Asked, Supervisor};
+use fab_world::start::Start;
 use std::io::{BufRead, IsTerminal, Read};
 use std::time::{Duration, Instant};
 

@@ -10,7 +10,7 @@ pub use process::Process;
 use crate::cli::robot::WatchdogArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
-use fab_runtime::arm::settings::Settings;
+use fab_arm::settings::Settings;
 use std::io::{BufRead, BufReader, Read};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
@@ -49,15 +49,14 @@ pub fn run(arguments: &WatchdogArguments) -> Result<Exit, Failure> {
 /// Returns what stops the arm, connected to it already.
 #[cfg(feature = "ros")]
 fn stopper(settings: &Settings) -> Result<Stop, String> {
-    use fab_runtime::arm::port::Port;
+    use fab_arm::port::Port;
     const CONNECT_S: f64 = 10.0;
     let Some(ros) = settings.ros.clone() else {
         return Err("an arm that this program simulates cannot be stopped from outside".to_owned());
     };
     let model = settings.model.clone();
-    let connect = move || {
-        fab_runtime::arm::ros::connect(&ros, &model, CONNECT_S).map_err(|error| error.to_string())
-    };
+    let connect =
+        move || fab_arm_ros::connect(&ros, &model, CONNECT_S).map_err(|error| error.to_string());
     let mut port = connect()?;
     Ok(Box::new(move || {
         let stopped = port.stop().map_err(|error| error.to_string());

@@ -2,10 +2,10 @@
 
 use crate::exit::Failure;
 use crate::output;
-use fab_runtime::arm::plan::Plan;
-use fab_runtime::arm::settings::{DriverKind, Settings};
-use fab_runtime::rollout::RolloutReport;
-use fab_runtime::world::jaco::{PLAN_FILE, PLAN_PICTURE, read_plan};
+use fab_agent::rollout::RolloutReport;
+use fab_arm::plan::Plan;
+use fab_arm::settings::{DriverKind, Settings};
+use fab_arm::world::{PLAN_FILE, PLAN_PICTURE, read_plan};
 use serde_json::json;
 use std::path::Path;
 

@@ -1,13 +1,13 @@
 //! What `fabc run` says: a line per step while it runs, and a summary.
 
 use crate::output;
+use fab_agent::agent::{Attempt, Finding};
+use fab_agent::operator::Judgement;
+use fab_agent::rollout::{CoverageSource, Event, RolloutReport};
+use fab_model::calls::Spent;
 use fab_program::verify::Verdict;
 use fab_program::{Goal, Metric};
-use fab_runtime::agent::{Attempt, Finding};
-use fab_runtime::calls::Spent;
-use fab_runtime::operator::Judgement;
-use fab_runtime::rollout::{CoverageSource, Event, RolloutReport};
-use fab_runtime::world::Grasp;
+use fab_world::Grasp;
 
 /// Shows one event on stderr, unless it is of one of the `earlier` steps, which were shown when they were new.
 pub fn show(event: Event<'_>, earlier: u32) {

@@ -5,14 +5,17 @@ use crate::exit::Failure;
 use crate::robot::terminal::{HoldToRun, Terminal};
 use crate::robot::watchdog::Process;
 use crate::robot::{connect, standing};
+use fab_agent::arm_sight::SIGHT;
+use fab_arm::directory::Which;
+use fab_arm::last;
+use fab_arm::settings::{DriverKind, Settings};
+use fab_arm::supervisor::{NoWatchdog, Supervisor, Unattended};
+use fab_arm::world;
+use fab_arm::world::{ArmWorld, PlanningWorld};
+use fab_arm::world::{FlatPicture, Parts, WithinReach};
 use fab_program::{ClothStart, Program};
-use fab_runtime::arm::directory::Which;
-use fab_runtime::arm::last;
-use fab_runtime::arm::settings::{DriverKind, Settings};
-use fab_runtime::arm::supervisor::{NoWatchdog, Supervisor, Unattended};
-use fab_runtime::start::Start;
-use fab_runtime::world::jaco::{self, FlatPicture, Parts, WithinReach};
-use fab_runtime::world::{ArmWorld, PlanningWorld, World, WorldError};
+use fab_world::start::Start;
+use fab_world::{World, WorldError};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 
@@ -27,7 +30,7 @@ pub enum Moving {
 
 /// Makes sure before anything else that the settings can be used and that there is somebody to ask.
 pub fn check(arguments: &ArmArguments, moving: Moving) -> Result<Settings, Failure> {
-    let (settings, _, calibration) = jaco::load(&arguments.robot).map_err(Failure::environment)?;
+    let (settings, _, calibration) = world::load(&arguments.robot).map_err(Failure::environment)?;
     FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(Failure::environment)?;
     if moving == Moving::Planned {
         return Ok(settings);
@@ -68,7 +71,7 @@ pub fn world(
     moving: Moving,
     folder: Option<&PathBuf>,
 ) -> Result<Box<dyn World>, WorldError> {
-    let (settings, settings_hash, calibration) = jaco::load(&arguments.robot).map_err(failed)?;
+    let (settings, settings_hash, calibration) = world::load(&arguments.robot).map_err(failed)?;
     let flat = FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(failed)?;
     let supervisor = match moving {
         Moving::Carried => {
@@ -82,6 +85,7 @@ pub fn world(
         settings,
         settings_hash,
         calibration,
+        sight: SIGHT,
         image_px: program.camera.image_px,
         supervisor,
         // A simulated arm ends with this program; a real one gets a watchdog below.
@@ -115,7 +119,7 @@ pub fn world(
 
 /// Makes a simulated world in which that alone can be done which the arm reaches: nobody is asked, and nothing moves.
 pub fn look(program: &Program, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
-    let (settings, ..) = jaco::load(&arguments.robot).map_err(failed)?;
+    let (settings, ..) = world::load(&arguments.robot).map_err(failed)?;
     let world = super::world(program)?;
     Ok(Box::new(WithinReach::new(world, settings)?))
 }

@@ -4,7 +4,7 @@
 //! where such files lie.
 
 use crate::exit::Failure;
-use fab_runtime::model::catalogue::{Catalogue, Date, Profile};
+use fab_providers::catalogue::{Catalogue, Date, Profile};
 use std::env;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};

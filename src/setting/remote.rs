@@ -4,11 +4,11 @@ use super::known::{self, UserFile};
 use crate::cli::asked::{OmitArgument, Purpose, ReachArguments};
 use crate::exit::Failure;
 use crate::{output, setting};
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::model::catalogue::{Catalogue, KeyNeed, Profile};
-use fab_runtime::model::lowering::{Lowering, Points};
-use fab_runtime::model::remote::settings::Parameter;
-use fab_runtime::model::remote::{
+use fab_base::interrupt::Interrupt;
+use fab_model::lowering::{Lowering, Points};
+use fab_providers::catalogue::{Catalogue, KeyNeed, Profile};
+use fab_providers::remote::settings::Parameter;
+use fab_providers::remote::{
     Answers, BaseUrl, Gate, Key, Redactor, Remote, Settings, Shared, Tell,
 };
 use std::collections::BTreeMap;

@@ -6,7 +6,7 @@
 
 use crate::exit::Failure;
 use crate::sources;
-use fab_runtime::start::{Grid, Start, StartFrame, Up};
+use fab_world::start::{Grid, Start, StartFrame, Up};
 use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -4,7 +4,7 @@ use super::files::{self, State};
 use crate::cli::sim::ExportArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
-use fab_runtime::npy;
+use fab_base::npy;
 use fab_sim::Params;
 use serde_json::json;
 use std::path::{Path, PathBuf};

@@ -4,9 +4,9 @@ use super::SPACING_M;
 use crate::cli::sim::StateArguments;
 use crate::exit::Failure;
 use crate::{setting, sources};
-use fab_runtime::start::{Grid, Outline, Start, StartFrame, Up};
-use fab_runtime::store;
+use fab_base::files;
 use fab_sim::Mask;
+use fab_world::start::{Grid, Outline, Start, StartFrame, Up};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -137,7 +137,7 @@ pub fn ends_in(path: &Path, ending: &str) -> bool {
 
 /// Writes a file whole.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    store::write_whole(path, bytes).map_err(|error| {
+    files::write_whole(path, bytes).map_err(|error| {
         Failure::environment(format!("cannot write `{}`: {error}", path.display()))
     })
 }

@@ -4,7 +4,7 @@ use crate::cli::sim::ThreadArguments;
 use std::num::NonZero;
 use std::thread;
 
-pub use fab_runtime::parallel::in_parallel;
+pub use fab_base::parallel::in_parallel;
 
 /// Returns the number of threads asked for, or one per core.
 pub fn threads(arguments: &ThreadArguments) -> usize {

@@ -9,15 +9,15 @@ use crate::look::{self, Seen};
 use crate::render::page::Shown;
 use crate::render::shown_without_drawing;
 use crate::{setting, sources};
+use fab_agent::agent;
+use fab_agent::examples::Examples;
+use fab_agent::subgoals::SubgoalSet;
+use fab_base::interrupt::Interrupt;
+use fab_picture::png;
 use fab_program::render::Values;
 use fab_program::scene::SceneView;
 use fab_program::{ClothStart, KeypointShape, Picture, Program, Stage, Subgoals};
-use fab_runtime::agent;
-use fab_runtime::examples::Examples;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::picture;
-use fab_runtime::subgoals::SubgoalSet;
-use fab_runtime::world::World;
+use fab_world::World;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -150,7 +150,7 @@ impl<'p> Camera<'p> {
                 Some(drawn.map_err(Failure::environment)?)
             }
         };
-        Ok(drawn.map(|drawn| picture::encode(&drawn)))
+        Ok(drawn.map(|drawn| png::encode(&drawn)))
     }
 
     /// Returns hashes of the subgoal pictures that lie beside the task.

@@ -4,11 +4,11 @@
 //! answer can name. Each step is looked at as a model would find it.
 
 use crate::new::point_text;
+use fab_agent::scene::Scene;
+use fab_agent::subgoals::Demonstrated;
 use fab_program::scene::SceneView;
 use fab_program::space;
 use fab_program::{ActionField, Choices, ClothPoint, Fold, PixelPoint, Program, Value};
-use fab_runtime::scene::Scene;
-use fab_runtime::subgoals::Demonstrated;
 
 /// How far an offered point may lie from a demonstrated one, pixels of a 224 px picture.
 const NEAR_PX: f64 = 12.0;

@@ -1,9 +1,9 @@
 //! An arm over ROS: where it says it is, and goals that it reaches or gives up.
 
 use super::nodes::{Ros, TRAJECTORY, outcome, send_until_active};
-use fab_runtime::arm::port::{Ending, Goal, GoalId, GoalState, Port, Waypoint};
-use fab_runtime::arm::ros::{self, RosPort};
-use fab_runtime::arm::settings::RosSettings;
+use fab_arm::port::{Ending, Goal, GoalId, GoalState, Port, Waypoint};
+use fab_arm::settings::RosSettings;
+use fab_arm_ros::RosPort;
 use nalgebra::{Isometry3, Translation3};
 
 /// Where the tool is to go: up by some metres from where it is.
@@ -119,7 +119,8 @@ fn peer_ros_a_trajectory_is_followed() {
         trajectory: Some(TRAJECTORY.to_owned()),
         ..ros.settings()
     };
-    let mut port = ros::connect(&settings, super::nodes::MODEL, super::nodes::PATIENCE_S).unwrap();
+    let mut port =
+        fab_arm_ros::connect(&settings, super::nodes::MODEL, super::nodes::PATIENCE_S).unwrap();
     let start = port.readings().joints_rad.unwrap().value;
     let moved = |by: f64| start.iter().map(|angle| angle + by).collect::<Vec<f64>>();
     let point = |at_s: f64, by: f64| Waypoint {

@@ -1,9 +1,9 @@
 //! A camera over ROS: pictures as they were taken, since they were asked for.
 
 use super::nodes::{PATIENCE_S, Ros};
-use fab_runtime::arm::rgbd::{Intrinsics, RgbdSource};
-use fab_runtime::arm::ros::RosCamera;
-use fab_runtime::arm::settings::RosSettings;
+use fab_arm::rgbd::{Intrinsics, RgbdSource};
+use fab_arm::settings::RosSettings;
+use fab_arm_ros::RosCamera;
 
 #[test]
 #[ignore = "needs ROS: make test-peers"]

@@ -1,12 +1,11 @@
 //! Whether ROS computes the same sums from the definitions of messages as the generator of Rust types.
 
 use super::nodes;
-use fab_runtime::arm::ros;
 
 #[test]
 #[ignore = "needs ROS: make test-peers"]
 fn peer_ros_has_the_same_sum_for_every_message_and_service() {
-    let ours = ros::definitions();
+    let ours = fab_arm_ros::definitions();
     assert!(ours.len() > 30, "{ours:?}");
     let names: Vec<&str> = ours.iter().map(|(name, _)| *name).collect();
     let folder = tempfile::tempdir().unwrap();

@@ -1,15 +1,15 @@
 //! What is not there, and what breaks off: told in words, in time, and never waited for.
 
 use super::nodes::{MODEL, Ros, TRAJECTORY, free_port, outcome, send_until_active};
-use fab_runtime::arm::port::{Ending, Goal, GoalState, Port};
-use fab_runtime::arm::ros::{self, RosError};
-use fab_runtime::arm::settings::RosSettings;
+use fab_arm::port::{Ending, Goal, GoalState, Port};
+use fab_arm::settings::RosSettings;
+use fab_arm_ros::RosError;
 use std::time::{Duration, Instant};
 
 /// Connects in vain, in time; returns what it says.
 fn refusal(settings: &RosSettings, model: &str, timeout_s: f64) -> String {
     let began = Instant::now();
-    let Err(error) = ros::connect(settings, model, timeout_s) else {
+    let Err(error) = fab_arm_ros::connect(settings, model, timeout_s) else {
         panic!("it connects");
     };
     let took = began.elapsed();
@@ -46,7 +46,7 @@ fn peer_ros_what_is_missing_is_named() {
         ..settings.clone()
     };
     assert!(matches!(
-        ros::connect(&elsewhere, MODEL, 5.0),
+        fab_arm_ros::connect(&elsewhere, MODEL, 5.0),
         Err(RosError::Host { wanted, .. }) if wanted == "robot.example"
     ));
     for (arm, model, expected) in [
@@ -92,7 +92,7 @@ fn peer_ros_an_arm_of_another_model_is_not_believed() {
         trajectory: Some(TRAJECTORY.to_owned()),
         ..ros.settings()
     };
-    assert!(ros::connect(&settings, MODEL, 5.0).is_ok());
+    assert!(fab_arm_ros::connect(&settings, MODEL, 5.0).is_ok());
 }
 
 #[test]

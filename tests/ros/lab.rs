@@ -4,11 +4,11 @@
 //! was, whether the arm is stopped, where the cloth lies.
 
 use super::nodes::{MODEL, PATIENCE_S, Ros, TRAJECTORY};
-use fab_runtime::arm::log::ARM_FILE;
-use fab_runtime::arm::settings::Settings;
-use fab_runtime::arm::simulated::FaultKind;
-use fab_runtime::chance::Chance;
-use fab_runtime::journal::JOURNAL_FILE;
+use fab_agent::journal::JOURNAL_FILE;
+use fab_arm::log::ARM_FILE;
+use fab_arm::settings::Settings;
+use fab_arm::simulated::FaultKind;
+use fab_base::chance::Chance;
 use serde_json::{Value, json};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};

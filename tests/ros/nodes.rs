@@ -1,8 +1,8 @@
 //! A master and an arm's node of their own for each test, both ended with it.
 
-use fab_runtime::arm::port::{Goal, GoalId, GoalState, Port};
-use fab_runtime::arm::ros::{self, RosPort};
-use fab_runtime::arm::settings::RosSettings;
+use fab_arm::port::{Goal, GoalId, GoalState, Port};
+use fab_arm::settings::RosSettings;
+use fab_arm_ros::RosPort;
 use std::fs::OpenOptions;
 use std::net::{TcpListener, TcpStream};
 use std::os::unix::process::CommandExt;
@@ -147,7 +147,7 @@ impl Ros {
 
     /// Connects to the arm's node as soon as it is ready.
     pub fn connect(&self) -> RosPort {
-        ros::connect(&self.settings(), MODEL, PATIENCE_S).unwrap()
+        fab_arm_ros::connect(&self.settings(), MODEL, PATIENCE_S).unwrap()
     }
 
     fn modules(&self) -> PathBuf {
@@ -169,7 +169,7 @@ impl Drop for Ros {
 pub fn generate(modules: &Path, types: &[&str]) -> String {
     let output = Command::new(PYTHON)
         .arg(project("tests/peers/ros_messages.py"))
-        .arg(project("runtime/src/arm/ros/msgs"))
+        .arg(project("runtime/arm-ros/src/msgs"))
         .arg(modules)
         .args(types)
         .output()
@@ -183,7 +183,7 @@ pub fn generate(modules: &Path, types: &[&str]) -> String {
 }
 
 /// Lets time pass until the goal ends; `None` if it does not within some seconds.
-pub fn outcome(port: &mut RosPort, goal: &GoalId) -> Option<fab_runtime::arm::port::Ending> {
+pub fn outcome(port: &mut RosPort, goal: &GoalId) -> Option<fab_arm::port::Ending> {
     let deadline_s = port.now_s() + 20.0;
     while port.now_s() < deadline_s {
         if let GoalState::Ended(ending) = port.state(goal) {

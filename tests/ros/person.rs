@@ -1,12 +1,12 @@
 //! A person beside the arm: sees to one that a killed program left, lets it go, and guides it from point to point.
 
 use super::lab::{Driver, Lab, Run};
-use fab_runtime::arm::calibration::read_pairs;
-use fab_runtime::arm::driver::{Arm, PortArm};
-use fab_runtime::arm::kinematics::tool_down::tool_down;
-use fab_runtime::arm::port::Port;
-use fab_runtime::arm::rgbd::RgbdSource;
-use fab_runtime::arm::ros::RosCamera;
+use fab_arm::calibration::read_pairs;
+use fab_arm::driver::{Arm, PortArm};
+use fab_arm::kinematics::tool_down::tool_down;
+use fab_arm::port::Port;
+use fab_arm::rgbd::RgbdSource;
+use fab_arm_ros::RosCamera;
 use nalgebra::{Point3, Vector3};
 use std::io::{BufRead, BufReader, Lines, Write};
 use std::process::{ChildStderr, Stdio};

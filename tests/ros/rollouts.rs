@@ -6,8 +6,9 @@
 use super::key::Key;
 use super::lab::{BOX_M, Driver, Ended, Lab, Truth};
 use super::touching::{Touching, calibrate};
-use fab_runtime::arm::port::Port;
-use fab_runtime::arm::simulated::FaultKind::{self, *};
+use fab_arm::port::Port;
+use fab_arm::simulated::FaultKind;
+use fab_arm::simulated::FaultKind::*;
 use serde_json::Value;
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};

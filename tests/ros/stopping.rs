@@ -1,8 +1,8 @@
 //! An arm that was stopped: it moves no more, whatever is asked, until it is started.
 
 use super::nodes::{Ros, outcome, send_until_active};
-use fab_runtime::arm::port::{Ending, Goal, Port};
-use fab_runtime::arm::ros::RosPort;
+use fab_arm::port::{Ending, Goal, Port};
+use fab_arm_ros::RosPort;
 
 fn fingers(position: f64) -> Goal {
     Goal::Fingers(vec![position; 2])

@@ -5,11 +5,11 @@
 
 use super::lab::Lab;
 use super::nodes::PATIENCE_S;
-use fab_runtime::arm::driver::{Arm, PortArm};
-use fab_runtime::arm::kinematics::tool_down::tool_down;
-use fab_runtime::arm::rgbd::RgbdSource;
-use fab_runtime::arm::ros::RosCamera;
-use fab_runtime::chance::Chance;
+use fab_arm::driver::{Arm, PortArm};
+use fab_arm::kinematics::tool_down::tool_down;
+use fab_arm::rgbd::RgbdSource;
+use fab_arm_ros::RosCamera;
+use fab_base::chance::Chance;
 use nalgebra::Point3;
 use serde_json::json;
 

@@ -3,14 +3,14 @@
 
 use super::lab::{Driver, Lab, cache_folder, project};
 use super::touching::{Touching, calibrate};
+use fab_arm::log::{Left, left};
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
 use fab_compiler::{LoadError, Loader};
 use fab_program::Program;
-use fab_runtime::arm::log::{Left, left};
-use fab_runtime::cache::Cache;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::start::Start;
-use fab_runtime::world::{SimulatedWorld, World, WorldError};
-use fab_runtime::{expert, metrics};
+use fab_world::start::Start;
+use fab_world::{SimulatedWorld, World, WorldError};
+use fab_world::{expert, metrics};
 
 /// How far the cloth may be from the nearest expert's, metres: twice what was found over eight cameras, 6 to 12 mm;
 /// it differs from run to run by some, as messages come when they come.

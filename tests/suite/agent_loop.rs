@@ -1,18 +1,19 @@
 //! The agent loop under scripted models: what ends it, what it asks again, what it never does.
 
 use super::support::{self, Scripted, Trial};
+use fab_agent::agent::Finding;
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout::{Event, RolloutReport};
+use fab_agent::subgoals::{Origin, SubgoalSet};
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
+use fab_model::Models;
+use fab_model::calls::Budget;
+use fab_model::{Part, Request, Speaker};
 use fab_program::verify::Verdict;
 use fab_program::{Extractor, Program, Response};
-use fab_runtime::agent::{Finding, Models};
-use fab_runtime::cache::Cache;
-use fab_runtime::calls::Budget;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::model::{Part, Request, Speaker};
-use fab_runtime::outcome::Outcome;
-use fab_runtime::rollout::{Event, RolloutReport};
-use fab_runtime::start::Start;
-use fab_runtime::subgoals::{Origin, SubgoalSet};
-use fab_runtime::world::Look;
+use fab_world::Look;
+use fab_world::start::Start;
 
 const WORDS: &str = "Instructions: fold the back left corner onto the front left corner.\nExplanation: the arrow says so.";
 
@@ -51,7 +52,7 @@ fn play_task(program: &Program, vision: &[&str], text: &[&str], interrupt: &Inte
         origin: Origin::Author,
     };
     let trial = Trial {
-        examples: fab_runtime::examples::Examples::default(),
+        examples: fab_agent::examples::Examples::default(),
         program,
         start: Start::flat(&program.cloth),
         subgoals,

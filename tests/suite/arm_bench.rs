@@ -3,7 +3,7 @@
 use super::bench::project;
 use super::physical::SUITE;
 use super::support::{Said, bring_robot, fabc, finish};
-use fab_runtime::arm::log::{Left, left};
+use fab_arm::log::{Left, left};
 use serde_json::Value;
 use std::fs;
 use std::io::Write;

@@ -2,25 +2,29 @@
 //! its box, at rest once it is stopped, and with journals that say how it was left.
 
 use super::support::{self, Trial, root, task};
+use fab_agent::arm_sight::SIGHT;
+use fab_agent::journal::{JOURNAL_FILE, RunFolder};
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout;
+use fab_agent::rollout::{Job, RolloutReport};
+use fab_arm::calibration::{Calibration, Method, Pair, Terms};
+use fab_arm::log::{ARM_FILE, Entry, Left, left};
+use fab_arm::port::Port;
+use fab_arm::route::Name;
+use fab_arm::settings::Settings;
+use fab_arm::simulated::{Fault, FaultKind, SharedArm};
+use fab_arm::supervisor::{Asked, NoWatchdog, Supervisor};
+use fab_arm::world;
+use fab_arm::world::ArmWorld;
+use fab_arm::world::Parts;
+use fab_base::chance::Chance;
+use fab_base::interrupt::Interrupt;
+use fab_model::Models;
+use fab_model::calls::Budget;
 use fab_program::Program;
-use fab_runtime::agent::Models;
-use fab_runtime::arm::calibration::{Calibration, Method, Pair, Terms};
-use fab_runtime::arm::log::{ARM_FILE, Entry, Left, left};
-use fab_runtime::arm::port::Port;
-use fab_runtime::arm::route::Name;
-use fab_runtime::arm::settings::Settings;
-use fab_runtime::arm::simulated::{Fault, FaultKind, SharedArm};
-use fab_runtime::arm::supervisor::{Asked, NoWatchdog, Supervisor};
-use fab_runtime::calls::Budget;
-use fab_runtime::chance::Chance;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::journal::{JOURNAL_FILE, RunFolder};
-use fab_runtime::model::Geometric;
-use fab_runtime::outcome::Outcome;
-use fab_runtime::rollout::{self, Job, RolloutReport};
-use fab_runtime::start::Start;
-use fab_runtime::world::jaco::{self, Parts};
-use fab_runtime::world::{ArmWorld, Look, World, WorldError};
+use fab_standins::Geometric;
+use fab_world::start::Start;
+use fab_world::{Look, World, WorldError};
 use serde_json::Value;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -151,7 +155,7 @@ fn program() -> Program {
 /// The simulated arm of the shipped file, with a camera of fewer pixels.
 fn small_pictures() -> (Settings, Calibration) {
     let robot = root().join("tasks/real/simulated.toml");
-    let (mut settings, _, calibration) = jaco::load(&robot).unwrap();
+    let (mut settings, _, calibration) = world::load(&robot).unwrap();
     let scale = f64::from(SIDE_PX) / f64::from(settings.simulated.camera_px);
     settings.simulated.camera_px = SIDE_PX;
     settings.camera.window_px = [0, 0, SIDE_PX];
@@ -173,6 +177,7 @@ fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
             settings,
             settings_hash: String::new(),
             calibration,
+            sight: SIGHT,
             image_px: trial.program.camera.image_px,
             supervisor: Box::new(Watching {
                 person: trouble.person,
@@ -255,7 +260,7 @@ fn survives(trial: &Trial<'_>, seed: u64, usual: &Ended) -> Outcome {
 }
 
 fn is_within_the_box(ended: &mut Ended, trouble: &Trouble, told: &str) {
-    let settings = jaco::load(&root().join("tasks/real/simulated.toml"))
+    let settings = world::load(&root().join("tasks/real/simulated.toml"))
         .unwrap()
         .0;
     let over_m = match (

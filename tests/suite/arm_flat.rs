@@ -1,10 +1,13 @@
 //! The picture of the flat cloth on an arm's table: taken from the settings, or of the table that is simulated.
 
 use super::support::{self, bring_robot, fabc, finish};
-use fab_runtime::arm::supervisor::{NoWatchdog, Unattended};
-use fab_runtime::start::Start;
-use fab_runtime::world::jaco::{self, FlatPicture, Parts, about};
-use fab_runtime::world::{ArmWorld, World};
+use fab_agent::arm_sight::SIGHT;
+use fab_arm::supervisor::{NoWatchdog, Unattended};
+use fab_arm::world;
+use fab_arm::world::ArmWorld;
+use fab_arm::world::{FlatPicture, Parts, about};
+use fab_world::World;
+use fab_world::start::Start;
 use image::RgbImage;
 use std::path::Path;
 
@@ -18,12 +21,13 @@ fn name_flat(folder: &Path) {
 
 fn arm(folder: &Path) -> ArmWorld {
     let robot = folder.join("robot.toml");
-    let (settings, settings_hash, calibration) = jaco::load(&robot).unwrap();
+    let (settings, settings_hash, calibration) = world::load(&robot).unwrap();
     let flat = FlatPicture::load(&robot, &settings, &calibration).unwrap();
     let parts = Parts {
         settings,
         settings_hash,
         calibration,
+        sight: SIGHT,
         image_px: support::small_task().camera.image_px,
         supervisor: Box::new(Unattended),
         watchdog: Box::new(NoWatchdog),

@@ -1,7 +1,7 @@
 //! `fabc run --world jaco` with the arm that is simulated: the whole loop, without a robot.
 
 use super::support::{bring_robot, fabc, root};
-use fab_runtime::arm::log::{Left, left};
+use fab_arm::log::{Left, left};
 use serde_json::Value;
 
 #[test]

@@ -175,7 +175,7 @@ fn a_subgoal_picture_that_is_none_or_enormous() {
         2,
         &["60000 by 60000 pixels", "4096"],
     );
-    let good = fab_runtime::picture::encode(&image::RgbImage::new(224, 224));
+    let good = fab_picture::png::encode(&image::RgbImage::new(224, 224));
     fs::write(here.join("a.png"), &good).unwrap();
     fs::write(here.join("b.png"), &good[..good.len() / 2]).unwrap();
     refused(folder.path(), &["run", "tasks/small.fab"], 2, &["b.png"]);

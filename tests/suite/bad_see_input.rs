@@ -3,7 +3,7 @@
 use super::bad_input::refused;
 use super::see::{FOLDING, SIDE_PX, write_depth};
 use super::support::{fabc, finish, project};
-use fab_runtime::picture;
+use fab_picture::png;
 use image::{Rgb, RgbImage};
 use serde_json::Value;
 use std::fs;
@@ -151,6 +151,6 @@ fn a_layer_that_shows_the_last_pick_asks_for_it() {
     refused(folder.path(), &placed, 64, &["`way`", "`--last-pick U,V`"]);
     let whole = [&placed[..], &["--last-pick", "10,20"]].concat();
     assert_eq!(finish(fabc(folder.path()).args(whole)).code, 0);
-    let drawn = picture::load(&folder.path().join("out/annotated.png")).unwrap();
+    let drawn = png::load(&folder.path().join("out/annotated.png")).unwrap();
     assert_eq!(drawn.get_pixel(10, 20).0, [255, 0, 0]);
 }

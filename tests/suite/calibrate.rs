@@ -3,7 +3,7 @@
 mod typed;
 
 use super::support::{Said, fabc, finish};
-use fab_runtime::arm::calibration::{Calibration, Pair, csv_line};
+use fab_arm::calibration::{Calibration, Pair, csv_line};
 use image::{Luma, Rgb, RgbImage};
 use serde_json::Value;
 use std::fs;

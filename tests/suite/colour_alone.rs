@@ -1,10 +1,10 @@
 //! Keypoints from colour alone, as on the paper's real table: no depth, no number that depends on the lamp.
 
 use super::support::{self, ProjectFiles, Trial};
+use fab_agent::see::{Brought, SeeError, Seen, see};
 use fab_compiler::{LoadError, Loader};
 use fab_program::{PixelPoint, Program};
-use fab_runtime::see::{Brought, SeeError, Seen, see};
-use fab_runtime::world::Look;
+use fab_world::Look;
 use image::{Rgb, RgbImage};
 
 /// A table in one grey with a square of a colour from 146 to 333 on both axes, and a speck of that colour far from it.

@@ -204,7 +204,7 @@ fn turned(dimx: u64, dimy: u64, degrees: f64) -> Vec<[f32; 3]> {
 }
 
 fn npy(points: &[[f32; 3]]) -> Vec<u8> {
-    fab_runtime::npy::encode(points)
+    fab_base::npy::encode(points)
 }
 
 #[test]

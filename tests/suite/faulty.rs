@@ -3,13 +3,13 @@
 
 use super::provider::{Fate, Provider};
 use super::support::{self, Trial};
-use fab_runtime::agent::Models;
-use fab_runtime::calls::{Fault, ledger};
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::model::Remote;
-use fab_runtime::model::remote::{Answers, BaseUrl, Gate, Retry, Settings, Shared, Tell, Wire};
-use fab_runtime::outcome::Outcome;
-use fab_runtime::world::Look;
+use fab_agent::outcome::Outcome;
+use fab_base::interrupt::Interrupt;
+use fab_model::Models;
+use fab_model::calls::{Fault, ledger};
+use fab_providers::Remote;
+use fab_providers::remote::{Answers, BaseUrl, Gate, Retry, Settings, Shared, Tell, Wire};
+use fab_world::Look;
 use std::collections::BTreeSet;
 use std::fs;
 use std::sync::Arc;

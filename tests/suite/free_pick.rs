@@ -2,11 +2,11 @@
 
 use super::steered::{answer, play_with, steered_but};
 use super::support::{self, words_of};
+use fab_agent::outcome::Outcome;
+use fab_agent::scene::Scene;
 use fab_program::space;
 use fab_program::{Program, Value};
-use fab_runtime::outcome::Outcome;
-use fab_runtime::scene::Scene;
-use fab_runtime::start::Start;
+use fab_world::start::Start;
 
 /// The steered task with a pick anywhere, and its choices in the prompt.
 fn free() -> Program {

@@ -2,9 +2,9 @@
 
 use super::steered::{LEFT, RIGHT, answer, play, play_with, steered};
 use super::support;
+use fab_agent::outcome::Outcome;
 use fab_program::Goal;
 use fab_program::reply;
-use fab_runtime::outcome::Outcome;
 use serde_json::Value;
 
 /// A pull outward that the task accepts.

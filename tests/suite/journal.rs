@@ -1,14 +1,14 @@
 //! The run folder: whole lines, nothing overwritten, and enough to recompute the result.
 
 use super::support::{self, Scripted, Trial};
-use fab_runtime::agent::Models;
-use fab_runtime::cache::Cache;
-use fab_runtime::journal::{JournalError, RunFolder};
-use fab_runtime::model::Geometric;
-use fab_runtime::rollout::RolloutReport;
-use fab_runtime::start::{Start, StartFrame};
-use fab_runtime::world::Look;
+use fab_agent::journal::{JournalError, RunFolder};
+use fab_agent::rollout::RolloutReport;
+use fab_base::cache::Cache;
+use fab_model::Models;
 use fab_sim::{Params, Simulator};
+use fab_standins::Geometric;
+use fab_world::Look;
+use fab_world::start::{Start, StartFrame};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use super::provider::Provider;
 use super::support::{bring_library, fabc, finish, project};
-use fab_runtime::calls::ledger;
+use fab_model::calls::ledger;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

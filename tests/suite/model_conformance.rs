@@ -1,13 +1,13 @@
 //! What every [`Model`] must do; a new model adds one line at the end.
 
 use super::support::{self, Scripted};
+use fab_base::interrupt::Interrupt;
+use fab_model::calls::Unkept;
+use fab_model::{Message, Model, Part, Png, Request, Speaker};
 use fab_program::ModelRole;
-use fab_runtime::calls::Unkept;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::model::remote::{Answers, BaseUrl, Gate, Settings, Shared, Tell, Wire};
-use fab_runtime::model::{
-    Geometric, Imperfect, Message, Model, Part, Png, Random, Remote, Request, Speaker,
-};
+use fab_providers::Remote;
+use fab_providers::remote::{Answers, BaseUrl, Gate, Settings, Shared, Tell, Wire};
+use fab_standins::{Geometric, Imperfect, Random};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
@@ -40,9 +40,9 @@ fn requests() -> Vec<Request> {
         }]
     };
     let noise = Part::Image(Png::new(vec![7; 300]));
-    let blank = Part::Image(Png::new(fab_runtime::picture::encode(
-        &image::RgbImage::new(32, 32),
-    )));
+    let blank = Part::Image(Png::new(fab_picture::png::encode(&image::RgbImage::new(
+        32, 32,
+    ))));
     let conversations = vec![
         Vec::new(),
         user(Vec::new()),
@@ -166,7 +166,7 @@ fn answer(mut stream: TcpStream) {
 
 #[test]
 fn the_stand_in_is_called_one() {
-    assert_eq!(Geometric.nature(), fab_runtime::model::Nature::StandIn);
+    assert_eq!(Geometric.nature(), fab_model::Nature::StandIn);
     assert_eq!(support::task("double_straight").stages.len(), 2);
 }
 

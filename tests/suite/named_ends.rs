@@ -1,11 +1,12 @@
 //! Input that no rollout can use: each kind ends in its own outcome, kept in the run folder and in the report.
 
 use super::support::{self, Scripted, Trial};
+use fab_agent::outcome::Outcome;
+use fab_model::Model;
+use fab_model::Models;
 use fab_program::{Extractor, Program, Sight};
-use fab_runtime::agent::Models;
-use fab_runtime::model::{Geometric, Model};
-use fab_runtime::outcome::Outcome;
-use fab_runtime::world::Look;
+use fab_standins::Geometric;
+use fab_world::Look;
 use serde_json::Value;
 
 /// Runs the small task after a change and asserts how it ends, in the report and on disk.

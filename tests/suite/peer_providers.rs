@@ -1,11 +1,11 @@
 //! The providers' own Python clients read what fabc would send, and write what it must read; `make test-peers` runs it.
 
 use super::support::project;
+use fab_model::{Message, Part, Png, Request, Speaker};
 use fab_program::ModelRole;
-use fab_runtime::model::catalogue::MaxTokensField;
-use fab_runtime::model::remote::wire::Answer;
-use fab_runtime::model::remote::{BaseUrl, Settings, Wire};
-use fab_runtime::model::{Message, Part, Png, Request, Speaker};
+use fab_providers::catalogue::MaxTokensField;
+use fab_providers::remote::wire::Answer;
+use fab_providers::remote::{BaseUrl, Settings, Wire};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -48,7 +48,7 @@ fn requests() -> Vec<(&'static str, Request)> {
         change(&mut changed);
         changed
     };
-    let picture = fab_runtime::picture::encode(&image::RgbImage::new(8, 8));
+    let picture = fab_picture::png::encode(&image::RgbImage::new(8, 8));
     let shown = Message {
         speaker: Speaker::User,
         parts: vec![

@@ -1,17 +1,16 @@
 //! A model that answers in another frame is asked in it, and does what one does that answers in pixels.
 
 use super::support::{self, Scripted, Trial, words_of};
+use fab_agent::action::Action;
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout::Event;
+use fab_model::Models;
+use fab_model::calls::Calls;
+use fab_model::lowering::{Points, Resize};
+use fab_model::{Lowering, Model, ModelError, Nature, Part, Png, Reply, Request};
 use fab_program::pointing::{CoordinateUnit, Order};
-use fab_runtime::action::Action;
-use fab_runtime::agent::Models;
-use fab_runtime::calls::Calls;
-use fab_runtime::model::lowering::{Points, Resize};
-use fab_runtime::model::{
-    Geometric, Lowering, Model, ModelError, Nature, Part, Png, Reply, Request,
-};
-use fab_runtime::outcome::Outcome;
-use fab_runtime::rollout::Event;
-use fab_runtime::world::Look;
+use fab_standins::Geometric;
+use fab_world::Look;
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
 use std::sync::Mutex;

@@ -2,13 +2,14 @@
 
 use super::pointing::Silent;
 use super::support::{self, Scripted, Trial, words_of};
+use fab_agent::examples::Examples;
 use fab_compiler::{LoadError, Loader, compile};
+use fab_model::Lowering;
+use fab_model::Models;
+use fab_model::lowering;
+use fab_model::lowering::Points;
 use fab_program::Program;
 use fab_program::pointing::{CoordinateUnit, Order};
-use fab_runtime::agent::Models;
-use fab_runtime::examples::Examples;
-use fab_runtime::model::Lowering;
-use fab_runtime::model::lowering::{self, Points};
 
 const THOUSANDTHS_Y_FIRST: Lowering = Lowering {
     unit: CoordinateUnit::PerMille,
@@ -127,7 +128,7 @@ fn a_prompt_that_does_not_say_how_points_are_written_gets_a_sentence_and_a_note_
             .path()
             .join(format!("run_{:?}_{:?}", lowering.unit, lowering.points));
         trial.run(models, &run, &mut |event| {
-            if let fab_runtime::rollout::Event::Note(note) = event {
+            if let fab_agent::rollout::Event::Note(note) = event {
                 notes.push(note);
             }
         });

@@ -2,20 +2,21 @@
 //! there all the same.
 
 use super::support::{self, ProjectFiles, words_of};
+use fab_agent::examples::Examples;
+use fab_agent::journal::{JOURNAL_FILE, RunFolder};
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout;
+use fab_agent::rollout::{Job, RolloutReport, first_questions};
+use fab_agent::subgoals::{Origin, SubgoalSet};
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
 use fab_compiler::{LoadError, Loader};
+use fab_model::Models;
+use fab_model::calls::{Budget, Calls};
+use fab_model::{Model, ModelError, Nature, Reply, Request};
 use fab_program::Program;
-use fab_runtime::agent::Models;
-use fab_runtime::cache::Cache;
-use fab_runtime::calls::{Budget, Calls};
-use fab_runtime::examples::Examples;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::journal::{JOURNAL_FILE, RunFolder};
-use fab_runtime::model::{Model, ModelError, Nature, Reply, Request};
-use fab_runtime::outcome::Outcome;
-use fab_runtime::rollout::{self, Job, RolloutReport, first_questions};
-use fab_runtime::start::Start;
-use fab_runtime::subgoals::{Origin, SubgoalSet};
-use fab_runtime::world::{Around, Executed, Motion, SimulatedWorld, World, WorldError, WorldPoint};
+use fab_world::start::Start;
+use fab_world::{Around, Executed, Motion, SimulatedWorld, World, WorldError, WorldPoint};
 use serde_json::Value;
 use std::sync::Mutex;
 

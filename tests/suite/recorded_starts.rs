@@ -2,10 +2,10 @@
 
 use super::support::{self, Trial};
 use crate::recorded_data::recorded_data;
-use fab_runtime::metrics::mean_particle_distance_m;
-use fab_runtime::outcome::Outcome;
-use fab_runtime::start::Start;
-use fab_runtime::world::Look;
+use fab_agent::outcome::Outcome;
+use fab_world::Look;
+use fab_world::metrics::mean_particle_distance_m;
+use fab_world::start::Start;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -35,9 +35,9 @@ fn fold(entry: &Path) -> f64 {
     );
     let end = Start::load(
         &folder.path().join("run/step_3/positions.npy"),
-        Some(fab_runtime::start::StartFrame {
+        Some(fab_world::start::StartFrame {
             grid: trial.start.grid,
-            up: fab_runtime::start::Up::Z,
+            up: fab_world::start::Up::Z,
         }),
     );
     mean_particle_distance_m(&end.unwrap().positions, &recorded.positions).unwrap() * 1000.0

@@ -1,13 +1,14 @@
 //! Rollouts that were cut off, stopped by a cap, or changed since, and are gone on with.
 
 use super::support::{self, Trial, bring_library, fabc, finish, project};
-use fab_runtime::agent::Models;
-use fab_runtime::calls::{Budget, Call, CallEnd, Calls, Caps, Spent, Usage, Usd, ledger};
-use fab_runtime::journal::{JOURNAL_FILE, JournalError, RunFolder};
-use fab_runtime::model::{Geometric, Model, ModelError, Nature, Reply, Request};
-use fab_runtime::outcome::Outcome;
-use fab_runtime::rollout::RolloutReport;
-use fab_runtime::world::Look;
+use fab_agent::journal::{JOURNAL_FILE, JournalError, RunFolder};
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout::RolloutReport;
+use fab_model::Models;
+use fab_model::calls::{Budget, Call, CallEnd, Calls, Caps, Spent, Usage, Usd, ledger};
+use fab_model::{Model, ModelError, Nature, Reply, Request};
+use fab_standins::Geometric;
+use fab_world::Look;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;

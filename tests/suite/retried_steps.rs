@@ -1,14 +1,13 @@
 //! A step whose result is not like the next subgoal is asked again, a bounded number of times.
 
 use super::support::{self, Trial};
+use fab_agent::rollout::RolloutReport;
+use fab_model::Models;
+use fab_model::calls::Calls;
+use fab_model::{Message, Model, ModelError, Nature, Part, Reply, Request, Speaker};
 use fab_program::Program;
-use fab_runtime::agent::Models;
-use fab_runtime::calls::Calls;
-use fab_runtime::model::{
-    Geometric, Message, Model, ModelError, Nature, Part, Reply, Request, Speaker,
-};
-use fab_runtime::rollout::RolloutReport;
-use fab_runtime::world::Look;
+use fab_standins::Geometric;
+use fab_world::Look;
 use serde_json::Value;
 use std::sync::Mutex;
 

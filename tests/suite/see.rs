@@ -5,13 +5,14 @@
 use super::steered::steered_but;
 use super::support::{ProjectFiles, fabc, finish, project, world};
 use crate::recorded_data::recorded_data;
+use fab_agent::scene::Scene;
+use fab_agent::see::{Brought, LastAction, see};
+use fab_picture::Mask;
+use fab_picture::png;
 use fab_program::scene::SceneView;
 use fab_program::{PixelPoint, Program};
-use fab_runtime::picture;
-use fab_runtime::scene::Scene;
-use fab_runtime::see::{Brought, LastAction, see};
-use fab_runtime::start::Start;
-use fab_runtime::vision::{Mask, bounding_box, box_center};
+use fab_vision::{bounding_box, box_center};
+use fab_world::start::Start;
 use image::{ImageBuffer, Luma, Rgb, RgbImage};
 use serde_json::{Value, json};
 use std::fs;
@@ -90,8 +91,8 @@ fn recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations
         assert_eq!(said["keypoints"], expected, "{name}");
         // Where the action before is not recorded, its rings cannot be drawn.
         if is_first || last_place.is_some() {
-            let recorded = picture::load(&folder.join("processed.png")).unwrap();
-            let annotated = picture::load(&out.path().join("pictures/annotated.png")).unwrap();
+            let recorded = png::load(&folder.join("processed.png")).unwrap();
+            let annotated = png::load(&out.path().join("pictures/annotated.png")).unwrap();
             n_annotated += 1;
             n_exact += usize::from(annotated == recorded);
             let differing = annotated.pixels().zip(recorded.pixels());
@@ -100,7 +101,7 @@ fn recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations
         }
         last_place = Some(folder.join("vis.png"))
             .filter(|path| path.exists())
-            .map(|path| place_shown(&picture::load(&path).unwrap()));
+            .map(|path| place_shown(&png::load(&path).unwrap()));
         n_pictures += 1;
     }
     assert!(
@@ -127,7 +128,7 @@ fn recorded_folding_pictures_give_their_corners_in_order_and_their_center() {
         }
         let expected = json!({ "corners": fixture["corners"], "center": [fixture["center"]] });
         let brought = Brought {
-            rgb: picture::load(&path).unwrap(),
+            rgb: png::load(&path).unwrap(),
             depth_m: None,
             last: None,
         };

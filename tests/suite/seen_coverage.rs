@@ -1,20 +1,21 @@
 //! Coverage of a cloth whose particles nobody knows: by pictures, against one of the flat cloth.
 
 use super::support;
+use fab_agent::examples::Examples;
+use fab_agent::journal::{JOURNAL_FILE, RunFolder};
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout;
+use fab_agent::rollout::{CoverageSource, Job, RolloutReport, RunError};
+use fab_agent::subgoals::{Origin, SubgoalSet};
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
+use fab_model::Models;
+use fab_model::calls::Budget;
+use fab_picture::observation::Observation;
 use fab_program::{Comparison, Goal, Metric, Program};
-use fab_runtime::agent::Models;
-use fab_runtime::cache::Cache;
-use fab_runtime::calls::Budget;
-use fab_runtime::examples::Examples;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::journal::{JOURNAL_FILE, RunFolder};
-use fab_runtime::model::Geometric;
-use fab_runtime::observation::Observation;
-use fab_runtime::outcome::Outcome;
-use fab_runtime::rollout::{self, CoverageSource, Job, RolloutReport, RunError};
-use fab_runtime::start::Start;
-use fab_runtime::subgoals::{Origin, SubgoalSet};
-use fab_runtime::world::{Around, SimulatedWorld, World, WorldError};
+use fab_standins::Geometric;
+use fab_world::start::Start;
+use fab_world::{Around, SimulatedWorld, World, WorldError};
 
 /// The simulator's world as one with a camera alone: it does not tell where particles are.
 pub(super) struct Blind {

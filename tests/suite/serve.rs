@@ -7,11 +7,10 @@ mod whole;
 use super::support::Scripted;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use fab_model::calls::Calls;
+use fab_model::{Message, Model, ModelError, Nature, Part, Png, Reply, Request, Speaker};
 use fab_program::ModelRole;
-use fab_runtime::calls::Calls;
-use fab_runtime::model::{
-    Geometric, Message, Model, ModelError, Nature, Part, Png, Reply, Request, Speaker,
-};
+use fab_standins::Geometric;
 use serde_json::{Value, json};
 use server::{Server, send};
 use std::io::Write;
@@ -20,9 +19,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 fn blank(side: u32) -> Png {
-    Png::new(fab_runtime::picture::encode(&image::RgbImage::new(
-        side, side,
-    )))
+    Png::new(fab_picture::png::encode(&image::RgbImage::new(side, side)))
 }
 
 fn data_url(png: &Png) -> String {

@@ -3,9 +3,9 @@
 use super::bad_starts::write_npy;
 use super::sim_verbs::told;
 use super::support::project;
-use fab_runtime::metrics;
-use fab_runtime::start::{Outline, Start};
 use fab_sim::{Grid, Mask, mesh};
+use fab_world::metrics;
+use fab_world::start::{Outline, Start};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;

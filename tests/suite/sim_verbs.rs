@@ -3,8 +3,8 @@
 use super::bad_starts::write_npy;
 use super::sim_replay::flat;
 use super::support::{Said, fabc, finish, project};
-use fab_runtime::metrics;
-use fab_runtime::start::Start;
+use fab_world::metrics;
+use fab_world::start::Start;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -148,7 +148,7 @@ fn the_cameras_draw_colour_and_depth() {
         (&value["file"], &value["size_px"]),
         (&json!("state.png"), &json!(224))
     );
-    let picture = fab_runtime::picture::load(&here.join("state.png")).unwrap();
+    let picture = fab_picture::png::load(&here.join("state.png")).unwrap();
     let top = fab_sim::Look::default().top;
     // 39 by 29 spacings, 6.25 mm each, seen from 0.645 m: 102.2 by 76.0 pixels.
     let orange = |picture: &image::RgbImage, at: [u32; 2]| picture.get_pixel(at[0], at[1]).0 == top;
@@ -172,7 +172,7 @@ fn the_cameras_draw_colour_and_depth() {
         ],
     );
     assert_eq!(value["size_px"], 720);
-    let picture = fab_runtime::picture::load(&here.join("s.png")).unwrap();
+    let picture = fab_picture::png::load(&here.join("s.png")).unwrap();
     assert!(orange(&picture, [360, 270]) && !orange(&picture, [270, 360]));
 
     told(
@@ -187,7 +187,7 @@ fn the_cameras_draw_colour_and_depth() {
             "d.png",
         ],
     );
-    let picture = fab_runtime::picture::load(&here.join("d.png")).unwrap();
+    let picture = fab_picture::png::load(&here.join("d.png")).unwrap();
     assert_eq!(picture.dimensions(), (64, 64));
     // The whole part of 255 times 0.65 m, and times 0.645 m.
     assert_eq!(
@@ -241,7 +241,7 @@ fn an_outline_cuts_the_cloth_in_pictures_and_meshes() {
     let outline = ["--outline", "left.txt"];
     let call = ["render", "state.npy", "-o", "left.png"];
     told(here, &[&call[..], &outline].concat());
-    let picture = fab_runtime::picture::load(&here.join("left.png")).unwrap();
+    let picture = fab_picture::png::load(&here.join("left.png")).unwrap();
     let top = fab_sim::Look::default().top;
     assert_eq!(picture.get_pixel(100, 112).0, top);
     assert_ne!(picture.get_pixel(124, 112).0, top);

@@ -2,9 +2,9 @@
 
 use super::steered::{LEFT, Played, RIGHT, answer, play_with, steered_but};
 use super::support;
+use fab_agent::outcome::Outcome;
+use fab_model::{Part, Request, Speaker};
 use fab_program::render::REFUSED_ACTION;
-use fab_runtime::model::{Part, Request, Speaker};
-use fab_runtime::outcome::Outcome;
 use serde_json::json;
 
 /// Plays the steered task with another `attempts` line.

@@ -1,15 +1,16 @@
 //! The stand-in in whole rollouts: what it may not depend on, and what stops it.
 
 use super::support::{self, Trial, task};
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout::Event;
+use fab_agent::subgoals::SubgoalSet;
+use fab_model::Models;
+use fab_model::calls::Unkept;
+use fab_model::{Message, Model, ModelError, ModelRole, Request, Speaker};
 use fab_program::space;
 use fab_program::{ActionField, Choices, Program};
-use fab_runtime::agent::Models;
-use fab_runtime::calls::Unkept;
-use fab_runtime::model::{Geometric, Message, Model, ModelError, ModelRole, Request, Speaker};
-use fab_runtime::outcome::Outcome;
-use fab_runtime::rollout::Event;
-use fab_runtime::subgoals::SubgoalSet;
-use fab_runtime::world::Look;
+use fab_standins::Geometric;
+use fab_world::Look;
 
 /// What a rollout of the small task came to: its outcome, and where each pick and place was, metres.
 type Played = (Outcome, Vec<[f64; 4]>);

@@ -3,14 +3,14 @@
 //! In: `tests/fixtures/tasks/steered.fab`. What the shipped folds do not use is used there.
 
 use super::support::{self, ProjectFiles, Scripted, Trial, words_of};
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout::{Event, RolloutReport};
+use fab_base::cache::Cache;
 use fab_compiler::{LoadError, Loader};
+use fab_model::Models;
+use fab_model::{Part, Request, Speaker};
 use fab_program::Program;
-use fab_runtime::agent::Models;
-use fab_runtime::cache::Cache;
-use fab_runtime::model::{Part, Request, Speaker};
-use fab_runtime::outcome::Outcome;
-use fab_runtime::rollout::{Event, RolloutReport};
-use fab_runtime::world::{Look, Motion};
+use fab_world::{Look, Motion};
 use serde_json::Value;
 
 const FILE: &str = "tests/fixtures/tasks/steered.fab";

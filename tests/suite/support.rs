@@ -1,19 +1,21 @@
 //! What the tests share: the command, recorded data, small tasks, scripted models.
 
+use fab_agent::examples::Examples;
+use fab_agent::journal::{JOURNAL_FILE, RunFolder};
+use fab_agent::rollout;
+use fab_agent::rollout::{Event, Job, RolloutReport, RunError};
+use fab_agent::subgoals::SubgoalSet;
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
 use fab_compiler::{LoadError, Loader};
+use fab_model::Models;
+use fab_model::calls::{Budget, Calls};
+use fab_model::recording::Recorder;
+use fab_model::{Model, ModelError, Nature, Part, Reply, Request};
 use fab_program::Program;
-use fab_runtime::agent::Models;
-use fab_runtime::cache::Cache;
-use fab_runtime::calls::{Budget, Calls};
-use fab_runtime::examples::Examples;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::journal::{JOURNAL_FILE, RunFolder};
-use fab_runtime::model::recording::Recorder;
-use fab_runtime::model::{Geometric, Model, ModelError, Nature, Part, Reply, Request};
-use fab_runtime::rollout::{self, Event, Job, RolloutReport, RunError};
-use fab_runtime::start::Start;
-use fab_runtime::subgoals::SubgoalSet;
-use fab_runtime::world::{Look, SimulatedWorld, World, WorldError};
+use fab_standins::Geometric;
+use fab_world::start::Start;
+use fab_world::{Look, SimulatedWorld, World, WorldError};
 use std::collections::VecDeque;
 use std::path::Path;
 use std::process::{Command, Output};

@@ -21,7 +21,7 @@ struct Member {
 }
 
 /// Every member; `fabc` at the root may use all.
-const MEMBERS: [Member; 6] = [
+const MEMBERS: [Member; 16] = [
     member("grammar", "fab-grammar", &[], &[]),
     member("compiler/program", "fab-program", &[], &[]),
     member(
@@ -37,11 +37,93 @@ const MEMBERS: [Member; 6] = [
         &["fab-compiler"],
     ),
     member("sim", "fab-sim", &[], &[]),
+    member("runtime/base", "fab-base", &[], &[]),
     member(
-        "runtime",
-        "fab-runtime",
-        &["fab-compiler", "fab-program", "fab-sim"],
+        "runtime/picture",
+        "fab-picture",
+        &["fab-base", "fab-program"],
         &[],
+    ),
+    member(
+        "runtime/vision",
+        "fab-vision",
+        &["fab-picture", "fab-program"],
+        &[],
+    ),
+    member(
+        "runtime/model",
+        "fab-model",
+        &["fab-base", "fab-program"],
+        &[],
+    ),
+    member(
+        "runtime/providers",
+        "fab-providers",
+        &[
+            "fab-base",
+            "fab-compiler",
+            "fab-model",
+            "fab-picture",
+            "fab-program",
+        ],
+        &[],
+    ),
+    member(
+        "runtime/standins",
+        "fab-standins",
+        &["fab-base", "fab-model", "fab-picture", "fab-program"],
+        &[],
+    ),
+    member(
+        "runtime/world",
+        "fab-world",
+        &["fab-base", "fab-picture", "fab-program", "fab-sim"],
+        &[],
+    ),
+    member(
+        "runtime/arm",
+        "fab-arm",
+        &[
+            "fab-base",
+            "fab-picture",
+            "fab-program",
+            "fab-sim",
+            "fab-world",
+        ],
+        &[],
+    ),
+    member(
+        "runtime/arm-ros",
+        "fab-arm-ros",
+        &["fab-arm", "fab-picture"],
+        &[],
+    ),
+    member(
+        "runtime/agent",
+        "fab-agent",
+        &[
+            "fab-arm",
+            "fab-base",
+            "fab-model",
+            "fab-picture",
+            "fab-program",
+            "fab-vision",
+            "fab-world",
+        ],
+        &["fab-compiler", "fab-sim", "fab-standins"],
+    ),
+    member(
+        "runtime/bench",
+        "fab-bench",
+        &[
+            "fab-agent",
+            "fab-arm",
+            "fab-base",
+            "fab-model",
+            "fab-program",
+            "fab-world",
+        ],
+        &["fab-compiler", "fab-standins"],
     ),
 ];
 
@@ -71,11 +153,11 @@ const NOT_PACKAGED: &str = "src/cli/book.rs";
 
 /// Names that belong to one place: what is named, where that counts, the only place for it.
 const RESERVED: [(Name, &str, &str); 9] = [
-    (Name::Word("opencv"), "", "runtime/src/vision"),
+    (Name::Word("opencv"), "", "runtime/vision/src/"),
     (
         Name::Crate("fab_sim"),
-        "runtime/src/",
-        "runtime/src/world/simulated",
+        "runtime/world/src/",
+        "runtime/world/src/simulated",
     ),
     (Name::Word("pest"), "", "grammar/src/"),
     (Name::Word("pest_derive"), "", "grammar/src/"),
@@ -83,11 +165,15 @@ const RESERVED: [(Name, &str, &str); 9] = [
     (Name::Word("clap"), "", "src/"),
     (
         Name::Word("reqwest"),
-        "runtime/src/",
-        "runtime/src/model/remote",
+        "runtime/",
+        "runtime/providers/src/remote",
     ),
-    (Name::Word("axum"), "runtime/src/", "runtime/src/serve"),
-    (Name::Word("roslibrust"), "", "runtime/src/arm/ros"),
+    (
+        Name::Word("axum"),
+        "runtime/",
+        "runtime/providers/src/serve",
+    ),
+    (Name::Word("roslibrust"), "", "runtime/arm-ros/"),
 ];
 
 /// Folders of one machine, in halves so that this file does not name them itself.
@@ -226,7 +312,7 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
         ),
         (
             "src/main.rs",
-            "//! A.\n#[path = \"../runtime/src/store.rs\"]\nmod store;\n",
+            "//! A.\n#[path = \"../runtime/base/src/files.rs\"]\nmod store;\n",
             Some(2),
         ),
         (
@@ -260,37 +346,37 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
             Some(2),
         ),
         (
-            "runtime/src/vision/blur.rs",
+            "runtime/vision/src/blur.rs",
             "//! Uses opencv.\nuse opencv::core;\n",
             None,
         ),
         (
-            "runtime/src/scene.rs",
+            "runtime/agent/src/scene.rs",
             "//! Speaks of opencv.\n// opencv::core\nf(\"opencv\");\n",
             None,
         ),
         (
-            "runtime/src/scene.rs",
+            "runtime/agent/src/scene.rs",
             "//! A.\n/* one\n*/ fn f<'a>() { '\"'; ::opencv::core::f() }\n",
             Some(3),
         ),
         (
-            "runtime/src/world/simulated.rs",
+            "runtime/world/src/simulated.rs",
             "//! A.\nuse fab_sim::Cloth;\n",
             None,
         ),
         (
-            "runtime/src/world/mod.rs",
+            "runtime/world/src/lib.rs",
             "//! A.\nmod sim;\npub use self::sim::SimWorld;\n",
             None,
         ),
         (
-            "runtime/src/agent.rs",
+            "runtime/world/src/expert.rs",
             "//! A.\nlet c = ::fab_sim::Cloth;\n",
             Some(2),
         ),
         (
-            "runtime/src/agent.rs",
+            "runtime/world/src/expert.rs",
             "//! A.\nuse fab_sim as cloth;\n",
             Some(2),
         ),

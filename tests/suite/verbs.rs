@@ -95,8 +95,7 @@ fn render_writes_messages_and_the_pictures_that_a_model_gets() {
     let text = std::fs::read_to_string(folder.path().join("shown/plan.txt")).unwrap();
     assert!(text.contains("Pick Point = (x, y)"), "{text}");
     for picture in ["describe_1.png", "describe_2.png"] {
-        let picture =
-            fab_runtime::picture::load(&folder.path().join("shown").join(picture)).unwrap();
+        let picture = fab_picture::png::load(&folder.path().join("shown").join(picture)).unwrap();
         assert_eq!(picture.dimensions(), (224, 224));
     }
 }
@@ -152,7 +151,7 @@ fn subgoals_draws_and_pins_one_picture_more_than_there_are_steps() {
             "sheet.png"
         ])
     );
-    let sheet = fab_runtime::picture::load(&folder.path().join("sheet.png")).unwrap();
+    let sheet = fab_picture::png::load(&folder.path().join("sheet.png")).unwrap();
     assert_eq!(sheet.dimensions(), (224 * 2 + 8, 224));
     // Pinned pictures are used without a word; after a change of the fold they are not.
     let said = finish(fabc(folder.path()).args(["run", "small.fab"]));
@@ -222,7 +221,7 @@ fn run_shipped(task: &str) -> Value {
     ] {
         assert!(value.get(field).is_some(), "no `{field}` in {value}");
     }
-    let sheet = fab_runtime::picture::load(&folder.path().join("run/sheet.png")).unwrap();
+    let sheet = fab_picture::png::load(&folder.path().join("run/sheet.png")).unwrap();
     assert!(sheet.width() > 3 * 224);
     value
 }

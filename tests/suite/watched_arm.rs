@@ -5,21 +5,25 @@
 
 use super::pty::{Mode, Session};
 use super::support::{Said, fabc, root, task, world};
-use fab_runtime::agent::Models;
-use fab_runtime::arm::log::{ARM_FILE, Left, left};
-use fab_runtime::arm::supervisor::{Asked, NoWatchdog, Supervisor};
-use fab_runtime::cache::Cache;
-use fab_runtime::calls::Budget;
-use fab_runtime::examples::Examples;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::journal::RunFolder;
-use fab_runtime::model::Geometric;
-use fab_runtime::outcome::Outcome;
-use fab_runtime::rollout::{self, Job};
-use fab_runtime::start::Start;
-use fab_runtime::subgoals::SubgoalSet;
-use fab_runtime::world::jaco::{self, Parts};
-use fab_runtime::world::{ArmWorld, World, WorldError};
+use fab_agent::arm_sight::SIGHT;
+use fab_agent::examples::Examples;
+use fab_agent::journal::RunFolder;
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout;
+use fab_agent::rollout::Job;
+use fab_agent::subgoals::SubgoalSet;
+use fab_arm::log::{ARM_FILE, Left, left};
+use fab_arm::supervisor::{Asked, NoWatchdog, Supervisor};
+use fab_arm::world;
+use fab_arm::world::ArmWorld;
+use fab_arm::world::Parts;
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
+use fab_model::Models;
+use fab_model::calls::Budget;
+use fab_standins::Geometric;
+use fab_world::start::Start;
+use fab_world::{World, WorldError};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -282,11 +286,12 @@ fn a_panic_while_the_arm_moves_is_told_with_what_is_verified() {
     let program = task("real/double_triangle");
     let make_world = || -> Result<Box<dyn World>, WorldError> {
         let (settings, settings_hash, calibration) =
-            jaco::load(&root().join("tasks/real/simulated.toml")).unwrap();
+            world::load(&root().join("tasks/real/simulated.toml")).unwrap();
         Ok(Box::new(ArmWorld::simulated(Parts {
             settings,
             settings_hash,
             calibration,
+            sight: SIGHT,
             image_px: program.camera.image_px,
             supervisor: Box::new(Mistaken(200)),
             watchdog: Box::new(NoWatchdog),

@@ -3,6 +3,14 @@
 //! Each test changes one thing of a small shipped task and plays it with scripted models.
 
 use super::support::{self, Scripted, Trial};
+use fab_agent::examples::Examples;
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout::{Event, RolloutReport};
+use fab_agent::scene::{Scene, SceneError};
+use fab_agent::subgoals::{Origin, SubgoalSet};
+use fab_base::interrupt::Interrupt;
+use fab_model::Models;
+use fab_model::{Part, Request, Speaker};
 use fab_program::scene::SceneView;
 use fab_program::space;
 use fab_program::{
@@ -10,16 +18,8 @@ use fab_program::{
     Keypoint, Layer, Layers, LengthChoice, LengthUnit, LiteralText, Mark, Metric, Moment, Picture,
     PixelPoint, Point, Program, Spot,
 };
-use fab_runtime::agent::Models;
-use fab_runtime::examples::Examples;
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::model::{Part, Request, Speaker};
-use fab_runtime::outcome::Outcome;
-use fab_runtime::rollout::{Event, RolloutReport};
-use fab_runtime::scene::{Scene, SceneError};
-use fab_runtime::start::Start;
-use fab_runtime::subgoals::{Origin, SubgoalSet};
-use fab_runtime::world::{Look, Motion};
+use fab_world::start::Start;
+use fab_world::{Look, Motion};
 use serde_json::{Value, json};
 use std::path::Path;
 

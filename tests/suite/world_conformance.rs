@@ -1,13 +1,16 @@
 //! What every [`World`] must do; a new world adds one line at the end.
 
 use super::support;
+use fab_agent::arm_sight::SIGHT;
+use fab_arm::supervisor::{NoWatchdog, Unattended};
+use fab_arm::world;
+use fab_arm::world::ArmWorld;
+use fab_arm::world::{Parts, WithinReach};
+use fab_base::interrupt::Interrupt;
 use fab_program::Cloth;
-use fab_runtime::arm::supervisor::{NoWatchdog, Unattended};
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::metrics::coverage;
-use fab_runtime::start::Start;
-use fab_runtime::world::jaco::{self, Parts, WithinReach};
-use fab_runtime::world::{ArmWorld, Grasp, Motion, World, WorldError, WorldPoint};
+use fab_world::metrics::coverage;
+use fab_world::start::Start;
+use fab_world::{Grasp, Motion, World, WorldError, WorldPoint};
 
 /// Fails with the name of the promise that a world breaks.
 fn conforms(make: &dyn Fn() -> Box<dyn World>) {
@@ -187,11 +190,12 @@ fn the_simulated_arm_conforms() {
     let folder = tempfile::tempdir().unwrap();
     let robot = support::root().join("tasks/real/simulated.toml");
     conforms(&|| {
-        let (settings, settings_hash, calibration) = jaco::load(&robot).unwrap();
+        let (settings, settings_hash, calibration) = world::load(&robot).unwrap();
         let parts = Parts {
             settings,
             settings_hash,
             calibration,
+            sight: SIGHT,
             image_px: program.camera.image_px,
             supervisor: Box::new(Unattended),
             watchdog: Box::new(NoWatchdog),
@@ -205,7 +209,7 @@ fn the_simulated_arm_conforms() {
 fn a_world_within_an_arms_reach_conforms() {
     let program = support::small_task();
     let robot = support::root().join("tasks/real/simulated.toml");
-    let (settings, ..) = jaco::load(&robot).unwrap();
+    let (settings, ..) = world::load(&robot).unwrap();
     conforms(&|| {
         let world = support::world(&program).unwrap();
         Box::new(WithinReach::new(world, settings.clone()).unwrap())

@@ -3,7 +3,7 @@
 //! In: signs of life. Out: lines for the child, and an error where it is gone, or says that it has stopped the arm.
 
 use super::lines_of;
-use fab_runtime::arm::supervisor::Watchdog;
+use fab_arm::supervisor::Watchdog;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};

@@ -2,7 +2,7 @@
 
 use super::{json, lab};
 use crate::suite::support::{Said, fabc};
-use fab_runtime::arm::calibration::{Calibration, Pair, csv_line};
+use fab_arm::calibration::{Calibration, Pair, csv_line};
 use std::fs;
 use std::io::Write;
 use std::path::Path;

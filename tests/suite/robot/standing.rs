@@ -2,7 +2,7 @@
 
 use super::super::support::{Said, fabc, finish, project, root};
 use super::{GRASP, ROBOT, journal, left, robot};
-use fab_runtime::arm::last;
+use fab_arm::last;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

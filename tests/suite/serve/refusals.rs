@@ -166,7 +166,7 @@ fn a_body_that_is_too_long_is_refused_before_it_is_sent() {
             "POST {CHAT} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nConnection: close\r\nContent-Length: {length}\r\n\r\n"
         )
     };
-    let too_long = fab_runtime::serve::MAX_BODY_BYTES + 1;
+    let too_long = fab_providers::serve::MAX_BODY_BYTES + 1;
     let (status, answer) = exchange(server.address, head(too_long).as_bytes());
     assert_eq!(status, 413, "{answer}");
     assert!(

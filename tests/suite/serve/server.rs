@@ -1,7 +1,7 @@
 //! A server that a test starts, and plain HTTP to talk to it.
 
-use fab_runtime::interrupt::Interrupt;
-use fab_runtime::model::Model;
+use fab_base::interrupt::Interrupt;
+use fab_model::Model;
 use serde_json::Value;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -22,7 +22,7 @@ impl Server {
         let raised = interrupt.clone();
         let thread = std::thread::spawn(move || {
             let mut ready = |address| ready.send(address).unwrap();
-            fab_runtime::serve::serve(model, 0, &raised, &mut ready).unwrap();
+            fab_providers::serve::serve(model, 0, &raised, &mut ready).unwrap();
         });
         Server {
             address: address.recv().unwrap(),

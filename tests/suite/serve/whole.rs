@@ -3,10 +3,11 @@
 use super::server::{Server, send};
 use super::{CHAT, data_url};
 use crate::suite::support::{Trial, fabc, finish, project, small_task};
-use fab_runtime::agent::Models;
-use fab_runtime::calls::Calls;
-use fab_runtime::model::{Geometric, Model, ModelError, Nature, Part, Reply, Request};
-use fab_runtime::world::Look;
+use fab_model::Models;
+use fab_model::calls::Calls;
+use fab_model::{Model, ModelError, Nature, Part, Reply, Request};
+use fab_standins::Geometric;
+use fab_world::Look;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read};
 use std::net::SocketAddr;

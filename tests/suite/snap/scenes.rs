@@ -32,7 +32,7 @@ fn every_stage_and_variant_is_pinned_with_its_scene_and_pictures() {
     }
     let picture = snapshots(folder.path()).join("half@start.subgoal_0_with_arrow.snap.new.png");
     assert_eq!(
-        fab_runtime::picture::load(&picture).unwrap().dimensions(),
+        fab_picture::png::load(&picture).unwrap().dimensions(),
         (224, 224)
     );
     assert_eq!(snap(folder.path(), &["half.fab", "--check"]).code, 1);

@@ -1,0 +1,155 @@
+//! From the pixels that a model chose to points on the table.
+//!
+//! In: an accepted proposal, the scene and the observation it was made on. Out: an [`Action`] in
+//! pixels and in world points.
+
+use crate::scene::Scene;
+use fab_picture::camera::center_of;
+use fab_picture::observation::Observation;
+use fab_program::Proposal;
+use fab_program::{Choices, PixelPoint, Program, Value};
+use fab_world::{Motion, WorldPoint};
+use serde::{Deserialize, Serialize};
+
+/// How far a keypoint may lie from the nearest cloth pixel and still be picked where it was located, pixels: as far
+/// as a corner that the detector found beside the cloth.
+const BESIDE_PX: f64 = 3.5;
+
+/// A pick and a place, ready to be executed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Action {
+    /// The pixel that the model chose for the pick.
+    pub pick_px: PixelPoint,
+    /// The pixel that is really picked: the nearest one on the cloth.
+    pub pick_on_cloth_px: PixelPoint,
+    /// The pixel that the model chose for the place.
+    pub place_px: PixelPoint,
+    /// Both points on the table.
+    pub motion: Motion,
+}
+
+impl Action {
+    /// Lowers a proposal to world points.
+    ///
+    /// A keypoint is taken where it was located, any other pixel at its centre. A pick that is farther than
+    /// `BESIDE_PX` from the cloth goes to the nearest cloth pixel (protocol, section 4 item 10).
+    /// Returns `None` where a proposal lacks a field or the scene has no cloth, which the verifier
+    /// has already refused, or where the camera does not look at the table.
+    pub fn lower(
+        program: &Program,
+        proposal: &Proposal,
+        scene: &Scene,
+        observation: &Observation,
+    ) -> Option<Action> {
+        let pick_px = proposal.point("pick")?;
+        let (pick_on_cloth_px, pick) = picked(pick_px, scene, observation)?;
+        let (place_px, place) = match proposal.point("place") {
+            Some(place_px) => (place_px, placed(place_px, scene, observation)?),
+            None => carried(program, proposal, pick, observation)?,
+        };
+        Some(Action {
+            pick_px,
+            pick_on_cloth_px,
+            place_px,
+            motion: Motion { pick, place },
+        })
+    }
+}
+
+/// Returns the point of the table that a field means by a pixel, as [`Action::lower`] takes it; `None` for a field that
+/// moves nothing, and where there is no such point.
+pub(crate) fn candidate(
+    field: &str,
+    pixel: PixelPoint,
+    scene: &Scene,
+    observation: &Observation,
+) -> Option<WorldPoint> {
+    match field {
+        "pick" => picked(pixel, scene, observation).map(|(_, point)| point),
+        "place" => placed(pixel, scene, observation),
+        _ => None,
+    }
+}
+
+/// Returns the pixel of the cloth that is really picked, and its point on the table.
+fn picked(
+    pick_px: PixelPoint,
+    scene: &Scene,
+    observation: &Observation,
+) -> Option<(PixelPoint, WorldPoint)> {
+    let on_cloth_px = scene.cloth()?.nearest(pick_px)?;
+    let on_cloth_at = center_of(on_cloth_px);
+    let is_beside =
+        |at: &[f64; 2]| (at[0] - on_cloth_at[0]).hypot(at[1] - on_cloth_at[1]) <= BESIDE_PX;
+    let located = scene.located(pick_px).filter(is_beside);
+    let point = point_on_surface(on_cloth_px, located.unwrap_or(on_cloth_at), observation)?;
+    Some((on_cloth_px, point))
+}
+
+fn placed(place_px: PixelPoint, scene: &Scene, observation: &Observation) -> Option<WorldPoint> {
+    let at = scene.located(place_px);
+    point_on_surface(
+        place_px,
+        at.unwrap_or_else(|| center_of(place_px)),
+        observation,
+    )
+}
+
+/// Returns where a direction and a distance lead from the picked point, at its height, and the pixel that shows it.
+///
+/// Directions are those of the picture: the camera says which way of the table is its right and its up. The
+/// pixel is truncated (protocol, section 4 item 10).
+fn carried(
+    program: &Program,
+    proposal: &Proposal,
+    pick: WorldPoint,
+    observation: &Observation,
+) -> Option<(PixelPoint, WorldPoint)> {
+    let (Value::Direction { deg }, Value::Length { length }) =
+        (proposal.get("direction")?, proposal.get("distance")?)
+    else {
+        return None;
+    };
+    let choices = |name: &str| program.field(name).map(|field| &field.choices);
+    let Some(Choices::Directions {
+        choices: directions,
+    }) = choices("direction")
+    else {
+        return None;
+    };
+    let Some(Choices::Lengths {
+        choices: lengths, ..
+    }) = choices("distance")
+    else {
+        return None;
+    };
+    let [right, down] = directions.iter().find(|choice| choice.deg == *deg)?.vector;
+    let length_m = lengths.iter().find(|choice| choice.value == *length)?.m;
+    let camera = &observation.camera;
+    let way = camera.table_direction(camera.pixel_from_world(pick)?, [right, down])?;
+    let place = pick + way * length_m;
+    let [column, row] = camera.pixel_from_world(place)?;
+    let pixel = PixelPoint::new(column.floor() as i32, row.floor() as i32);
+    Some((pixel, place))
+}
+
+/// Returns the world point at `at`, at the depth that `pixel` shows; without a depth reading, the point of
+/// the table there.
+///
+/// `None` where the camera does not look down at the table.
+fn point_on_surface(
+    pixel: PixelPoint,
+    at: [f64; 2],
+    observation: &Observation,
+) -> Option<WorldPoint> {
+    let camera = &observation.camera;
+    let [column, row] =
+        [pixel.u, pixel.v].map(|coordinate| u32::try_from(coordinate).unwrap_or(u32::MAX));
+    let reading = observation
+        .depth_m
+        .get_pixel_checked(column, row)
+        .map_or(0.0, |depth| f64::from(depth.0[0]));
+    camera
+        .world_from_pixel(at, reading)
+        .or_else(|| camera.table_from_pixel(at))
+}

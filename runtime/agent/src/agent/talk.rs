@@ -1,0 +1,354 @@
+//! The conversation of one stage in one step: asks, and asks again with the reason of the refusal.
+
+use super::judge::{judge, verdict};
+use super::{
+    Accepted, AgentError, Asking, Attempt, Conversation, Finding, PromptError, Situation,
+    conversation,
+};
+use crate::action::Action;
+use crate::outcome::Outcome;
+use crate::pictures::scene_png;
+use fab_model::calls::CallRefused;
+use fab_model::{Lowering, Model, ModelError, Png, Reply, Request, Speaker};
+
+use fab_program::Proposal;
+use fab_program::facts::Facts;
+use fab_program::pointing::Notation;
+use fab_program::render::{self, PromptText, REFUSED_ACTION, RenderError, SEPARATOR, Values};
+use fab_program::reply;
+use fab_program::space;
+use fab_program::verify::{Strictness, Verdict};
+use fab_program::{Layers, ModelRole, OVERLAP, Picture, Read, Stage};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+/// What a stage comes to in the end.
+pub(super) enum Answer {
+    Text {
+        name: String,
+        value: String,
+    },
+    Action {
+        proposal: Proposal,
+        accepted: Accepted,
+    },
+    None(Outcome),
+}
+
+pub(super) enum Next {
+    AskAgain,
+    ExecutedAction(Answer),
+}
+
+/// What becomes of a text that nobody has answered yet.
+#[derive(Clone, Copy)]
+pub(super) enum Missing {
+    /// Asking is impossible.
+    IsAnError,
+    /// It stands as words in angle brackets.
+    IsShown,
+}
+
+/// The conversation of one stage in one step.
+pub(super) struct Talk<'a> {
+    situation: Situation<'a>,
+    stage: &'a Stage,
+    lowering: Lowering,
+    /// How the scene's points are written for the model.
+    notation: Notation,
+    conversation: Conversation,
+    /// What the scene's answers look like, where the stage reads the action.
+    schema: Option<Value>,
+    asked: u32,
+    /// Actions that were read and refused, oldest first, each with its question's number.
+    refused: Vec<(u32, Proposal)>,
+}
+
+impl<'a> Talk<'a> {
+    pub(super) fn begin(
+        situation: Situation<'a>,
+        stage: &'a Stage,
+        texts: &BTreeMap<String, String>,
+        lowering: Lowering,
+        missing: Missing,
+    ) -> Result<Self, PromptError> {
+        let Situation {
+            program,
+            pictures,
+            step,
+            ..
+        } = situation;
+        let facts = situation.facts(texts, lowering.pointing(pictures.size()));
+        let values = match missing {
+            Missing::IsAnError => Values::Known(facts),
+            Missing::IsShown => Values::Partly(facts),
+        };
+        let mut conversation = conversation(program, stage, values, pictures, step, &lowering)?;
+        if let Some(remark) = remark(situation, facts)? {
+            conversation.add(remark);
+        }
+        let notation = facts.notation(program);
+        let reads_action = matches!(stage.read, Read::Action);
+        Ok(Talk {
+            situation,
+            stage,
+            lowering,
+            conversation,
+            schema: reads_action.then(|| schema(situation, &notation)),
+            notation,
+            asked: 0,
+            refused: Vec::new(),
+        })
+    }
+
+    pub(super) fn ask<E>(
+        &mut self,
+        model: &dyn Model,
+        asking: &mut Asking<'_>,
+        texts: &BTreeMap<String, String>,
+    ) -> Result<Attempt, AgentError<E>> {
+        let request = self.request();
+        let begun = Instant::now();
+        let answered = asking.ask(model, &request);
+        let took = begun.elapsed();
+        match answered {
+            Ok(reply) => Ok(self.answered(request, reply, took, texts)?),
+            Err(ModelError::NotSent(
+                refused @ (CallRefused::NotNoted(_) | CallRefused::NotKept(_) | CallRefused::Lost),
+            )) => Err(AgentError::Calls(refused)),
+            Err(error) => Ok(self.attempt(request, None, failed(&error), took)),
+        }
+    }
+
+    /// Returns the question, which counts as asked from then on.
+    pub(super) fn request(&mut self) -> Request {
+        self.asked += 1;
+        Request {
+            role: self.stage.model,
+            messages: self.conversation.messages.clone(),
+            temperature: self.stage.temperature,
+            top_p: self.stage.top_p,
+            max_tokens: self.stage.max_tokens,
+            repetition: self.situation.repetition,
+            step: self.situation.number,
+            schema: self.schema.clone(),
+        }
+    }
+
+    /// Reads and judges the answer to a question.
+    pub(super) fn answered(
+        &self,
+        request: Request,
+        reply: Reply,
+        took: Duration,
+        texts: &BTreeMap<String, String>,
+    ) -> Result<Attempt, RenderError> {
+        let facts = self.facts(texts);
+        let finding = judge(self.situation, self.stage, facts, &reply.text)?;
+        Ok(self.attempt(request, Some(reply), finding, took))
+    }
+
+    fn attempt(
+        &self,
+        request: Request,
+        reply: Option<Reply>,
+        finding: Finding,
+        took: Duration,
+    ) -> Attempt {
+        Attempt {
+            stage: self.stage.name.clone(),
+            number: self.asked,
+            request,
+            reply,
+            finding,
+            took,
+        }
+    }
+
+    pub(super) fn conclude(
+        &mut self,
+        attempt: Attempt,
+        texts: &BTreeMap<String, String>,
+    ) -> Result<Next, RenderError> {
+        let mut picture = None;
+        let (correction, outcome) = match attempt.finding {
+            Finding::Text { name, value, .. } => {
+                return Ok(Next::ExecutedAction(Answer::Text { name, value }));
+            }
+            Finding::Action {
+                fields,
+                verdict: Verdict::Accept,
+                ..
+            } => {
+                let proposal = Proposal { fields };
+                return Ok(Next::ExecutedAction(self.accept(
+                    proposal,
+                    attempt.number,
+                    &[],
+                )));
+            }
+            Finding::Failed { outcome, .. } => {
+                return Ok(Next::ExecutedAction(Answer::None(outcome)));
+            }
+            Finding::Action {
+                fields,
+                verdict: Verdict::Reject { check, message, .. },
+                ..
+            } => {
+                let proposal = Proposal { fields };
+                let said = self.refusal(&check, message, &proposal, texts)?;
+                picture = self.refused_action(&proposal);
+                self.refused.push((attempt.number, proposal));
+                (said, Outcome::AttemptsExhausted)
+            }
+            Finding::Malformed { message, .. } => {
+                (PromptText::by_fabc(message), Outcome::MalformedReply)
+            }
+        };
+        if self.asked >= self.situation.program.verify.attempts {
+            let relaxed = self.relaxed(texts)?;
+            return Ok(Next::ExecutedAction(
+                relaxed.unwrap_or(Answer::None(outcome)),
+            ));
+        }
+        let answer = attempt.reply.map(|reply| reply.text).unwrap_or_default();
+        self.correct(answer, correction, picture);
+        Ok(Next::AskAgain)
+    }
+
+    /// Returns the message of a verdict with where it comes from; what `fabc` itself refuses is its own words.
+    fn refusal(
+        &self,
+        check: &str,
+        message: String,
+        proposal: &Proposal,
+        texts: &BTreeMap<String, String>,
+    ) -> Result<PromptText, RenderError> {
+        let program = self.situation.program;
+        let checks = &program.verify.checks;
+        let declared = checks.iter().find(|declared| declared.name == check);
+        let facts = self.facts(texts);
+        let facts = facts.judging(proposal);
+        let said = match declared {
+            Some(check) => render::text(program, &check.message, Values::Known(facts))?,
+            None => None,
+        };
+        let same = said.filter(|said| said.text == message);
+        Ok(same.unwrap_or_else(|| PromptText::by_fabc(message)))
+    }
+
+    /// Adds an answer and what is told of it.
+    fn correct(&mut self, answer: String, mut told: PromptText, picture: Option<Png>) {
+        let answer = PromptText {
+            text: answer,
+            stretches: Vec::new(),
+        };
+        self.conversation.say(Speaker::Assistant, answer);
+        if picture.is_some() {
+            told.push(SEPARATOR, PromptText::by_fabc(REFUSED_ACTION));
+        }
+        self.conversation.say(Speaker::User, told);
+        if let Some(png) = picture {
+            self.conversation.add_refused_action(png);
+        }
+    }
+
+    /// Returns what has been said and sent so far.
+    pub(super) fn conversation(&self) -> &Conversation {
+        &self.conversation
+    }
+
+    fn facts<'t>(&'t self, texts: &'t BTreeMap<String, String>) -> Facts<'t> {
+        self.situation.facts(texts, *self.notation.pointing())
+    }
+
+    /// Draws a refused action on the picture that the stage shows, where the task corrects so.
+    ///
+    /// None also where the answer leads nowhere, as one with a distance that was never offered.
+    fn refused_action(&self, proposal: &Proposal) -> Option<Png> {
+        let Situation {
+            program,
+            scene,
+            observation,
+            pictures,
+            ..
+        } = self.situation;
+        if !program.verify.with_picture || self.stage.model == ModelRole::Text {
+            return None;
+        }
+        let action = Action::lower(program, proposal, scene, observation)?;
+        let layers = Picture::Scene {
+            layers: Layers::Drawn,
+        };
+        let mut drawn = if self.stage.show.contains(&layers) {
+            pictures.annotated.clone()
+        } else {
+            pictures.scene.clone()
+        };
+        fab_vision::draw_action(&mut drawn, action.pick_px, action.place_px).ok()?;
+        Some(scene_png(&drawn, &self.lowering, &self.notation))
+    }
+
+    /// Judges the answers in hand once more, newest first, without the checks that the task then leaves out.
+    fn relaxed(&self, texts: &BTreeMap<String, String>) -> Result<Option<Answer>, RenderError> {
+        let program = self.situation.program;
+        let without = &program.verify.relaxed;
+        for (number, proposal) in self.refused.iter().rev().filter(|_| !without.is_empty()) {
+            let facts = self.facts(texts);
+            let verdict = verdict(self.situation, facts, proposal, Strictness::Relaxed)?;
+            if verdict == Verdict::Accept {
+                return Ok(Some(self.accept(proposal.clone(), *number, without)));
+            }
+        }
+        Ok(None)
+    }
+
+    fn accept(&self, proposal: Proposal, attempt: u32, without: &[String]) -> Answer {
+        let accepted = Accepted {
+            stage: self.stage.name.clone(),
+            attempt,
+            without: without.to_owned(),
+        };
+        Answer::Action { proposal, accepted }
+    }
+}
+
+/// Says what a question without an answer means for the rollout.
+fn failed(error: &ModelError) -> Finding {
+    let (outcome, fault) = match error {
+        ModelError::Failed { fault, .. } => (Outcome::ModelFailed, Some(*fault)),
+        ModelError::Unsupported { .. } => (Outcome::ModelFailed, None),
+        ModelError::NotSent(_) => (Outcome::BudgetExhausted, None),
+        ModelError::Interrupted => (Outcome::Interrupted, None),
+    };
+    Finding::Failed {
+        outcome,
+        fault,
+        why: error.to_string(),
+    }
+}
+
+/// Returns the JSON Schema of the answers that name what the scene offers.
+fn schema(situation: Situation<'_>, notation: &Notation) -> Value {
+    let fields = situation.program.actions.iter();
+    let offered: Vec<_> = fields
+        .map(|field| (field.name.clone(), space::choices(field, situation.scene)))
+        .collect();
+    reply::schema_in(situation.program, notation, &offered)
+}
+
+/// Returns what a model is told of the action before, where the step is tried again.
+fn remark(situation: Situation<'_>, facts: Facts<'_>) -> Result<Option<PromptText>, RenderError> {
+    let program = situation.program;
+    let (Some(before), Some(check)) = (situation.before, &program.verify.result) else {
+        return Ok(None);
+    };
+    let overlap = format!("{:.0}%", before.overlap * 100.0);
+    let texts = BTreeMap::from([(OVERLAP.to_owned(), overlap)]);
+    let facts = Facts {
+        texts: &texts,
+        ..facts
+    };
+    render::text(program, &check.message, Values::Known(facts))
+}

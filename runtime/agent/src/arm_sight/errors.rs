@@ -1,0 +1,28 @@
+//! A picture of the points and their errors.
+//!
+//! In: the camera's own picture, points, their fit. Out: the picture with a ring and a number at each point and an arrow
+//! towards where the fit expects it, ten times as long as the error.
+
+use fab_arm::calibration::{Fit, Pair};
+use fab_vision::{VisionError, draw_residuals};
+use image::RgbImage;
+use nalgebra::Point3;
+
+/// How many times longer than the error an arrow is.
+const TIMES: f64 = 10.0;
+
+/// Draws points with their errors; without a fit, only the points.
+pub fn draw_errors(
+    picture: &mut RgbImage,
+    pairs: &[Pair],
+    fit: Option<&Fit>,
+) -> Result<(), VisionError> {
+    let places: Vec<_> = pairs
+        .iter()
+        .map(|pair| {
+            let expected = fit.and_then(|fit| fit.pixel_from_base(Point3::from(pair.base_m)));
+            (pair.pixel, expected)
+        })
+        .collect();
+    draw_residuals(picture, &places, TIMES)
+}

@@ -1,0 +1,328 @@
+//! Demonstrations of a task by the scripted expert, as in-context examples of a stage.
+//!
+//! In: a file that [`make`] wrote. Out: questions with their answers, by step. The file holds what was seen and
+//! chosen, and no prompt: a changed component changes the examples with it.
+
+mod make;
+mod words;
+
+pub use make::{MakeError, Making, make};
+
+use crate::examples::Told;
+use crate::task_files::{self, FileError};
+use fab_base::files;
+use fab_program::Proposal;
+use fab_program::facts::Facts;
+use fab_program::pointing::Pointing;
+use fab_program::render::{self, Origin, Place, PromptText, RenderError, Values};
+use fab_program::reply;
+use fab_program::scene::SceneView;
+use fab_program::space;
+use fab_program::{self as program, Cloth, ClothStart, PixelPoint, Program, Value};
+use fab_world::metrics;
+use fab_world::start::Start;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Version of the file's lines.
+pub const DEMOS_FORMAT: u32 = 1;
+
+/// The longest file that is read, bytes.
+const MAX_BYTES: u64 = 16 << 20;
+
+/// Two starts are the same where their particles are nearer than this in the mean, metres.
+const SAME_START_M: f64 = 0.002;
+
+/// The first line of a file of demonstrations.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Header {
+    /// [`DEMOS_FORMAT`] when it was written.
+    pub format: u32,
+    /// The task that is demonstrated.
+    pub task: String,
+    /// The stage that is told them.
+    pub stage: String,
+    /// Hash of the simulator's parameters.
+    pub params: String,
+    /// The seed that drew the starts.
+    pub seed: u64,
+}
+
+/// A further line: one demonstration, from its start to its last step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Demo {
+    /// Particles from left to right, and from back to front.
+    pub dims: [u32; 2],
+    /// How far the flat cloth is turned, degrees, counter-clockwise as seen from above.
+    pub turned_deg: f64,
+    /// What was seen and done, step by step.
+    pub steps: Vec<DemoStep>,
+}
+
+/// One step of a demonstration.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DemoStep {
+    /// The points that the camera showed, by keypoint.
+    pub points: BTreeMap<String, Vec<PixelPoint>>,
+    /// What earlier stages would have read, by name.
+    pub texts: BTreeMap<String, String>,
+    /// The chosen value of each field of the action.
+    pub chosen: BTreeMap<String, Value>,
+    /// Why, in a sentence.
+    pub reason: String,
+}
+
+/// Why demonstrations cannot be told.
+#[derive(Debug, thiserror::Error)]
+pub enum DemosError {
+    /// The file is not there, or not where a task may have it.
+    #[error("{0}; `fabc demos FILE --variant NAME` makes the demonstrations")]
+    File(#[from] FileError),
+    /// The file cannot be read.
+    #[error("cannot read the demonstrations `{path}`: {why}")]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+    /// A line is no demonstration of this task.
+    #[error("line {line} of the demonstrations `{path}`: {why}")]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// From 1.
+        line: usize,
+        /// What is wrong.
+        why: String,
+    },
+    /// They cannot be written as the model that is asked writes points.
+    #[error("the demonstrations cannot be told to this model: {why}")]
+    Frame {
+        /// What is wrong.
+        why: String,
+    },
+}
+
+/// The demonstrations of one stage, ready to be told.
+#[derive(Clone, Debug)]
+pub struct Demonstrations {
+    stage: String,
+    /// The file as the task names it.
+    file: String,
+    starts: Vec<Start>,
+    /// What is told in each step, each with the line that holds it.
+    by_step: Vec<Vec<(u32, DemoStep)>>,
+}
+
+impl Demonstrations {
+    /// Reads the file that a program names, and tries every question and answer in the program's own words.
+    ///
+    /// Fails where the file cannot be read, is of another format or stage, lacks what a question shows, or
+    /// holds an answer that the program's own reader would not read.
+    pub fn load(
+        program: &Program,
+        demos: &program::Demos,
+        folder: &Path,
+    ) -> Result<Demonstrations, DemosError> {
+        let path = task_files::resolve(folder, &demos.file)?;
+        let unreadable = |why: String| DemosError::Unreadable {
+            path: path.clone(),
+            why,
+        };
+        let bytes = files::read(&path, MAX_BYTES).map_err(unreadable)?;
+        let text = String::from_utf8(bytes).map_err(|error| unreadable(error.to_string()))?;
+        let mut lines = text.lines().zip(1..);
+        let wrong = |line: usize, why: String| DemosError::Line {
+            path: path.clone(),
+            line,
+            why,
+        };
+        let (first, _) = lines
+            .next()
+            .ok_or_else(|| unreadable("it is empty".to_owned()))?;
+        let header: Header =
+            serde_json::from_str(first).map_err(|error| wrong(1, error.to_string()))?;
+        if header.format != DEMOS_FORMAT {
+            let why = format!(
+                "it has format {}, this version reads {DEMOS_FORMAT}; make it again by `fabc demos`",
+                header.format
+            );
+            return Err(wrong(1, why));
+        }
+        if header.stage != demos.stage {
+            let why = format!(
+                "it is for the stage `{}`, and the task tells it to `{}`",
+                header.stage, demos.stage
+            );
+            return Err(wrong(1, why));
+        }
+        let mut told = Demonstrations {
+            stage: demos.stage.clone(),
+            file: demos.file.path.clone(),
+            starts: Vec::new(),
+            by_step: Vec::new(),
+        };
+        for (line, number) in lines {
+            let demo: Demo =
+                serde_json::from_str(line).map_err(|error| wrong(number, error.to_string()))?;
+            told.add(program, &demo, number as u32)
+                .map_err(|why| wrong(number, why))?;
+        }
+        Ok(told)
+    }
+
+    fn add(&mut self, program: &Program, demo: &Demo, line: u32) -> Result<(), String> {
+        self.starts.push(start_of(program, demo)?);
+        let pointing = Pointing::of_camera(&program.camera);
+        for (step, at) in demo.steps.iter().zip(0..) {
+            told(program, &self.stage, step, at as u32 + 1, pointing)?;
+            if self.by_step.len() <= at {
+                self.by_step.push(Vec::new());
+            }
+            self.by_step[at].push((line, step.clone()));
+        }
+        Ok(())
+    }
+
+    /// Writes what a stage is told in a step, which is counted from 1, to a model that writes points so.
+    ///
+    /// Fails where a question cannot be written so, or an answer would not read as what was chosen.
+    pub fn told(
+        &self,
+        program: &Program,
+        stage: &str,
+        step: u32,
+        pointing: Pointing,
+    ) -> Result<Vec<Told>, DemosError> {
+        let steps = match self.by_step.get(step.saturating_sub(1) as usize) {
+            Some(steps) if stage == self.stage => steps.as_slice(),
+            _ => &[],
+        };
+        steps
+            .iter()
+            .zip(1..)
+            .map(|((line, demo), number)| {
+                let (question, answer) = told(program, stage, demo, step, pointing)?;
+                let origin = Origin {
+                    source: format!("demonstration {number}"),
+                    value: None,
+                    place: Some(Place {
+                        file: self.file.clone(),
+                        line: *line,
+                    }),
+                };
+                Ok(Told {
+                    question: PromptText::of(question, origin.clone()),
+                    answer: PromptText::of(answer, origin),
+                })
+            })
+            .collect::<Result<_, _>>()
+            .map_err(|why| DemosError::Frame { why })
+    }
+
+    /// Returns how many actions are demonstrated, over all steps.
+    pub fn data_size(&self) -> usize {
+        self.by_step.iter().map(Vec::len).sum()
+    }
+
+    /// Returns the number of the demonstration that begins at this start, from 1.
+    pub fn demonstrates(&self, start: &Start) -> Option<usize> {
+        let same = |known: &Start| {
+            known.grid == start.grid
+                && metrics::mean_particle_distance_m(&known.positions, &start.positions)
+                    .is_some_and(|distance_m| distance_m < SAME_START_M)
+        };
+        Some(self.starts.iter().position(same)? + 1)
+    }
+}
+
+/// Lays the cloth as a demonstration had it.
+fn start_of(program: &Program, demo: &Demo) -> Result<Start, String> {
+    let [dimx, dimy] = demo.dims;
+    let range = 2..=200;
+    if !(range.contains(&dimx) && range.contains(&dimy) && demo.turned_deg.is_finite()) {
+        return Err(format!(
+            "a cloth of {dimx} by {dimy} particles, turned by {} degrees, cannot be laid",
+            demo.turned_deg
+        ));
+    }
+    let cloth = Cloth {
+        dimx,
+        dimy,
+        spacing_m: program.cloth.spacing_m,
+        start: ClothStart::Flat,
+    };
+    Ok(Start::turned_by(&cloth, demo.turned_deg.to_radians()))
+}
+
+/// Writes one step as a question and its answer.
+fn told(
+    program: &Program,
+    stage: &str,
+    step: &DemoStep,
+    number: u32,
+    pointing: Pointing,
+) -> Result<(String, String), String> {
+    let Some(stage) = program.stages.iter().find(|known| known.name == stage) else {
+        return Err(format!("the task has no stage `{stage}`"));
+    };
+    let scene = Seen(&step.points);
+    let facts = Facts {
+        scene: &scene,
+        texts: &step.texts,
+        step: number,
+        last: None,
+        proposal: None,
+        pointing,
+    };
+    let notation = facts.notation(program);
+    let mut messages = render::messages(program, stage, Values::Known(facts))
+        .map_err(|error: RenderError| format!("the question cannot be written: {error}"))?;
+    let question = messages.pop().map(|message| message.content.text);
+    let mut lines = Vec::with_capacity(program.actions.len() + 1);
+    let mut fields = Vec::with_capacity(program.actions.len());
+    for field in &program.actions {
+        let Some(value) = step.chosen.get(&field.name) else {
+            return Err(format!("step {number} chooses no `{}`", field.name));
+        };
+        lines.push(space::statement(
+            field,
+            &notation.stated_value(field, value),
+        ));
+        fields.push((field.name.clone(), value.clone()));
+    }
+    let points: Vec<PixelPoint> = step.points.values().flatten().copied().collect();
+    lines.push(notation.retold(&step.reason, &points));
+    let answer = lines.join("\n");
+    let proposal = Proposal { fields };
+    match reply::read_action_in(program, &notation, &answer) {
+        Ok(reading) if reading.value == proposal => Ok((question.unwrap_or_default(), answer)),
+        Ok(_) => Err(format!("the answer of step {number} reads as another one")),
+        Err(malformed) => Err(format!(
+            "the answer of step {number} is not readable: {}",
+            malformed.message
+        )),
+    }
+}
+
+/// The points of a demonstration as a scene.
+struct Seen<'a>(&'a BTreeMap<String, Vec<PixelPoint>>);
+
+impl SceneView for Seen<'_> {
+    fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
+        self.0.get(keypoint).cloned()
+    }
+
+    fn distance_px(&self, _: &str, _: PixelPoint) -> Option<f64> {
+        None
+    }
+
+    fn area_px(&self, _: &str) -> Option<f64> {
+        None
+    }
+}

@@ -1,0 +1,199 @@
+//! Why pictures cannot be drafted from.
+
+use super::measures::LARGEST_M;
+use super::{MAX_STEPS, SIDE_PX};
+use fab_vision::VisionError;
+use fab_world::WorldError;
+
+/// Why pictures cannot be drafted from.
+#[derive(Debug, thiserror::Error)]
+pub enum DraftError {
+    /// There are too few or too many.
+    #[error(
+        "{}; right are 2 to {}, the flat cloth first and then one after each step", count(*found), MAX_STEPS + 1
+    )]
+    Count {
+        /// How many there are.
+        found: usize,
+    },
+    /// A picture has a form that no camera of a task has.
+    #[error(
+        "`{name}` has {} x {} px; right is a square of {} to {} px a side, cut around the cloth or with table added",
+        size_px[0], size_px[1], SIDE_PX.start(), SIDE_PX.end()
+    )]
+    Size {
+        /// The picture.
+        name: String,
+        /// Its width and height, pixels.
+        size_px: [u32; 2],
+    },
+    /// Two pictures have different sizes.
+    #[error(
+        "`{name}` has {side_px} px a side and `{first}` has {first_px}; right is one size for all, from one place"
+    )]
+    SizesDiffer {
+        /// The picture.
+        name: String,
+        /// Its side, pixels.
+        side_px: u32,
+        /// The first picture.
+        first: String,
+        /// Its side, pixels.
+        first_px: u32,
+    },
+    /// Nothing differs from the table.
+    #[error(
+        "no cloth is seen on `{name}`: {found_px} of its {all_px} px hang together and differ from the colours at its \
+         border; right is a plain table that is seen all round the whole cloth, in a colour unlike the cloth's{}", several(*n_colours)
+    )]
+    NoCloth {
+        /// The picture.
+        name: String,
+        /// Pixels of the largest patch that is no table.
+        found_px: usize,
+        /// All pixels.
+        all_px: usize,
+        /// The common colours of its border; all of them count as table.
+        n_colours: usize,
+    },
+    /// The cloth cannot be what it seems.
+    #[error(
+        "the cloth on `{name}` measures {:.0} x {:.0} of {side_px} px; right is one that fills an eighth of the \
+         picture's side or more", sides_px[0], sides_px[1]
+    )]
+    ClothSize {
+        /// The picture.
+        name: String,
+        /// Both sides, pixels.
+        sides_px: [f64; 2],
+        /// The picture's side, pixels.
+        side_px: u32,
+    },
+    /// What was taken for the cloth reaches the border, and the border has no colours of its own.
+    #[error(
+        "the table on `{name}` is not plain: {:.0} % of the picture's border has none of its common colours, and what \
+         differs from these reaches the border; right is a table of one colour, evenly lit, that is seen all round the \
+         cloth", (1.0 - plain) * 100.0
+    )]
+    NotPlain {
+        /// The picture.
+        name: String,
+        /// The share of its border that has one of the border's common colours.
+        plain: f64,
+    },
+    /// The flat cloth is not seen whole.
+    #[error(
+        "the cloth on `{name}` reaches the picture's border; right is table all round it, so take the picture from \
+         higher up, or lay the cloth in the middle"
+    )]
+    AtBorder {
+        /// The picture.
+        name: String,
+    },
+    /// The stated sizes go with no camera that a task may have.
+    #[error(
+        "a cloth of {:.0} mm that takes up {:.0} of {side_px} px asks for a camera {:.0} mm above the table; right is \
+         one 100 mm to 5 m above it", longer_m * 1000.0, longer_px, height_m * 1000.0
+    )]
+    Height {
+        /// The cloth's longer side, metres.
+        longer_m: f64,
+        /// The same, pixels.
+        longer_px: f64,
+        /// The picture's side, pixels.
+        side_px: u32,
+        /// The camera's height, metres.
+        height_m: f64,
+    },
+    /// Both are stated, and no lens sees the one from the other.
+    #[error(
+        "a cloth of {:.0} mm seen from {:.0} mm above the table takes up {:.0} of {side_px} px with a field of view of \
+         {fov_deg:.0} degrees only; right is one of 5 to 150, so state the cloth or the height alone",
+        longer_m * 1000.0, height_m * 1000.0, longer_px
+    )]
+    View {
+        /// The cloth's longer side, metres.
+        longer_m: f64,
+        /// The same, pixels.
+        longer_px: f64,
+        /// The picture's side, pixels.
+        side_px: u32,
+        /// The camera's height, metres.
+        height_m: f64,
+        /// The field of view that would be, degrees.
+        fov_deg: f64,
+    },
+    /// The cloth has more particles than one may.
+    #[error(
+        "the cloth would measure {:.0} mm; right is at most {:.0} mm, which is as large as one is simulated",
+        longer_m * 1000.0, LARGEST_M * 1000.0
+    )]
+    TooLarge {
+        /// Its longer side, metres.
+        longer_m: f64,
+    },
+    /// Nothing is folded.
+    #[error(
+        "`{after}` shows the cloth as `{before}` does (their outlines overlap by {overlap:.3}); right is one picture \
+         after each fold"
+    )]
+    Unchanged {
+        /// The picture before.
+        before: String,
+        /// The picture after.
+        after: String,
+        /// The overlap of their outlines.
+        overlap: f64,
+    },
+    /// Something is unfolded.
+    #[error(
+        "`{after}` shows {:.0} % more cloth than `{before}`, and a fold shows less; right is the flat cloth first and \
+         then the pictures in the order of the steps", (growth - 1.0) * 100.0
+    )]
+    Grown {
+        /// The picture before.
+        before: String,
+        /// The picture after.
+        after: String,
+        /// The factor by which the outline's area grew.
+        growth: f64,
+    },
+    /// No fold between named points is possible there.
+    #[error(
+        "no fold leads from `{before}` to `{after}`: the part that is gone holds no corner, side middle or quarter \
+         point of the cloth; an arrow drawn on `{before}` would say what is meant"
+    )]
+    NoFold {
+        /// The picture before.
+        before: String,
+        /// The picture after.
+        after: String,
+    },
+    /// A picture cannot be worked on.
+    #[error(transparent)]
+    Vision(#[from] VisionError),
+    /// Folds cannot be tried.
+    #[error("folds cannot be tried: {0}")]
+    World(#[from] WorldError),
+    /// Folds cannot be tried side by side.
+    #[error("folds cannot be tried: {0}")]
+    Threads(#[from] std::io::Error),
+}
+
+/// Says what a border of several colours may mean, as the end of a message.
+fn several(n_colours: usize) -> String {
+    match n_colours {
+        0 | 1 => String::new(),
+        n_colours => format!(
+            "; the border has {n_colours} colours, and one of them may be that of a cloth that reaches it"
+        ),
+    }
+}
+
+fn count(found: usize) -> String {
+    match found {
+        1 => "one picture shows no fold; give one more than there are steps".to_owned(),
+        found if found > MAX_STEPS => format!("{found} pictures are too many"),
+        found => format!("{found} pictures show no fold"),
+    }
+}

@@ -1,0 +1,158 @@
+//! The camera, and the cloth's size: pictures tell neither, only how they go together.
+
+use super::DraftError;
+use fab_program::{Camera, Cloth, ClothStart, ImageUp};
+use fab_world::start::RESTING_HEIGHT_M;
+use std::f64::consts::{FRAC_PI_4, PI};
+
+/// Particles are this far apart, metres, as in every task.
+pub const SPACING_M: f64 = 0.00625;
+
+/// The most particles along a side.
+const MOST_PARTICLES: u32 = 200;
+
+/// The longest side of a cloth, metres.
+pub const LARGEST_M: f64 = (MOST_PARTICLES - 1) as f64 * SPACING_M;
+
+/// By how much an outline in whole pixels is larger than the cloth, pixels: those that it covers in part count.
+const RIM_PX: f64 = 0.7;
+
+/// The height of the shipped folding tasks' camera, metres.
+const HEIGHT_M: f64 = 0.65;
+
+/// Heights and fields of view that a task's camera may have, metres and radians.
+const HEIGHTS_M: std::ops::RangeInclusive<f64> = 0.1..=5.0;
+const VIEWS_RAD: std::ops::RangeInclusive<f64> = 5.0 * PI / 180.0..=150.0 * PI / 180.0;
+
+/// What the user knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stated {
+    /// The camera's height above the table, metres.
+    pub height_m: Option<f64>,
+    /// The flat cloth's longer side, metres.
+    pub longer_m: Option<f64>,
+}
+
+/// Returns the camera and the cloth that give a rectangle of these sides, pixels, in a picture.
+///
+/// What is stated holds, and the rest follows: the cloth from the height, the height from the cloth, and the field of
+/// view from both. Where nothing is stated the camera is the shipped folding tasks'. Fails where a task may have
+/// no such camera or cloth.
+pub fn of(
+    sides_px: [f64; 2],
+    side_px: u32,
+    stated: &Stated,
+) -> Result<(Camera, Cloth), DraftError> {
+    let sides_px = sides_px.map(|side| side - RIM_PX);
+    let longer_px = sides_px[0].max(sides_px[1]);
+    let half_px = f64::from(side_px) / 2.0;
+    let focal_px = half_px / (FRAC_PI_4 / 2.0).tan();
+    let (height_m, fov_rad) = match (stated.height_m, stated.longer_m) {
+        (height_m, None) => (height_m.unwrap_or(HEIGHT_M), FRAC_PI_4),
+        (None, Some(longer_m)) => {
+            let height_m = longer_m * focal_px / longer_px + RESTING_HEIGHT_M;
+            (to_steps(height_m, 1000.0), FRAC_PI_4)
+        }
+        (Some(height_m), Some(longer_m)) => {
+            let focal_px = longer_px * (height_m - RESTING_HEIGHT_M) / longer_m;
+            let fov_deg = 2.0 * (half_px / focal_px).atan().to_degrees();
+            (height_m, to_steps(fov_deg, 10.0).to_radians())
+        }
+    };
+    let longer_m = stated.longer_m.unwrap_or_else(|| {
+        longer_px * (height_m - RESTING_HEIGHT_M) * (fov_rad / 2.0).tan() / half_px
+    });
+    if !HEIGHTS_M.contains(&height_m) {
+        return Err(DraftError::Height {
+            longer_m,
+            longer_px,
+            side_px,
+            height_m,
+        });
+    }
+    if !VIEWS_RAD.contains(&fov_rad) {
+        return Err(DraftError::View {
+            longer_m,
+            longer_px,
+            side_px,
+            height_m,
+            fov_deg: fov_rad.to_degrees(),
+        });
+    }
+    if longer_m > LARGEST_M {
+        return Err(DraftError::TooLarge { longer_m });
+    }
+    let [dimx, dimy] = sides_px.map(|side| {
+        let particles = (side / longer_px * longer_m / SPACING_M).round() + 1.0;
+        particles.clamp(2.0, f64::from(MOST_PARTICLES)) as u32
+    });
+    let camera = Camera {
+        height_m,
+        fov_rad,
+        image_px: side_px,
+        up: ImageUp::Y,
+    };
+    let cloth = Cloth {
+        dimx,
+        dimy,
+        spacing_m: SPACING_M,
+        start: ClothStart::Flat,
+    };
+    Ok((camera, cloth))
+}
+
+/// Rounds to a number that can be written.
+fn to_steps(value: f64, steps: f64) -> f64 {
+    (value * steps).round() / steps
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn what_is_stated_holds_and_the_rest_follows_from_the_pictures() {
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-6;
+        let of = |height_m, longer_m| {
+            let stated = Stated { height_m, longer_m };
+            super::of([140.7, 112.7], 224, &stated).map(|(camera, cloth)| {
+                let fov_deg = camera.fov_rad.to_degrees();
+                (camera.height_m, fov_deg, [cloth.dimx, cloth.dimy])
+            })
+        };
+        let (height_m, fov_deg, dims) = of(None, None).unwrap();
+        assert!(close(height_m, 0.65) && close(fov_deg, 45.0));
+        assert_eq!(dims, [54, 44]);
+        let (height_m, fov_deg, dims) = of(Some(1.3), None).unwrap();
+        assert!(close(height_m, 1.3) && close(fov_deg, 45.0));
+        assert_eq!(dims, [108, 87]);
+        let (height_m, fov_deg, dims) = of(None, Some(0.5)).unwrap();
+        assert!(close(height_m, 0.971) && close(fov_deg, 45.0), "{height_m}");
+        assert_eq!(dims, [81, 65]);
+        let (height_m, fov_deg, dims) = of(Some(1.0), Some(0.5)).unwrap();
+        assert!(close(height_m, 1.0) && close(fov_deg, 43.8), "{fov_deg}");
+        assert_eq!(dims, [81, 65]);
+        for (height_m, longer_m, told) in [
+            (None, Some(0.02), "asks for a camera"),
+            (
+                Some(0.1),
+                Some(1.2),
+                "with a field of view of 169 degrees only",
+            ),
+            (
+                Some(4.9),
+                Some(0.05),
+                "with a field of view of 1 degrees only",
+            ),
+            (
+                Some(4.9),
+                None,
+                "would measure 2534 mm; right is at most 1244 mm",
+            ),
+        ] {
+            let message = of(height_m, longer_m).unwrap_err().to_string();
+            assert!(message.contains(told), "{message}");
+        }
+    }
+}

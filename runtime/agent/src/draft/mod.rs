@@ -1,0 +1,242 @@
+//! Drafts a fold from pictures: the cloth, and for each step the arrow and the fold that leads from one picture to the
+//! next.
+//!
+//! In: pictures of a cloth on a plain table, flat at first and then after each step; a world to try folds in. Out: a
+//! [`Draft`] that says of each step how well it explains the pictures and what else might. Arrows that are drawn
+//! in the pictures are found. Where there is none, the folds between named points of the cloth are tried from the
+//! cloth as the steps before left it, and the one is proposed whose outline is the picture's. What follows for a task's
+//! text is decided elsewhere.
+
+mod fault;
+mod measures;
+mod shown;
+mod symmetry;
+mod tries;
+
+pub use fault::DraftError;
+pub use measures::Stated;
+pub use symmetry::symmetric;
+
+#[cfg(test)]
+mod tests;
+
+use crate::subgoals::ArrowPx;
+use fab_base::interrupt::Interrupt;
+use fab_program::{self as program, Cloth, Fold};
+use fab_world::start::Start;
+use fab_world::{World, WorldError};
+use image::RgbImage;
+use shown::{Pose, Shown};
+use std::ops::RangeInclusive;
+use tries::{State, Step};
+
+/// Pixels that a picture's sides may have.
+pub const SIDE_PX: RangeInclusive<u32> = 32..=2048;
+
+/// The most steps.
+pub const MAX_STEPS: usize = 100;
+
+/// Side of the pictures in which outlines are compared, pixels: the shipped folding tasks' own.
+const COMPARED_PX: u32 = 224;
+
+/// Growth of the cloth's outline that no fold explains, as a factor; the recorded pictures grow by 1 % at most.
+const GROWTH: f64 = 1.08;
+
+/// Overlap of two outlines in a row above which nothing was folded.
+const ALIKE: f64 = 0.985;
+
+/// A picture and what messages call it.
+#[derive(Clone, Debug)]
+pub struct Named {
+    /// Its file, as the user named it.
+    pub name: String,
+    /// The picture.
+    pub picture: RgbImage,
+}
+
+/// What the pictures were found to show.
+#[derive(Clone, Debug)]
+pub struct Draft {
+    /// The camera that is taken to have taken them.
+    pub camera: program::Camera,
+    /// The cloth, flat and straight.
+    pub cloth: Cloth,
+    /// How far the cloth is turned in the pictures, radians, clockwise, -pi/4 to pi/4.
+    pub turned_rad: f64,
+    /// The share of the rectangle around the first outline that the cloth covers.
+    pub rectangular: f64,
+    /// One less than there are pictures.
+    pub steps: Vec<DraftStep>,
+    /// How far an untouched cloth is from where the folds end, mean over its particles, metres.
+    pub untouched_m: f64,
+}
+
+/// One step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DraftStep {
+    /// Where the arrow was found, or would be right; pixels of the pictures.
+    pub arrow: ArrowPx,
+    /// Whether the picture carries it.
+    pub origin: ArrowOrigin,
+    /// The fold between points of the cloth; none where a drawn arrow joins no points that have names.
+    pub fold: Option<Fold>,
+    /// Area of both the simulated outline and the next picture's over the area of either, 0 to 1.
+    pub overlap: f64,
+    /// The best other fold that was tried, with its overlap.
+    pub next_best: Option<(Fold, f64)>,
+}
+
+/// Where a step's arrow comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArrowOrigin {
+    /// The picture shows it.
+    Drawn,
+    /// It was worked out from the pictures around the step.
+    Proposed,
+}
+
+/// Least overlap of a step whose fold counts as found.
+const FOUND: f64 = 0.7;
+/// Least overlap of a step that is not doubted.
+const SURE: f64 = 0.93;
+/// Least lead over the next best fold likewise.
+const LEAD: f64 = 0.015;
+
+impl DraftStep {
+    /// Returns the fold if it explains the pictures at all; else [`DraftStep::fold`] is no more than the best guess.
+    pub fn found(&self) -> Option<&Fold> {
+        self.fold.as_ref().filter(|_| self.overlap >= FOUND)
+    }
+
+    /// Returns whether the fold explains the pictures, and no other does nearly as well.
+    pub fn is_sure(&self) -> bool {
+        let leads = self
+            .next_best
+            .as_ref()
+            .is_none_or(|(_, overlap)| self.overlap - overlap >= LEAD);
+        self.fold.is_some() && self.overlap >= SURE && (leads || self.origin == ArrowOrigin::Drawn)
+    }
+}
+
+/// Makes a fresh world with a camera.
+pub type MakeWorld<'a> = dyn Fn(&program::Camera) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
+
+/// Drafts a fold.
+///
+/// - `stated`: what is known of the camera and the cloth.
+/// - `announce`: told how many folds are tried for which step, both from 1, before each round.
+///
+/// The same pictures give the same draft.
+pub fn draft(
+    pictures: &[Named],
+    stated: &Stated,
+    make_world: &MakeWorld<'_>,
+    interrupt: &Interrupt,
+    announce: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Draft, DraftError> {
+    if !(2..=MAX_STEPS + 1).contains(&pictures.len()) {
+        return Err(DraftError::Count {
+            found: pictures.len(),
+        });
+    }
+    let side_px = common_side(pictures)?;
+    let shown: Vec<Shown> = pictures.iter().map(Shown::of).collect::<Result<_, _>>()?;
+    let pose = Pose::of(&shown[0], &pictures[0].name)?;
+    let (camera, cloth) = measures::of(pose.sides_px, side_px, stated)?;
+    let compared = program::Camera {
+        image_px: COMPARED_PX,
+        ..camera
+    };
+    let outlines: Vec<_> = shown.iter().map(|shown| pose.straight(shown)).collect();
+    let start = Start::flat(&cloth);
+    let mut state = State::at(&start);
+    let mut steps = Vec::with_capacity(pictures.len() - 1);
+    let first_of_steps = shown.iter().take(pictures.len() - 1);
+    for (number, now) in first_of_steps.enumerate() {
+        let [before, after] = [number, number + 1].map(|index| &outlines[index]);
+        let names = [number, number + 1].map(|index| pictures[index].name.clone());
+        let unchanged = before.overlap(after);
+        check_change(before.area(), after.area(), unchanged, &names)?;
+        let step = Step {
+            start: &start,
+            before,
+            after,
+            arrow: now.arrow.map(|arrow| arrow.map(|at| pose.straighten(at))),
+            make_world: &|| make_world(&compared),
+            camera: &compared,
+            interrupt,
+            announce: &|tries| announce(number + 1, tries),
+        };
+        let Some(found) = step.explain(&state)? else {
+            let [before, after] = names;
+            return Err(DraftError::NoFold { before, after });
+        };
+        steps.push(DraftStep {
+            arrow: match now.arrow {
+                Some(arrow) => arrow,
+                None => found.arrow.map(|at| pose.as_shown(at)),
+            },
+            origin: match now.arrow {
+                Some(_) => ArrowOrigin::Drawn,
+                None => ArrowOrigin::Proposed,
+            },
+            fold: found.fold,
+            overlap: found.overlap,
+            next_best: found.next_best,
+        });
+        state = found.state;
+    }
+    Ok(Draft {
+        turned_rad: pose.turned_rad,
+        rectangular: pose.rectangular,
+        untouched_m: state.distance_m(&start),
+        camera,
+        cloth,
+        steps,
+    })
+}
+
+fn common_side(pictures: &[Named]) -> Result<u32, DraftError> {
+    let first = &pictures[0];
+    for Named { name, picture } in pictures {
+        let size_px: [u32; 2] = picture.dimensions().into();
+        if size_px[0] != size_px[1] || !SIDE_PX.contains(&size_px[0]) {
+            let name = name.clone();
+            return Err(DraftError::Size { name, size_px });
+        }
+        if picture.width() != first.picture.width() {
+            return Err(DraftError::SizesDiffer {
+                name: name.clone(),
+                side_px: picture.width(),
+                first: first.name.clone(),
+                first_px: first.picture.width(),
+            });
+        }
+    }
+    Ok(first.picture.width())
+}
+
+fn check_change(
+    area_before: usize,
+    area_after: usize,
+    overlap: f64,
+    [before, after]: &[String; 2],
+) -> Result<(), DraftError> {
+    let (before, after) = (before.clone(), after.clone());
+    let growth = area_after as f64 / area_before.max(1) as f64;
+    if growth > GROWTH {
+        return Err(DraftError::Grown {
+            before,
+            after,
+            growth,
+        });
+    }
+    if overlap > ALIKE {
+        return Err(DraftError::Unchanged {
+            before,
+            after,
+            overlap,
+        });
+    }
+    Ok(())
+}

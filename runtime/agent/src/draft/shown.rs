@@ -1,0 +1,321 @@
+//! What one picture shows: the cloth's outline and an arrow; and how the flat cloth lies in the pictures.
+//!
+//! In: pictures. Out: [`Outline`]s as they would be were the cloth's sides along the picture's, its middle in the
+//! middle, and the picture as large as those that worlds give here.
+
+use super::{COMPARED_PX, DraftError, Named};
+use crate::result::silhouette;
+use crate::subgoals::ArrowPx;
+use fab_picture::Mask;
+use fab_picture::arrow;
+use fab_picture::camera::center_of;
+use fab_picture::hull;
+use fab_picture::regions;
+use fab_picture::regions::Grid;
+use fab_program::PixelPoint;
+use std::collections::BTreeMap;
+
+/// Least cloth, as a share of the picture.
+const LEAST_CLOTH: f64 = 0.003;
+
+/// Least side of the flat cloth, as a share of the picture's.
+const LEAST_SIDE: f64 = 0.125;
+
+/// The largest side likewise; beyond it no table would be seen beside it.
+const LARGEST_SIDE: f64 = 0.99;
+
+/// What a picture shows, in its own pixels.
+pub struct Shown {
+    /// The cloth, without what an arrow hides.
+    cloth: Mask,
+    /// An arrow and the pixels beside it, which may be cloth or table.
+    hidden: Mask,
+    /// The only arrow's tail and tip.
+    pub arrow: Option<ArrowPx>,
+    /// The share of the border that has one of the border's common colours.
+    plain: f64,
+    /// The share of the border that the cloth covers.
+    covered: f64,
+}
+
+/// How far the border reaches into a picture, pixels.
+const BORDER_PX: u32 = 2;
+
+/// The largest share of the border that stray pixels of the cloth's patch may cover.
+const MOST_COVERED: f64 = 0.01;
+
+/// Least share of a plain table's border that has one of its common colours.
+const LEAST_PLAIN: f64 = 0.8;
+
+/// How far beyond what is seen of the cloth an arrow's end may lie that is on it, pixels of a compared picture.
+const ARROW_END_PX: f64 = 6.0;
+
+impl Shown {
+    /// Looks at a square picture.
+    ///
+    /// Fails where no cloth is seen on it.
+    pub fn of(named: &Named) -> Result<Shown, DraftError> {
+        let picture = &named.picture;
+        let (width, height) = picture.dimensions();
+        let scale = (f64::from(width) / 224.0).max(1.0);
+        let found = arrow::find(&arrow::near_black(picture), scale).ok();
+        let stroke = match &found {
+            Some(arrow) => arrow.stroke.clone(),
+            None => Grid::new(width, height),
+        };
+        let hidden = Mask::from_fn(width, height, |column, row| stroke.touches(column, row));
+        let patch = silhouette(picture);
+        let table = regions::border_colours(&[picture]);
+        let is_border = |at: u32| at < BORDER_PX || at + BORDER_PX >= width;
+        let border: Vec<PixelPoint> = Mask::from_fn(width, height, |column, row| {
+            is_border(column) || is_border(row)
+        })
+        .pixels()
+        .collect();
+        let share = |is_such: &dyn Fn(&PixelPoint) -> bool| {
+            let found = border.iter().filter(|at| is_such(at)).count();
+            found as f64 / border.len().max(1) as f64
+        };
+        let plain = share(&|at| {
+            let colour = picture.get_pixel(at.u as u32, at.v as u32).0;
+            regions::is_table(colour, &table)
+        });
+        let covered = share(&|at| patch.contains(*at));
+        let at = |column: u32, row: u32| PixelPoint::new(column as i32, row as i32);
+        let cloth = Mask::from_fn(width, height, |column, row| {
+            patch.contains(at(column, row)) && !hidden.contains(at(column, row))
+        });
+        let all_px = width as usize * height as usize;
+        if (cloth.area_px() as f64) < LEAST_CLOTH * all_px as f64 {
+            return Err(DraftError::NoCloth {
+                name: named.name.clone(),
+                found_px: cloth.area_px(),
+                all_px,
+                n_colours: table.len(),
+            });
+        }
+        Ok(Shown {
+            cloth,
+            hidden,
+            arrow: found.map(|arrow| [arrow.tail, arrow.tip]),
+            plain,
+            covered,
+        })
+    }
+
+    /// Returns a convex cloth with what an arrow hides of it; a ring at a corner reaches beyond it.
+    ///
+    /// An arrow along an edge hides all of it, and its ends tell where the edge is.
+    fn without_gaps(&self) -> Mask {
+        let mut rims: BTreeMap<i32, [i32; 2]> = BTreeMap::new();
+        for pixel in self.cloth.pixels() {
+            let rim = rims.entry(pixel.v).or_insert([pixel.u, pixel.u]);
+            *rim = [rim[0].min(pixel.u), rim[1].max(pixel.u)];
+        }
+        let scale = f64::from(self.cloth.width()) / f64::from(COMPARED_PX);
+        let ends = self.arrow.into_iter().flatten().filter(|[u, v]| {
+            let pixel = PixelPoint::new(u.floor() as i32, v.floor() as i32);
+            self.cloth.distance_px(pixel) <= ARROW_END_PX * scale
+        });
+        let ends: Vec<[f64; 2]> = ends.collect();
+        let points = rims.into_iter().flat_map(|(row, [left, right])| {
+            let corners = [left, right + 1].map(|column| [row, row + 1].map(|row| [column, row]));
+            corners.into_iter().flatten().map(|at| at.map(f64::from))
+        });
+        let hull = hull::around(points.chain(ends.into_iter().flat_map(square)));
+        Mask::from_fn(self.cloth.width(), self.cloth.height(), |column, row| {
+            let pixel = PixelPoint::new(column as i32, row as i32);
+            let is_gap = || self.hidden.contains(pixel) && hull::is_inside(&hull, center_of(pixel));
+            self.cloth.contains(pixel) || is_gap()
+        })
+    }
+}
+
+/// Returns the corners of a pixel around a point.
+fn square([u, v]: [f64; 2]) -> [[f64; 2]; 4] {
+    [
+        [u - 0.5, v - 0.5],
+        [u + 0.5, v - 0.5],
+        [u - 0.5, v + 0.5],
+        [u + 0.5, v + 0.5],
+    ]
+}
+
+/// How the flat cloth lies.
+pub struct Pose {
+    center: [f64; 2],
+    /// Unit vector along the side that is nearest to the picture's right, `[column, row]`.
+    right: [f64; 2],
+    /// The angle of that vector, clockwise as seen in the picture, radians.
+    pub turned_rad: f64,
+    /// Lengths of the sides along that vector and across it, pixels.
+    pub sides_px: [f64; 2],
+    /// The share of its rectangle that the cloth covers.
+    pub rectangular: f64,
+    /// Picture pixels per compared pixel.
+    scale: f64,
+}
+
+impl Pose {
+    /// Measures the flat cloth, as the rectangle around it.
+    pub fn of(flat: &Shown, name: &str) -> Result<Pose, DraftError> {
+        let cloth = flat.without_gaps();
+        let found = fab_vision::rectangle_around(&cloth)?;
+        let side_px = cloth.width();
+        let Some(rectangle) = found else {
+            return Err(DraftError::NoCloth {
+                name: name.to_owned(),
+                found_px: 0,
+                all_px: side_px as usize * side_px as usize,
+                n_colours: 1,
+            });
+        };
+        let [x, y] = rectangle.along;
+        let [long, short] = rectangle.sides;
+        // Of the four ways along a side, the one nearest to the picture's right.
+        let (right, sides_px) = match x.abs() >= y.abs() {
+            true => ([x, y].map(|part| part * x.signum()), [long, short]),
+            false => ([-y, x].map(|part| part * -y.signum()), [short, long]),
+        };
+        let is_large = sides_px
+            .iter()
+            .any(|side| *side > LARGEST_SIDE * f64::from(side_px));
+        if is_large || flat.covered > MOST_COVERED {
+            let name = name.to_owned();
+            return Err(match flat.plain < LEAST_PLAIN {
+                true => DraftError::NotPlain {
+                    name,
+                    plain: flat.plain,
+                },
+                false => DraftError::AtBorder { name },
+            });
+        }
+        let fits = |side: f64| side >= LEAST_SIDE * f64::from(side_px);
+        if !sides_px.iter().copied().all(fits) {
+            return Err(DraftError::ClothSize {
+                name: name.to_owned(),
+                sides_px,
+                side_px,
+            });
+        }
+        Ok(Pose {
+            center: rectangle.center,
+            right,
+            turned_rad: right[1].atan2(right[0]),
+            sides_px,
+            rectangular: cloth.area_px() as f64 / (long * short),
+            scale: f64::from(side_px) / f64::from(COMPARED_PX),
+        })
+    }
+
+    /// Returns where a point of a picture lies on the straight one, both `[column, row]`, pixels.
+    pub fn straighten(&self, at: [f64; 2]) -> [f64; 2] {
+        let off = [at[0] - self.center[0], at[1] - self.center[1]];
+        let [x, y] = self.right;
+        let middle = f64::from(COMPARED_PX) / 2.0;
+        [
+            middle + (off[0] * x + off[1] * y) / self.scale,
+            middle + (off[1] * x - off[0] * y) / self.scale,
+        ]
+    }
+
+    /// Returns where a point of the straight picture lies on the pictures.
+    pub fn as_shown(&self, at: [f64; 2]) -> [f64; 2] {
+        let middle = f64::from(COMPARED_PX) / 2.0;
+        let [along, across] = at.map(|at| (at - middle) * self.scale);
+        let [x, y] = self.right;
+        [
+            self.center[0] + along * x - across * y,
+            self.center[1] + along * y + across * x,
+        ]
+    }
+
+    /// Returns a picture's outline as it would be, were the flat cloth straight and in the middle.
+    pub fn straight(&self, shown: &Shown) -> Outline {
+        let straight = |mask: &Mask| {
+            Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
+                let at = [column, row].map(|at| f64::from(at) + 0.5);
+                let [u, v] = self.as_shown(at).map(|at| at.floor() as i32);
+                mask.contains(PixelPoint::new(u, v))
+            })
+        };
+        Outline {
+            cloth: straight(&shown.cloth),
+            hidden: straight(&shown.hidden),
+        }
+    }
+}
+
+/// The cloth's outline in a straight picture, `COMPARED_PX` a side.
+pub struct Outline {
+    cloth: Mask,
+    /// Pixels that may be cloth or not.
+    hidden: Mask,
+}
+
+impl Outline {
+    /// Takes an outline of which everything is seen.
+    pub fn whole(cloth: Mask) -> Outline {
+        let hidden = Mask::from_fn(cloth.width(), cloth.height(), |_, _| false);
+        Outline { cloth, hidden }
+    }
+
+    /// Returns the number of pixels that are cloth, or hidden beside it by half.
+    pub fn area(&self) -> usize {
+        self.cloth.area_px() + self.hidden.area_px() / 2
+    }
+
+    /// Returns the area of both over the area of either, of what is seen in both; 0 if either is empty.
+    pub fn overlap(&self, other: &Outline) -> f64 {
+        let (mut both, mut either) = (0_u32, 0_u32);
+        for row in 0..COMPARED_PX as i32 {
+            for column in 0..COMPARED_PX as i32 {
+                let at = PixelPoint::new(column, row);
+                if self.hidden.contains(at) || other.hidden.contains(at) {
+                    continue;
+                }
+                let (this, that) = (self.cloth.contains(at), other.cloth.contains(at));
+                both += u32::from(this && that);
+                either += u32::from(this || that);
+            }
+        }
+        match both {
+            0 => 0.0,
+            both => f64::from(both) / f64::from(either),
+        }
+    }
+
+    /// Returns the pixels that are cloth here and not in `other`.
+    pub fn without(&self, other: &Outline) -> Mask {
+        Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
+            let at = PixelPoint::new(column as i32, row as i32);
+            let here = self.cloth.contains(at) || self.hidden.contains(at);
+            here && !other.cloth.contains(at) && !other.hidden.contains(at)
+        })
+    }
+
+    /// Returns the outline of stiff paper that is folded so that the arrow's tail comes onto its tip.
+    pub fn folded(&self, [tail, tip]: [[f64; 2]; 2]) -> Outline {
+        let way = [tip[0] - tail[0], tip[1] - tail[1]];
+        let length = way[0].hypot(way[1]).max(f64::MIN_POSITIVE);
+        let way = way.map(|part| part / length);
+        let is_cloth = |[u, v]: [f64; 2]| {
+            let pixel = PixelPoint::new(u.floor() as i32, v.floor() as i32);
+            self.cloth.contains(pixel) || self.hidden.contains(pixel)
+        };
+        Outline::whole(Mask::from_fn(COMPARED_PX, COMPARED_PX, |column, row| {
+            let at = [column, row].map(|at| f64::from(at) + 0.5);
+            let beyond = (0..2)
+                .map(|axis| (at[axis] - (tail[axis] + tip[axis]) / 2.0) * way[axis])
+                .sum::<f64>();
+            let mirrored = [0, 1].map(|axis| at[axis] - 2.0 * beyond * way[axis]);
+            beyond >= 0.0 && (is_cloth(at) || is_cloth(mirrored))
+        }))
+    }
+
+    /// Returns how far a point is from the cloth, pixels.
+    pub fn distance_px(&self, at: [f64; 2]) -> f64 {
+        let [u, v] = at.map(|at| at.floor() as i32);
+        self.cloth.distance_px(PixelPoint::new(u, v))
+    }
+}

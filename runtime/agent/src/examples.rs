@@ -1,0 +1,100 @@
+//! What a task's stages are told as examples: the author's pictures, and demonstrations from a file.
+//!
+//! In: a program and the folder of its file. Out: pictures by path, and questions with their answers by step.
+//! An example's question is the task's own, filled with what a demonstration saw, so that the two cannot
+//! drift apart.
+
+use crate::demos::{Demonstrations, DemosError};
+use crate::task_files::{self, FileError};
+use fab_model::Png;
+use fab_picture::png;
+use fab_program::pointing::Pointing;
+use fab_program::render::PromptText;
+use fab_program::{FileRef, Program};
+use fab_world::start::Start;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A question with its answer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Told {
+    /// What was asked.
+    pub question: PromptText,
+    /// What was answered.
+    pub answer: PromptText,
+}
+
+/// The examples of one task.
+#[derive(Clone, Debug, Default)]
+pub struct Examples {
+    pictures: BTreeMap<String, Png>,
+    demonstrations: Option<Demonstrations>,
+}
+
+/// Why the examples of a task cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ExamplesError {
+    /// A picture cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The demonstrations cannot be told.
+    #[error(transparent)]
+    Demos(#[from] DemosError),
+}
+
+impl Examples {
+    /// Reads the pictures and the demonstrations of a program; `folder` is the one that holds its file.
+    pub fn load(program: &Program, folder: &Path) -> Result<Examples, ExamplesError> {
+        let mut pictures = BTreeMap::new();
+        let examples = program.stages.iter().flat_map(|stage| &stage.examples);
+        for file in examples.flat_map(|example| &example.images) {
+            let path = task_files::resolve(folder, file)?;
+            let picture = png::load(&path).map_err(FileError::from)?;
+            pictures.insert(file.path.clone(), Png::new(png::encode(&picture)));
+        }
+        let demonstrations = match &program.demos {
+            Some(demos) => Some(Demonstrations::load(program, demos, folder)?),
+            None => None,
+        };
+        Ok(Examples {
+            pictures,
+            demonstrations,
+        })
+    }
+
+    /// Returns a picture; None for one that no example names.
+    pub fn picture(&self, file: &FileRef) -> Option<&Png> {
+        self.pictures.get(&file.path)
+    }
+
+    /// Writes the demonstrations that a stage is told in a step, which is counted from 1, to a model that writes points
+    /// so.
+    ///
+    /// Fails as [`Demonstrations::told`] does.
+    pub fn told(
+        &self,
+        program: &Program,
+        stage: &str,
+        step: u32,
+        pointing: Pointing,
+    ) -> Result<Vec<Told>, DemosError> {
+        match &self.demonstrations {
+            Some(demonstrations) => demonstrations.told(program, stage, step, pointing),
+            None => Ok(Vec::new()),
+        }
+    }
+
+    /// Returns how many demonstrated actions there are, over all steps; the tables call it the data size.
+    pub fn data_size(&self) -> usize {
+        self.demonstrations
+            .as_ref()
+            .map_or(0, Demonstrations::data_size)
+    }
+
+    /// Returns the number of the demonstration that begins where a rollout would, from 1.
+    ///
+    /// A result from such a start would show what the model was told, and not what it can do.
+    pub fn demonstrates(&self, start: &Start) -> Option<usize> {
+        self.demonstrations.as_ref()?.demonstrates(start)
+    }
+}

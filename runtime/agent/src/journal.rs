@@ -1,0 +1,342 @@
+//! The folder of one rollout: enough to re-score and re-draw it without world or model.
+//!
+//! In: facts as they happen. Out: `rollout.jsonl` (one whole, synced line per step, so that a crash
+//! loses at most the step under way) and the files that its lines name. A journal without an `end`
+//! line is of a rollout that did not end by itself. The same rollout writes the same bytes each time: what it took,
+//! which differs, stands in `spent.jsonl`. So a rollout that was cut off is gone on with by doing it again: lines that
+//! are there already are compared and not written.
+
+mod earlier;
+
+use crate::action::Action;
+use crate::agent::{Accepted, Attempt};
+use crate::outcome::Outcome;
+use crate::result::StepResult;
+use crate::rollout::Measures;
+use earlier::Earlier;
+use fab_base::files;
+use fab_base::jsonl::{self, Appender, Reader};
+use fab_model::calls::LedgerError;
+use fab_model::{Part, Request, Speaker};
+use fab_world::Executed;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::fs::{self, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Version of the journal's lines.
+pub const JOURNAL_SCHEMA: u32 = 1;
+/// Name of the journal in a run folder.
+pub const JOURNAL_FILE: &str = "rollout.jsonl";
+/// Name of the file beside it that says what the rollout took.
+pub const SPENT_FILE: &str = "spent.jsonl";
+/// The longest such file that is read.
+pub const MAX_SPENT_BYTES: u64 = 64 << 20;
+
+/// A run folder that is being written.
+#[derive(Debug)]
+pub struct RunFolder {
+    path: PathBuf,
+    journal: Appender,
+    images: BTreeSet<String>,
+    /// What an earlier part of the rollout wrote.
+    earlier: Earlier,
+}
+
+/// Why a run cannot be kept.
+#[derive(Debug, thiserror::Error)]
+pub enum JournalError {
+    /// A file or folder cannot be written.
+    #[error("cannot write `{path}`: {why}")]
+    Unwritable {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        why: String,
+    },
+    /// A journal that is to be gone on with cannot be read.
+    #[error("cannot read `{path}`: {why}")]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+    /// Another process writes into the folder.
+    #[error("another fabc is writing into the run folder `{path}`")]
+    InUse {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// Done again, the rollout does not come out as it did.
+    #[error(
+        "the rollout in `{path}` cannot be gone on with, since it does not come out the same: {why}"
+    )]
+    Differs {
+        /// The folder.
+        path: PathBuf,
+        /// What differs.
+        why: String,
+    },
+    /// The calls of an earlier part cannot be read.
+    #[error(transparent)]
+    Ledger(#[from] LedgerError),
+    /// The folder holds something already.
+    #[error("the run folder `{path}` is not empty; name a new one, nothing is overwritten")]
+    NotEmpty {
+        /// The folder.
+        path: PathBuf,
+    },
+}
+
+/// One line of the journal.
+#[derive(Debug, Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Line<'a> {
+    /// The first line: what was run.
+    Header(&'a Value),
+    /// One step.
+    Step(&'a StepLine),
+    /// The last line: what came of it.
+    End(&'a Value),
+}
+
+/// What is kept of one step; every file is relative to the run folder.
+#[derive(Debug, Default, Serialize)]
+pub struct StepLine {
+    /// From 1.
+    pub step: u32,
+    /// Keypoints in pixels, or null where the picture gave none.
+    pub scene: Value,
+    /// Every question of the step.
+    pub attempts: Vec<Value>,
+    /// Which answer was taken, where one was.
+    pub accepted: Option<Accepted>,
+    /// What was to be executed, where something was.
+    pub action: Option<Action>,
+    /// What the world really did.
+    pub executed: Option<Executed>,
+    /// SHA-256 of all positions' bits after it, as `fabc sim replay` prints it, where the world knows.
+    pub digest: Option<String>,
+    /// How much the cloth covers after it, where the world knows.
+    #[serde(flatten)]
+    pub measures: Measures,
+    /// The cloth after it beside the next subgoal, where the task compares them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub result: Option<StepResult>,
+    /// What the rollout would have ended with, where the step was skipped instead.
+    pub skipped: Option<Outcome>,
+    /// Why the step ended the rollout, in words.
+    pub stopped: Option<String>,
+    /// Pictures and positions by what they show.
+    pub files: serde_json::Map<String, Value>,
+}
+
+impl RunFolder {
+    /// Makes a folder for one rollout; it must not exist or be empty.
+    pub fn create(path: &Path) -> Result<RunFolder, JournalError> {
+        let unwritable = |path: &Path, error: std::io::Error| JournalError::Unwritable {
+            path: path.to_owned(),
+            why: error.to_string(),
+        };
+        fs::create_dir_all(path).map_err(|error| unwritable(path, error))?;
+        let mut entries = fs::read_dir(path).map_err(|error| unwritable(path, error))?;
+        if entries.next().is_some() {
+            return Err(JournalError::NotEmpty {
+                path: path.to_owned(),
+            });
+        }
+        let file = path.join(JOURNAL_FILE);
+        let journal = Appender::open(&file).map_err(|error| unwritable(&file, error))?;
+        locked(&journal, path)?;
+        Ok(RunFolder {
+            path: path.to_owned(),
+            journal,
+            images: BTreeSet::new(),
+            earlier: Earlier::default(),
+        })
+    }
+
+    /// Opens the folder of a rollout that was cut off or stopped, to go on with it.
+    ///
+    /// Nothing in it changes until a line is appended that is not there yet.
+    pub fn reopen(path: &Path) -> Result<RunFolder, JournalError> {
+        let file = path.join(JOURNAL_FILE);
+        // Opening makes a file where there is none.
+        let journal = fs::metadata(&file).and_then(|_| Appender::open(&file));
+        let mut journal = journal.map_err(|error| JournalError::Unreadable {
+            path: file.clone(),
+            why: error.to_string(),
+        })?;
+        locked(&journal, path)?;
+        let earlier = Earlier::read(&file)?;
+        journal.keep(earlier.bytes());
+        Ok(RunFolder {
+            path: path.to_owned(),
+            journal,
+            images: BTreeSet::new(),
+            earlier,
+        })
+    }
+
+    /// Returns whether the next line is there already.
+    pub fn repeats(&self) -> bool {
+        self.earlier.has_more()
+    }
+
+    /// Returns how many steps an earlier part of the rollout took.
+    pub fn earlier_steps(&self) -> u32 {
+        self.earlier.steps()
+    }
+
+    /// Makes the first free folder `NAME-0001`, `NAME-0002`, … in `parent`.
+    pub fn create_next(parent: &Path, name: &str) -> Result<RunFolder, JournalError> {
+        let unwritable = |error: std::io::Error| JournalError::Unwritable {
+            path: parent.to_owned(),
+            why: error.to_string(),
+        };
+        fs::create_dir_all(parent).map_err(unwritable)?;
+        for number in 1..=9999u32 {
+            let candidate = parent.join(format!("{name}-{number:04}"));
+            match fs::create_dir(&candidate) {
+                Ok(()) => return RunFolder::create(&candidate),
+                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(unwritable(error)),
+            }
+        }
+        Err(JournalError::Unwritable {
+            path: parent.to_owned(),
+            why: format!("it holds 9999 runs of `{name}` already"),
+        })
+    }
+
+    /// Returns the folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Appends one line and waits until it is on disk.
+    ///
+    /// A line that is there already must be the same, and stays. The first new one replaces whatever followed those.
+    pub fn append(&mut self, line: &Line<'_>) -> Result<(), JournalError> {
+        let text = jsonl::text(line).expect("journal lines have string keys");
+        let is_known = self.earlier.take(&text);
+        if is_known.map_err(|why| JournalError::Differs {
+            path: self.path.clone(),
+            why,
+        })? {
+            return Ok(());
+        }
+        let written = self.journal.append_text(text);
+        written.map_err(|error| self.unwritable(JOURNAL_FILE, &error))
+    }
+
+    /// Adds a line to what the rollout took; it is for information, and not waited for.
+    pub fn spend(&self, line: &Value) -> Result<(), JournalError> {
+        let path = self.path.join(SPENT_FILE);
+        let file = OpenOptions::new().create(true).append(true).open(path);
+        let written = file.and_then(|mut file| file.write_all(format!("{line}\n").as_bytes()));
+        written.map_err(|error| self.unwritable(SPENT_FILE, &error))
+    }
+
+    /// Returns the run's identity, where an earlier part of it has begun.
+    pub fn run_id(&self) -> Option<String> {
+        let mut lines = Reader::open(&self.path.join(SPENT_FILE), MAX_SPENT_BYTES).ok()?;
+        let line: Value = lines.read().ok()??;
+        line["run_id"].as_str().map(str::to_owned)
+    }
+
+    /// Writes a file of the run, whole or not at all, and returns its name for the journal.
+    pub fn keep(&self, name: &str, bytes: &[u8]) -> Result<String, JournalError> {
+        let path = self.path.join(name);
+        let folder = path.parent().unwrap_or(&self.path);
+        let written = fs::create_dir_all(folder).and_then(|()| files::write_whole(&path, bytes));
+        written.map_err(|error| self.unwritable(name, &error))?;
+        Ok(name.to_owned())
+    }
+
+    /// Writes the exact prompt and reply of one attempt and returns its entry for the step's line.
+    pub fn keep_attempt(&mut self, step: u32, attempt: &Attempt) -> Result<Value, JournalError> {
+        self.keep_images(&attempt.request)?;
+        let stem = format!("step_{step}/{}_{}", attempt.stage, attempt.number);
+        let request = serde_json::to_vec_pretty(&attempt.request)
+            .expect("a request holds strings and finite numbers");
+        let request_file = self.keep(&format!("{stem}.request.json"), &request)?;
+        let prompt_file = self.keep(
+            &format!("{stem}.prompt.txt"),
+            transcript(&attempt.request).as_bytes(),
+        )?;
+        let reply_file = match &attempt.reply {
+            Some(reply) => Some(self.keep(&format!("{stem}.reply.txt"), reply.text.as_bytes())?),
+            None => None,
+        };
+        Ok(json!({
+            "stage": attempt.stage,
+            "attempt": attempt.number,
+            "request_key": attempt.request.key(),
+            "request": request_file,
+            "prompt": prompt_file,
+            "reply": reply_file,
+            "result": attempt.finding,
+            "usage": attempt.reply.as_ref().and_then(|reply| reply.usage),
+        }))
+    }
+
+    fn keep_images(&mut self, request: &Request) -> Result<(), JournalError> {
+        for part in request.messages.iter().flat_map(|message| &message.parts) {
+            if let Part::Image(png) = part
+                && !self.images.contains(png.sha256())
+            {
+                self.keep(&image_name(png.sha256()), png.bytes())?;
+                self.images.insert(png.sha256().to_owned());
+            }
+        }
+        Ok(())
+    }
+
+    fn unwritable(&self, name: &str, error: &std::io::Error) -> JournalError {
+        JournalError::Unwritable {
+            path: self.path.join(name),
+            why: error.to_string(),
+        }
+    }
+}
+
+/// Makes sure that no other process writes the journal.
+fn locked(journal: &Appender, folder: &Path) -> Result<(), JournalError> {
+    match journal.lock() {
+        true => Ok(()),
+        false => Err(JournalError::InUse {
+            path: folder.to_owned(),
+        }),
+    }
+}
+
+fn image_name(sha256: &str) -> String {
+    format!("images/{sha256}.png")
+}
+
+/// Writes a request as people read it: who speaks, the words, and the pictures by file name.
+pub fn transcript(request: &Request) -> String {
+    let mut text = String::new();
+    for message in &request.messages {
+        let speaker = match message.speaker {
+            Speaker::System => "system",
+            Speaker::User => "user",
+            Speaker::Assistant => "assistant",
+        };
+        text.push_str(&format!("--- {speaker}\n"));
+        for part in &message.parts {
+            match part {
+                Part::Text(words) => text.push_str(words),
+                Part::Image(png) => {
+                    text.push_str(&format!("[picture {}]", image_name(png.sha256())))
+                }
+            }
+            text.push('\n');
+        }
+    }
+    text
+}

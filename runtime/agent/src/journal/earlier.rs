@@ -1,0 +1,149 @@
+//! What an earlier part of the same rollout wrote, line by line.
+//!
+//! In: a journal. Out: its whole lines up to where the rollout goes on: the header, and every step that was taken. What
+//! follows (a step that ended the rollout, its end, a line that was cut off) is written anew.
+
+use super::JournalError;
+use fab_base::jsonl::Reader;
+use serde_json::Value;
+use std::collections::VecDeque;
+use std::path::Path;
+
+/// The largest journal that is gone on with.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// Lines that are known already, oldest first.
+#[derive(Debug, Default)]
+pub(super) struct Earlier {
+    lines: VecDeque<String>,
+    /// How many there were.
+    count: usize,
+    /// Bytes up to the end of the last of them.
+    bytes: u64,
+}
+
+impl Earlier {
+    /// Reads a journal.
+    pub(super) fn read(path: &Path) -> Result<Earlier, JournalError> {
+        let unreadable = |why: String| JournalError::Unreadable {
+            path: path.to_owned(),
+            why,
+        };
+        let mut reader = Reader::open(path, MAX_BYTES).map_err(unreadable)?;
+        let mut earlier = Earlier::default();
+        while let Some(line) = reader.next_line().map_err(unreadable)? {
+            let text = std::str::from_utf8(line).ok();
+            let Some(text) = text.filter(|text| is_taken(text, earlier.count)) else {
+                break;
+            };
+            earlier.lines.push_back(text.to_owned());
+            earlier.count += 1;
+            earlier.bytes = reader.whole_bytes();
+        }
+        Ok(earlier)
+    }
+
+    /// Returns how many bytes of the journal stay as they are.
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Returns how many steps stay as they are.
+    pub(super) fn steps(&self) -> u32 {
+        // A journal that is read has far fewer lines.
+        u32::try_from(self.count.saturating_sub(1)).unwrap_or(u32::MAX)
+    }
+
+    /// Returns whether a line is known that has not come again yet.
+    pub(super) fn has_more(&self) -> bool {
+        !self.lines.is_empty()
+    }
+
+    /// Takes a line that comes again; returns whether it was known.
+    ///
+    /// Fails where another one stood there: the rollout would not be the same.
+    pub(super) fn take(&mut self, line: &str) -> Result<bool, String> {
+        let Some(known) = self.lines.pop_front() else {
+            return Ok(false);
+        };
+        match known == line {
+            true => Ok(true),
+            false => Err(difference(&known, line)),
+        }
+    }
+}
+
+/// Returns whether a line stays: the first if it is a header, others if they are steps that did not end the rollout.
+fn is_taken(line: &str, number: usize) -> bool {
+    let Ok(line) = serde_json::from_str::<Value>(line) else {
+        return false;
+    };
+    match number {
+        0 => line["type"] == "header",
+        _ => line["type"] == "step" && line["stopped"].is_null(),
+    }
+}
+
+/// Says in which field two lines differ, by its path.
+fn difference(then: &str, now: &str) -> String {
+    let object = |line: &str| serde_json::from_str::<Value>(line).unwrap_or_default();
+    let (then, now) = (object(then), object(now));
+    let what = match then["type"].as_str() {
+        Some("step") => format!("step {}", then["step"]),
+        _ => "the first line".to_owned(),
+    };
+    let mut path = Vec::new();
+    let (then, now) = first_difference(&then, &now, &mut path);
+    format!(
+        "{what} had `{}` {} and would now have {}",
+        path.join("."),
+        shortened(then),
+        shortened(now)
+    )
+}
+
+/// Goes down to the first value that differs, and collects the names on the way.
+fn first_difference<'v>(
+    then: &'v Value,
+    now: &'v Value,
+    path: &mut Vec<String>,
+) -> (&'v Value, &'v Value) {
+    const ABSENT: &Value = &Value::Null;
+    let pair = match (then, now) {
+        (Value::Object(then), Value::Object(now)) => {
+            let names = then.keys().chain(now.keys());
+            let mut differing = names.filter(|name| then.get(*name) != now.get(*name));
+            differing.next().map(|name| {
+                let of =
+                    |fields: &'v serde_json::Map<String, Value>| fields.get(name).unwrap_or(ABSENT);
+                (name.clone(), of(then), of(now))
+            })
+        }
+        (Value::Array(then), Value::Array(now)) => {
+            let mut indices = 0..then.len().max(now.len());
+            let differing = indices.find(|index| then.get(*index) != now.get(*index));
+            differing.map(|index| {
+                let of = |items: &'v [Value]| items.get(index).unwrap_or(ABSENT);
+                (index.to_string(), of(then), of(now))
+            })
+        }
+        _ => None,
+    };
+    match pair {
+        Some((name, then, now)) => {
+            path.push(name);
+            first_difference(then, now, path)
+        }
+        None => (then, now),
+    }
+}
+
+fn shortened(value: &Value) -> String {
+    const MOST: usize = 60;
+    let text = value.to_string();
+    let short: String = text.chars().take(MOST).collect();
+    match short.len() < text.len() {
+        true => format!("{short}…"),
+        false => short,
+    }
+}

@@ -1,0 +1,143 @@
+//! Runs a compiled task: looks at the cloth, asks a model, checks its answer, moves, and scores the result.
+//!
+//! ```text
+//! World.observe → Observation → Scene → Request → Reply → Proposal → Verdict     per attempt
+//!                                          ▲                           │ reject: say why, ask again
+//!                                          └───────────────────────────┘
+//! accept → Action → World.act → Executed → step line → Report
+//! ```
+//!
+//! [`rollout::run`] is that pipeline. Two traits open it: [`fab_world::World`], which is a simulated cloth or a robot arm,
+//! and [`fab_model::Model`], which is a provider's model or a stand-in.
+//!
+//! This program compiles a task from memory and runs it on a small simulated cloth. `fab_standins::Geometric` answers:
+//! a stand-in that needs no key and no network.
+//!
+//! ```
+//! use fab_compiler::{LoadError, Loader};
+//! use fab_model::Models;
+//! use fab_base::cache::Cache;
+//! use fab_model::calls::Budget;
+//! use fab_agent::examples::Examples;
+//! use fab_base::interrupt::Interrupt;
+//! use fab_agent::journal::RunFolder;
+//! use fab_standins::Geometric;
+//! use fab_agent::outcome::Outcome;
+//! use fab_agent::rollout;
+//! use fab_agent::rollout::Job;
+//! use fab_world::start::Start;
+//! use fab_agent::subgoals::SubgoalSet;
+//! use fab_world::{SimulatedWorld, World, WorldError};
+//!
+//! const TASK: &str = r#"
+//! task corner {
+//!     cloth  grid(24, 24)
+//!     camera top_down(height: 650mm, fov: 45deg, image: 224px)
+//!     subgoals {
+//!         demonstrate { fold corner(back_left) -> corner(front_right) }
+//!     }
+//!     keypoints {
+//!         cloth   = mask(depth < 646mm)
+//!         corners = harris(cloth, image: 128px, max: 27, quality: 0.04, spacing: 10px)
+//!     }
+//!     actions {
+//!         pick:  one of corners
+//!         place: one of corners
+//!     }
+//!     stage describe {
+//!         model vision
+//!         show  subgoal(now) with arrow, subgoal(next)
+//!         say   "Which corner is carried where? Answer in one line: Instructions: ..."
+//!         read  instruction from "Instructions: {instruction}"
+//!     }
+//!     stage plan {
+//!         model text
+//!         say """
+//!             Do this: {{ instruction }}
+//!             The corners are at {{ corners }}.
+//!             Answer in this format:
+//!             {{ actions.format }}
+//!             """
+//!         read action
+//!     }
+//!     verify {
+//!         check moves { distance(pick, place) > 10px } else "Nothing would be folded."
+//!         attempts 3
+//!     }
+//! }
+//! "#;
+//!
+//! struct Memory;
+//!
+//! impl Loader for Memory {
+//!     fn load(&self, _name: &str) -> Result<String, LoadError> {
+//!         Ok(TASK.to_owned())
+//!     }
+//! }
+//!
+//! let compiled = fab_compiler::compile("corner.fab", &Memory)?;
+//! assert!(compiled.diagnostics.is_empty(), "{:?}", compiled.diagnostics);
+//! let program = &compiled.programs[0];
+//!
+//! let make_world = || -> Result<Box<dyn World>, WorldError> {
+//!     Ok(Box::new(SimulatedWorld::new(&program.camera, program.picker)?))
+//! };
+//! let folder = tempfile::tempdir()?;
+//! let interrupt = Interrupt::default();
+//! // The task shows its subgoals as folds; the simulator draws their pictures.
+//! let subgoals = SubgoalSet::obtain(program, folder.path(), &mut *make_world()?, &interrupt)?;
+//!
+//! let job = Job {
+//!     program,
+//!     start: &Start::flat(&program.cloth),
+//!     subgoals: &subgoals,
+//!     examples: &Examples::default(),
+//!     models: Models { vision: &Geometric, text: &Geometric },
+//!     budget: &Budget::default(), // no cap
+//!     recorder: None,
+//!     make_world: &make_world,
+//!     make_expert_world: &make_world,
+//!     cache: &Cache::none(),
+//!     interrupt: &interrupt,
+//!     horizon: None, // the task's own
+//!     early_stop: true,
+//!     operator: None,
+//!     repetition: 0,
+//! };
+//! let run = RunFolder::create(&folder.path().join("run"))?;
+//! let report = rollout::run(&job, run, &mut |_event| {})?;
+//!
+//! println!("{}: {} step, {} questions", report.outcome.name(), report.steps, report.queries);
+//! assert_eq!(report.outcome, Outcome::HorizonReached);
+//! assert_eq!((report.steps, report.queries), (1, 2));
+//! // Folded in half along its diagonal.
+//! assert!(report.coverage_true.is_some_and(|share| (0.45..0.65).contains(&share)));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Nothing here reads the environment, prints, or knows the command line.
+
+pub mod rollout;
+
+pub mod action;
+pub mod agent;
+pub mod scene;
+
+pub mod arm_sight;
+pub mod demos;
+pub mod draft;
+pub mod examples;
+pub mod operator;
+pub mod outcome;
+pub mod pictures;
+pub mod result;
+pub mod see;
+pub mod subgoals;
+pub mod task_files;
+
+pub mod journal;
+pub mod sheet;
+
+#[cfg(test)]
+#[path = "../../../tests/recorded_data.rs"]
+mod recorded;

@@ -1,0 +1,128 @@
+//! How far two silhouettes cover each other, once the cloth that they are of is brought to the same place.
+
+use fab_picture::Mask;
+use fab_program::PixelPoint;
+use fab_vision::{Rectangle, VisionError};
+
+/// Rectangles whose sides differ by less than this factor have four sides alike.
+///
+/// The outlines of turned squares differ by up to 2 %; the paper's rectangles have sides of 5 to 4.
+const SQUARE: f64 = 1.1;
+
+/// About how many samples a side of the picture has; more would not change the share by a hundredth.
+const SAMPLES: u32 = 128;
+
+/// How the cloth of one picture is brought onto the cloth of another: every way that brings its rectangle there.
+///
+/// A cloth's silhouette does not tell its corners apart, so a step is right where any of these ways says so.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alignment {
+    from: Rectangle,
+    onto: Rectangle,
+    ways: Vec<Way>,
+}
+
+/// A symmetry of a rectangle, as the axes of the one rectangle in those of the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Way {
+    /// Whether the sides are exchanged.
+    sides: Sides,
+    /// The signs of both axes.
+    signs: [f64; 2],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Sides {
+    Kept,
+    Exchanged,
+}
+
+impl Alignment {
+    /// Aligns an unfolded cloth with the unfolded cloth of the subgoal pictures.
+    ///
+    /// `None` if either is empty. Fails if a mask is larger than a picture may be, or OpenCV fails.
+    pub fn of(cloth: &Mask, shown: &Mask) -> Result<Option<Alignment>, VisionError> {
+        let (Some(from), Some(onto)) = (
+            fab_vision::rectangle_around(cloth)?,
+            fab_vision::rectangle_around(shown)?,
+        ) else {
+            return Ok(None);
+        };
+        let is_square = |rectangle: &Rectangle| rectangle.sides[0] < SQUARE * rectangle.sides[1];
+        let sides: &[Sides] = if is_square(&from) && is_square(&onto) {
+            &[Sides::Kept, Sides::Exchanged]
+        } else {
+            &[Sides::Kept]
+        };
+        let signs = [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
+        let ways = sides
+            .iter()
+            .flat_map(|&sides| signs.map(|signs| Way { sides, signs }));
+        Ok(Some(Alignment {
+            from,
+            onto,
+            ways: ways.collect(),
+        }))
+    }
+
+    /// Returns where a point of the subgoal picture lies in the other one, both `[column, row]`, pixels.
+    fn back(&self, way: Way, [column, row]: [f64; 2]) -> [f64; 2] {
+        let (from, onto) = (&self.from, &self.onto);
+        let off = [column - onto.center[0], row - onto.center[1]];
+        let across = |along: [f64; 2]| [-along[1], along[0]];
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        let shares = [
+            dot(off, onto.along) / onto.sides[0] * way.signs[0],
+            dot(off, across(onto.along)) / onto.sides[1] * way.signs[1],
+        ];
+        let [along, beside] = match way.sides {
+            Sides::Kept => shares,
+            Sides::Exchanged => [shares[1], shares[0]],
+        };
+        let (s, t) = (along * from.sides[0], beside * from.sides[1]);
+        let side = across(from.along);
+        [
+            from.center[0] + s * from.along[0] + t * side[0],
+            from.center[1] + s * from.along[1] + t * side[1],
+        ]
+    }
+}
+
+/// Returns the area in which two silhouettes overlap over the area that either covers, from 0 to 1.
+///
+/// - `after`: the cloth after a step; `goal`: the cloth of the next subgoal picture.
+/// - `alignment`: of the unfolded cloths in the same two kinds of picture. The best of its ways counts.
+///
+/// 0 if a silhouette is empty. The work is bounded whatever the pictures' size.
+pub fn overlap(after: &Mask, goal: &Mask, alignment: &Alignment) -> f64 {
+    let shares = alignment.ways.iter().map(|&way| {
+        let (mut both, mut either) = (0_u32, 0_u32);
+        for at in samples(goal) {
+            let is_goal = goal.contains(pixel_at(at));
+            let is_after = after.contains(pixel_at(alignment.back(way, at)));
+            both += u32::from(is_goal && is_after);
+            either += u32::from(is_goal || is_after);
+        }
+        if both == 0 {
+            0.0
+        } else {
+            f64::from(both) / f64::from(either)
+        }
+    });
+    shares.fold(0.0, f64::max)
+}
+
+/// Points on a grid over a picture and half a picture's width around it, where a turned cloth may reach.
+fn samples(picture: &Mask) -> impl Iterator<Item = [f64; 2]> {
+    let (width, height) = (picture.width(), picture.height());
+    let step = width.max(height).div_ceil(SAMPLES).max(1) as usize;
+    let range = move |side: u32| (-i64::from(side / 2)..i64::from(side) * 3 / 2).step_by(step);
+    let half = step as f64 / 2.0;
+    range(height).flat_map(move |row| {
+        range(width).map(move |column| [column as f64 + half, row as f64 + half])
+    })
+}
+
+fn pixel_at([column, row]: [f64; 2]) -> PixelPoint {
+    PixelPoint::new(column.floor() as i32, row.floor() as i32)
+}

@@ -1,0 +1,28 @@
+//! The cloth of a picture without depth.
+
+use fab_picture::Mask;
+use fab_picture::regions;
+use fab_picture::regions::Grid;
+use image::RgbImage;
+
+/// Finds the cloth of a subgoal picture: the largest patch that has none of the colours at the picture's border.
+///
+/// An arrow drawn on the cloth counts as cloth. The mask is empty where everything has the border's colours.
+pub fn silhouette(picture: &RgbImage) -> Mask {
+    let table = regions::border_colours(&[picture]);
+    let (width, height) = picture.dimensions();
+    let other = Grid::from_fn(width, height, |column, row| {
+        !regions::is_table(picture.get_pixel(column, row).0, &table)
+    });
+    let mut cloth = Grid::new(width, height);
+    let patches = regions::components(&other);
+    for &(column, row) in patches
+        .iter()
+        .max_by_key(|patch| patch.len())
+        .into_iter()
+        .flatten()
+    {
+        cloth.insert(column, row);
+    }
+    Mask::from_fn(width, height, |column, row| cloth.contains(column, row))
+}

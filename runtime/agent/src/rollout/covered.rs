@@ -1,0 +1,173 @@
+//! How much of the table the cloth covers while a rollout runs.
+//!
+//! In: the world's particles at the start and after each step, or its pictures and one of the flat cloth where it knows no
+//! particles. Out: coverage and normalized improvement; of particles by SoftGym's measure, which published
+//! numbers use and which alone decides a goal, and by the true one.
+
+use super::{Job, RunError};
+use crate::scene::Scene;
+use fab_picture::Mask;
+use fab_picture::observation::Observation;
+use fab_program::{Goal, Metric};
+use fab_world::World;
+use fab_world::metrics;
+use serde::{Deserialize, Serialize};
+
+/// How much the cloth covers at one moment (protocol, section 5); null where the world does not know.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Measures {
+    /// Covered share of the flat cloth's area by the source measure: SoftGym's, or that of pictures.
+    pub coverage: Option<f64>,
+    /// The same, measured truly; null of pictures.
+    pub coverage_true: Option<f64>,
+    /// Share of the coverage missing at first that was gained, by the source measure.
+    pub normalized_improvement: Option<f64>,
+    /// The same, measured truly; null of pictures.
+    pub normalized_improvement_true: Option<f64>,
+}
+
+/// What coverage is measured on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CoverageSource {
+    /// The particles of a simulated cloth, by SoftGym's measure and by the true one.
+    Particles,
+    /// The cloth's pixels, over those in a picture of the flat cloth.
+    Picture,
+}
+
+/// The measures of a rollout's start and of the cloth as it lies now.
+#[derive(Debug, Default)]
+pub(super) struct Covered {
+    /// Measured as the cloth lay at first.
+    pub at_start: Measures,
+    pub now: Measures,
+    /// What they are measured on; none where nothing can be measured.
+    pub source: Option<CoverageSource>,
+    /// The flat cloth's pixels, where pictures are compared.
+    flat: Option<Mask>,
+}
+
+impl Covered {
+    /// Measures the cloth as it lies at first.
+    ///
+    /// Fails where the picture of the flat cloth cannot be compared with the camera's, and where the task's goal is a
+    /// measure of coverage and there is nothing to measure it on.
+    pub(super) fn at_start(job: &Job<'_>, world: &mut dyn World) -> Result<Covered, RunError> {
+        let mut covered = Covered::default();
+        let mut seen = None;
+        if world.particles().is_some() {
+            covered.source = Some(CoverageSource::Particles);
+        } else if let Some(flat) = world.flat_cloth() {
+            let picture = world.observe()?;
+            covered.flat = Some(flat_mask(job, &flat, &picture)?);
+            covered.source = Some(CoverageSource::Picture);
+            seen = Some(picture);
+        }
+        let goal = job.program.goal.as_ref();
+        if let (None, Some(goal)) = (covered.source, goal)
+            && goal.metric.is_judged_each_step()
+        {
+            return Err(RunError::Unmeasured {
+                world: world.name().to_owned(),
+            });
+        }
+        covered.at_start = covered.measured(job, world, seen.as_ref())?;
+        covered.update(job, world, seen.as_ref())?;
+        Ok(covered)
+    }
+
+    /// Measures the cloth again; improvements count from the start.
+    ///
+    /// - `seen`: the newest picture; none where nothing was done since the last measure.
+    pub(super) fn update(
+        &mut self,
+        job: &Job<'_>,
+        world: &dyn World,
+        seen: Option<&Observation>,
+    ) -> Result<(), RunError> {
+        if self.source == Some(CoverageSource::Particles) || seen.is_some() {
+            self.now = self.measured(job, world, seen)?;
+        }
+        Ok(())
+    }
+
+    /// Returns whether a goal that is judged after each step is reached as the cloth lies now.
+    pub(super) fn meets_goal(&self, job: &Job<'_>) -> bool {
+        let Some(goal) = &job.program.goal else {
+            return false;
+        };
+        let value = match goal.metric {
+            Metric::Coverage => self.now.coverage,
+            Metric::NormalizedImprovement => self.now.normalized_improvement,
+            Metric::ParticleDistance => None,
+        };
+        value.is_some_and(|value| goal.is_met(value))
+    }
+
+    /// Returns whether it is known what a goal is judged on.
+    pub(super) fn judges(&self, goal: &Goal) -> bool {
+        match self.source {
+            Some(CoverageSource::Particles) => true,
+            Some(CoverageSource::Picture) => goal.metric.is_judged_each_step(),
+            None => false,
+        }
+    }
+
+    fn measured(
+        &self,
+        job: &Job<'_>,
+        world: &dyn World,
+        seen: Option<&Observation>,
+    ) -> Result<Measures, RunError> {
+        let (coverage, coverage_true) = match (self.source, seen, &self.flat) {
+            (Some(CoverageSource::Particles), ..) => of_particles(job, world),
+            (Some(CoverageSource::Picture), Some(seen), Some(flat)) => {
+                let now = Scene::cloth_in(job.program, seen)?;
+                (now.and_then(|now| metrics::seen_coverage(&now, flat)), None)
+            }
+            _ => (None, None),
+        };
+        let gained = |now: Option<f64>, at_start: Option<f64>| {
+            metrics::normalized_improvement(now?, at_start?)
+        };
+        Ok(Measures {
+            coverage,
+            coverage_true,
+            normalized_improvement: gained(coverage, self.at_start.coverage),
+            normalized_improvement_true: gained(coverage_true, self.at_start.coverage_true),
+        })
+    }
+}
+
+/// Measures particles by SoftGym's measure and truly.
+fn of_particles(job: &Job<'_>, world: &dyn World) -> (Option<f64>, Option<f64>) {
+    let Some(particles) = world.particles() else {
+        return (None, None);
+    };
+    let grid = &job.start.grid;
+    let coverage = metrics::coverage(&particles, grid);
+    let coverage_true = metrics::true_coverage(
+        &particles,
+        &metrics::whole_triangles(grid),
+        metrics::whole_area_m2(grid),
+    );
+    (coverage, coverage_true)
+}
+
+/// Finds the cloth in the picture of the flat one, by the task's own mask.
+fn flat_mask(job: &Job<'_>, flat: &Observation, seen: &Observation) -> Result<Mask, RunError> {
+    let wrong = |why: String| RunError::Flat { why };
+    if flat.rgb.dimensions() != seen.rgb.dimensions() {
+        let [is, wanted] =
+            [&flat.rgb, &seen.rgb].map(|it| format!("{} x {} px", it.width(), it.height()));
+        return Err(wrong(format!("it has {is}, and the camera takes {wanted}")));
+    }
+    let mask = Scene::cloth_in(job.program, flat)?;
+    mask.filter(|mask| !mask.is_empty()).ok_or_else(|| {
+        wrong(
+            "the task's first mask takes no pixel of it; right would be the flat cloth alone on the table, and a task that finds it by colour where the picture comes without depth"
+                .to_owned(),
+        )
+    })
+}

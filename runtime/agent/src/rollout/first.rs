@@ -1,0 +1,70 @@
+//! The questions of a rollout's first step, before anything is asked: for estimates.
+//!
+//! In: a [`Job`]. Out: what each stage would be sent, with words in angle brackets for what only a model can say.
+
+use super::{Job, RunError};
+use crate::agent;
+use crate::pictures::Pictures;
+use crate::scene::{Scene, SceneError};
+use fab_model::Request;
+use fab_program::Read;
+use fab_program::facts::Facts;
+use fab_program::render::Values;
+use fab_program::reply;
+use fab_world::WorldPoint;
+use std::collections::BTreeMap;
+
+/// What a stage would be sent in the first step.
+#[derive(Clone, Debug)]
+pub struct FirstQuestion {
+    /// The stage.
+    pub stage: String,
+    /// The question; its schema, where the stage reads the action, is without the values that a scene offers.
+    pub request: Request,
+}
+
+/// Lays the cloth, looks, and renders what each stage would be sent.
+///
+/// Fails where the start cannot be taken, or nothing is found in the picture.
+pub fn first_questions(job: &Job<'_>) -> Result<Vec<FirstQuestion>, RunError> {
+    let program = job.program;
+    let mut world = (job.make_world)()?;
+    world.reset(job.start)?;
+    let observation = world.observe()?;
+    let reach = |point: &WorldPoint| world.out_of_reach(point);
+    let scene = Scene::of(program, &observation, None)?;
+    let scene = scene.within_reach(program, &observation, &reach)?;
+    let subgoals = job.subgoals.step(0)?;
+    let examples = job.examples.clone();
+    let pictures = Pictures::of(program, &scene, &observation, None, subgoals, examples)?;
+    let texts = BTreeMap::new();
+    let question = |stage: &fab_program::Stage| {
+        let lowering = job.models.of(stage.model).lowering();
+        let values = Values::Partly(Facts {
+            scene: &scene,
+            texts: &texts,
+            step: 1,
+            last: None,
+            proposal: None,
+            pointing: lowering.pointing(pictures.size()),
+        });
+        let asked = agent::conversation(program, stage, values, &pictures, 1, &lowering)?;
+        Ok(FirstQuestion {
+            stage: stage.name.clone(),
+            request: Request {
+                temperature: stage.temperature,
+                top_p: stage.top_p,
+                max_tokens: stage.max_tokens,
+                schema: matches!(stage.read, Read::Action).then(|| reply::static_schema(program)),
+                ..Request::new(stage.model, asked.messages)
+            },
+        })
+    };
+    program.stages.iter().map(question).collect()
+}
+
+impl From<SceneError> for RunError {
+    fn from(error: SceneError) -> Self {
+        RunError::Scene(error)
+    }
+}

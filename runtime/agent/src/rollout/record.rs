@@ -1,0 +1,300 @@
+//! What a rollout writes down, and the report it ends with.
+
+use super::covered::{Covered, Measures};
+use super::report::{Progress, Report, Score};
+use super::tally::Tally;
+use super::timer::Timer;
+use super::turn::Turn;
+use super::{Job, RunError};
+use crate::action::Action;
+use crate::agent::Asking;
+use crate::journal::{JOURNAL_SCHEMA, JournalError, Line, RunFolder, StepLine};
+use crate::outcome::Outcome;
+use crate::sheet::Sheet;
+use fab_model::{ModelRole, Nature, described};
+use fab_world::expert::ExpertEnd;
+
+use crate::operator;
+use fab_base::{digest, npy};
+use fab_picture::png;
+use fab_world::World;
+use image::RgbImage;
+use serde_json::{Map, json};
+use sha2::{Digest, Sha256};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+/// Writes a rollout into its folder.
+pub(super) struct Keeper<'j> {
+    pub(super) folder: RunFolder,
+    pub(super) timer: Timer,
+    pub(super) asking: Asking<'j>,
+    run_id: String,
+    params: String,
+    pub(super) tally: Tally,
+    steps: u32,
+    last_skip: Option<Outcome>,
+    stopped: Option<String>,
+    progress: Vec<Progress>,
+    final_positions: Option<String>,
+}
+
+impl<'j> Keeper<'j> {
+    /// Writes program, start and header.
+    pub(super) fn open(
+        job: &Job<'_>,
+        mut folder: RunFolder,
+        asking: Asking<'j>,
+        world: &dyn World,
+    ) -> Result<Keeper<'j>, RunError> {
+        let program = serde_json::to_vec_pretty(job.program)
+            .expect("a program has string keys and finite numbers");
+        let program_file = folder.keep("program.json", &program)?;
+        let start_file = folder.keep("start.npy", &npy::encode(&job.start.positions))?;
+        let run_id = folder.run_id().unwrap_or_else(|| new_run_id(job, &folder));
+        let model = |role| described(job.models.of(role));
+        let header = json!({
+            "schema": JOURNAL_SCHEMA,
+            "fabc": env!("CARGO_PKG_VERSION"),
+            "task": job.program.task,
+            "variant": job.program.variant,
+            "program": job.program.hash(),
+            "program_file": program_file,
+            "world": world.name(),
+            "params": world.parameters(),
+            "code": world.code(),
+            "models": { "vision": model(ModelRole::Vision), "text": model(ModelRole::Text) },
+            "start": {
+                "name": job.start.name,
+                "seed": job.start.seed,
+                "file": start_file,
+                "digest": job.start.digest(),
+                "grid": job.start.grid,
+                "up": "z",
+            },
+            "subgoals": job.subgoals.origin,
+            "subgoal_pictures": job.subgoals.digest(),
+            "horizon": job.horizon(),
+            "early_stop": job.early_stop,
+            "repetition": job.repetition,
+            "attempts": job.program.verify.attempts,
+            "goal": job.program.goal,
+        });
+        folder.append(&Line::Header(&header))?;
+        folder.spend(&json!({ "type": "begin", "run_id": run_id }))?;
+        Ok(Keeper {
+            folder,
+            asking,
+            timer: Timer::default(),
+            run_id,
+            params: world.parameters(),
+            tally: Tally::default(),
+            steps: 0,
+            last_skip: None,
+            stopped: None,
+            progress: Vec::new(),
+            final_positions: None,
+        })
+    }
+
+    pub(super) fn keep_picture(
+        &self,
+        line: &mut StepLine,
+        what: &str,
+        picture: &RgbImage,
+    ) -> Result<(), JournalError> {
+        let name = self.folder.keep(
+            &format!("step_{}/{what}.png", line.step),
+            &png::encode(picture),
+        )?;
+        line.files.insert(what.to_owned(), json!(name));
+        Ok(())
+    }
+
+    /// Keeps the picture before the step with the action drawn on it, and returns that picture.
+    pub(super) fn keep_action(
+        &self,
+        line: &mut StepLine,
+        before: &RgbImage,
+        action: &Action,
+    ) -> Result<RgbImage, RunError> {
+        let mut drawn = before.clone();
+        fab_vision::draw_action(&mut drawn, action.pick_on_cloth_px, action.place_px)?;
+        self.keep_picture(line, "action", &drawn)?;
+        Ok(drawn)
+    }
+
+    pub(super) fn keep_positions(
+        &mut self,
+        line: &mut StepLine,
+        world: &dyn World,
+    ) -> Result<(), JournalError> {
+        if let Some(positions) = world.particles() {
+            let name = self.folder.keep(
+                &format!("step_{}/positions.npy", line.step),
+                &npy::encode(&positions),
+            )?;
+            line.files.insert("positions".to_owned(), json!(name));
+            line.digest = Some(digest::of_positions(&positions));
+            self.final_positions = Some(name);
+        }
+        Ok(())
+    }
+
+    pub(super) fn keep_expert(&self, end: &ExpertEnd) -> Result<String, JournalError> {
+        self.folder.keep(
+            &format!("experts/{}.npy", end.sequence + 1),
+            &npy::encode(&end.positions),
+        )
+    }
+
+    /// Counts a step, and notes what it took.
+    pub(super) fn count(&mut self, turn: &Turn<'_>) -> Result<(), JournalError> {
+        let line = &turn.line;
+        let mut seconds = Map::new();
+        turn.timer.write(&mut seconds);
+        let spent = self.asking.spent();
+        self.folder.spend(&json!({
+            "type": "step",
+            "step": line.step,
+            "planning_s": turn.planning_s(),
+            "seconds": seconds,
+            "cost_usd_so_far": (spent.unpriced == 0).then(|| spent.cost.dollars()),
+        }))?;
+        self.steps += u32::from(line.executed.is_some());
+        if let Some(skipped) = line.skipped {
+            self.tally.skip(skipped);
+            self.last_skip = Some(skipped);
+        }
+        self.stopped.clone_from(&line.stopped);
+        if let Some(planning_s) = turn.planning_s() {
+            self.tally.planned(planning_s);
+        }
+        if line.executed.is_some() || line.skipped.is_some() {
+            self.progress.push(Progress {
+                step: line.step,
+                measures: line.measures,
+            });
+        }
+        self.timer.absorb(&turn.timer);
+        Ok(())
+    }
+
+    /// Returns how a rollout ends whose every step was taken.
+    ///
+    /// One in which nothing was ever executed ends as its last step would have.
+    pub(super) fn outcome_at_horizon(&self, is_goal_met: bool) -> Outcome {
+        match self.last_skip {
+            Some(skipped) if self.steps == 0 => skipped,
+            _ if is_goal_met => Outcome::GoalReached,
+            _ => Outcome::HorizonReached,
+        }
+    }
+
+    /// Writes contact sheet and end line, and returns the report.
+    pub(super) fn close(
+        mut self,
+        job: &Job<'_>,
+        outcome: Outcome,
+        score: Option<&Score>,
+        covered: Covered,
+        sheet: &Sheet,
+        wall: Duration,
+    ) -> Result<Report, RunError> {
+        let mut seconds = Map::new();
+        self.timer.write(&mut seconds);
+        let spent = self.asking.spent();
+        let Measures {
+            coverage,
+            coverage_true,
+            normalized_improvement,
+            normalized_improvement_true,
+        } = covered.now;
+        let mut report = Report {
+            task: job.program.task.clone(),
+            variant: job.program.variant.clone(),
+            outcome,
+            stopped: self.stopped.clone(),
+            goal_reached: job
+                .program
+                .goal
+                .as_ref()
+                .filter(|goal| covered.judges(goal))
+                .map(|_| outcome == Outcome::GoalReached),
+            operator: None,
+            mean_particle_distance_mm: score.map(|score| score.distance_m * 1000.0),
+            coverage_source: covered.source,
+            coverage,
+            coverage_true,
+            normalized_improvement,
+            normalized_improvement_true,
+            coverage_at_start: covered.at_start.coverage,
+            coverage_true_at_start: covered.at_start.coverage_true,
+            progress: self.progress.clone(),
+            steps: self.steps,
+            skipped_steps: self.tally.skipped_steps(),
+            retries: self.tally.retries,
+            skipped: self.tally.skipped.clone(),
+            queries: self.tally.queries,
+            refusals: self.tally.refusals.clone(),
+            malformed_replies: self.tally.malformed,
+            planning_s: self.tally.planning_s(),
+            spent,
+            calls: spent.calls,
+            possibly_billed: spent.possibly_billed,
+            faults: self.asking.faults(),
+            usage: spent.usage,
+            cost_usd: (spent.unpriced == 0).then(|| spent.cost.dollars()),
+            cost_usd_at_most: (spent.unpriced == 0).then(|| spent.at_most().dollars()),
+            model: job.models.name(),
+            model_is_stand_in: job.models.nature() == Nature::StandIn,
+            seed: job.start.seed,
+            program: job.program.hash(),
+            params: self.params.clone(),
+            run_dir: self.folder.path().display().to_string(),
+            run_id: self.run_id.clone(),
+            experts_simulated: score.map_or(0, |score| score.simulated),
+            seconds,
+            wall_s: wall.as_secs_f64(),
+        };
+        if let Some(operator) = job.operator.filter(|_| operator::is_judged(outcome)) {
+            report.operator = operator.judge(&report);
+        }
+        // A rollout that is done is not lost for want of a picture of it.
+        let sheet = match sheet.picture(&report).unwrap_or_default() {
+            Some(picture) => Some(self.folder.keep("sheet.png", &png::encode(&picture))?),
+            None => None,
+        };
+        let experts = score.map(|score| {
+            let entry = |(sequence, distance_m, file): &(usize, f64, String)| {
+                json!({ "sequence": sequence + 1, "file": file, "distance_mm": distance_m * 1000.0, "folds": job.program.experts[*sequence].folds })
+            };
+            score.distances.iter().map(entry).collect::<Vec<_>>()
+        });
+        let end = json!({
+            "report": report.lasting(),
+            "final": self.final_positions,
+            "nearest_expert": score.map(|score| score.sequence + 1),
+            "experts": experts,
+            "sheet": sheet,
+        });
+        self.folder.append(&Line::End(&end))?;
+        self.folder
+            .spend(&json!({ "type": "end", "report": report.passing() }))?;
+        Ok(report)
+    }
+}
+
+/// Names a run; two runs of the same thing have different names.
+fn new_run_id(job: &Job<'_>, folder: &RunFolder) -> String {
+    let now = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |since| since.as_nanos());
+    let identity = format!(
+        "{} {} {} {} {now}",
+        job.program.hash(),
+        job.start.digest(),
+        folder.path().display(),
+        std::process::id()
+    );
+    fab_base::digest::hex(&Sha256::digest(identity))[..12].to_owned()
+}

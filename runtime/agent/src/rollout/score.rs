@@ -1,0 +1,89 @@
+//! The score of a rollout: how far its cloth is from the expert results, and how much it covers.
+
+use super::record::Keeper;
+use super::report::Score;
+use super::{Event, Job, RunError};
+use fab_program::{Goal, Metric};
+use fab_world::expert;
+use fab_world::expert::ExpertEnds;
+use fab_world::metrics;
+use fab_world::{World, WorldError};
+use std::time::Instant;
+
+/// What came of scoring.
+pub(super) enum Scored {
+    /// There is nothing to score, or nothing to score it against.
+    Absent,
+    Interrupted,
+    Found(Score),
+}
+
+impl Scored {
+    pub(super) fn found(&self) -> Option<&Score> {
+        match self {
+            Scored::Found(score) => Some(score),
+            _ => None,
+        }
+    }
+}
+
+/// Compares the final state with the expert results, and keeps those beside it.
+pub(super) fn score(
+    job: &Job<'_>,
+    world: &dyn World,
+    keeper: &mut Keeper,
+    progress: &mut dyn FnMut(Event<'_>),
+) -> Result<Scored, RunError> {
+    let Some(particles) = world
+        .particles()
+        .filter(|_| !job.program.experts.is_empty())
+    else {
+        return Ok(Scored::Absent);
+    };
+    let begun = Instant::now();
+    let total = job.program.experts.len();
+    let mut announce = |missing: usize| progress(Event::SimulatingExperts { missing, total });
+    let ends = expert::ends(
+        &job.program.experts,
+        job.start,
+        job.make_expert_world,
+        job.cache,
+        job.interrupt,
+        &mut announce,
+    );
+    let ExpertEnds {
+        ends,
+        simulated,
+        not_kept,
+    } = match ends {
+        Ok(ends) => ends,
+        Err(WorldError::Interrupted) => return Ok(Scored::Interrupted),
+        Err(error) => return Err(error.into()),
+    };
+    keeper.timer.add("experts", begun.elapsed());
+    if let Some(why) = not_kept {
+        progress(Event::Note(why));
+    }
+    let mut distances = Vec::with_capacity(ends.len());
+    for end in &ends {
+        if let Some(distance_m) = metrics::mean_particle_distance_m(&particles, &end.positions) {
+            let file = keeper.keep_expert(end)?;
+            distances.push((end.sequence, distance_m, file));
+        }
+    }
+    let nearest = distances.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    Ok(match nearest {
+        Some(&(sequence, distance_m, _)) => Scored::Found(Score {
+            sequence,
+            distance_m,
+            distances,
+            simulated,
+        }),
+        None => Scored::Absent,
+    })
+}
+
+/// Returns whether a final distance reaches the goal; one that is judged after each step has been judged.
+pub(super) fn meets(goal: Option<&Goal>, distance_m: f64) -> bool {
+    goal.is_some_and(|goal| goal.metric == Metric::ParticleDistance && goal.is_met(distance_m))
+}

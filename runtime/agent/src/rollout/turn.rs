@@ -1,0 +1,264 @@
+//! One step under way: observe, find keypoints, ask and judge, execute.
+//!
+//! In: the job and what the step before left. Out: the step's line, and an outcome where the rollout ends with it.
+
+use super::record::Keeper;
+use super::timer::Timer;
+use super::{Event, Job, RunError};
+use crate::action::Action;
+use crate::agent::{self, Attempt, Decision, Situation};
+use crate::journal::StepLine;
+use crate::outcome::Outcome;
+use crate::pictures::Pictures;
+use crate::result::StepResult;
+use crate::scene::{Scene, SceneError};
+use crate::sheet::Sheet;
+use fab_picture::observation::Observation;
+use fab_program::facts::ExecutedAction;
+use fab_program::{Arrow, SubgoalStep};
+use fab_world::{World, WorldError, WorldPoint};
+use std::time::{Duration, Instant};
+
+/// What one step leaves to the next.
+#[derive(Default)]
+pub(super) struct Memory {
+    first_scene: Option<Scene>,
+    last: Option<ExecutedAction>,
+}
+
+/// One step under way.
+pub(super) struct Turn<'j> {
+    job: &'j Job<'j>,
+    /// Which action of the rollout it is, from 1; names its files.
+    number: u32,
+    /// Which step of the task it is for, from 1.
+    step: u32,
+    /// What the action before came to, where it was for the same step.
+    before: Option<StepResult>,
+    pub line: StepLine,
+    /// What the camera saw when the action was done; none where nothing was done.
+    pub after: Option<Observation>,
+    pub timer: Timer,
+    /// Spent on the way to an action, without the model and the writing of files.
+    planning: Duration,
+    /// Whether models were asked.
+    is_planned: bool,
+}
+
+impl<'j> Turn<'j> {
+    /// Begins the action of a number for a step, both from 1; after `before`, where the step is tried again.
+    pub(super) fn new(
+        job: &'j Job<'j>,
+        number: u32,
+        step: u32,
+        before: Option<StepResult>,
+    ) -> Turn<'j> {
+        Turn {
+            job,
+            number,
+            step,
+            before,
+            line: StepLine {
+                step: number,
+                ..StepLine::default()
+            },
+            after: None,
+            timer: Timer::default(),
+            planning: Duration::ZERO,
+            is_planned: false,
+        }
+    }
+
+    /// Returns the time of render, vision, prompt, parse and verify, seconds; none where no action was asked for.
+    pub(super) fn planning_s(&self) -> Option<f64> {
+        self.is_planned.then_some(self.planning.as_secs_f64())
+    }
+
+    /// Takes the step; returns an outcome where the rollout ends with it.
+    pub(super) fn take(
+        &mut self,
+        world: &mut dyn World,
+        memory: &mut Memory,
+        keeper: &mut Keeper,
+        sheet: &mut Sheet,
+        progress: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Option<Outcome>, RunError> {
+        let (job, number, step) = (self.job, self.number, self.step);
+        let begun = Instant::now();
+        if job.interrupt.is_raised() {
+            return Ok(self.stop(Outcome::Interrupted, "interrupted"));
+        }
+        let observation = match self.plan("observe", || world.observe()) {
+            Ok(observation) => observation,
+            Err(error) => return Ok(self.stop_for(&error)),
+        };
+        keeper.keep_picture(&mut self.line, "before", &observation.rgb)?;
+        // What is seen first is kept whole: how far the arm reaches is no property of the cloth.
+        let first = &mut memory.first_scene;
+        let reach = |point: &WorldPoint| world.out_of_reach(point);
+        let scene = match self.plan("keypoints", || {
+            let scene = Scene::of(job.program, &observation, first.as_ref())?;
+            first.get_or_insert_with(|| scene.clone());
+            scene.within_reach(job.program, &observation, &reach)
+        }) {
+            Ok(scene) => scene,
+            Err(error) => {
+                let outcome = match &error {
+                    SceneError::OutOfView { .. } => Outcome::ClothOutOfView,
+                    SceneError::NoCandidates { .. } | SceneError::NoneInReach { .. } => {
+                        Outcome::NoCandidates
+                    }
+                    SceneError::Missing(_) | SceneError::Vision(_) => Outcome::WorldFailed,
+                };
+                return Ok(self.stop(outcome, &error.to_string()));
+            }
+        };
+        self.line.scene = scene.to_json();
+        let last = memory.last.as_ref();
+        let drawn = self.plan("annotate", || {
+            let subgoals = job.subgoals.step(step as usize - 1)?;
+            let examples = job.examples.clone();
+            let pictures =
+                Pictures::of(job.program, &scene, &observation, last, subgoals, examples);
+            Ok::<_, RunError>(pictures)
+        });
+        let pictures = match drawn? {
+            Ok(pictures) => pictures,
+            Err(error) => return Ok(self.stop(Outcome::WorldFailed, &error.to_string())),
+        };
+        let asking = Instant::now();
+        let mut aside = Duration::ZERO;
+        let Keeper {
+            folder,
+            asking: line,
+            tally,
+            ..
+        } = keeper;
+        let mut record = |attempt: &Attempt| {
+            let keeping = Instant::now();
+            tally.attempt(attempt);
+            self.line
+                .attempts
+                .push(folder.keep_attempt(number, attempt)?);
+            self.timer.add(&attempt.stage, attempt.took);
+            progress(Event::Asked {
+                step: number,
+                attempt,
+            });
+            aside += attempt.took + keeping.elapsed();
+            Ok(())
+        };
+        let situation = Situation {
+            before: self.before,
+            program: job.program,
+            scene: &scene,
+            observation: &observation,
+            number,
+            step,
+            last,
+            pictures: &pictures,
+            reach: &reach,
+            repetition: job.repetition,
+        };
+        let decision = agent::decide(situation, job.models, line, &mut record)?;
+        let deciding = asking.elapsed().saturating_sub(aside);
+        self.timer.add("prompt and verify", deciding);
+        self.planning += deciding;
+        self.is_planned = true;
+        let proposal = match decision {
+            Decision::Act { proposal, accepted } => {
+                self.line.accepted = Some(accepted);
+                proposal
+            }
+            Decision::Skip(outcome) => {
+                self.line.skipped = Some(outcome);
+                progress(Event::Skipped {
+                    step: number,
+                    horizon: job.horizon(),
+                    why: outcome,
+                });
+                return Ok(None);
+            }
+            Decision::Stop(outcome) => {
+                return Ok(self.stop(outcome, "no answer could be executed; the attempts say why"));
+            }
+        };
+        let Some(action) = Action::lower(job.program, &proposal, &scene, &observation) else {
+            return Ok(self.stop(
+                Outcome::NoCandidates,
+                "the answer has no pick or no place, or no cloth is in view",
+            ));
+        };
+        let drawn = keeper.keep_action(&mut self.line, &observation.rgb, &action)?;
+        let executed = match self
+            .timer
+            .time("act", || world.act(&action.motion, job.interrupt))
+        {
+            Ok(executed) => executed,
+            Err(error) => {
+                self.line.action = Some(action);
+                return Ok(self.stop_for(&error));
+            }
+        };
+        let after = match world.observe() {
+            Ok(after) => after,
+            Err(error) => return Ok(self.stop_for(&error)),
+        };
+        keeper.keep_picture(&mut self.line, "after", &after.rgb)?;
+        keeper.keep_positions(&mut self.line, world)?;
+        if let Some(first) = &memory.first_scene {
+            let result = StepResult::of(job.program, job.subgoals, step, first, &after);
+            self.line.result = match result {
+                Ok(result) => result,
+                Err(error) => return Ok(self.stop(Outcome::WorldFailed, &error.to_string())),
+            };
+        }
+        let shown = match &pictures.subgoals {
+            Some(subgoals) => subgoals.picture(SubgoalStep::Now, Arrow::Drawn),
+            None => &pictures.annotated,
+        };
+        sheet.row(number, shown, drawn, after.rgb.clone());
+        self.after = Some(after);
+        let grasp = executed.grasp;
+        progress(Event::Stepped {
+            step: number,
+            horizon: job.horizon(),
+            action: &action,
+            grasp,
+            seconds: begun.elapsed().as_secs_f64(),
+            spent: keeper.asking.spent(),
+        });
+        memory.last = Some(ExecutedAction {
+            proposal,
+            pick: action.pick_on_cloth_px,
+            place: action.place_px,
+        });
+        self.line.action = Some(action);
+        self.line.executed = Some(executed);
+        Ok(None)
+    }
+
+    /// Does a part of planning and adds its time.
+    fn plan<T>(&mut self, what: &str, work: impl FnOnce() -> T) -> T {
+        let begun = Instant::now();
+        let result = work();
+        let took = begun.elapsed();
+        self.timer.add(what, took);
+        self.planning += took;
+        result
+    }
+
+    fn stop(&mut self, outcome: Outcome, why: &str) -> Option<Outcome> {
+        self.line.stopped = Some(why.to_owned());
+        Some(outcome)
+    }
+
+    fn stop_for(&mut self, error: &WorldError) -> Option<Outcome> {
+        let outcome = match error {
+            WorldError::PlannedOnly => Outcome::Planned,
+            WorldError::Interrupted | WorldError::Halted { .. } => Outcome::Interrupted,
+            _ => Outcome::WorldFailed,
+        };
+        self.stop(outcome, &error.to_string())
+    }
+}

@@ -1,0 +1,193 @@
+//! Runs one extractor on an observation.
+
+use super::measured::measured;
+use super::{Found, Scene, SceneError};
+use fab_picture::centroid;
+use fab_picture::depth_mask;
+use fab_picture::observation::Observation;
+use fab_picture::{Located, Mask};
+use fab_program::data::keypoints::PictureSide;
+use fab_program::{Extractor, Inside, PixelPoint};
+use fab_vision::CornerSearch;
+use std::borrow::Cow;
+
+impl Scene {
+    /// Finds one keypoint; what it builds on has been found before.
+    pub(super) fn extract(
+        &self,
+        name: &str,
+        extractor: &Extractor,
+        observation: &Observation,
+    ) -> Result<Found, SceneError> {
+        let out_of_view = |mask: &str| SceneError::OutOfView {
+            mask: mask.to_owned(),
+            measured: format!("; `{name}` is taken from it"),
+        };
+        let seen = |mask: Mask| self.seen(name, mask, extractor, observation);
+        Ok(match extractor {
+            Extractor::DepthMask { below_m } => seen(depth_mask(&observation.depth_m, *below_m))?,
+            Extractor::ColorMask {
+                hue_deg,
+                saturation,
+                value,
+            } => {
+                let rgb = &observation.rgb;
+                seen(fab_vision::color_mask(rgb, *hue_deg, *saturation, *value))?
+            }
+            Extractor::SplitMask {
+                of,
+                keep,
+                blur_px,
+                contrast,
+            } => {
+                let rgb = &observation.rgb;
+                seen(fab_vision::split_mask(rgb, *of, *keep, *blur_px, *contrast))?
+            }
+            Extractor::Closed { mask, by_px } => {
+                Found::Mask(fab_vision::closed(self.mask(mask)?, *by_px))
+            }
+            Extractor::Largest { mask } => Found::Mask(fab_vision::largest(self.mask(mask)?)),
+            Extractor::Union { masks } => {
+                let masks = masks.iter().map(|mask| self.mask(mask));
+                let masks = masks.collect::<Result<Vec<_>, _>>()?;
+                of_pixels(observation, |pixel| {
+                    masks.iter().any(|mask| mask.contains(pixel))
+                })
+            }
+            Extractor::Minus { mask, without } => {
+                let (mask, without) = (self.mask(mask)?, self.mask(without)?);
+                of_pixels(observation, |pixel| {
+                    mask.contains(pixel) && !without.contains(pixel)
+                })
+            }
+            Extractor::Corners {
+                mask,
+                of,
+                white,
+                inside,
+                image_px,
+                max,
+                quality,
+                spacing_px,
+                block_px,
+                response,
+            } => {
+                let search = CornerSearch {
+                    of: *of,
+                    image_px: *image_px,
+                    max: *max,
+                    quality: *quality,
+                    spacing_px: *spacing_px,
+                    block_px: *block_px,
+                    response: *response,
+                };
+                let mask = self.mask(mask)?;
+                let rgb = match white {
+                    Some(white) => Cow::Owned(fab_vision::painted_white(
+                        &observation.rgb,
+                        self.mask(white)?,
+                    )),
+                    None => Cow::Borrowed(&observation.rgb),
+                };
+                let mut found = fab_vision::corners(&observation.depth_m, &rgb, mask, &search)?;
+                if let Some(Inside { of, margin_px }) = inside {
+                    let frame = self.corners_of(of)?;
+                    found.retain(|corner| {
+                        fab_vision::box_distance_px(corner.pixel, frame) <= *margin_px
+                    });
+                }
+                Found::Points(found)
+            }
+            Extractor::Centroid { mask } => centroid(self.mask(mask)?)
+                .map(Found::Point)
+                .ok_or_else(|| out_of_view(mask))?,
+            Extractor::BoundingBox { mask } => fab_vision::bounding_box(self.mask(mask)?)
+                .map(Found::Box)
+                .ok_or_else(|| out_of_view(mask))?,
+            Extractor::BoxCenter { of } => Found::Point(Located::at_center_of(
+                fab_vision::box_center(self.corners_of(of)?),
+            )),
+            Extractor::PictureCenter => {
+                let [right, low] = [observation.rgb.width(), observation.rgb.height()]
+                    .map(|side| side.saturating_sub(1) as i32);
+                let around = [PixelPoint::new(0, 0), PixelPoint::new(right, low)];
+                Found::Point(Located::at_center_of(fab_vision::box_center(around)))
+            }
+            Extractor::Contour { mask, tolerance_px } => {
+                let around = fab_vision::contour(self.mask(mask)?, *tolerance_px)?;
+                if around.is_empty() {
+                    return Err(out_of_view(mask));
+                }
+                Found::Outline(around)
+            }
+            Extractor::EdgeMiddles { outline } => {
+                Found::Points(fab_vision::edge_middles(self.outline(outline)?))
+            }
+            Extractor::Along { outline, count } => {
+                Found::Points(fab_vision::along(self.outline(outline)?, *count))
+            }
+            Extractor::Toward { points, to, share } => {
+                let to = self.points_of(to).first().map(|point| point.at);
+                let points = self.points_of(points).iter();
+                let moved = |at: [f64; 2], to: [f64; 2]| {
+                    Located::at([0, 1].map(|axis| at[axis] + share * (to[axis] - at[axis])))
+                };
+                let moved = points.filter_map(|point| Some(moved(point.at, to?)));
+                Found::Points(moved.collect())
+            }
+            Extractor::Outermost { points, side } => outermost(self.points_of(points), *side)
+                .map(Found::Point)
+                .ok_or_else(|| SceneError::NoCandidates {
+                    keypoint: points.clone(),
+                    measured: format!("; `{name}` is one of its points"),
+                })?,
+            Extractor::Fixed { points } => {
+                Found::Points(points.iter().copied().map(Located::at_center_of).collect())
+            }
+        })
+    }
+
+    /// Accepts a mask that shows something; none but the first, the cloth, must.
+    ///
+    /// A colour may be out of sight, as the underside of a cloth that lies flat.
+    fn seen(
+        &self,
+        name: &str,
+        mask: Mask,
+        extractor: &Extractor,
+        observation: &Observation,
+    ) -> Result<Found, SceneError> {
+        if mask.is_empty() && self.cloth().is_none() {
+            return Err(SceneError::OutOfView {
+                mask: name.to_owned(),
+                measured: measured(extractor, observation),
+            });
+        }
+        Ok(Found::Mask(mask))
+    }
+}
+
+/// Collects the pixels of the picture for which `is_inside` holds.
+fn of_pixels(observation: &Observation, is_inside: impl Fn(PixelPoint) -> bool) -> Found {
+    let (width, height) = observation.rgb.dimensions();
+    Found::Mask(Mask::from_fn(width, height, |column, row| {
+        is_inside(PixelPoint::new(column as i32, row as i32))
+    }))
+}
+
+/// Returns the point that is nearest to a side of the picture; of several the first.
+fn outermost(points: &[Located], side: PictureSide) -> Option<Located> {
+    let inward = |point: &Located| match side {
+        PictureSide::Left => point.at[0],
+        PictureSide::Right => -point.at[0],
+        PictureSide::Top => point.at[1],
+        PictureSide::Bottom => -point.at[1],
+    };
+    points.iter().copied().reduce(|best, point| {
+        if inward(&point) < inward(&best) {
+            point
+        } else {
+            best
+        }
+    })
+}

@@ -1,0 +1,295 @@
+//! What is known about one observation: the program's keypoints, found.
+//!
+//! In: a program and an [`Observation`]. Out: a [`Scene`], a pure function of both and of the
+//! rollout's first scene. Prompts are filled from it and checks are judged on it.
+
+mod annotate;
+mod extract;
+mod measured;
+mod reach;
+mod stages;
+#[cfg(test)]
+mod tests;
+
+pub use stages::StagePicture;
+
+use fab_picture::observation::Observation;
+use fab_picture::{Located, Mask};
+use fab_program::scene::{SceneView, Unreachable};
+use fab_program::space;
+use fab_program::{Choices, Keypoint, KeypointShape, Moment, PixelPoint, Program};
+use fab_vision::VisionError;
+use serde_json::{Map, Value, json};
+
+/// The keypoints of one observation, in the program's order.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    found: Vec<(String, Found)>,
+    /// The name of the cloth's mask.
+    cloth: Option<String>,
+    /// Candidate points that were taken out of it, in the order in which the action's fields list them.
+    unreachable: Vec<Unreachable>,
+}
+
+/// What an extractor gave.
+#[derive(Clone, Debug)]
+enum Found {
+    Mask(Mask),
+    Box([PixelPoint; 2]),
+    Outline(Vec<PixelPoint>),
+    Points(Vec<Located>),
+    Point(Located),
+}
+
+/// Why a picture gives no scene.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The first mask, the cloth, or one that something is taken from is empty.
+    #[error("no pixel of the picture belongs to `{mask}`: the cloth is out of view{measured}")]
+    OutOfView {
+        /// The mask's name.
+        mask: String,
+        /// What the picture shows instead, as the message's end; perhaps empty.
+        measured: String,
+    },
+    /// A detector found nothing, so that there is nothing to offer.
+    #[error(
+        "`{keypoint}` finds no point in the picture, so there is nothing to choose from{measured}"
+    )]
+    NoCandidates {
+        /// The keypoint's name.
+        keypoint: String,
+        /// What the detectors looked at, as the message's end; perhaps empty.
+        measured: String,
+    },
+    /// Detectors found points, and none that a field offers is in reach.
+    #[error("no point of `{keypoint}` is in reach: {why}")]
+    NoneInReach {
+        /// The keypoints that the field offers.
+        keypoint: String,
+        /// Each point with why.
+        why: String,
+    },
+    /// A layer needs what there is not; only a program edited by hand does that.
+    #[error("an annotation cannot be drawn: {0}")]
+    Missing(fab_program::scene::Missing),
+    /// The detector itself failed.
+    #[error(transparent)]
+    Vision(#[from] VisionError),
+}
+
+impl Scene {
+    /// Finds every keypoint of `program` in `observation`.
+    ///
+    /// Keypoints of the start are taken from `first`, the rollout's first scene; without one, this
+    /// scene is the first. Fails where the first mask (the cloth) or one that something is taken from is
+    /// empty, a field has nothing to choose from, or OpenCV fails.
+    pub fn of(
+        program: &Program,
+        observation: &Observation,
+        first: Option<&Scene>,
+    ) -> Result<Scene, SceneError> {
+        let mut scene = Scene {
+            found: Vec::with_capacity(program.keypoints.len()),
+            cloth: None,
+            unreachable: Vec::new(),
+        };
+        for keypoint in &program.keypoints {
+            let kept = first
+                .filter(|_| keypoint.moment == Moment::Start)
+                .and_then(|first| first.get(&keypoint.name));
+            let found = match kept {
+                Some(found) => found.clone(),
+                None => scene.extract(&keypoint.name, &keypoint.extractor, observation)?,
+            };
+            scene.add(keypoint, found);
+        }
+        for field in &program.actions {
+            if let Choices::Region { mask } = &field.choices
+                && scene.mask(mask)?.is_empty()
+            {
+                return Err(SceneError::NoCandidates {
+                    keypoint: mask.clone(),
+                    measured: String::new(),
+                });
+            }
+            if let Choices::Points { keypoints } = &field.choices
+                && space::choices(field, &scene).is_empty()
+            {
+                return Err(SceneError::NoCandidates {
+                    keypoint: keypoints.join("`, `"),
+                    measured: scene.looked_at(program, keypoints),
+                });
+            }
+        }
+        Ok(scene)
+    }
+
+    /// Finds the cloth alone, the mask that [`Scene::cloth`] returns; `None` where it is out of view.
+    pub fn cloth_in(
+        program: &Program,
+        observation: &Observation,
+    ) -> Result<Option<Mask>, SceneError> {
+        let mut scene = Scene {
+            found: Vec::new(),
+            cloth: None,
+            unreachable: Vec::new(),
+        };
+        let is_mask = |keypoint: &&Keypoint| keypoint.extractor.shape() == KeypointShape::Mask;
+        for keypoint in program.keypoints.iter().filter(is_mask) {
+            let (name, extractor) = (&keypoint.name, &keypoint.extractor);
+            if scene.cloth.is_some() && extractor.refines() != scene.cloth.as_deref() {
+                continue;
+            }
+            match scene.extract(name, extractor, observation) {
+                Ok(found) => scene.add(keypoint, found),
+                Err(SceneError::OutOfView { .. }) => return Ok(None),
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(scene.cloth().cloned())
+    }
+
+    /// Adds what was found; the first mask is the cloth, and so is one that is made of it to be cleaner.
+    fn add(&mut self, keypoint: &Keypoint, found: Found) {
+        let is_cloth = match (&found, &self.cloth) {
+            (Found::Mask(_), None) => true,
+            (Found::Mask(_), Some(cloth)) => keypoint.extractor.refines() == Some(cloth),
+            _ => false,
+        };
+        if is_cloth {
+            self.cloth = Some(keypoint.name.clone());
+        }
+        self.found.push((keypoint.name.clone(), found));
+    }
+
+    fn get(&self, name: &str) -> Option<&Found> {
+        self.found
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, found)| found)
+    }
+
+    fn mask(&self, name: &str) -> Result<&Mask, SceneError> {
+        match self.get(name) {
+            Some(Found::Mask(mask)) => Ok(mask),
+            _ => Err(out_of_view(name)),
+        }
+    }
+
+    fn outline(&self, name: &str) -> Result<&[PixelPoint], SceneError> {
+        match self.get(name) {
+            Some(Found::Outline(points)) => Ok(points),
+            _ => Err(out_of_view(name)),
+        }
+    }
+
+    /// Returns the points of a keypoint, one for a point; none for another shape.
+    fn points_of(&self, name: &str) -> &[Located] {
+        match self.get(name) {
+            Some(Found::Points(points)) => points,
+            Some(Found::Point(point)) => std::slice::from_ref(point),
+            _ => &[],
+        }
+    }
+
+    fn corners_of(&self, name: &str) -> Result<[PixelPoint; 2], SceneError> {
+        match self.get(name) {
+            Some(Found::Box(corners)) => Ok(*corners),
+            _ => Err(out_of_view(name)),
+        }
+    }
+
+    /// Returns the mask of the cloth, on which a pick must land: the one that is declared first, or what `closed` and
+    /// `largest` made of it.
+    pub fn cloth(&self) -> Option<&Mask> {
+        self.mask(self.cloth.as_deref()?).ok()
+    }
+
+    /// Returns where the found point lies that a pixel stands for, `[column, row]`, pixels.
+    ///
+    /// Prompts name a point by its whole pixel; an answer that names it means the point. Of several points that
+    /// share a pixel the first that was declared counts.
+    pub fn located(&self, pixel: PixelPoint) -> Option<[f64; 2]> {
+        let points = self.found.iter().map(|(_, found)| match found {
+            Found::Points(points) => points.as_slice(),
+            Found::Point(point) => std::slice::from_ref(point),
+            Found::Mask(_) | Found::Box(_) | Found::Outline(_) => &[],
+        });
+        points
+            .flatten()
+            .find(|point| point.pixel == pixel)
+            .map(|point| point.at)
+    }
+
+    /// Returns the points as JSON, `{name: [[u, v], …]}`; a mask stands as its number of pixels. Where points are out of
+    /// reach, they stand under `unreachable`, each with why, and not in their keypoint's list.
+    pub fn to_json(&self) -> Value {
+        let mut object = Map::new();
+        for (name, found) in &self.found {
+            let value = match found {
+                Found::Mask(mask) => json!({ "area_px": mask.area_px() }),
+                Found::Box(corners) => json!({ "box": corners }),
+                Found::Outline(points) => json!({ "outline": points }),
+                Found::Points(points) => json!(pixels(points)),
+                Found::Point(point) => json!([point.pixel]),
+            };
+            object.insert(name.clone(), value);
+        }
+        if !self.unreachable.is_empty() {
+            let points = self.unreachable.iter();
+            let points = points.map(|it| json!({ "point": it.point, "why": it.why }));
+            object.insert("unreachable".to_owned(), points.collect());
+        }
+        Value::Object(object)
+    }
+}
+
+/// Says that a mask shows nothing, where no more is known of the picture.
+fn out_of_view(mask: &str) -> SceneError {
+    SceneError::OutOfView {
+        mask: mask.to_owned(),
+        measured: String::new(),
+    }
+}
+
+fn pixels(points: &[Located]) -> Vec<PixelPoint> {
+    points.iter().map(|point| point.pixel).collect()
+}
+
+impl SceneView for Scene {
+    fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
+        match self.get(keypoint)? {
+            Found::Points(points) => Some(pixels(points)),
+            Found::Point(point) => Some(vec![point.pixel]),
+            Found::Mask(_) | Found::Box(_) | Found::Outline(_) => None,
+        }
+    }
+
+    fn distance_px(&self, region: &str, point: PixelPoint) -> Option<f64> {
+        match self.get(region)? {
+            Found::Mask(mask) if mask.is_empty() => None,
+            Found::Mask(mask) => Some(mask.distance_px(point)),
+            Found::Box(corners) => Some(fab_vision::box_distance_px(point, *corners)),
+            _ => None,
+        }
+    }
+
+    fn area_px(&self, mask: &str) -> Option<f64> {
+        match self.get(mask)? {
+            Found::Mask(mask) => Some(mask.area_px() as f64),
+            _ => None,
+        }
+    }
+
+    fn region_pixel(&self, mask: &str, number: u64) -> Option<PixelPoint> {
+        match self.get(mask)? {
+            Found::Mask(mask) => mask.pixels().nth(usize::try_from(number).ok()?),
+            _ => None,
+        }
+    }
+
+    fn unreachable(&self) -> &[Unreachable] {
+        &self.unreachable
+    }
+}

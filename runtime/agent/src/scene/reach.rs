@@ -1,0 +1,72 @@
+//! Takes candidate points that are out of reach out of a scene, before anybody is asked to choose among them.
+//!
+//! In: a scene, its observation, and a world's word on points of the table. Out: the scene whose lists lack these points,
+//! and which says why. Answers that lead elsewhere, by a direction or to any pixel of a mask, are judged when they are
+//! there (`agent/reach.rs`).
+
+use super::{Found, Scene, SceneError};
+use crate::action;
+use fab_picture::observation::Observation;
+use fab_program::scene::{SceneView, Unreachable};
+use fab_program::space;
+use fab_program::{Choices, PixelPoint, Program};
+use fab_world::Reach;
+
+impl Scene {
+    /// Returns the scene without the candidate points that are out of reach.
+    ///
+    /// A candidate is a point of a keypoint that a field of the action offers. It is left out of that keypoint's list,
+    /// and so of texts and layers; a keypoint that is one point stays where it is, since checks may measure from it, and is
+    /// not offered. Fails where a field has nothing left to offer.
+    pub fn within_reach(
+        mut self,
+        program: &Program,
+        observation: &Observation,
+        reach: &Reach<'_>,
+    ) -> Result<Scene, SceneError> {
+        let offered = program.actions.iter().filter_map(|field| {
+            let keypoints = match &field.choices {
+                Choices::Points { keypoints } => keypoints,
+                _ => return None,
+            };
+            Some((field, keypoints))
+        });
+        let mut unreachable: Vec<Unreachable> = Vec::new();
+        for (field, keypoints) in offered.clone() {
+            let candidates = keypoints.iter().filter_map(|name| self.points(name));
+            for point in candidates.flatten() {
+                let is_known = unreachable.iter().any(|it| it.point == point);
+                let on_table = action::candidate(&field.name, point, &self, observation);
+                if let (false, Some(why)) = (is_known, on_table.and_then(|point| reach(&point))) {
+                    unreachable.push(Unreachable { point, why });
+                }
+            }
+        }
+        if unreachable.is_empty() {
+            return Ok(self);
+        }
+        let is_in_reach = |point: PixelPoint| unreachable.iter().all(|it| it.point != point);
+        for (_, keypoints) in offered.clone() {
+            let listed = self.found.iter_mut();
+            for (_, found) in listed.filter(|(name, _)| keypoints.contains(name)) {
+                if let Found::Points(points) = found {
+                    points.retain(|point| is_in_reach(point.pixel));
+                }
+            }
+        }
+        self.unreachable = unreachable;
+        for (field, keypoints) in offered {
+            if space::choices(field, &self).is_empty() {
+                let points = self.unreachable.iter();
+                let why: Vec<String> = points
+                    .map(|it| format!("{}: {}", it.point, it.why))
+                    .collect();
+                return Err(SceneError::NoneInReach {
+                    keypoint: keypoints.join("`, `"),
+                    why: why.join("; "),
+                });
+            }
+        }
+        Ok(self)
+    }
+}

@@ -1,0 +1,300 @@
+//! The pictures that show a fold, step by step.
+//!
+//! In: a program and the folder of its file. Out: `steps + 1` pictures and the arrow of each step,
+//! from the author's files, from pinned ones, or drawn by executing `demonstrate` in a world.
+
+mod pins;
+
+use crate::task_files::{self, FileError};
+use fab_base::interrupt::Interrupt;
+use fab_picture::observation::Observation;
+use fab_picture::png;
+use fab_picture::png::PictureError;
+use fab_program::{Arrow, Fold, Program, SubgoalImage, SubgoalStep, Subgoals};
+use fab_vision::VisionError;
+use fab_world::expert;
+use fab_world::start::Start;
+use fab_world::{World, WorldError};
+use image::RgbImage;
+use pins::Pinned;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// Tail and tip of an arrow in a picture's pixels, `[column, row]`.
+pub type ArrowPx = [[f64; 2]; 2];
+
+/// The pictures of a whole task.
+#[derive(Clone, Debug)]
+pub struct SubgoalSet {
+    /// One more than there are steps.
+    pub pictures: Vec<RgbImage>,
+    /// The arrow that leaves each picture but the last; none where the picture already carries one.
+    pub arrows: Vec<Option<ArrowPx>>,
+    /// Where they come from.
+    pub origin: Origin,
+}
+
+impl SubgoalSet {
+    /// Returns the SHA-256 of all pictures and arrows, hex.
+    pub fn digest(&self) -> String {
+        let mut hash = Sha256::new();
+        for picture in &self.pictures {
+            hash.update(picture.width().to_le_bytes());
+            hash.update(picture.height().to_le_bytes());
+            hash.update(picture.as_raw());
+        }
+        hash.update(format!("{:?}", self.arrows));
+        fab_base::digest::hex(&hash.finalize())
+    }
+}
+
+/// Where subgoal pictures come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Origin {
+    /// Files that the author names.
+    Author,
+    /// Files that `fabc subgoals` drew earlier.
+    Pinned,
+    /// Files that `fabc subgoals` drew earlier, by another simulator.
+    PinnedByOther,
+    /// Drawn for this run, because none are pinned.
+    Drawn,
+    /// The task has none.
+    Absent,
+    /// Drawn for this run, because the pinned ones show another fold, cloth or camera.
+    DrawnAnew,
+}
+
+/// The pictures around one step.
+#[derive(Clone, Debug)]
+pub struct StepPictures {
+    /// Now and next, bare.
+    bare: [RgbImage; 2],
+    /// Now and next, with the arrow of the step.
+    with_arrow: [RgbImage; 2],
+}
+
+/// A step of a demonstration, before it is done.
+#[derive(Clone, Copy)]
+pub struct Demonstrated<'a> {
+    /// From 0.
+    pub number: usize,
+    /// What is done.
+    pub fold: &'a Fold,
+    /// How the cloth lies.
+    pub observation: &'a Observation,
+    /// Where it is picked and placed, pixels `[column, row]`; none where the camera does not see that.
+    pub ends_px: [Option<[f64; 2]>; 2],
+}
+
+/// Why there are no pictures.
+#[derive(Debug, thiserror::Error)]
+pub enum SubgoalError {
+    /// A file is not where a task may have it.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A picture cannot be used.
+    #[error("a subgoal picture cannot be used: {0}")]
+    Picture(#[from] PictureError),
+    /// A file cannot be written.
+    #[error("cannot write the subgoal picture `{path}`: {why}")]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        why: String,
+    },
+    /// An arrow cannot be drawn.
+    #[error(transparent)]
+    Vision(#[from] VisionError),
+    /// The demonstration cannot be executed.
+    #[error("the demonstration cannot be executed: {0}")]
+    World(#[from] WorldError),
+}
+
+impl SubgoalSet {
+    /// Returns the set of a task without subgoals.
+    pub fn none() -> SubgoalSet {
+        SubgoalSet {
+            pictures: Vec::new(),
+            arrows: Vec::new(),
+            origin: Origin::Absent,
+        }
+    }
+
+    /// Returns the program's pictures; `folder` is the one that holds its file.
+    ///
+    /// `world` is used only where nothing is pinned; it is reset by it.
+    pub fn obtain(
+        program: &Program,
+        folder: &Path,
+        world: &mut dyn World,
+        interrupt: &Interrupt,
+    ) -> Result<SubgoalSet, SubgoalError> {
+        match &program.subgoals {
+            None => Ok(SubgoalSet::none()),
+            Some(Subgoals::Images { images }) => load_images(images, folder),
+            Some(Subgoals::Demonstrate { folds }) => {
+                let origin = match pins::load(program, folds, folder, world) {
+                    Pinned::Fitting(set) => return Ok(set),
+                    Pinned::Absent => Origin::Drawn,
+                    Pinned::OfAnotherFold => Origin::DrawnAnew,
+                };
+                let unseen = &mut |_: Demonstrated<'_>| {};
+                let drawn = draw_until(folds.len(), program, folds, world, interrupt, unseen)?;
+                Ok(SubgoalSet { origin, ..drawn })
+            }
+        }
+    }
+
+    /// Draws the demonstration afresh, whatever is pinned; the author's own pictures are loaded.
+    ///
+    /// - `watch`: is shown each step before it is done.
+    pub fn draw(
+        program: &Program,
+        folder: &Path,
+        world: &mut dyn World,
+        interrupt: &Interrupt,
+        watch: &mut dyn FnMut(Demonstrated<'_>),
+    ) -> Result<SubgoalSet, SubgoalError> {
+        match &program.subgoals {
+            None => Ok(SubgoalSet::none()),
+            Some(Subgoals::Images { images }) => load_images(images, folder),
+            Some(Subgoals::Demonstrate { folds }) => {
+                draw_until(folds.len(), program, folds, world, interrupt, watch)
+            }
+        }
+    }
+
+    /// Returns the pictures around step `number`, from 0; the last step's where there are fewer, none where
+    /// there are none at all.
+    ///
+    /// Fails where the arrow cannot be drawn.
+    pub fn step(&self, number: usize) -> Result<Option<StepPictures>, VisionError> {
+        if self.pictures.is_empty() {
+            return Ok(None);
+        }
+        let last = self.pictures.len().saturating_sub(2);
+        let number = number.min(last);
+        let bare = [number, (number + 1).min(self.pictures.len() - 1)]
+            .map(|index| self.pictures[index].clone());
+        let mut with_arrow = bare.clone();
+        if let Some([tail, tip]) = self.arrows.get(number).copied().flatten() {
+            for picture in &mut with_arrow {
+                fab_vision::draw_arrow(picture, tail, tip)?;
+            }
+        }
+        Ok(Some(StepPictures { bare, with_arrow }))
+    }
+
+    /// Returns one picture around step `number`, from 0, as [`SubgoalSet::obtain`] and [`SubgoalSet::step`] would, and
+    /// folds no further than it needs; None where the task has no subgoals.
+    pub fn picture(
+        program: &Program,
+        folder: &Path,
+        number: usize,
+        (which, arrow): (SubgoalStep, Arrow),
+        world: &mut dyn World,
+        interrupt: &Interrupt,
+    ) -> Result<Option<RgbImage>, SubgoalError> {
+        let set = match &program.subgoals {
+            None => return Ok(None),
+            Some(Subgoals::Images { images }) => load_images(images, folder)?,
+            Some(Subgoals::Demonstrate { folds }) => {
+                match pins::load(program, folds, folder, world) {
+                    Pinned::Fitting(set) => set,
+                    Pinned::Absent | Pinned::OfAnotherFold => {
+                        let number = number.min(folds.len() - 1);
+                        let last = match which {
+                            SubgoalStep::Now => number,
+                            SubgoalStep::Next => number + 1,
+                        };
+                        let unseen = &mut |_: Demonstrated<'_>| {};
+                        let mut set = draw_until(last, program, folds, world, interrupt, unseen)?;
+                        let mut picture = set.pictures.swap_remove(last);
+                        if let (Arrow::Drawn, Some([tail, tip])) = (arrow, set.arrows[number]) {
+                            fab_vision::draw_arrow(&mut picture, tail, tip)?;
+                        }
+                        return Ok(Some(picture));
+                    }
+                }
+            }
+        };
+        let step = set.step(number)?;
+        Ok(step.map(|step| step.picture(which, arrow).clone()))
+    }
+}
+
+impl StepPictures {
+    /// Returns one of the two pictures.
+    pub fn picture(&self, which: SubgoalStep, arrow: Arrow) -> &RgbImage {
+        let pair = match arrow {
+            Arrow::Drawn => &self.with_arrow,
+            Arrow::Absent => &self.bare,
+        };
+        match which {
+            SubgoalStep::Now => &pair[0],
+            SubgoalStep::Next => &pair[1],
+        }
+    }
+}
+
+fn load_images(images: &[SubgoalImage], folder: &Path) -> Result<SubgoalSet, SubgoalError> {
+    let mut set = SubgoalSet {
+        pictures: Vec::new(),
+        arrows: Vec::new(),
+        origin: Origin::Author,
+    };
+    for image in images {
+        let path = task_files::resolve(folder, &image.file)?;
+        set.pictures.push(png::load(&path)?);
+        let pixel = |point: fab_program::PixelPoint| [f64::from(point.u), f64::from(point.v)];
+        set.arrows
+            .push(image.arrow.map(|[tail, tip]| [pixel(tail), pixel(tip)]));
+    }
+    set.arrows.truncate(images.len().saturating_sub(1));
+    Ok(set)
+}
+
+/// Draws the pictures from the first to number `last`, from 0, and the arrows that leave them.
+fn draw_until(
+    last: usize,
+    program: &Program,
+    folds: &[Fold],
+    world: &mut dyn World,
+    interrupt: &Interrupt,
+    watch: &mut dyn FnMut(Demonstrated<'_>),
+) -> Result<SubgoalSet, SubgoalError> {
+    let start = Start::flat(&program.cloth);
+    world.reset(&start)?;
+    let mut observation = world.observe()?;
+    let mut set = SubgoalSet {
+        pictures: vec![observation.rgb.clone()],
+        arrows: Vec::new(),
+        origin: Origin::Drawn,
+    };
+    for (number, fold) in folds.iter().enumerate() {
+        let motion = expert::motion(fold, &start, world)?;
+        let camera = &observation.camera;
+        let ends = [motion.pick, motion.place].map(|point| camera.pixel_from_world(point));
+        set.arrows.push(match ends {
+            [Some(tail), Some(tip)] => Some([tail, tip]),
+            _ => None,
+        });
+        if number == last {
+            break;
+        }
+        watch(Demonstrated {
+            number,
+            fold,
+            observation: &observation,
+            ends_px: ends,
+        });
+        world.act(&motion, interrupt)?;
+        observation = world.observe()?;
+        set.pictures.push(observation.rgb.clone());
+    }
+    Ok(set)
+}

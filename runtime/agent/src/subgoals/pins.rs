@@ -1,0 +1,166 @@
+//! Subgoal pictures that are kept beside a task's file.
+//!
+//! In: a program and the folder of its file. Out: the pictures that `fabc subgoals` drew, where they still show what the
+//! program does. `pins.json` beside them says what they were drawn from, and what they looked like.
+
+use super::{ArrowPx, Origin, SubgoalError, SubgoalSet};
+use fab_base::files;
+use fab_picture::png;
+use fab_program::{Fold, Program, Subgoals};
+use fab_world::World;
+use image::RgbImage;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Beside the pinned pictures: what they were drawn from.
+#[derive(Serialize, Deserialize)]
+struct Pins {
+    format: u32,
+    /// Hash of cloth, camera and folds.
+    drawn_from: String,
+    /// Hash of the world's parameters.
+    params: String,
+    arrows: Vec<ArrowPx>,
+    /// Hashes of the pictures' pixels, in order.
+    pictures: Vec<String>,
+}
+
+const PINS_FORMAT: u32 = 2;
+const PINS_FILE: &str = "pins.json";
+
+/// What is found where pinned pictures should be.
+pub(super) enum Pinned {
+    Fitting(SubgoalSet),
+    OfAnotherFold,
+    Absent,
+}
+
+/// Looks for pinned pictures that show what the program does: its own, or for a variant those of the task itself.
+///
+/// Pictures that are missing, or were exchanged since they were pinned, are not those.
+pub(super) fn load(program: &Program, folds: &[Fold], folder: &Path, world: &dyn World) -> Pinned {
+    let own = of_folder(program, folds, &pin_folder(program, folder), world);
+    if !matches!(own, Pinned::Absent) || program.variant.is_none() {
+        return own;
+    }
+    let tasks = folder.join(format!("{}.subgoals", program.task));
+    match of_folder(program, folds, &tasks, world) {
+        Pinned::Fitting(set) => Pinned::Fitting(set),
+        // The task folds another way than its variant; that nothing is pinned for this one is no fault.
+        Pinned::OfAnotherFold | Pinned::Absent => Pinned::Absent,
+    }
+}
+
+fn of_folder(program: &Program, folds: &[Fold], source: &Path, world: &dyn World) -> Pinned {
+    let Ok(text) = fs::read_to_string(source.join(PINS_FILE)) else {
+        return Pinned::Absent;
+    };
+    let Ok(pins) = serde_json::from_str::<Pins>(&text) else {
+        return Pinned::OfAnotherFold;
+    };
+    if pins.format != PINS_FORMAT
+        || pins.drawn_from != drawn_from(program, folds)
+        || pins.arrows.len() != folds.len()
+    {
+        return Pinned::OfAnotherFold;
+    }
+    let mut pictures = Vec::new();
+    for number in 0..=folds.len() {
+        let Ok(picture) = png::load(&source.join(format!("{number}.png"))) else {
+            return Pinned::OfAnotherFold;
+        };
+        let is_exchanged = pins
+            .pictures
+            .get(number)
+            .is_some_and(|hash| *hash != hash_of(&picture));
+        if is_exchanged
+            || picture.dimensions() != (program.camera.image_px, program.camera.image_px)
+        {
+            return Pinned::OfAnotherFold;
+        }
+        pictures.push(picture);
+    }
+    let arrows = pins.arrows.into_iter().map(Some).collect();
+    Pinned::Fitting(SubgoalSet {
+        pictures,
+        arrows,
+        origin: if pins.params == world.parameters() {
+            Origin::Pinned
+        } else {
+            Origin::PinnedByOther
+        },
+    })
+}
+
+impl SubgoalSet {
+    /// Writes the pictures where [`SubgoalSet::obtain`] looks for them, and returns the files.
+    ///
+    /// The description goes last, so that pictures of an interrupted call are not taken for whole.
+    pub fn pin(
+        &self,
+        program: &Program,
+        folder: &Path,
+        params: &str,
+    ) -> Result<Vec<PathBuf>, SubgoalError> {
+        let Some(Subgoals::Demonstrate { folds }) = &program.subgoals else {
+            return Ok(Vec::new());
+        };
+        let target = pin_folder(program, folder);
+        let unwritable = |path: &Path, error: std::io::Error| SubgoalError::Unwritable {
+            path: path.to_owned(),
+            why: error.to_string(),
+        };
+        fs::create_dir_all(&target).map_err(|error| unwritable(&target, error))?;
+        let description = target.join(PINS_FILE);
+        if description.exists() {
+            fs::remove_file(&description).map_err(|error| unwritable(&description, error))?;
+        }
+        let mut files = Vec::new();
+        for (number, picture) in self.pictures.iter().enumerate() {
+            let path = target.join(format!("{number}.png"));
+            files::write_whole(&path, &png::encode(picture))
+                .map_err(|error| unwritable(&path, error))?;
+            files.push(path);
+        }
+        let pins = Pins {
+            format: PINS_FORMAT,
+            drawn_from: drawn_from(program, folds),
+            params: params.to_owned(),
+            arrows: self.arrows.iter().copied().flatten().collect(),
+            pictures: self.pictures.iter().map(hash_of).collect(),
+        };
+        let text = serde_json::to_string_pretty(&pins).expect("pins hold finite numbers") + "\n";
+        files::write_whole(&description, text.as_bytes())
+            .map_err(|error| unwritable(&description, error))?;
+        files.push(description);
+        Ok(files)
+    }
+}
+
+/// Variants of a task may fold another way, so that each has its own pictures.
+fn pin_folder(program: &Program, folder: &Path) -> PathBuf {
+    folder.join(format!("{}.subgoals", program.title().replace('/', ".")))
+}
+
+fn drawn_from(program: &Program, folds: &[Fold]) -> String {
+    // They are drawn from the flat cloth, however a rollout begins.
+    let cloth = &program.cloth;
+    let source = serde_json::json!({
+        "cloth": [cloth.dimx, cloth.dimy],
+        "spacing_m": cloth.spacing_m,
+        "camera": program.camera,
+        "folds": folds,
+    });
+    fab_base::digest::hex(&Sha256::digest(source.to_string()))
+}
+
+/// Returns the hash of a picture's size and pixels, hex.
+fn hash_of(picture: &RgbImage) -> String {
+    let mut hash = Sha256::new();
+    hash.update(picture.width().to_le_bytes());
+    hash.update(picture.height().to_le_bytes());
+    hash.update(picture.as_raw());
+    fab_base::digest::hex(&hash.finalize())
+}

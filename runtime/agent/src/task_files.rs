@@ -1,0 +1,89 @@
+//! Files that a task names, found below its folder and nowhere else.
+//!
+//! In: the folder of the task's file and a [`FileRef`]. Out: a path, or why there is none. Links that lead out
+//! of the folder are refused: a task from somebody else must not show a model what lies elsewhere.
+
+use fab_picture::png::PictureError;
+use fab_program::FileRef;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Why a file of a task cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// There is no such file.
+    #[error("cannot read `{path}`: {why}")]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        why: String,
+    },
+    /// It lies elsewhere.
+    #[error("`{path}` leads out of the task's folder, to `{target}`")]
+    Outside {
+        /// The file.
+        path: PathBuf,
+        /// Where it really lies.
+        target: PathBuf,
+    },
+    /// It is no picture.
+    #[error("the picture of an example cannot be used: {0}")]
+    Picture(#[from] PictureError),
+}
+
+/// Returns where a file lies; `folder` is the one that holds the task's file.
+pub fn resolve(folder: &Path, file: &FileRef) -> Result<PathBuf, FileError> {
+    let folder = if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    };
+    let path = folder.join(&file.path);
+    let real = |path: &Path| {
+        fs::canonicalize(path).map_err(|error| FileError::Unreadable {
+            path: path.to_owned(),
+            why: error.to_string(),
+        })
+    };
+    let (root, target) = (real(folder)?, real(&path)?);
+    if !target.starts_with(&root) {
+        return Err(FileError::Outside { path, target });
+    }
+    Ok(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_link_out_of_the_folder_is_refused() {
+        let outer = tempfile::tempdir().expect("a temporary folder");
+        let folder = outer.path().join("task");
+        fs::create_dir(&folder).expect("a folder");
+        fs::write(outer.path().join("secret.png"), "x").expect("a file");
+        fs::write(folder.join("own.png"), "x").expect("a file");
+        let file = |path: &str| FileRef {
+            path: path.to_owned(),
+        };
+        assert!(resolve(&folder, &file("own.png")).is_ok());
+        assert!(matches!(
+            resolve(&folder, &file("absent.png")),
+            Err(FileError::Unreadable { .. })
+        ));
+        assert!(matches!(
+            resolve(&folder, &file("../secret.png")),
+            Err(FileError::Outside { .. })
+        ));
+        #[cfg(unix)]
+        {
+            let link = folder.join("link.png");
+            std::os::unix::fs::symlink(outer.path().join("secret.png"), link).expect("a link");
+            assert!(matches!(
+                resolve(&folder, &file("link.png")),
+                Err(FileError::Outside { .. })
+            ));
+        }
+    }
+}

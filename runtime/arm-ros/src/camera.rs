@@ -1,0 +1,210 @@
+//! A camera behind ROS: colour, the depth that is aligned with it, and how it projects, from three topics.
+//!
+//! In: topics. Out: pictures that were taken after they were asked for, by the camera's own stamps. Those are compared
+//! with this machine's clock, so a camera's machine with another time is refused, in words, and not believed.
+
+use super::RosError;
+use super::link::{Link, bounded_wait};
+use super::messages::sensor_msgs::{CameraInfo, Image};
+use super::pairs::{Board, PAIR_NS, Refused, now_ns, take};
+use super::picture;
+use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
+use fab_arm::settings::RosSettings;
+use fab_picture::DepthImage;
+use roslibrust::RosMessageType;
+use roslibrust::ros1::{NodeError, NodeHandle};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+const POLL: Duration = Duration::from_millis(5);
+
+/// A camera's topics.
+pub struct RosCamera {
+    color: String,
+    depth: Option<String>,
+    info: Option<String>,
+    timeout: Duration,
+    board: Arc<Mutex<Board>>,
+    /// Last, since the subscriptions live on its threads.
+    _link: Link,
+}
+
+impl RosCamera {
+    /// Subscribes to the topics of the settings; whether anything is published shows with the first picture.
+    ///
+    /// Registering, and each picture later, takes at most `timeout_s` seconds. Without a depth topic the depth is 0
+    /// everywhere, which is no reading; without an info topic the projection is unknown.
+    pub fn subscribe(settings: &RosSettings, timeout_s: f64) -> Result<RosCamera, RosError> {
+        let timeout = bounded_wait(timeout_s);
+        let Some(color) = settings.color.clone() else {
+            return Err(RosError::Setting(
+                "`[ros]` names no topic `color`".to_owned(),
+            ));
+        };
+        let link = Link::open(settings, "camera", timeout)?;
+        let board = Arc::new(Mutex::new(Board::default()));
+        let camera = RosCamera {
+            color,
+            depth: settings.depth.clone(),
+            info: settings.info.clone(),
+            timeout,
+            board: Arc::clone(&board),
+            _link: link,
+        };
+        let (node, topics) = (camera._link.node(), [camera.color.clone()]);
+        let (depth, info) = (camera.depth.clone(), camera.info.clone());
+        let registered = camera._link.run(timeout, async move {
+            let [color] = topics;
+            follow(&node, &color, &board, |board, image| {
+                take(board, image, |board| &mut board.colors)
+            })
+            .await?;
+            if let Some(depth) = depth {
+                follow(&node, &depth, &board, |board, image| {
+                    take(board, image, |board| &mut board.depths)
+                })
+                .await?;
+            }
+            if let Some(info) = info {
+                follow(&node, &info, &board, |board, info| board.info = Some(info)).await?;
+            }
+            Ok::<(), NodeError>(())
+        });
+        let why = match registered {
+            Some(Ok(())) => return Ok(camera),
+            Some(Err(error)) => error.to_string(),
+            None => format!("no answer within {timeout:?}"),
+        };
+        let what = format!(
+            "the camera's topic `{}` could not be registered",
+            camera.color
+        );
+        Err(RosError::Refused { what, why })
+    }
+
+    /// Says why no picture came in time.
+    fn missing(&self, board: &Board) -> String {
+        let seconds = self.timeout.as_secs_f64();
+        let silent = |topic: &str| {
+            format!("nothing came on `{topic}` within {seconds} s: is the camera's driver started?")
+        };
+        let refused = |topic: &str, refused: Refused| {
+            let (by_ns, side) = match refused {
+                Refused::Old { by_ns } => (by_ns, "before the picture was asked for"),
+                Refused::Ahead { by_ns } => (by_ns, "in the future"),
+            };
+            let by_s = by_ns as f64 / 1e9;
+            format!(
+                "`{topic}` is stamped {by_s:.2} s {side}: do the clocks of both machines agree?"
+            )
+        };
+        let topics = [
+            (Some(&self.color), &board.colors),
+            (self.depth.as_ref(), &board.depths),
+        ];
+        for (topic, arrived) in topics {
+            let Some(topic) = topic else { continue };
+            match (arrived.pictures.is_empty(), arrived.refused) {
+                (false, _) => {}
+                (true, Some(last)) => return refused(topic, last),
+                (true, None) => return silent(topic),
+            }
+        }
+        match &self.info {
+            Some(topic) if board.info.is_none() => silent(topic),
+            _ => format!(
+                "no colour and depth were stamped within {} ms of each other",
+                PAIR_NS / 1_000_000
+            ),
+        }
+    }
+
+    fn read(
+        &self,
+        color: &Image,
+        depth: Option<&Image>,
+        info: Option<&CameraInfo>,
+    ) -> Result<Shot, String> {
+        let rgb = picture::color(color)?;
+        let size_px = [rgb.width(), rgb.height()];
+        let depth_m = match depth {
+            Some(depth) => picture::depth(depth)?,
+            None => DepthImage::new(rgb.width(), rgb.height()),
+        };
+        if depth_m.dimensions() != rgb.dimensions() {
+            let found = [depth_m.width(), depth_m.height()];
+            return Err(format!(
+                "its depth has {found:?} pixels and its colour {size_px:?}: use the topic of the depth that is aligned with the colour"
+            ));
+        }
+        let intrinsics = info
+            .map(|info| picture::intrinsics(info, size_px))
+            .transpose()?
+            .flatten();
+        Ok(Shot {
+            rgb,
+            depth_m,
+            intrinsics,
+        })
+    }
+}
+
+impl RgbdSource for RosCamera {
+    fn name(&self) -> String {
+        self.color.clone()
+    }
+
+    fn shoot(&mut self) -> Result<Shot, RgbdError> {
+        let failed = |why: String| RgbdError {
+            camera: self.color.clone(),
+            why,
+        };
+        let deadline = Instant::now() + self.timeout;
+        lock(&self.board).want(now_ns());
+        let found = loop {
+            let mut board = lock(&self.board);
+            let is_last = Instant::now() >= deadline;
+            let needs_info = self.info.is_some() && board.info.is_none();
+            let pair = if needs_info {
+                None
+            } else {
+                board.pair(self.depth.is_some(), is_last)
+            };
+            if let Some(pair) = pair {
+                break Ok((pair, board.info.clone()));
+            }
+            if is_last {
+                break Err(self.missing(&board));
+            }
+            drop(board);
+            std::thread::sleep(POLL);
+        };
+        lock(&self.board).rest();
+        let ((color, depth), info) = found.map_err(failed)?;
+        self.read(&color, depth.as_ref(), info.as_ref())
+            .map_err(failed)
+    }
+}
+
+async fn follow<T: RosMessageType>(
+    node: &NodeHandle,
+    topic: &str,
+    board: &Arc<Mutex<Board>>,
+    take: impl Fn(&mut Board, T) + Send + 'static,
+) -> Result<(), NodeError> {
+    // Two, so that a picture is not lost while the one before is read; more would only be old.
+    let mut topic = node.subscribe::<T>(topic, 2).await?;
+    let board = Arc::clone(board);
+    tokio::spawn(async move {
+        while let Some(message) = topic.next().await {
+            if let Ok(message) = message {
+                take(&mut lock(&board), message);
+            }
+        }
+    });
+    Ok(())
+}
+
+fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
+    board.lock().unwrap_or_else(PoisonError::into_inner)
+}

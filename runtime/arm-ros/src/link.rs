@@ -1,0 +1,192 @@
+//! A ROS node of this program, with the threads that it runs on.
+//!
+//! In: the master's address. Out: a [`Link`], through which asynchronous work is started from ordinary code, and waited
+//! for no longer than is said.
+
+use super::RosError;
+use fab_arm::settings::RosSettings;
+use roslibrust::ros1::{MasterClient, NodeHandle, RosMasterError};
+use std::future::Future;
+use std::pin::pin;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc;
+use std::task::{Context, Poll, Waker};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use tokio::runtime::{Builder, Runtime};
+
+/// The longest that leaving the master may take, in which the process would not end.
+const LEAVE_TIMEOUT: Duration = Duration::from_millis(500);
+
+/// The longest wait, so that no sum of times overflows.
+const LONGEST_S: f64 = 86_400.0;
+
+/// A node of this program.
+pub(super) struct Link {
+    /// `None` only while this is dropped.
+    runtime: Option<Runtime>,
+    /// `None` only while this is dropped.
+    node: Option<NodeHandle>,
+    settings: RosSettings,
+    name: String,
+}
+
+impl Link {
+    /// Registers a node, `role` being a part of its name.
+    pub(super) fn open(
+        settings: &RosSettings,
+        role: &str,
+        timeout: Duration,
+    ) -> Result<Link, RosError> {
+        let unreachable = |why: String| RosError::Master {
+            address: settings.master.clone(),
+            why,
+        };
+        let runtime = Builder::new_multi_thread()
+            .worker_threads(2)
+            .thread_name("fabc-ros")
+            .enable_all()
+            .build()
+            .map_err(|error| unreachable(error.to_string()))?;
+        let mut link = Link {
+            runtime: Some(runtime),
+            node: None,
+            settings: settings.clone(),
+            name: format!("/fabc_{role}_{}", unique_number()),
+        };
+        let (address, name) = (settings.master.clone(), link.name.clone());
+        let opened = link.run(
+            timeout,
+            async move { NodeHandle::new(&address, &name).await },
+        );
+        let node = match opened {
+            Some(Ok(node)) => node,
+            Some(Err(error)) => return Err(unreachable(error.to_string())),
+            None => return Err(unreachable(format!("no answer within {timeout:?}"))),
+        };
+        link.node = Some(node);
+        link.check_host()?;
+        Ok(link)
+    }
+
+    /// Returns the node; everything that registers with the master starts from it.
+    pub(super) fn node(&self) -> NodeHandle {
+        self.node
+            .clone()
+            .expect("a link has its node until it is dropped")
+    }
+
+    /// Starts work that goes on until the link is dropped.
+    pub(super) fn spawn(&self, work: impl Future<Output = ()> + Send + 'static) {
+        if let Some(runtime) = &self.runtime {
+            runtime.spawn(work);
+        }
+    }
+
+    /// Does work and waits for it; `None` if it takes longer than `timeout`, and then it is given up.
+    ///
+    /// Waits by a channel: unlike the runtime's own way, that also works within another runtime.
+    pub(super) fn run<F>(&self, timeout: Duration, work: F) -> Option<F::Output>
+    where
+        F: Future<Output: Send + 'static> + Send + 'static,
+    {
+        let (sender, receiver) = mpsc::channel();
+        self.spawn(async move {
+            if let Ok(output) = tokio::time::timeout(timeout, work).await {
+                // Nobody waits any more where the deadline came first.
+                let _ = sender.send(output);
+            }
+        });
+        receiver.recv_timeout(timeout).ok()
+    }
+
+    /// Asks the master whether somebody offers a service; none where it gives no answer.
+    pub(super) fn offers(&self, service: &str, timeout: Duration) -> Option<bool> {
+        let (address, name) = (self.settings.master.clone(), self.name.clone());
+        let service = service.to_owned();
+        let found = self.run(timeout, async move {
+            let master = MasterClient::new(address, "http://localhost:1", name).await?;
+            master.lookup_service(service).await
+        });
+        match found? {
+            Ok(_) => Some(true),
+            Err(RosMasterError::ServerCommunicationFailure(_)) => None,
+            // The master's own word that nobody does.
+            Err(_) => Some(false),
+        }
+    }
+
+    /// Returns the host at which other nodes look for this one.
+    pub(super) fn host(&self) -> String {
+        let node = self.node();
+        let address = self.run(LEAVE_TIMEOUT, async move { node.get_client_uri().await });
+        let address = address.and_then(Result::ok).unwrap_or_default();
+        let host = address.trim_start_matches("http://");
+        host.rsplit_once(':')
+            .map_or(host, |(host, _)| host)
+            .to_owned()
+    }
+
+    fn check_host(&self) -> Result<(), RosError> {
+        let found = self.host();
+        match &self.settings.host {
+            Some(wanted) if *wanted != found => Err(RosError::Host {
+                wanted: wanted.clone(),
+                found,
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Drop for Link {
+    /// Leaves the master in a thread that may be blocked, as by a dead master's machine.
+    fn drop(&mut self) {
+        let (Some(runtime), node) = (self.runtime.take(), self.node.take()) else {
+            return;
+        };
+        let (sender, receiver) = mpsc::channel();
+        runtime.spawn_blocking(move || {
+            drop(node);
+            let _ = sender.send(());
+        });
+        let _ = receiver.recv_timeout(LEAVE_TIMEOUT);
+        runtime.shutdown_background();
+    }
+}
+
+/// Returns a number that no other call, and no other process of this machine, is likely to have got.
+pub(super) fn unique_number() -> String {
+    static CALLS: AtomicU64 = AtomicU64::new(0);
+    let call = CALLS.fetch_add(1, Ordering::Relaxed);
+    let since_epoch = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .unwrap_or_default();
+    format!("{}_{}_{call}", std::process::id(), since_epoch.as_millis())
+}
+
+/// Returns a time to wait, whatever the number of seconds is.
+pub(super) fn bounded_wait(seconds: f64) -> Duration {
+    Duration::try_from_secs_f64(seconds.min(LONGEST_S)).unwrap_or_default()
+}
+
+/// Returns the output of work that never waits.
+pub(super) fn at_once<F: Future>(work: F) -> Option<F::Output> {
+    match pin!(work).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(output) => Some(output),
+        Poll::Pending => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Instant;
+
+    #[test]
+    fn no_number_of_seconds_is_too_much_for_a_clock() {
+        for seconds in [f64::NAN, f64::INFINITY, -1.0, 1e300, 0.0, 5.0] {
+            let _ = Instant::now() + bounded_wait(seconds);
+        }
+        assert_eq!(bounded_wait(1.5), Duration::from_millis(1500));
+    }
+}

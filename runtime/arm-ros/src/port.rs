@@ -1,0 +1,263 @@
+//! An arm behind ROS: the node of kinova-ros, and where the settings name one, a controller of joint trajectories.
+//!
+//! In: goals, cancellations, stops. Out: what became of them, and the arm's readings. What a silence or an ending means
+//! is for the driver to say; only a goal to a server that fell silent is refused, as no one would take it.
+
+use super::action::{ActionClient, Client};
+use super::link::Link;
+use super::messages::kinova_msgs::{Start, StartRequest, Stop, StopRequest};
+use super::servers::{self, Fingers, JointAngles, ToolPose, Trajectory};
+use super::topics::{Names, Topics};
+use fab_arm::port::{Ending, Goal, GoalId, GoalState, Port, PortError, Readings};
+use roslibrust::RosServiceType;
+use roslibrust::ros1::ServiceClient;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// How long a server may be silent before it counts as gone; actionlib's servers list their goals five times a second.
+const SILENCE: Duration = Duration::from_secs(1);
+
+/// The longest that one try of a service may take.
+pub(super) const SERVICE_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// How long goals may take to end after a stop.
+const STOP_SETTLE: Duration = Duration::from_millis(500);
+
+/// How long a cancellation is on its way, at the most.
+const CANCEL_SETTLE: Duration = Duration::from_millis(100);
+
+/// How long a stop waits before it is said again.
+const POLL: Duration = Duration::from_millis(20);
+
+/// A connection to an arm's node.
+pub struct RosPort {
+    pub(super) arm: String,
+    pub(super) names: Names,
+    pub(super) clock: Instant,
+    pub(super) servers: Servers,
+    pub(super) topics: Topics,
+    /// Kept open, so that a stop needs no master; `None` where the node has no such service, or it failed.
+    pub(super) stop: Option<Arc<ServiceClient<Stop>>>,
+    pub(super) has_stop: bool,
+    /// Last, since everything above lives on its threads.
+    pub(super) link: Link,
+}
+
+/// The clients of the arm's action servers.
+pub(super) struct Servers {
+    pub(super) pose: ActionClient<ToolPose>,
+    pub(super) joints: ActionClient<JointAngles>,
+    pub(super) fingers: ActionClient<Fingers>,
+    pub(super) trajectory: Option<ActionClient<Trajectory>>,
+}
+
+impl Servers {
+    pub(super) fn all(&self) -> Vec<&dyn Client> {
+        let mut all: Vec<&dyn Client> = vec![&self.pose, &self.joints, &self.fingers];
+        all.extend(self.trajectory.iter().map(|client| client as &dyn Client));
+        all
+    }
+}
+
+impl RosPort {
+    pub(super) fn service<T: RosServiceType>(
+        &self,
+        name: &str,
+    ) -> Result<Arc<ServiceClient<T>>, String> {
+        let (node, name) = (self.link.node(), format!("{}/{name}", self.arm));
+        let client = self.link.run(SERVICE_TIMEOUT, async move {
+            node.service_client::<T>(&name).await
+        });
+        match client {
+            Some(Ok(client)) => Ok(Arc::new(client)),
+            Some(Err(error)) => Err(format!(
+                "it cannot be reached ({error}): is the driver still running?"
+            )),
+            None => Err(format!("it cannot be reached within {SERVICE_TIMEOUT:?}")),
+        }
+    }
+
+    fn call<T: RosServiceType>(
+        &self,
+        client: &Arc<ServiceClient<T>>,
+        request: T::Request,
+    ) -> Result<(), String> {
+        let client = Arc::clone(client);
+        match self.link.run(SERVICE_TIMEOUT, async move {
+            client.call(&request).await.map(drop)
+        }) {
+            Some(Ok(())) => Ok(()),
+            Some(Err(error)) => Err(error.to_string()),
+            None => Err(format!("no answer within {SERVICE_TIMEOUT:?}")),
+        }
+    }
+
+    /// Stops by the open connection, else by a new one.
+    fn call_stop(&mut self) -> Result<(), String> {
+        if let Some(client) = self.stop.take()
+            && self.call(&client, StopRequest {}).is_ok()
+        {
+            self.stop = Some(client);
+            return Ok(());
+        }
+        let client = self.service::<Stop>("in/stop")?;
+        self.call(&client, StopRequest {})?;
+        self.stop = Some(client);
+        Ok(())
+    }
+
+    fn open_goals(&self) -> Vec<(&dyn Client, String)> {
+        let open = |server: &dyn Client| server.open_goals();
+        let servers = self.servers.all().into_iter();
+        servers
+            .flat_map(|server| open(server).into_iter().map(move |id| (server, id)))
+            .collect()
+    }
+
+    fn cancel_all(&self) -> Result<(), String> {
+        self.open_goals()
+            .into_iter()
+            .try_for_each(|(server, id)| server.cancel(&id))?;
+        self.empty_controller()
+    }
+
+    /// Ends every trajectory, whoever sent it: `in/stop` only holds the joints, and its controller would go on where the arm
+    /// is let go. Another server would take it as a reason to let a stopped arm go.
+    fn empty_controller(&self) -> Result<(), String> {
+        let trajectory = self.servers.trajectory.as_ref();
+        trajectory.map_or(Ok(()), ActionClient::cancel_everything)
+    }
+}
+
+impl Port for RosPort {
+    fn now_s(&self) -> f64 {
+        self.clock.elapsed().as_secs_f64()
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        std::thread::sleep(Duration::try_from_secs_f64(seconds).unwrap_or_default());
+    }
+
+    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
+        let Servers {
+            pose,
+            joints,
+            fingers,
+            trajectory,
+        } = &self.servers;
+        let names = &self.names;
+        let (name, sent) = match goal {
+            Goal::ToolPose(tool) => (
+                pose.name(),
+                check_heard(pose)
+                    .and_then(|()| pose.send(servers::tool_pose(tool, &names.base_frame)?)),
+            ),
+            Goal::JointAngles(angles) => (
+                joints.name(),
+                check_heard(joints)
+                    .and_then(|()| joints.send(servers::joint_angles(angles, names.joints.len())?)),
+            ),
+            Goal::Fingers(positions) => (
+                fingers.name(),
+                check_heard(fingers)
+                    .and_then(|()| fingers.send(servers::fingers(positions, names.n_fingers)?)),
+            ),
+            Goal::Trajectory(points) => match trajectory {
+                Some(client) => (
+                    client.name(),
+                    check_heard(client)
+                        .and_then(|()| client.send(servers::trajectory(points, &names.joints)?)),
+                ),
+                None => (
+                    "FollowJointTrajectory",
+                    Err("the settings name no `trajectory` under `[ros]`".to_owned()),
+                ),
+            },
+        };
+        sent.map(GoalId).map_err(|why| PortError {
+            what: format!("a goal for `{name}`"),
+            why,
+        })
+    }
+
+    fn state(&mut self, goal: &GoalId) -> GoalState {
+        let servers = self.servers.all().into_iter();
+        let state = servers.filter_map(|server| server.state(&goal.0)).next();
+        // A goal of another port was never taken by this one's servers.
+        state.unwrap_or(GoalState::Ended(Ending::Rejected))
+    }
+
+    fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
+        let servers = self.servers.all();
+        let owner = servers
+            .iter()
+            .find(|server| server.state(&goal.0).is_some());
+        let sent = match owner {
+            Some(server) => server.cancel(&goal.0),
+            None => Err("it was not sent from here".to_owned()),
+        };
+        sent.map_err(|why| PortError {
+            what: format!("the end of the goal `{}`", goal.0),
+            why,
+        })
+    }
+
+    /// Stops again and again until every goal has ended, and once more: kinova-ros answers a cancellation, and a goal that
+    /// another replaces, by a stop and a start, which would set an arm free that was stopped in between. For the same
+    /// reason goals are only cancelled where the service is not to be had.
+    fn stop(&mut self) -> Result<(), PortError> {
+        let failed = |arm: &str, why: String| PortError {
+            what: format!("the service `{arm}/in/stop`"),
+            why,
+        };
+        if !self.has_stop {
+            return self.cancel_all().map_err(|why| failed(&self.arm, why));
+        }
+        let emptied = self.empty_controller();
+        let begun = Instant::now();
+        let settle = match self.servers.trajectory {
+            // Some versions of the controller take a cancellation, too, as a reason to let the arm go.
+            Some(_) => CANCEL_SETTLE,
+            None => Duration::ZERO,
+        };
+        loop {
+            let are_over = self.open_goals().is_empty() && begun.elapsed() >= settle;
+            if let Err(why) = self.call_stop() {
+                // The last that can be done without the service; the arm stays enabled, so that this is no success.
+                let _ = self.cancel_all();
+                return Err(failed(&self.arm, why));
+            }
+            if are_over || begun.elapsed() >= STOP_SETTLE {
+                return emptied.map_err(|why| failed(&self.arm, why));
+            }
+            std::thread::sleep(POLL);
+        }
+    }
+
+    fn start(&mut self) -> Result<(), PortError> {
+        if !self.has_stop {
+            return Ok(());
+        }
+        let client = self.service::<Start>("in/start");
+        let started = client.and_then(|client| self.call(&client, StartRequest {}));
+        started.map_err(|why| PortError {
+            what: format!("the service `{}/in/start`", self.arm),
+            why,
+        })
+    }
+
+    fn readings(&mut self) -> Readings {
+        self.topics.readings()
+    }
+}
+
+fn check_heard(server: &dyn Client) -> Result<(), String> {
+    match server.silent_for() {
+        None => Err("its server was never heard: is the driver started?".to_owned()),
+        Some(silence) if silence > SILENCE => Err(format!(
+            "its server has been silent for {:.1} s: is the driver still running?",
+            silence.as_secs_f64()
+        )),
+        Some(_) => Ok(()),
+    }
+}

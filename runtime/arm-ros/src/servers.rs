@@ -1,0 +1,306 @@
+//! The action servers of an arm's node, and the messages that ask them for something.
+//!
+//! In: goals in metres and radians. Out: messages in the units of kinova-ros: metres and unit quaternions, degrees,
+//! finger units; radians for trajectories. A goal that no message can carry is refused here, in words.
+
+use super::action::Action;
+use super::messages::actionlib_msgs::{GoalID, GoalStatus};
+use super::messages::control_msgs::{
+    FollowJointTrajectoryActionGoal, FollowJointTrajectoryActionResult,
+};
+use super::messages::kinova_msgs::{
+    ArmJointAnglesActionGoal, ArmJointAnglesActionResult, ArmPoseActionGoal, ArmPoseActionResult,
+    SetFingersPositionActionGoal, SetFingersPositionActionResult,
+};
+use super::messages::trajectory_msgs::JointTrajectoryPoint;
+use fab_arm::port::Waypoint;
+use nalgebra::Isometry3;
+use roslibrust::codegen::integral_types::Duration;
+
+/// Declares an action by its two messages.
+macro_rules! action {
+    ($(#[$doc:meta])* $name:ident, $goal:ty, $result:ty) => {
+        $(#[$doc])*
+        pub(super) struct $name;
+
+        impl Action for $name {
+            type Goal = $goal;
+            type Result = $result;
+
+            fn status(result: &$result) -> &GoalStatus {
+                &result.status
+            }
+        }
+    };
+}
+
+action!(
+    /// `pose_action/tool_pose`.
+    ToolPose,
+    ArmPoseActionGoal,
+    ArmPoseActionResult
+);
+action!(
+    /// `joints_action/joint_angles`.
+    JointAngles,
+    ArmJointAnglesActionGoal,
+    ArmJointAnglesActionResult
+);
+action!(
+    /// `fingers_action/finger_positions`.
+    Fingers,
+    SetFingersPositionActionGoal,
+    SetFingersPositionActionResult
+);
+action!(
+    /// `FollowJointTrajectory`.
+    Trajectory,
+    FollowJointTrajectoryActionGoal,
+    FollowJointTrajectoryActionResult
+);
+
+/// Makes the goal of a tool pose, `base_from_tool`, in `frame`.
+pub(super) fn tool_pose(
+    pose: &Isometry3<f64>,
+    frame: &str,
+) -> Result<impl FnOnce(GoalID) -> ArmPoseActionGoal, String> {
+    let (at, turn) = (pose.translation.vector, pose.rotation.coords);
+    check_finite(at.iter().chain(turn.iter()))?;
+    let frame = frame.to_owned();
+    Ok(move |id| {
+        let mut message = ArmPoseActionGoal {
+            goal_id: id,
+            ..Default::default()
+        };
+        let goal = &mut message.goal.pose;
+        goal.header.frame_id = frame;
+        let (position, orientation) = (&mut goal.pose.position, &mut goal.pose.orientation);
+        (position.x, position.y, position.z) = (at.x, at.y, at.z);
+        (orientation.x, orientation.y, orientation.z, orientation.w) =
+            (turn.x, turn.y, turn.z, turn.w);
+        message
+    })
+}
+
+/// Makes the goal of `n_joints` joint angles, radians.
+pub(super) fn joint_angles(
+    angles_rad: &[f64],
+    n_joints: usize,
+) -> Result<impl FnOnce(GoalID) -> ArmJointAnglesActionGoal + use<>, String> {
+    let degrees: Vec<f64> = angles_rad.iter().map(|angle| angle.to_degrees()).collect();
+    let [joint1, joint2, joint3, joint4, joint5, joint6, joint7] =
+        padded(&degrees, n_joints, "joints")?;
+    Ok(move |id| {
+        let mut message = ArmJointAnglesActionGoal {
+            goal_id: id,
+            ..Default::default()
+        };
+        let angles = &mut message.goal.angles;
+        (angles.joint1, angles.joint2, angles.joint3) = (joint1, joint2, joint3);
+        (angles.joint4, angles.joint5, angles.joint6) = (joint4, joint5, joint6);
+        angles.joint7 = joint7;
+        message
+    })
+}
+
+/// Makes the goal of `n_fingers` finger positions, in the node's units.
+pub(super) fn fingers(
+    positions: &[f64],
+    n_fingers: usize,
+) -> Result<impl FnOnce(GoalID) -> SetFingersPositionActionGoal + use<>, String> {
+    let [finger1, finger2, finger3] = padded(positions, n_fingers, "fingers")?;
+    Ok(move |id| {
+        let mut message = SetFingersPositionActionGoal {
+            goal_id: id,
+            ..Default::default()
+        };
+        let fingers = &mut message.goal.fingers;
+        (fingers.finger1, fingers.finger2, fingers.finger3) = (finger1, finger2, finger3);
+        message
+    })
+}
+
+/// Makes the goal of a trajectory through `points`, which begins when it arrives.
+///
+/// kinova-ros's controller reads the velocities of every point and of the last but one without looking whether they are
+/// there, so a trajectory has at least two points, and each its velocities: the mean over its neighbours, 0 at the ends.
+pub(super) fn trajectory(
+    points: &[Waypoint],
+    joints: &[String],
+) -> Result<impl FnOnce(GoalID) -> FollowJointTrajectoryActionGoal + use<>, String> {
+    if points.len() < 2 {
+        return Err(format!(
+            "it has {} points, and needs at least 2",
+            points.len()
+        ));
+    }
+    let mut before_s = -1.0;
+    for (index, point) in points.iter().enumerate() {
+        check_count(point.joints_rad.len(), joints.len(), "joints")?;
+        check_finite(point.joints_rad.iter().chain([&point.at_s]))?;
+        let is_later = if index == 0 {
+            point.at_s >= 0.0
+        } else {
+            point.at_s > before_s
+        };
+        if !is_later || point.at_s > f64::from(i32::MAX) {
+            return Err(format!(
+                "point {index} is at `{}` s, not after the one before",
+                point.at_s
+            ));
+        }
+        before_s = point.at_s;
+    }
+    let messages: Vec<_> = (0..points.len())
+        .map(|index| point_message(points, index))
+        .collect();
+    let joints = joints.to_vec();
+    Ok(move |id| {
+        let mut message = FollowJointTrajectoryActionGoal {
+            goal_id: id,
+            ..Default::default()
+        };
+        message.goal.trajectory.joint_names = joints;
+        message.goal.trajectory.points = messages;
+        message
+    })
+}
+
+fn point_message(points: &[Waypoint], index: usize) -> JointTrajectoryPoint {
+    let point = &points[index];
+    let is_end = index == 0 || index + 1 == points.len();
+    let velocity = |joint: usize| {
+        if is_end {
+            return 0.0;
+        }
+        let (before, after) = (&points[index - 1], &points[index + 1]);
+        (after.joints_rad[joint] - before.joints_rad[joint]) / (after.at_s - before.at_s)
+    };
+    // Rounded to a nanosecond as a whole, so that the rest never reaches a second.
+    let nanoseconds = (point.at_s * 1e9).round() as i64;
+    JointTrajectoryPoint {
+        positions: point.joints_rad.clone(),
+        velocities: (0..point.joints_rad.len()).map(velocity).collect(),
+        time_from_start: Duration {
+            sec: (nanoseconds / 1_000_000_000) as i32,
+            nsec: (nanoseconds % 1_000_000_000) as i32,
+        },
+        ..Default::default()
+    }
+}
+
+/// Returns `n_values` values as the node's numbers, the rest 0.
+fn padded<const N: usize>(values: &[f64], n_values: usize, what: &str) -> Result<[f32; N], String> {
+    check_count(values.len(), n_values.min(N), what)?;
+    let mut numbers = [0.0; N];
+    for (number, value) in numbers.iter_mut().zip(values) {
+        *number = *value as f32;
+    }
+    check_finite(numbers.map(f64::from).iter())?;
+    Ok(numbers)
+}
+
+fn check_count(found: usize, wanted: usize, what: &str) -> Result<(), String> {
+    if found == wanted {
+        return Ok(());
+    }
+    Err(format!("it names {found} {what}, and the arm has {wanted}"))
+}
+
+fn check_finite<'a>(values: impl IntoIterator<Item = &'a f64>) -> Result<(), String> {
+    match values.into_iter().find(|value| !value.is_finite()) {
+        Some(value) => Err(format!("it holds `{value}`, which is no number")),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    fn waypoint(at_s: f64, angle: f64) -> Waypoint {
+        Waypoint {
+            joints_rad: vec![angle, 0.0],
+            at_s,
+        }
+    }
+
+    fn names() -> Vec<String> {
+        vec!["a".to_owned(), "b".to_owned()]
+    }
+
+    #[test]
+    fn angles_are_sent_in_degrees() {
+        let message =
+            joint_angles(&[PI, FRAC_PI_2, 0.0, -PI, 1.0, 0.0], 6).unwrap()(GoalID::default());
+        let angles = message.goal.angles;
+        assert_eq!(
+            (angles.joint1, angles.joint2, angles.joint4),
+            (180.0, 90.0, -180.0)
+        );
+        assert_eq!(
+            (angles.joint5, angles.joint7),
+            (1.0_f64.to_degrees() as f32, 0.0)
+        );
+    }
+
+    #[test]
+    fn what_a_message_cannot_carry_is_refused_in_words() {
+        let nowhere = Isometry3::translation(f64::NAN, 0.0, 0.0);
+        let faults = [
+            (
+                tool_pose(&nowhere, "f").err(),
+                "it holds `NaN`, which is no number",
+            ),
+            (
+                joint_angles(&[0.0; 5], 6).err(),
+                "it names 5 joints, and the arm has 6",
+            ),
+            (
+                joint_angles(&[1e300; 6], 6).err(),
+                "it holds `inf`, which is no number",
+            ),
+            (
+                fingers(&[0.0; 3], 2).err(),
+                "it names 3 fingers, and the arm has 2",
+            ),
+            (
+                trajectory(&[waypoint(0.0, 1.0)], &names()).err(),
+                "it has 1 points, and needs at least 2",
+            ),
+            (
+                trajectory(&[waypoint(1.0, 1.0), waypoint(1.0, 2.0)], &names()).err(),
+                "point 1 is at `1` s, not after the one before",
+            ),
+            (
+                trajectory(&[waypoint(0.0, 1.0), waypoint(1e12, 2.0)], &names()).err(),
+                "point 1 is at `1000000000000` s, not after the one before",
+            ),
+        ];
+        for (found, expected) in faults {
+            assert_eq!(found.as_deref(), Some(expected));
+        }
+    }
+
+    #[test]
+    fn a_trajectory_says_how_fast_each_point_is_passed() {
+        let points = [
+            waypoint(0.0, 0.0),
+            waypoint(0.5, 1.0),
+            waypoint(1.9999999999, 4.0),
+        ];
+        let message = trajectory(&points, &names()).unwrap()(GoalID::default());
+        let sent = message.goal.trajectory.points;
+        assert_eq!(sent[0].velocities, [0.0, 0.0]);
+        assert!((sent[1].velocities[0] - 2.0).abs() < 1e-9);
+        assert_eq!(sent[2].velocities, [0.0, 0.0]);
+        let times: Vec<_> = sent
+            .iter()
+            .map(|point| (point.time_from_start.sec, point.time_from_start.nsec))
+            .collect();
+        assert_eq!(times, [(0, 0), (0, 500_000_000), (2, 0)]);
+    }
+}

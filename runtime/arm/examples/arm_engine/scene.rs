@@ -1,0 +1,245 @@
+//! A simulated arm over a simulated cloth, as an arm's settings say, with what goes wrong.
+//!
+//! In: a [`Plan`]. Out: a stage. Faults of messages are kept here, since messages are lost between the node and its
+//! client; the others are the simulated arm's. Before the cloth is laid, the camera sees the bare table.
+
+use super::Stage;
+use fab_arm::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
+use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
+use fab_arm::settings::{Settings, SimulatedSettings};
+use fab_arm::simulated::{Fault, FaultKind, SimulatedArm, Simulation};
+use fab_arm::table::{ClothTable, TableCamera};
+use fab_arm::world::base_from_world;
+use fab_program::{Cloth, ClothStart};
+use fab_world::start::Start;
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+/// How long a short silence lasts, seconds.
+const SHORT_SILENCE_S: f64 = 0.6;
+
+/// What is played.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// The settings, of which the arm, its table and the part `simulated` count.
+    robot: PathBuf,
+    /// Draws all chance of the arm, in place of the settings' seed.
+    seed: u64,
+    /// Particles along the sides of the cloth, and how far apart they are, metres.
+    cloth: (u32, u32, f64),
+    /// What goes wrong, and when.
+    #[serde(default)]
+    faults: Vec<Fault>,
+    /// The socket for tests.
+    pub control: PathBuf,
+}
+
+/// An arm over a table.
+pub struct Scene {
+    arm: SimulatedArm,
+    camera: TableCamera,
+    table: Rc<RefCell<ClothTable>>,
+    settings: Settings,
+    start: Start,
+    /// What becomes of messages, and from when on.
+    messages: Vec<Fault>,
+    /// How many goals are yet to be lost.
+    goals_to_lose: u32,
+    is_laid: bool,
+}
+
+impl Scene {
+    /// Sets the scene, with an empty table; says why it cannot.
+    pub fn new(plan: &Plan) -> Result<Scene, String> {
+        let settings = Settings::load(&plan.robot).map_err(|error| error.to_string())?;
+        let table = ClothTable::new(&settings, &base_from_world(&settings));
+        let table = Rc::new(RefCell::new(table.map_err(|error| error.to_string())?));
+        let (messages, faults) = plan
+            .faults
+            .iter()
+            .partition(|fault| is_of_messages(fault.kind));
+        let simulation = Simulation {
+            seed: plan.seed,
+            faults,
+            ..Simulation::of(&settings)?
+        };
+        let (dimx, dimy, spacing_m) = plan.cloth;
+        Ok(Scene {
+            arm: SimulatedArm::new(simulation, Some(table.clone())),
+            camera: TableCamera(table.clone()),
+            table,
+            settings,
+            start: Start::flat(&Cloth {
+                dimx,
+                dimy,
+                spacing_m,
+                start: ClothStart::Flat,
+            }),
+            messages,
+            goals_to_lose: 0,
+            is_laid: false,
+        })
+    }
+
+    /// Tells since when a fault of messages has been due.
+    fn due(&self, kind: FaultKind) -> Option<f64> {
+        let now_s = self.arm.now_s();
+        let mut due = self.messages.iter();
+        let fault = due.find(|fault| fault.kind == kind && fault.from_s <= now_s);
+        fault.map(|fault| fault.from_s)
+    }
+
+    fn take(&mut self, kind: FaultKind) -> bool {
+        let is_due = self.due(kind).is_some();
+        if is_due {
+            self.messages.retain(|fault| fault.kind != kind);
+        }
+        is_due
+    }
+
+    fn world_from_camera(&self) -> Isometry3<f64> {
+        let SimulatedSettings {
+            camera_offset_m: [x, y],
+            camera_turn_deg,
+            ..
+        } = self.settings.simulated;
+        Isometry3::from_parts(
+            Translation3::new(x, y, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera_turn_deg.to_radians()),
+        )
+    }
+}
+
+fn is_of_messages(kind: FaultKind) -> bool {
+    use FaultKind::{LostCancel, LostGoal, LostGoals, LostResult, LostStop, ShortSilence, Silence};
+    let of_messages = [
+        LostGoal,
+        LostGoals,
+        LostResult,
+        LostCancel,
+        LostStop,
+        Silence,
+        ShortSilence,
+    ];
+    of_messages.contains(&kind)
+}
+
+impl Stage for Scene {
+    fn loses(&mut self, message: &str) -> bool {
+        match message {
+            "goal" => {
+                if self.take(FaultKind::LostGoals) {
+                    self.goals_to_lose = 3;
+                }
+                let is_one_of_many = self.goals_to_lose > 0;
+                self.goals_to_lose = self.goals_to_lose.saturating_sub(1);
+                is_one_of_many || self.take(FaultKind::LostGoal)
+            }
+            "result" => self.take(FaultKind::LostResult),
+            "cancel" => self.take(FaultKind::LostCancel),
+            "stop" => self.take(FaultKind::LostStop),
+            "reading" => {
+                let now_s = self.arm.now_s();
+                let is_short = |since_s: f64| now_s < since_s + SHORT_SILENCE_S;
+                self.due(FaultKind::Silence).is_some()
+                    || self.due(FaultKind::ShortSilence).is_some_and(is_short)
+            }
+            _ => false,
+        }
+    }
+
+    fn fail(&mut self, kind: FaultKind) -> Result<(), String> {
+        match is_of_messages(kind) {
+            true => self.messages.push(Fault {
+                kind,
+                from_s: self.arm.now_s(),
+            }),
+            false => self.arm.fail(kind),
+        }
+        Ok(())
+    }
+
+    fn lay(&mut self) -> Result<(), String> {
+        let laid = self.table.borrow_mut().lay(&self.start);
+        laid.map_err(|error| error.to_string())?;
+        self.is_laid = true;
+        Ok(())
+    }
+
+    fn truth(&self) -> Value {
+        json!({
+            "clock_s": self.arm.now_s(),
+            "tool_m": self.arm.tool().translation.vector.as_slice(),
+            "extent_m": self.arm.extent_m(),
+            "is_stopped": self.arm.is_stopped(),
+            "moved_after_stop_m": self.arm.moved_after_stop_m(),
+            "particles_m": self.table.borrow().particles(),
+        })
+    }
+
+    fn pixel(&self, point_m: [f64; 3]) -> Option<[f64; 2]> {
+        let world_from_base = base_from_world(&self.settings).inverse();
+        let at = self.world_from_camera().inverse() * world_from_base * Point3::from(point_m);
+        let simulated = &self.settings.simulated;
+        let half_px = f64::from(simulated.camera_px) / 2.0;
+        let focal_px = half_px / (simulated.camera_fov_deg.to_radians() / 2.0).tan();
+        let scale = focal_px / (simulated.camera_height_m - at.z);
+        Some([half_px + scale * at.x, half_px - scale * at.y])
+    }
+}
+
+impl RgbdSource for Scene {
+    fn name(&self) -> String {
+        self.camera.name()
+    }
+
+    fn shoot(&mut self) -> Result<Shot, RgbdError> {
+        if self.is_laid {
+            return self.camera.shoot();
+        }
+        let bare = self.table.borrow().bare_shot();
+        bare.map_err(|error| RgbdError {
+            camera: self.name(),
+            why: error.to_string(),
+        })
+    }
+}
+
+impl Port for Scene {
+    fn now_s(&self) -> f64 {
+        self.arm.now_s()
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        self.arm.wait(seconds);
+    }
+
+    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
+        self.arm.send(goal)
+    }
+
+    fn state(&mut self, goal: &GoalId) -> GoalState {
+        self.arm.state(goal)
+    }
+
+    fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
+        self.arm.cancel(goal)
+    }
+
+    fn stop(&mut self) -> Result<(), PortError> {
+        self.arm.stop()
+    }
+
+    fn start(&mut self) -> Result<(), PortError> {
+        self.arm.start()
+    }
+
+    fn readings(&mut self) -> Readings {
+        self.arm.readings()
+    }
+}

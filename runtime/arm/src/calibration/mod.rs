@@ -1,0 +1,202 @@
+//! Where the camera's pixels lie for the arm: measured from points that the arm touched and the camera saw.
+//!
+//! In: [`Pair`]s of a pixel and a tool pose, and the [`Terms`] that they are to meet. Out: a [`Calibration`], with the
+//! error of each point and what an error of the points comes to over the table; or a [`Refusal`] that names the slip.
+//! A calibration is text with a picture beside it (`file`), notices that its camera was moved (`moved`), and gives the
+//! camera of the square picture that tasks see (`view`). Nothing here asks a person or a clock, and an arm only for the place
+//! to which a person brought it (`touch`).
+
+mod accuracy;
+mod file;
+mod fit;
+mod moved;
+mod pairs;
+mod plane;
+mod refusal;
+mod rigid;
+mod session;
+mod slips;
+mod spread;
+#[cfg(test)]
+mod tests;
+mod touch;
+mod view;
+
+pub use accuracy::Accuracy;
+pub use file::FileError;
+pub use fit::Fit;
+pub use moved::Moved;
+pub use pairs::{MAX_PAIRS, PairError, csv_line, parse_pairs, read_pairs};
+pub use refusal::{Fault, Refusal};
+pub use session::{Said, Session, ToolReader, grid};
+pub use spread::Spread;
+pub use touch::place_at_rest;
+pub use view::Window;
+
+use super::rgbd::Intrinsics;
+use super::settings::{CameraSettings, CameraSource, Settings};
+use image::GrayImage;
+
+/// The fewest points, at places of their own, that are accepted.
+///
+/// Four fit a homography exactly, whatever was typed; only with twice as many does leaving one out say something.
+pub const MIN_PAIRS: usize = 8;
+
+/// How much larger the error of points that were left out may be: a place where no point was touched is as uncertain.
+const LEFT_OUT_SHARE: f64 = 5.0 / 3.0;
+
+/// A point that the camera saw and the fingertips touched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// Where it is in the camera's own picture, `[column, row]`; the middle of the pixel in column 3 is at 3.5.
+    pub pixel: [f64; 2],
+    /// Position of the tool when the fingertips touch the point, metres, base frame.
+    pub base_m: [f64; 3],
+    /// Depth that the camera reads there, metres along the optical axis.
+    pub depth_m: Option<f64>,
+}
+
+/// How pixels and the base are joined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// A homography to the table's plane; needs neither depth nor intrinsics, and knows nothing above the table.
+    Plane,
+    /// A rotation and a translation from the camera to the base; needs depth at every point, and intrinsics.
+    Rigid,
+}
+
+impl Method {
+    /// Returns the largest root mean square error that is accepted unless another limit is asked for, millimetres.
+    ///
+    /// By the plane 3: the driver calls a pose reached within that, and a calibration that is worse would be what decides
+    /// where a pick lands. With depth 5: its readings scatter by 2 mm at a metre, and the fit evens that out.
+    pub fn limit_mm(self) -> f64 {
+        match self {
+            Method::Plane => 3.0,
+            Method::Rigid => 5.0,
+        }
+    }
+
+    /// Returns its name in files: `plane` or `rigid`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Plane => "plane",
+            Method::Rigid => "rigid",
+        }
+    }
+}
+
+/// What a calibration is of, and what it has to meet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Terms {
+    /// How pixels and the base are joined.
+    pub method: Method,
+    /// The camera's name, for people.
+    pub camera: String,
+    /// Width and height of the camera's own picture, pixels.
+    pub size_px: [u32; 2],
+    /// How the camera projects, where that is known; its distortion is taken out of the pixels.
+    pub intrinsics: Option<Intrinsics>,
+    /// The part of the picture that tasks see, where the calibration has to hold.
+    pub window: Window,
+    /// The least and the largest x and y of the tool, metres, base frame; elsewhere it need not hold.
+    pub reach_m: [[f64; 2]; 2],
+    /// The largest root mean square error, millimetres.
+    pub limit_mm: f64,
+}
+
+impl Terms {
+    /// Returns the terms that an arm's settings state.
+    ///
+    /// `size_px` is the size of the camera's own picture, `limit_mm` the largest root mean square error.
+    pub fn of(settings: &Settings, method: Method, size_px: [u32; 2], limit_mm: f64) -> Terms {
+        let Settings {
+            camera,
+            ros,
+            workspace,
+            ..
+        } = settings;
+        let topic = ros.as_ref().and_then(|ros| ros.color.as_deref());
+        let level = |corner: [f64; 3]| [corner[0], corner[1]];
+        Terms {
+            method,
+            camera: camera_name(camera, topic),
+            size_px,
+            intrinsics: camera.intrinsics.clone(),
+            window: Window::from(camera.window_px),
+            reach_m: [level(workspace.min_m), level(workspace.max_m)],
+            limit_mm,
+        }
+    }
+}
+
+/// A camera whose pixels are known to the arm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// What it is of, and what it met.
+    pub terms: Terms,
+    /// The day on which it was made, UTC, e.g. `2026-11-22`.
+    pub made_on: String,
+    /// The points that it was made from.
+    pub pairs: Vec<Pair>,
+    /// From pixels to the base.
+    pub fit: Fit,
+    /// How well the points fit.
+    pub accuracy: Accuracy,
+    /// What the camera saw then, by which a moved camera is noticed.
+    pub reference: Option<GrayImage>,
+}
+
+impl Calibration {
+    /// Joins pixels and the base by the points, or says what is wrong with them.
+    ///
+    /// - `made_on`: the day, UTC, e.g. `2026-11-22`.
+    /// - `reference`: the camera's picture of the table, of the size that the terms state.
+    pub fn make(
+        terms: Terms,
+        pairs: Vec<Pair>,
+        made_on: &str,
+        reference: Option<GrayImage>,
+    ) -> Result<Calibration, Refusal> {
+        let (fit, accuracy) = accuracy::judge(&terms, &pairs)?;
+        if let Some(picture) = &reference {
+            let found = [picture.width(), picture.height()];
+            if found != terms.size_px {
+                let wanted = terms.size_px;
+                return Err(Fault::PictureSize { found, wanted }.into());
+            }
+        }
+        Ok(Calibration {
+            terms,
+            made_on: made_on.to_owned(),
+            pairs,
+            fit,
+            accuracy,
+            reference,
+        })
+    }
+
+    /// Says why it does not hold for the settings of today, where they ask for more than it was made for.
+    pub fn check_settings(&self, settings: &Settings) -> Result<(), Refusal> {
+        let Terms {
+            method,
+            size_px,
+            limit_mm,
+            ..
+        } = self.terms;
+        let mut terms = Terms::of(settings, method, size_px, limit_mm);
+        terms.intrinsics.clone_from(&self.terms.intrinsics);
+        accuracy::judge(&terms, &self.pairs).map(|_| ())
+    }
+}
+
+/// Returns what a camera is called: its topic, its folder, or that it is simulated.
+fn camera_name(camera: &CameraSettings, topic: Option<&str>) -> String {
+    let folder = || camera.folder.as_ref().map(|it| it.display().to_string());
+    let name = match camera.source {
+        CameraSource::Ros => topic.map(str::to_owned),
+        CameraSource::Directory => folder(),
+        CameraSource::Simulated => Some("simulated".to_owned()),
+    };
+    name.unwrap_or_else(|| "camera".to_owned())
+}

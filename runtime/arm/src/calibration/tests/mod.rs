@@ -1,0 +1,26 @@
+//! A camera over a table and an arm that touches it, both simulated, and what calibrations make of them.
+#![allow(clippy::unwrap_used)]
+
+mod errors;
+mod files;
+mod lines;
+mod slips;
+mod touches;
+mod views;
+
+mod truth;
+
+use super::*;
+use nalgebra::{Isometry3, Point3, Vector3};
+use truth::{Noise, Truth, terms, window};
+
+impl Noise {
+    /// A point as it is measured: the tool and the pixel and the depth off by these standard deviations.
+    pub fn measured(&mut self, pair: &Pair, tool_m: f64, pixel_px: f64, depth_m: f64) -> Pair {
+        Pair {
+            pixel: pair.pixel.map(|it| it + pixel_px * self.normal()),
+            base_m: pair.base_m.map(|it| it + tool_m * self.normal()),
+            depth_m: pair.depth_m.map(|it| it + depth_m * self.normal()),
+        }
+    }
+}

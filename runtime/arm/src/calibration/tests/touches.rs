@@ -1,0 +1,149 @@
+//! An arm that a person guides: where its tool is counts only while it is at rest, heard, and points down.
+
+use super::*;
+use crate::kinematics::tool_down::tool_down;
+use crate::port::{Goal, GoalId, GoalState, Heard, Port, PortError, Readings};
+
+const AT_M: [f64; 3] = [0.4, 0.1, 0.02];
+
+/// An arm that only talks: what it says at a time of its clock, every 0.1 s, and until when.
+struct Guided<F: Fn(f64) -> Isometry3<f64>> {
+    clock_s: f64,
+    until_s: f64,
+    pose: F,
+}
+
+impl<F: Fn(f64) -> Isometry3<f64>> Port for Guided<F> {
+    fn now_s(&self) -> f64 {
+        self.clock_s
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        self.clock_s += seconds;
+    }
+
+    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
+        panic!("the arm is sent {goal:?}");
+    }
+
+    fn state(&mut self, _: &GoalId) -> GoalState {
+        unreachable!("no goal was sent")
+    }
+
+    fn cancel(&mut self, _: &GoalId) -> Result<(), PortError> {
+        unreachable!("no goal was sent")
+    }
+
+    fn stop(&mut self) -> Result<(), PortError> {
+        panic!("the arm is stopped")
+    }
+
+    fn start(&mut self) -> Result<(), PortError> {
+        panic!("the arm is started")
+    }
+
+    fn readings(&mut self) -> Readings {
+        let at_s = (self.clock_s * 10.0).floor() / 10.0;
+        let at_s = at_s.min(self.until_s);
+        Readings {
+            tool: (at_s > 0.0).then(|| Heard {
+                value: (self.pose)(at_s),
+                at_s,
+            }),
+            ..Readings::default()
+        }
+    }
+}
+
+fn read(
+    clock_s: f64,
+    until_s: f64,
+    pose: impl Fn(f64) -> Isometry3<f64>,
+) -> Result<[f64; 3], String> {
+    let mut port = Guided {
+        clock_s,
+        until_s,
+        pose,
+    };
+    place_at_rest(&mut port, 1.0)
+}
+
+fn down(at_m: [f64; 3]) -> Isometry3<f64> {
+    tool_down(&at_m.into(), 0.7)
+}
+
+/// The hand over the same point, tilted by an angle about some horizontal axis.
+fn tilted(angle_deg: f64) -> Isometry3<f64> {
+    let axis = nalgebra::Unit::new_normalize(Vector3::new(0.6, -0.8, 0.0));
+    let mut pose = down(AT_M);
+    pose.rotation =
+        nalgebra::UnitQuaternion::from_axis_angle(&axis, angle_deg.to_radians()) * pose.rotation;
+    pose
+}
+
+/// The hand on its way, at a speed.
+fn moving(speed_m_s: f64) -> impl Fn(f64) -> Isometry3<f64> {
+    move |at_s| down([AT_M[0] + speed_m_s * at_s, AT_M[1], AT_M[2]])
+}
+
+#[test]
+fn an_arm_at_rest_gives_its_place() {
+    for (name, read) in [
+        ("upright", read(5.0, f64::INFINITY, |_| down(AT_M))),
+        ("a little tilted", read(5.0, f64::INFINITY, |_| tilted(3.9))),
+        // The arm's own noise, a tenth of a millimetre.
+        (
+            "trembling",
+            read(5.0, f64::INFINITY, |at_s| {
+                down([AT_M[0] + 1e-4 * (at_s * 70.0).sin(), AT_M[1], AT_M[2]])
+            }),
+        ),
+    ] {
+        let place = read.unwrap_or_else(|why| panic!("{name}: {why}"));
+        let off_m = (Vector3::from(place) - Vector3::from(AT_M)).norm();
+        assert!(off_m < 2e-4, "{name}: {place:?}");
+    }
+}
+
+#[test]
+fn a_place_that_is_none_is_refused_with_its_values() {
+    let forever = f64::INFINITY;
+    for (read, words) in [
+        (
+            read(0.0, 0.0, |_| down(AT_M)),
+            "the arm has not said yet where its tool is",
+        ),
+        (
+            read(5.0, 3.0, |_| down(AT_M)),
+            "the arm has not said for 2.0 s where its tool is",
+        ),
+        // The last word is young enough when the point is entered, and nothing follows.
+        (
+            read(5.0, 4.8, |_| down(AT_M)),
+            "the arm has not said for 0.7 s where its tool is",
+        ),
+        (
+            read(5.0, forever, moving(0.02)),
+            "the arm still moves: its tool went 10.0 mm in 0.5 s",
+        ),
+        (
+            read(5.0, forever, moving(0.002)),
+            "the arm still moves: its tool went 1.0 mm in 0.5 s",
+        ),
+        (
+            read(5.0, forever, |_| tilted(4.1)),
+            "the hand is tilted by 4.1 degrees",
+        ),
+        (
+            read(5.0, forever, |_| tilted(180.0)),
+            "the hand is tilted by 180.0 degrees",
+        ),
+        (
+            read(5.0, forever, |_| down([f64::NAN, 0.0, 0.0])),
+            "a place that is no number",
+        ),
+    ] {
+        let why = read.expect_err(words);
+        assert!(why.contains(words), "{words}: {why}");
+    }
+}

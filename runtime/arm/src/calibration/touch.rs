@@ -1,0 +1,82 @@
+//! Where the tool is when a person has brought it to a point.
+//!
+//! In: what the arm says of itself, over a moment. Out: the tool's place, or why it is none to calibrate by: nothing new is
+//! heard, the arm still moves, or the hand is tilted. The arm is not moved.
+
+use crate::port::{Heard, Port};
+use nalgebra::{Isometry3, Vector3};
+
+/// How long the arm is looked at, seconds: kinova-ros reports ten times a second.
+const LOOK_S: f64 = 0.5;
+
+/// Between two looks, seconds.
+const STEP_S: f64 = 0.05;
+
+/// A tool that goes farther than this meanwhile moves, metres.
+const REST_M: f64 = 0.000_5;
+
+/// How far the hand may be tilted from straight down, degrees. The tool's point is where the last joints of closed fingers
+/// are (kinova_description: 0.115 m to the fingers' first joint and 0.044 m on, of 0.160 m); a fingertip about as long as
+/// the part before it goes on from there, so that 4 degrees of tilt are 3 mm on the table.
+const MAX_TILT_DEG: f64 = 4.0;
+
+/// Reads the tool's place, metres, base frame; says why there is none.
+///
+/// - `stale_s`: the oldest that the last word of the arm may be, seconds.
+pub fn place_at_rest(port: &mut dyn Port, stale_s: f64) -> Result<[f64; 3], String> {
+    let begun_s = port.now_s();
+    let first = heard(port, stale_s)?;
+    let mut farthest_m: f64 = 0.0;
+    let mut last = first;
+    while port.now_s() - begun_s < LOOK_S {
+        port.wait(STEP_S);
+        last = heard(port, stale_s)?;
+        let away = last.value.translation.vector - first.value.translation.vector;
+        farthest_m = farthest_m.max(away.norm());
+    }
+    if last.at_s <= begun_s {
+        return Err(silent(port.now_s() - last.at_s));
+    }
+    if farthest_m > REST_M {
+        return Err(format!(
+            "the arm still moves: its tool went {:.1} mm in {LOOK_S} s; hold it still, and enter the point again",
+            farthest_m * 1000.0
+        ));
+    }
+    let out_of_hand = last.value.rotation * Vector3::z();
+    let tilt_deg = out_of_hand.angle(&-Vector3::z()).to_degrees();
+    if tilt_deg > MAX_TILT_DEG {
+        return Err(format!(
+            "the hand is tilted by {tilt_deg:.1} degrees, so that its place is not that of the fingertips; point it straight \
+             down, to {MAX_TILT_DEG} degrees at the most"
+        ));
+    }
+    Ok(last.value.translation.vector.into())
+}
+
+/// Returns the last word of the arm, where it is no older than allowed.
+fn heard(port: &mut dyn Port, stale_s: f64) -> Result<Heard<Isometry3<f64>>, String> {
+    let now_s = port.now_s();
+    let Some(tool) = port.readings().tool else {
+        return Err("the arm has not said yet where its tool is".to_owned());
+    };
+    if now_s - tool.at_s > stale_s {
+        return Err(silent(now_s - tool.at_s));
+    }
+    let pose = &tool.value;
+    let mut numbers = pose
+        .translation
+        .vector
+        .iter()
+        .chain(pose.rotation.coords.iter());
+    match numbers.all(|number| number.is_finite()) {
+        true => Ok(tool),
+        false => Err("the arm says that its tool is at a place that is no number".to_owned()),
+    }
+}
+
+fn silent(for_s: f64) -> String {
+    format!(
+        "the arm has not said for {for_s:.1} s where its tool is; its driver or the network may be down"
+    )
+}

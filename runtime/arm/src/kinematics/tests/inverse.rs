@@ -1,0 +1,155 @@
+//! Inverse: what it finds, that it keeps limits and stays near, and what it refuses.
+
+use super::*;
+use crate::kinematics::inverse::{NoSolution, Obstacle};
+use crate::kinematics::tool_down::{Downwards, tool_down};
+use nalgebra::{Point3, UnitQuaternion};
+use std::time::{Duration, Instant};
+
+proptest! {
+    #[test]
+    fn a_pose_that_the_arm_has_is_found_from_any_other(
+        (chain, angles) in posed(),
+        near in prop::collection::vec(-20.0..20.0f64, JOINTS),
+    ) {
+        let pose = chain.base_from_tool(&angles).unwrap();
+        let found = chain.solve(&pose, &near).unwrap();
+        let reached = chain.base_from_tool(&found).unwrap();
+        prop_assert!(distance_m(&reached, &pose) <= 1e-4);
+        prop_assert!(angle_deg(&reached, &pose) <= 0.01);
+        prop_assert_eq!(chain.joint_past_limit(&found), None);
+        for ((joint, found), near) in chain.joints().iter().zip(&found).zip(&near) {
+            let turns = (found - near).abs() / TAU;
+            prop_assert!(joint.limits_rad.is_some() || turns <= 0.5 + 1e-9, "{} turns away", turns);
+        }
+    }
+
+    #[test]
+    fn a_pose_nearby_is_reached_in_the_same_posture((chain, angles) in posed(), by in prop::array::uniform6(-0.02..0.02f64)) {
+        let near: Vec<f64> = angles.iter().zip(by).map(|(angle, by)| angle + by).collect();
+        let pose = chain.base_from_tool(&angles).unwrap();
+        let found = chain.solve(&pose, &near).unwrap();
+        let singular = chain.jacobian(&angles).unwrap().svd(false, false).singular_values.min() < 0.02;
+        for (found, angle) in found.iter().zip(&angles) {
+            prop_assert!(singular || (found - angle).abs() < 1e-6, "{} is not {}", found, angle);
+        }
+    }
+
+    #[test]
+    fn equal_input_gives_equal_bits((chain, angles) in posed()) {
+        let pose = chain.base_from_tool(&angles).unwrap();
+        prop_assert_eq!(chain.solve(&pose, &HOME_RAD), chain.solve(&pose, &HOME_RAD));
+    }
+
+    #[test]
+    fn any_pose_gets_an_answer_soon(
+        numbers in prop::array::uniform3(prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(1e300), -1.0..1.0f64]),
+        turn in prop::array::uniform3(-7.0..7.0f64),
+        near in prop::collection::vec(prop_oneof![Just(f64::NAN), Just(1e300), -9.0..9.0f64], 0..8),
+    ) {
+        let begun = Instant::now();
+        let rotation = UnitQuaternion::from_scaled_axis(turn.into());
+        let pose = Isometry3::from_parts(numbers.into(), rotation);
+        let found = chain_of("j2n6s200").solve(&pose, &near);
+        prop_assert!(found.is_err() || numbers.iter().all(|number| number.abs() < 1.2));
+        prop_assert!(begun.elapsed() < Duration::from_secs(2));
+    }
+}
+
+#[test]
+fn what_is_out_of_reach_is_told_with_how_near_the_arm_came() {
+    let chain = chain_of("j2n6s200");
+    let why = |x_m: f64, z_m: f64, turned: &Isometry3<f64>| {
+        let place = Point3::new(x_m, 0.0, z_m);
+        let pose = Isometry3::from_parts(place.coords.into(), turned.rotation);
+        match chain.solve(&pose, &HOME_RAD).unwrap_err() {
+            NoSolution::NotReached {
+                distance_m,
+                obstacle,
+                ..
+            } => (distance_m, obstacle),
+            other => panic!("{other}"),
+        }
+    };
+    let down = tool_down(&Point3::origin(), 0.0);
+    let (distance_m, obstacle) = why(3.0, 0.0, &down);
+    assert_eq!(obstacle, Obstacle::TooFar);
+    assert!((2.0..2.4).contains(&distance_m), "{distance_m}");
+    let (distance_m, obstacle) = why(0.80, 0.0, &down);
+    assert_eq!(obstacle, Obstacle::TooFar);
+    assert!((0.0..0.1).contains(&distance_m), "{distance_m}");
+    let (_, obstacle) = why(0.05, 0.1, &down);
+    assert!(
+        matches!(obstacle, Obstacle::TooNear | Obstacle::Limit(_)),
+        "{obstacle}"
+    );
+}
+
+#[test]
+fn what_is_no_pose_is_refused_as_such() {
+    for bad in [f64::NAN, f64::INFINITY] {
+        let pose = Isometry3::translation(0.3, bad, 0.1);
+        assert_eq!(
+            chain_of("j2s6s200").solve(&pose, &HOME_RAD),
+            Err(NoSolution::NotAPose)
+        );
+    }
+}
+
+#[test]
+fn a_refusal_says_what_was_reached() {
+    let error = NoSolution::NotReached {
+        distance_m: 0.0123,
+        angle_rad: 0.1,
+        obstacle: Obstacle::Limit(3),
+    };
+    let said =
+        "the arm came to `12.3` mm and `5.73` degrees of the pose: joint `3` stands at its limit";
+    assert_eq!(error.to_string(), said);
+}
+
+/// Holds the models to what the enumeration of postures takes for granted, and each of the two ways to the other.
+#[test]
+fn all_postures_pointing_down_bring_the_hand_there() {
+    for model in MODELS {
+        let chain = chain_of(model);
+        let downwards = Downwards::new(&chain);
+        let mut count = 0;
+        for (radius_cm, height_cm) in
+            (11..80).flat_map(|radius| (-2..6).map(move |height| (radius, height * 5)))
+        {
+            let place = Point3::new(
+                f64::from(radius_cm) / 100.0,
+                0.0,
+                f64::from(height_cm) / 100.0,
+            );
+            let postures = downwards.postures(place.x, place.z);
+            for posture in &postures {
+                count += 1;
+                let tool = chain.base_from_tool(posture).unwrap();
+                let down = Isometry3::from_parts(place.coords.into(), tool.rotation);
+                assert!(
+                    distance_m(&tool, &down) < 1e-6,
+                    "{model} at {place}: {tool}"
+                );
+                assert!((tool.rotation * nalgebra::Vector3::z()).z < -1.0 + 1e-9);
+                assert_eq!(chain.joint_past_limit(posture), None);
+            }
+            let found = chain.solve(&tool_down(&place, 0.4), &HOME_RAD);
+            assert!(
+                postures.is_empty() || found.is_ok(),
+                "{model} at {place}: {found:?}"
+            );
+            let Ok(found) = found else { continue };
+            // The forearm's direction is that of the fourth axis.
+            let upright = (chain.frames(&found).unwrap()[3].rotation * nalgebra::Vector3::z())
+                .z
+                .abs()
+                > 1.0 - 1e-6;
+            let near_rim = |by_m: f64| downwards.postures(place.x + by_m, place.z).len();
+            let there = postures.len() + near_rim(-5e-4) + near_rim(5e-4);
+            assert!(upright || there > 0, "{model} at {place}: {found:?}");
+        }
+        assert!(count > 1000, "{model}: {count}");
+    }
+}

@@ -1,0 +1,53 @@
+//! Cameras that give colour with depth: a topic's, a folder's, the simulator's.
+//!
+//! In: nothing but the camera. Out: a [`Shot`] as it was taken, in its own size; cutting it to a task's square picture is
+//! the world's business.
+
+use fab_picture::DepthImage;
+use image::RgbImage;
+use serde::{Deserialize, Serialize};
+
+/// One picture with depth.
+#[derive(Clone, Debug)]
+pub struct Shot {
+    /// Colour, `[height, width]`.
+    pub rgb: RgbImage,
+    /// Depth along the optical axis, metres, of the same size and aligned with the colour; 0 is no reading.
+    pub depth_m: DepthImage,
+    /// How the camera projects, where it says so.
+    pub intrinsics: Option<Intrinsics>,
+}
+
+/// How a camera projects, as `sensor_msgs/CameraInfo` says it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Intrinsics {
+    /// Width and height of the picture, pixels.
+    pub size_px: [u32; 2],
+    /// Focal lengths along columns and rows, pixels.
+    pub focal_px: [f64; 2],
+    /// Where the optical axis meets the picture, pixels: the middle of the pixel in column 3 is at 3.5.
+    pub middle_px: [f64; 2],
+    /// Coefficients of distortion (`plumb_bob`: k1, k2, t1, t2, k3); empty for none.
+    #[serde(default)]
+    pub distortion: Vec<f64>,
+}
+
+/// Why there is no picture.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the camera `{camera}` gave no picture: {why}")]
+pub struct RgbdError {
+    /// The camera's name.
+    pub camera: String,
+    /// What went wrong.
+    pub why: String,
+}
+
+/// A camera that gives colour with depth.
+pub trait RgbdSource {
+    /// Returns its name, e.g. its topic.
+    fn name(&self) -> String;
+
+    /// Takes a picture: one that was taken after the call, never one that lay waiting.
+    fn shoot(&mut self) -> Result<Shot, RgbdError>;
+}

@@ -1,0 +1,321 @@
+//! The settings of one arm over one table: a TOML file that its owner writes once.
+//!
+//! In: text. Out: [`Settings`], every number checked; an error names the key, its value and what would be right. The
+//! place of the camera is measured and lies in a file of its own (`fabc calibrate`).
+
+mod check;
+
+use super::rgbd::Intrinsics;
+use fab_base::files;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// The longest settings file that is read.
+const MAX_BYTES: u64 = 256 << 10;
+
+/// One arm over one table.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// A name for reports, e.g. `lab_jaco`.
+    pub name: String,
+    /// The arm's model: `j2n6s200`, `j2n6s300` or `j2s6s200`.
+    pub model: String,
+    /// Who moves it.
+    pub driver: DriverKind,
+    /// The file that `fabc calibrate` wrote, relative to this one.
+    pub calibration: PathBuf,
+    /// Where the table is.
+    pub table: Table,
+    /// Where the tool may be.
+    pub workspace: Workspace,
+    /// How a pick and place is carried out.
+    #[serde(default)]
+    pub motion: MotionSettings,
+    /// What finger positions mean.
+    pub fingers: FingerSettings,
+    /// What counts as reached, and how long that may take.
+    #[serde(default)]
+    pub tolerance: Tolerance,
+    /// Where pictures come from.
+    pub camera: CameraSettings,
+    /// How the node that moves the arm is reached; needed for the drivers `kinova` and `trajectory`.
+    pub ros: Option<RosSettings>,
+    /// The driver `simulated`'s arm and table.
+    #[serde(default)]
+    pub simulated: SimulatedSettings,
+}
+
+/// Who moves the arm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DriverKind {
+    /// The node of kinova-ros, by Cartesian goals.
+    Kinova,
+    /// A `FollowJointTrajectory` controller, by joint trajectories from this crate's inverse kinematics.
+    Trajectory,
+    /// An arm that this program simulates, over a simulated cloth.
+    Simulated,
+}
+
+/// Where the table is, in the base frame.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Table {
+    /// Its middle, which is the origin of the world frame; metres, base frame. The height is that of the tool pose at
+    /// which the fingertips touch the table.
+    pub center_m: [f64; 3],
+    /// How far the world frame is turned about z against the base frame, degrees.
+    #[serde(default)]
+    pub turn_deg: f64,
+}
+
+/// Where the tool may be.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Workspace {
+    /// The least x, y and z of the tool, metres, base frame.
+    pub min_m: [f64; 3],
+    /// The largest.
+    pub max_m: [f64; 3],
+    /// Boxes that neither the tool nor its way may enter.
+    #[serde(default)]
+    pub keep_out: Vec<KeepOut>,
+    /// Where the tool waits while pictures are taken, out of the camera's view; metres, base frame.
+    pub rest_m: [f64; 3],
+    /// The fastest that the tool may be, m/s.
+    #[serde(default = "defaults::max_speed_m_s")]
+    pub max_speed_m_s: f64,
+    /// The longest single segment, metres.
+    #[serde(default = "defaults::max_step_m")]
+    pub max_step_m: f64,
+}
+
+/// A box that the tool may not enter.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KeepOut {
+    /// What is there.
+    pub name: String,
+    /// Its least corner, metres, base frame.
+    pub min_m: [f64; 3],
+    /// Its largest.
+    pub max_m: [f64; 3],
+}
+
+/// How a pick and place is carried out; heights are above the point that is picked or placed at.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MotionSettings {
+    /// Height at which the hand arrives over the pick, metres (paper: 5 mm).
+    pub pre_pick_m: f64,
+    /// Height at which the fingers close, metres.
+    pub grasp_m: f64,
+    /// Height to which what was grasped is lifted, metres (paper: 5 mm).
+    pub lift_m: f64,
+    /// Height at which the fingers open, metres.
+    pub release_m: f64,
+    /// Height to which the hand rises after the release, metres.
+    pub retreat_m: f64,
+    /// Height over the table at which the hand travels with nothing in it, metres.
+    pub travel_m: f64,
+    /// Speed of the tool, m/s. The node behind the driver `kinova` takes none and goes at its own: there it only says how long
+    /// a motion may take.
+    pub speed_m_s: f64,
+    /// How the hand is turned about the vertical, degrees in the base frame.
+    pub hand_turn_deg: f64,
+}
+
+/// The simulated arm and table of the driver `simulated`, which need nothing of a real one.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SimulatedSettings {
+    /// Height of the simulated camera over the table, metres.
+    pub camera_height_m: f64,
+    /// How far the camera is from the middle of the table, metres along the table's x and y.
+    pub camera_offset_m: [f64; 2],
+    /// How far the camera is turned about the vertical, degrees.
+    pub camera_turn_deg: f64,
+    /// Field of view across the picture's shorter side, degrees.
+    pub camera_fov_deg: f64,
+    /// Side of the camera's square picture, pixels.
+    pub camera_px: u32,
+    /// How far from where it was sent the tool comes to rest, metres, at the most.
+    pub repeatability_m: f64,
+    /// Draws all chance of the arm.
+    pub seed: u64,
+}
+
+impl Default for SimulatedSettings {
+    fn default() -> Self {
+        SimulatedSettings {
+            camera_height_m: 1.0,
+            camera_offset_m: [0.0; 2],
+            camera_turn_deg: 0.0,
+            camera_fov_deg: 45.0,
+            camera_px: 720,
+            repeatability_m: 0.001,
+            seed: 0,
+        }
+    }
+}
+
+/// What finger positions mean; the units differ between documents of the vendor, so they are measured.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FingerSettings {
+    /// How many fingers: 2 or 3.
+    pub count: usize,
+    /// Position at which they are open, in the node's units.
+    pub open: f64,
+    /// Position at which they are closed with nothing between them.
+    pub closed: f64,
+    /// How far from `closed` they stop at the least when cloth is between them; without it, nothing is concluded from
+    /// their position.
+    pub cloth: Option<f64>,
+    /// How near to a position counts as there.
+    pub tolerance: f64,
+}
+
+/// What counts as reached, and how long that may take.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Tolerance {
+    /// How far the tool may be from where it was sent, metres. The arm's node itself accepts 10 mm.
+    pub position_m: f64,
+    /// How far it may be turned, degrees. The arm's node itself accepts 2 degrees.
+    pub angle_deg: f64,
+    /// How often a goal is sent again when the node calls it reached and it is not.
+    pub corrections: u32,
+    /// The longest that a segment may take beyond its length over its speed, seconds.
+    pub settle_s: f64,
+    /// The oldest that a reading may be, seconds.
+    pub stale_s: f64,
+    /// The longest without a sign of life of this program, after which the watchdog stops the arm, seconds.
+    pub watchdog_s: f64,
+}
+
+/// Where pictures come from.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraSettings {
+    /// The source.
+    pub source: CameraSource,
+    /// For `directory`: the folder, relative to this file.
+    pub folder: Option<PathBuf>,
+    /// The square of the picture that tasks see: its left and top, and its side, pixels of the camera's own picture.
+    pub window_px: [u32; 3],
+    /// How the camera projects, where it does not say so itself.
+    pub intrinsics: Option<Intrinsics>,
+    /// The camera's own picture of the flat cloth, whole and alone on the table, relative to this file; coverage is
+    /// measured against it.
+    pub flat: Option<PathBuf>,
+    /// The longest to wait for a picture, seconds.
+    #[serde(default = "defaults::picture_s")]
+    pub timeout_s: f64,
+}
+
+/// A kind of camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CameraSource {
+    /// Topics with `sensor_msgs` messages.
+    Ros,
+    /// Pictures that something else writes into a folder, `NAME.png` with `NAME.depth.png`: each time one that was not there
+    /// before.
+    Directory,
+    /// The simulator's camera; with the driver `simulated` only.
+    Simulated,
+}
+
+/// How the arm's node and the camera are reached over ROS 1.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RosSettings {
+    /// Address of the master, e.g. `http://localhost:11311`.
+    pub master: String,
+    /// The name under which this machine is known to the others (`ROS_IP`, `ROS_HOSTNAME`).
+    pub host: Option<String>,
+    /// Namespace of kinova-ros's node, e.g. `/j2n6s200_driver`.
+    pub arm: String,
+    /// The controller's action, for the driver `trajectory`.
+    pub trajectory: Option<String>,
+    /// The joints' names in a trajectory, from the base to the hand.
+    #[serde(default)]
+    pub joints: Vec<String>,
+    /// Topic of the colour picture.
+    pub color: Option<String>,
+    /// Topic of the depth picture that is aligned with it: 16 bits, millimetres, 0 for no reading.
+    pub depth: Option<String>,
+    /// Topic of the camera's `CameraInfo`.
+    pub info: Option<String>,
+}
+
+mod defaults {
+    pub(super) fn max_speed_m_s() -> f64 {
+        0.2
+    }
+    pub(super) fn max_step_m() -> f64 {
+        0.9
+    }
+    pub(super) fn picture_s() -> f64 {
+        5.0
+    }
+}
+
+impl Default for MotionSettings {
+    fn default() -> Self {
+        MotionSettings {
+            pre_pick_m: 0.005,
+            grasp_m: 0.0,
+            lift_m: 0.005,
+            release_m: 0.0,
+            retreat_m: 0.05,
+            travel_m: 0.10,
+            speed_m_s: 0.10,
+            hand_turn_deg: 0.0,
+        }
+    }
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Tolerance {
+            position_m: 0.003,
+            angle_deg: 3.0,
+            corrections: 2,
+            settle_s: 5.0,
+            stale_s: 1.0,
+            watchdog_s: 1.0,
+        }
+    }
+}
+
+/// Why settings cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{file}` cannot be used as an arm's settings: {why}")]
+pub struct SettingsError {
+    /// The file.
+    pub file: String,
+    /// What is wrong.
+    pub why: String,
+}
+
+impl Settings {
+    /// Reads a settings file and checks every number.
+    pub fn load(path: &Path) -> Result<Settings, SettingsError> {
+        let wrong = |why: String| SettingsError {
+            file: path.display().to_string(),
+            why,
+        };
+        let text = files::read_text(path, MAX_BYTES).map_err(wrong)?;
+        Settings::parse(&text).map_err(wrong)
+    }
+
+    /// Reads settings from text and checks every number; says what is wrong otherwise.
+    pub fn parse(text: &str) -> Result<Settings, String> {
+        let settings = toml::from_str(text).map_err(|error| error.to_string())?;
+        check::check(&settings)?;
+        Ok(settings)
+    }
+}

@@ -1,0 +1,27 @@
+//! What looks at pictures for an arm: detectors and drawing are not known here, so that an arm needs no OpenCV.
+
+use crate::calibration::Calibration;
+use crate::kinematics::reach::Reach;
+use crate::plan::Plan;
+use crate::settings::Settings;
+use fab_picture::Found;
+use image::{GrayImage, RgbImage};
+
+/// Draws a plan on the camera's own picture, which has the calibration's size.
+pub type DrawPlan =
+    fn(&Plan, &RgbImage, &Calibration, &Settings, &Reach) -> Result<RgbImage, String>;
+
+/// Finds places of the first picture in the second; what is hidden or out of it is left out.
+pub type FindAgain = fn(&GrayImage, &[[u32; 2]], &GrayImage) -> Result<Vec<Found>, String>;
+
+/// Functions on pictures, from whoever sets an arm up; each says in words what it could not do.
+#[derive(Clone, Copy)]
+pub struct Sight {
+    /// Finds places that can be found again, `[column, row]`; none in a picture without texture.
+    pub marks: fn(&GrayImage) -> Result<Vec<[u32; 2]>, String>,
+    /// Finds such places in another picture.
+    pub find_again: FindAgain,
+    /// Draws a plan on the camera's own picture, which has the calibration's size.
+    pub draw_plan:
+        fn(&Plan, &RgbImage, &Calibration, &Settings, &Reach) -> Result<RgbImage, String>,
+}

@@ -1,0 +1,271 @@
+//! Joints and fingers of a simulated arm, and what lies under its hand.
+
+use super::Simulation;
+use crate::kinematics::chain::{Chain, JOINTS};
+use crate::port::Waypoint;
+use crate::settings::FingerSettings;
+use fab_base::chance::Chance;
+use nalgebra::{Isometry3, Translation3, Vector3};
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// Speed of the fingers: a second from open to closed.
+const FINGER_S: f64 = 1.0;
+
+/// Cloth holds the fingers open by this share of their way.
+const CLOTH_SHARE: f64 = 0.08;
+
+/// The longest step between two points of a motion, metres.
+const STEP_M: f64 = 0.02;
+
+/// A table with cloth on it, under a hand.
+pub trait Table {
+    /// Lets time pass while the hand is where it is.
+    ///
+    /// - `tool`: `base_from_tool`.
+    /// - `are_closed`: whether the fingers are closed as far as they go.
+    fn advance(&mut self, seconds: f64, tool: &Isometry3<f64>, are_closed: bool);
+
+    /// Tells whether cloth is between the fingers, where they are.
+    fn is_between(&self, tool: &Isometry3<f64>) -> bool;
+
+    /// Is told once that the camera over it gives no picture any more.
+    fn lose_camera(&mut self) {}
+}
+
+/// A motion of the joints under way.
+struct Motion {
+    points: Vec<Waypoint>,
+    for_s: f64,
+    /// Whether it waits while the arm is stopped and then goes on, as what a controller of trajectories was sent.
+    outlives_stop: bool,
+}
+
+/// Joints and fingers.
+pub(super) struct Body {
+    simulation: Simulation,
+    joints_rad: Vec<f64>,
+    motion: Option<Motion>,
+    fingers: Vec<f64>,
+    finger_goal: Option<f64>,
+    table: Option<Rc<RefCell<dyn Table>>>,
+    chance: Chance,
+    is_held: bool,
+    is_stuck: bool,
+    are_fingers_stuck: bool,
+}
+
+impl Body {
+    pub(super) fn new(simulation: Simulation, table: Option<Rc<RefCell<dyn Table>>>) -> Body {
+        let FingerSettings { count, open, .. } = simulation.fingers;
+        Body {
+            joints_rad: simulation.joints_rad.clone(),
+            motion: None,
+            fingers: vec![open; count],
+            finger_goal: None,
+            table,
+            chance: Chance::seeded(simulation.seed),
+            is_held: false,
+            is_stuck: false,
+            are_fingers_stuck: false,
+            simulation,
+        }
+    }
+
+    pub(super) fn chain(&self) -> &Chain {
+        &self.simulation.chain
+    }
+
+    pub(super) fn joints_rad(&self) -> &[f64] {
+        &self.joints_rad
+    }
+
+    pub(super) fn fingers(&self) -> &[f64] {
+        &self.fingers
+    }
+
+    pub(super) fn tool(&self) -> Isometry3<f64> {
+        let tool = self.simulation.chain.base_from_tool(&self.joints_rad);
+        tool.expect("a body's joints are its chain's")
+    }
+
+    /// Begins a straight motion to near a pose; says why not where the joints do not lead there.
+    ///
+    /// - `short_m`: how much before the pose it ends.
+    pub(super) fn go(&mut self, to: &Isometry3<f64>, short_m: f64) -> Result<(), String> {
+        let from = self.tool();
+        let way = to.translation.vector - from.translation.vector;
+        let way_m = way.norm();
+        let mut aimed = *to;
+        if way_m > 1e-4 {
+            let most_m = self.simulation.repeatability_m;
+            let off =
+                Vector3::from_fn(|_, _| (2.0 * self.chance.fraction() - 1.0) * most_m * 0.577);
+            let short = way * (short_m / way_m).min(1.0);
+            aimed.translation = Translation3::from(to.translation.vector + off - short);
+        }
+        let points = self
+            .chain()
+            .straight(&from, &aimed, &self.joints_rad, STEP_M)
+            .map_err(|why| why.to_string())?;
+        let step_s = way_m / self.simulation.speed_m_s / points.len().max(1) as f64;
+        let timed = points
+            .into_iter()
+            .enumerate()
+            .map(|(index, joints_rad)| Waypoint {
+                joints_rad,
+                at_s: step_s.max(1e-3) * (index + 1) as f64,
+            });
+        self.motion = Some(Motion {
+            points: timed.collect(),
+            for_s: 0.0,
+            outlives_stop: false,
+        });
+        Ok(())
+    }
+
+    /// Begins a motion through points; says what is wrong with them.
+    pub(super) fn follow(&mut self, points: &[Waypoint]) -> Result<(), String> {
+        let fit = points.iter().all(|point| {
+            point.joints_rad.len() == JOINTS
+                && point.at_s.is_finite()
+                && point.joints_rad.iter().all(|angle| angle.is_finite())
+        });
+        if points.is_empty() || !fit {
+            return Err("a trajectory's points are not this arm's".to_owned());
+        }
+        self.motion = Some(Motion {
+            points: points.to_vec(),
+            for_s: 0.0,
+            outlives_stop: false,
+        });
+        Ok(())
+    }
+
+    /// Begins a motion through points that a stop does not end; says what is wrong with them.
+    ///
+    /// - `short_share`: the share of the last step that is left out.
+    pub(super) fn stream(&mut self, points: &[Waypoint], short_share: f64) -> Result<(), String> {
+        self.follow(points)?;
+        let Some(motion) = &mut self.motion else {
+            return Ok(());
+        };
+        motion.outlives_stop = true;
+        if let [.., before, last] = motion.points.as_mut_slice() {
+            for (angle, before) in last.joints_rad.iter_mut().zip(&before.joints_rad) {
+                *angle -= short_share * (*angle - before);
+            }
+        }
+        Ok(())
+    }
+
+    /// Begins a motion of the fingers.
+    pub(super) fn close_to(&mut self, position: f64) {
+        self.finger_goal = Some(position);
+    }
+
+    /// Ends every motion where it is.
+    pub(super) fn halt(&mut self) {
+        self.motion = None;
+        self.finger_goal = None;
+    }
+
+    /// Takes no motion until `start`.
+    pub(super) fn stop(&mut self) {
+        self.is_held = true;
+        self.finger_goal = None;
+        self.motion = self.motion.take().filter(|motion| motion.outlives_stop);
+    }
+
+    /// Takes motion again, and goes on with what a stop does not end.
+    pub(super) fn start(&mut self) {
+        self.is_held = false;
+    }
+
+    pub(super) fn stick(&mut self) {
+        self.is_stuck = true;
+    }
+
+    pub(super) fn stick_fingers(&mut self) {
+        self.are_fingers_stuck = true;
+    }
+
+    /// Loses the camera over the table.
+    pub(super) fn lose_camera(&mut self) {
+        if let Some(table) = &self.table {
+            table.borrow_mut().lose_camera();
+        }
+    }
+
+    /// Turns the first joint, whatever was asked for.
+    pub(super) fn run_away(&mut self, seconds: f64) {
+        self.motion = None;
+        if !self.is_stuck {
+            self.joints_rad[0] += 0.3 * seconds;
+        }
+    }
+
+    /// Lets time pass.
+    pub(super) fn advance(&mut self, seconds: f64) {
+        if !self.is_stuck && !self.is_held {
+            self.advance_joints(seconds);
+        }
+        let tool = self.tool();
+        if !self.are_fingers_stuck {
+            self.advance_fingers(seconds, &tool);
+        }
+        let FingerSettings { open, closed, .. } = self.simulation.fingers;
+        let share = (self.fingers[0] - open) / (closed - open);
+        if let Some(table) = &self.table {
+            let are_closed = share >= 1.0 - 1.5 * CLOTH_SHARE;
+            table.borrow_mut().advance(seconds, &tool, are_closed);
+        }
+    }
+
+    fn advance_joints(&mut self, seconds: f64) {
+        let Some(motion) = &mut self.motion else {
+            return;
+        };
+        let before_s = motion.for_s;
+        motion.for_s += seconds;
+        let now_s = motion.for_s;
+        // The last point that the time has come for, so that points closer than a step of the clock are passed over.
+        let ahead = motion
+            .points
+            .iter()
+            .find(|point| point.at_s > now_s)
+            .or(motion.points.last());
+        let Some(next) = ahead.filter(|point| point.at_s > before_s) else {
+            self.motion = None;
+            return;
+        };
+        // Towards the next point, as much of the way as the time is of what is left to it.
+        let share = ((now_s - before_s) / (next.at_s - before_s)).min(1.0);
+        for (angle, goal) in self.joints_rad.iter_mut().zip(&next.joints_rad) {
+            *angle += share * (goal - *angle);
+        }
+    }
+
+    fn advance_fingers(&mut self, seconds: f64, tool: &Isometry3<f64>) {
+        let Some(goal) = self.finger_goal else {
+            return;
+        };
+        let FingerSettings { open, closed, .. } = self.simulation.fingers;
+        let step = (closed - open).abs() * seconds / FINGER_S;
+        let is_between = self
+            .table
+            .as_ref()
+            .is_some_and(|table| table.borrow().is_between(tool));
+        let stop = match is_between {
+            true => closed - CLOTH_SHARE * (closed - open),
+            false => closed,
+        };
+        for position in &mut self.fingers {
+            let goal = match closed > open {
+                true => goal.min(stop),
+                false => goal.max(stop),
+            };
+            *position += (goal - *position).clamp(-step, step);
+        }
+    }
+}

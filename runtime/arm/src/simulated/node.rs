@@ -1,0 +1,299 @@
+//! The node that moves a simulated arm: its action servers, with their habits.
+
+use super::body::Body;
+use super::faults::{FaultKind, Faults};
+use crate::driver::Off;
+use crate::port::{Ending, Goal, GoalId, GoalState, Waypoint};
+use std::collections::BTreeMap;
+use std::mem::discriminant;
+
+/// How long a message is on its way, seconds.
+const LATENCY_S: f64 = 0.03;
+
+/// Time between two looks of a server at the arm, seconds (kinova-ros: `rate_hz` 10).
+const LOOK_S: f64 = 0.1;
+
+/// A pose this near counts as reached: metres, radians.
+const REACHED_M: f64 = 0.010;
+const REACHED_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
+
+/// Fingers this near count as there, as a share of 6400 units (kinova-ros: 1 %).
+const FINGER_REACHED: f64 = 64.0;
+
+/// A motion slower than this for so long counts as stalled: metres, seconds for the tool, seconds for the fingers.
+const STALL_M: f64 = 0.000_5;
+const STALL_S: f64 = 1.0;
+const FINGER_STALL_S: f64 = 0.5;
+
+/// How much before its goal a motion ends that falls short, metres.
+const SHORT_M: f64 = 0.007;
+
+/// How much of the last step of a trajectory that is: steps are 10 mm.
+const SHORT_SHARE: f64 = 0.7;
+
+/// A trajectory that takes longer than twice its time and so much is given up, seconds.
+const TRAJECTORY_S: f64 = 3.0;
+
+/// The most goals of which the end is remembered.
+const MAX_REMEMBERED: usize = 64;
+
+/// A goal that a server works on.
+struct Active {
+    id: GoalId,
+    goal: Goal,
+    /// What a server compares with to see whether anything still moves: position of the tool, fingers.
+    last: (nalgebra::Vector3<f64>, f64),
+    last_moved_s: f64,
+    begun_s: f64,
+}
+
+/// The node.
+#[derive(Default)]
+pub(super) struct Node {
+    sent: u64,
+    /// Goals and cancellations on their way, with the time of their arrival.
+    on_their_way: Vec<(f64, Message)>,
+    /// At most one for each server.
+    active: Vec<Active>,
+    /// How goals ended, and when that is heard; infinity where it never is.
+    ended: BTreeMap<GoalId, (Ending, f64)>,
+    is_stopped: bool,
+    looked_s: f64,
+}
+
+enum Message {
+    Goal(GoalId, Goal),
+    Cancel(GoalId),
+}
+
+impl Node {
+    pub(super) fn is_stopped(&self) -> bool {
+        self.is_stopped
+    }
+
+    pub(super) fn is_busy(&self) -> bool {
+        !self.active.is_empty()
+    }
+
+    pub(super) fn send(&mut self, goal: &Goal, now_s: f64, faults: &mut Faults) -> GoalId {
+        self.sent += 1;
+        let id = GoalId(format!("goal-{:06}", self.sent));
+        if !faults.loses_goal(now_s) {
+            let message = Message::Goal(id.clone(), goal.clone());
+            self.on_their_way.push((now_s + LATENCY_S, message));
+        }
+        id
+    }
+
+    pub(super) fn cancel(&mut self, goal: &GoalId, now_s: f64) {
+        let message = Message::Cancel(goal.clone());
+        self.on_their_way.push((now_s + LATENCY_S, message));
+    }
+
+    /// Returns what somebody who sent a goal knows of it by now.
+    pub(super) fn told(&self, goal: &GoalId, now_s: f64) -> GoalState {
+        match self.ended.get(goal) {
+            Some((ending, heard_s)) if *heard_s <= now_s => GoalState::Ended(*ending),
+            Some(_) => GoalState::Active,
+            None if self.active.iter().any(|active| active.id == *goal) => GoalState::Active,
+            None => GoalState::Sent,
+        }
+    }
+
+    pub(super) fn stop(&mut self, body: &mut Body) {
+        self.is_stopped = true;
+        body.stop();
+    }
+
+    pub(super) fn start(&mut self, body: &mut Body) {
+        self.is_stopped = false;
+        body.start();
+    }
+
+    /// Takes messages that have arrived, and looks at the arm where it is time to.
+    pub(super) fn advance(&mut self, now_s: f64, body: &mut Body, faults: &mut Faults) {
+        let arrived: Vec<Message> = {
+            let (here, later) = std::mem::take(&mut self.on_their_way)
+                .into_iter()
+                .partition(|(at_s, _)| *at_s <= now_s);
+            self.on_their_way = later;
+            let here: Vec<(f64, Message)> = here;
+            here.into_iter().map(|(_, message)| message).collect()
+        };
+        for message in arrived {
+            match message {
+                Message::Goal(id, goal) => self.take(id, goal, now_s, body, faults),
+                Message::Cancel(id) => {
+                    self.preempt(|active| active.id == id, now_s, body, faults);
+                }
+            }
+        }
+        if now_s - self.looked_s >= LOOK_S - 1e-9 {
+            self.looked_s = now_s;
+            self.look(now_s, body, faults);
+        }
+    }
+
+    fn take(&mut self, id: GoalId, goal: Goal, now_s: f64, body: &mut Body, faults: &mut Faults) {
+        let server = discriminant(&goal);
+        let same = |active: &Active| discriminant(&active.goal) == server;
+        self.preempt(same, now_s, body, faults);
+        let started = match (self.is_stopped, &goal) {
+            // Its controller takes a trajectory at any time, and a stop only holds the joints.
+            (_, Goal::Trajectory(points)) => {
+                let is_motion = !is_near(body, points);
+                let falls_short = faults.lasts(FaultKind::FallsShortAlways, now_s)
+                    || is_motion && faults.take(FaultKind::FallsShort, now_s);
+                body.stream(points, if falls_short { SHORT_SHARE } else { 0.0 })
+            }
+            (true, _) => Err(String::new()),
+            (false, Goal::ToolPose(pose)) => {
+                // A goal that is no motion cannot fall short, and leaves the fault to the next that is one.
+                let is_motion = Off::between(&body.tool(), pose).position_m > REACHED_M;
+                let falls_short = faults.lasts(FaultKind::FallsShortAlways, now_s)
+                    || is_motion && faults.take(FaultKind::FallsShort, now_s);
+                body.go(pose, if falls_short { SHORT_M } else { 0.0 })
+            }
+            (false, Goal::JointAngles(joints_rad)) => body.follow(&[Waypoint {
+                joints_rad: joints_rad.clone(),
+                at_s: 3.0,
+            }]),
+            (false, Goal::Fingers(positions)) => match positions.first() {
+                Some(position) if position.is_finite() => {
+                    body.close_to(*position);
+                    Ok(())
+                }
+                _ => Err(String::new()),
+            },
+        };
+        let is_aborted = started.is_err() || faults.take(FaultKind::AbortedGoal, now_s);
+        if is_aborted {
+            if !self.is_stopped {
+                body.halt();
+            }
+            self.end(id, Ending::Aborted, now_s, faults);
+            return;
+        }
+        self.active.push(Active {
+            id,
+            goal,
+            last: measure(body),
+            last_moved_s: now_s,
+            begun_s: now_s,
+        });
+    }
+
+    /// Ends a goal under way as kinova-ros does: it stops the arm and starts it again, but for a trajectory, of which it
+    /// empties the controller.
+    fn preempt(
+        &mut self,
+        is_meant: impl Fn(&Active) -> bool,
+        now_s: f64,
+        body: &mut Body,
+        faults: &mut Faults,
+    ) {
+        let Some(index) = self.active.iter().position(is_meant) else {
+            return;
+        };
+        let active = self.active.remove(index);
+        body.halt();
+        if !matches!(active.goal, Goal::Trajectory(_)) {
+            self.start(body);
+        }
+        self.end(active.id, Ending::Preempted, now_s, faults);
+    }
+
+    fn end(&mut self, id: GoalId, ending: Ending, now_s: f64, faults: &mut Faults) {
+        let heard_s = match faults.take(FaultKind::LostResult, now_s) {
+            true => f64::INFINITY,
+            false => now_s + LATENCY_S,
+        };
+        while self.ended.len() >= MAX_REMEMBERED {
+            self.ended.pop_first();
+        }
+        self.ended.insert(id, (ending, heard_s));
+    }
+
+    fn look(&mut self, now_s: f64, body: &mut Body, faults: &mut Faults) {
+        let is_stopped = self.is_stopped;
+        let mut over = Vec::new();
+        for active in &mut self.active {
+            if let Some(ending) = active.ending(is_stopped, now_s, body) {
+                over.push((active.id.clone(), ending));
+            }
+        }
+        for (id, ending) in over {
+            match ending {
+                Ending::Preempted => self.preempt(|active| active.id == id, now_s, body, faults),
+                // Where it is reached the arm goes on to the goal by itself: only the server is done with it.
+                _ => {
+                    self.active.retain(|active| active.id != id);
+                    self.end(id, ending, now_s, faults);
+                }
+            }
+        }
+    }
+}
+
+impl Active {
+    /// Returns how a look of the server ends the goal, where it does.
+    fn ending(&mut self, is_stopped: bool, now_s: f64, body: &Body) -> Option<Ending> {
+        let measured = measure(body);
+        let moved =
+            (measured.0 - self.last.0).norm() > STALL_M || (measured.1 - self.last.1).abs() > 1.0;
+        if moved {
+            self.last = measured;
+            self.last_moved_s = now_s;
+        }
+        let (is_reached, stall_s) = match &self.goal {
+            Goal::ToolPose(pose) => {
+                let off = Off::between(&body.tool(), pose);
+                let is_reached = off.position_m < REACHED_M && off.angle_rad < REACHED_RAD;
+                (is_reached, STALL_S)
+            }
+            Goal::Fingers(positions) => {
+                let off = |(a, b): (&f64, &f64)| (a - b).abs();
+                let fingers = body.fingers().iter().zip(positions).map(off);
+                (fingers.fold(0.0, f64::max) < FINGER_REACHED, FINGER_STALL_S)
+            }
+            Goal::JointAngles(joints_rad) => (near(body, joints_rad), STALL_S),
+            Goal::Trajectory(points) => {
+                // What its controller was sent goes on when it is given up, or waits for the arm to be let go.
+                let lasts_s = points.last().map_or(0.0, |last| last.at_s);
+                return match is_near(body, points) {
+                    true => Some(Ending::Succeeded),
+                    false => (now_s - self.begun_s > 2.0 * lasts_s + TRAJECTORY_S)
+                        .then_some(Ending::Aborted),
+                };
+            }
+        };
+        match (is_stopped, is_reached) {
+            (true, _) => Some(Ending::Aborted),
+            (false, true) => Some(Ending::Succeeded),
+            (false, false) => (now_s - self.last_moved_s > stall_s).then_some(Ending::Preempted),
+        }
+    }
+}
+
+/// Tells whether the joints are near the end of a trajectory.
+fn is_near(body: &Body, points: &[Waypoint]) -> bool {
+    points
+        .last()
+        .is_some_and(|last| near(body, &last.joints_rad))
+}
+
+/// Tells whether the joints are within a degree of some angles.
+fn near(body: &Body, joints_rad: &[f64]) -> bool {
+    let off = |(a, b): (&f64, &f64)| (a - b).abs();
+    body.joints_rad()
+        .iter()
+        .zip(joints_rad)
+        .map(off)
+        .fold(0.0, f64::max)
+        < 0.017
+}
+
+fn measure(body: &Body) -> (nalgebra::Vector3<f64>, f64) {
+    let fingers = body.fingers().iter().sum();
+    (body.tool().translation.vector, fingers)
+}

@@ -1,0 +1,259 @@
+//! A simulated cloth under a simulated hand and a camera, for an arm that moves by itself.
+//!
+//! In: where the hand is, step by step, and whether it is closed. Out: a cloth that goes along, and the camera's pictures.
+//! The hand takes one particle, as the picker of the simulated world does, and touches nothing on its way.
+
+mod sheets;
+
+use crate::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
+use crate::settings::{Settings, SimulatedSettings};
+use crate::simulated::Table;
+use fab_picture::DepthImage;
+use fab_sim::{Grid, ImageUp, Mask, Params, Simulator, TopDownCamera};
+use fab_world::WorldError;
+use fab_world::simulated::{Look, stopped};
+use fab_world::start::Start;
+use image::RgbImage;
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// How far from the fingertips, seen from above, cloth is taken hold of; and how far above or below them. Metres.
+const REACH_ASIDE_M: f64 = 0.012;
+const REACH_UP_M: f64 = 0.015;
+
+/// What is seen no higher than this over the table is the table, metres: cloth lies higher.
+const TABLE_M: f64 = 0.001;
+
+/// A cloth on a table.
+pub struct ClothTable {
+    cloth: Option<Simulator>,
+    params: Params,
+    look: Look,
+    lens: TopDownCamera,
+    camera: SimulatedSettings,
+    world_from_base: Isometry3<f64>,
+    /// Where the hand was in the last step, world frame, while it holds cloth.
+    holds_at: Option<[f32; 3]>,
+    broken: Option<String>,
+    is_unseen: bool,
+}
+
+impl ClothTable {
+    /// Sets up a table without cloth; says why the camera cannot be set up.
+    pub fn new(
+        settings: &Settings,
+        base_from_world: &Isometry3<f64>,
+    ) -> Result<ClothTable, WorldError> {
+        let camera = settings.simulated.clone();
+        let lens = TopDownCamera::new(
+            camera.camera_height_m as f32,
+            camera.camera_fov_deg.to_radians() as f32,
+            camera.camera_px,
+        );
+        let lens = lens.map_err(|error| WorldError::Camera {
+            why: error.to_string(),
+        })?;
+        Ok(ClothTable {
+            cloth: None,
+            params: Params::default(),
+            look: Look::default(),
+            lens: lens.with_up(ImageUp::Y),
+            camera,
+            world_from_base: base_from_world.inverse(),
+            holds_at: None,
+            broken: None,
+            is_unseen: false,
+        })
+    }
+
+    /// Lays a cloth as a start says.
+    pub fn lay(&mut self, start: &Start) -> Result<(), WorldError> {
+        let wrong = |why: String| WorldError::Start {
+            start: start.name.clone(),
+            why,
+        };
+        let grid = Grid::new(
+            start.grid.dimx as usize,
+            start.grid.dimy as usize,
+            start.grid.spacing_m as f32,
+        );
+        let grid = grid.map_err(|error| wrong(error.to_string()))?;
+        if start.outline.is_some() {
+            return Err(wrong(fab_world::simulated::OUTLINED.to_owned()));
+        }
+        let cloth = Simulator::from_positions(Mask::full(grid), &start.positions, &self.params);
+        self.cloth = Some(cloth.map_err(|error| wrong(error.to_string()))?);
+        self.holds_at = None;
+        self.broken = None;
+        Ok(())
+    }
+
+    /// Returns where every particle is; none before a cloth is laid. World frame, metres.
+    pub fn particles(&self) -> Option<Vec<[f32; 3]>> {
+        self.cloth.as_ref().map(Simulator::positions)
+    }
+
+    /// Takes a picture of the same cloth as it lies flat on the table's middle; none before a cloth is laid.
+    pub fn flat_shot(&self) -> Option<Shot> {
+        let grid = self.cloth.as_ref()?.grid();
+        Some(self.shot_of(grid, &grid.flat_positions(&self.params)))
+    }
+
+    /// Takes a picture of the table without a cloth.
+    pub fn bare_shot(&self) -> Result<Shot, WorldError> {
+        let anywhere = Grid::new(2, 2, 0.01).map_err(|error| WorldError::Camera {
+            why: error.to_string(),
+        })?;
+        // What lies so far from the table's middle is in no picture of it.
+        Ok(self.shot_of(anywhere, &[[1e4, 0.0, 0.0]; 4]))
+    }
+
+    /// Returns a digest of the code that moves the cloth.
+    pub fn code() -> &'static str {
+        fab_sim::CODE_DIGEST
+    }
+
+    fn tip(&self, tool: &Isometry3<f64>) -> [f32; 3] {
+        let tip = self.world_from_base * Point3::from(tool.translation.vector);
+        [tip.x as f32, tip.y as f32, tip.z as f32]
+    }
+
+    /// Returns what the camera sees of a cloth that lies so; positions in the world frame, metres.
+    fn shot_of(&self, grid: Grid, positions: &[[f32; 3]]) -> Shot {
+        let SimulatedSettings {
+            camera_offset_m: [x, y],
+            camera_turn_deg,
+            camera_height_m,
+            camera_fov_deg,
+            camera_px,
+            ..
+        } = self.camera;
+        // The renderer looks down on the origin, so that the cloth is brought to where the camera is.
+        let world_from_camera = Isometry3::from_parts(
+            Translation3::new(x, y, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera_turn_deg.to_radians()),
+        );
+        let seen: Vec<[f32; 3]> = positions
+            .iter()
+            .map(|point| {
+                let point =
+                    world_from_camera.inverse_transform_point(&Point3::from(point.map(f64::from)));
+                [point.x as f32, point.y as f32, point.z as f32]
+            })
+            .collect();
+        let frame = self.lens.render(grid, &seen, &self.look);
+        const INVARIANT: &str = "a frame holds width * height pixels";
+        let half_px = f64::from(camera_px) / 2.0;
+        let focal_px = half_px / (camera_fov_deg.to_radians() / 2.0).tan();
+        let mut rgb = RgbImage::from_raw(frame.width, frame.height, frame.rgb).expect(INVARIANT);
+        let depth_m =
+            DepthImage::from_raw(frame.width, frame.height, frame.depth_m).expect(INVARIANT);
+        for (column, row, color) in rgb.enumerate_pixels_mut() {
+            if f64::from(depth_m.get_pixel(column, row).0[0]) < camera_height_m - TABLE_M {
+                continue;
+            }
+            let [right, down] = [column, row].map(|at| f64::from(at) + 0.5 - half_px);
+            let per_px = camera_height_m / focal_px;
+            let at = world_from_camera * Point3::new(right * per_px, -down * per_px, 0.0);
+            if let Some(grey) = sheets::printed([at.x, at.y]) {
+                color.0 = [grey; 3];
+            }
+        }
+        Shot {
+            rgb,
+            depth_m,
+            intrinsics: Some(Intrinsics {
+                size_px: [camera_px; 2],
+                focal_px: [focal_px; 2],
+                middle_px: [half_px; 2],
+                distortion: Vec::new(),
+            }),
+        }
+    }
+
+    /// Returns the particle that the fingers would take: of those within reach the uppermost, nearest of equals.
+    fn between(&self, tip: [f32; 3]) -> Option<usize> {
+        let positions = self.particles()?;
+        let aside_m =
+            |point: &[f32; 3]| f64::from(point[0] - tip[0]).hypot(f64::from(point[1] - tip[1]));
+        let within = positions.iter().enumerate().filter(|(_, point)| {
+            aside_m(point) <= REACH_ASIDE_M && f64::from(point[2] - tip[2]).abs() <= REACH_UP_M
+        });
+        within
+            .min_by(|(_, a), (_, b)| aside_m(a).total_cmp(&aside_m(b)))
+            .map(|(particle, _)| particle)
+    }
+}
+
+impl Table for ClothTable {
+    fn advance(&mut self, seconds: f64, tool: &Isometry3<f64>, are_closed: bool) {
+        let tip = self.tip(tool);
+        let taken = match (are_closed, self.holds_at) {
+            (true, None) => self.between(tip),
+            _ => None,
+        };
+        let Some(cloth) = &mut self.cloth else {
+            return;
+        };
+        let mut step = || {
+            if !are_closed && self.holds_at.take().is_some() {
+                cloth.hold(&[])?;
+            }
+            if let Some(particle) = taken {
+                cloth.hold(&[particle])?;
+                self.holds_at = Some(tip);
+            }
+            let shift = match &mut self.holds_at {
+                Some(before) => {
+                    let shift = [0, 1, 2].map(|axis| tip[axis] - before[axis]);
+                    *before = tip;
+                    shift
+                }
+                None => [0.0; 3],
+            };
+            let steps = (seconds / f64::from(self.params.step_secs))
+                .round()
+                .max(1.0) as u32;
+            let part = shift.map(|way| way / steps as f32);
+            (0..steps).try_for_each(|_| cloth.step_held(part))
+        };
+        if let Err(error) = step() {
+            self.broken = Some(stopped(error).to_string());
+        }
+    }
+
+    fn is_between(&self, tool: &Isometry3<f64>) -> bool {
+        self.holds_at.is_some() || self.between(self.tip(tool)).is_some()
+    }
+
+    fn lose_camera(&mut self) {
+        self.is_unseen = true;
+    }
+}
+
+/// The camera over a simulated table.
+pub struct TableCamera(pub Rc<RefCell<ClothTable>>);
+
+impl RgbdSource for TableCamera {
+    fn name(&self) -> String {
+        "simulated".to_owned()
+    }
+
+    fn shoot(&mut self) -> Result<Shot, RgbdError> {
+        let table = self.0.borrow();
+        let failed = |why: String| RgbdError {
+            camera: self.name(),
+            why,
+        };
+        if let Some(why) = &table.broken {
+            return Err(failed(why.clone()));
+        }
+        if table.is_unseen {
+            return Err(failed("nothing comes from it any more".to_owned()));
+        }
+        let cloth = table.cloth.as_ref();
+        let cloth = cloth.ok_or_else(|| failed("no cloth has been laid yet".to_owned()))?;
+        Ok(table.shot_of(cloth.grid(), &cloth.positions()))
+    }
+}

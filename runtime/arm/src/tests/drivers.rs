@@ -1,0 +1,295 @@
+//! A driver believes no server: the traps of the real arm's node, one by one, whichever way motions are said.
+
+use super::*;
+use crate::driver::{ArmError, Between, Opening};
+use crate::kinematics::tool_down::tool_down;
+use crate::settings::FingerSettings;
+
+/// A place 13 cm from the rest, reached after 1.3 s and a little.
+const THERE_M: [f64; 3] = [0.40, -0.25, 0.20];
+
+/// A time at which the arm is on its way there.
+const ON_THE_WAY_S: f64 = 0.8;
+
+fn there() -> Isometry3<f64> {
+    tool_down(&THERE_M.into(), 0.0)
+}
+
+fn go(bench: &mut Bench) -> Result<ArmState, ArmError> {
+    bench.driver().move_tool(&there(), SPEED_M_S, &mut nobody)
+}
+
+#[test]
+fn the_tool_is_where_a_driver_says() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(by, &[]);
+        let state = go(&mut bench).unwrap();
+        assert!(bench.off_m(THERE_M) < 0.002);
+        assert!((state.tool.translation.vector - Point3::from(THERE_M).coords).norm() < 0.002);
+        assert!(!bench.port().is_stopped());
+    }
+}
+
+#[test]
+fn short_ways_are_gone_to_their_end() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(by, &[]);
+        go(&mut bench).unwrap();
+        for step_m in [0.0005, 0.001, 0.002, 0.004] {
+            let from = bench.port().tool();
+            let mut to = from;
+            to.translation.vector.x += step_m;
+            bench
+                .driver()
+                .move_tool(&to, SPEED_M_S, &mut nobody)
+                .unwrap();
+            let moved_m = bench.port().tool().translation.vector.x - from.translation.vector.x;
+            assert!((moved_m - step_m).abs() < 0.0011, "{step_m}: {moved_m}");
+        }
+    }
+}
+
+#[test]
+fn a_goal_called_reached_too_early_is_corrected() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(by, &[(FaultKind::FallsShort, 0.0)]);
+        let alone_s = {
+            let mut usual = Bench::driven(by, &[]);
+            go(&mut usual).unwrap();
+            usual.port().now_s()
+        };
+        go(&mut bench).unwrap();
+        assert!(bench.off_m(THERE_M) < 0.003);
+        // A second goal was needed: the first came to rest 7 mm short.
+        assert!(bench.port().now_s() > alone_s + 0.2);
+    }
+}
+
+#[test]
+fn a_goal_that_is_never_reached_is_no_success() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(by, &[(FaultKind::FallsShortAlways, 0.0)]);
+        let Err(ArmError::NotThere { said, off }) = go(&mut bench) else {
+            panic!("7 mm short, and called reached");
+        };
+        assert_eq!(said, "reached");
+        assert!((0.003..0.010).contains(&off.position_m), "{by:?}: {off}");
+    }
+}
+
+#[test]
+fn cloth_between_the_fingers_is_told_by_their_place() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(by, &[]);
+        let over = tool_down(&PICK_M.into(), 0.0);
+        bench
+            .driver()
+            .move_tool(&over, SPEED_M_S, &mut nobody)
+            .unwrap();
+        let between = bench.driver().move_fingers(Opening::Closed, &mut nobody);
+        assert_eq!(between, Ok(Between::Something));
+        let opened = bench.driver().move_fingers(Opening::Open, &mut nobody);
+        assert_eq!(opened, Ok(Between::Unknown));
+        bench.take_cloth_away();
+        let between = bench.driver().move_fingers(Opening::Closed, &mut nobody);
+        assert_eq!(between, Ok(Between::Nothing));
+    }
+}
+
+/// Documents of the vendor give degrees, turns, or shares of a turn, and either end as zero.
+#[test]
+fn fingers_are_told_by_their_place_in_whichever_units() {
+    let turns = [[0.0, 6400.0], [0.0, 6800.0], [60.0, 0.0], [-1.0, 51.0]];
+    for (by, [open, closed]) in By::BOTH.into_iter().flat_map(|by| turns.map(|it| (by, it))) {
+        let mut settings = settings();
+        let way: f64 = closed - open;
+        settings.fingers = FingerSettings {
+            open,
+            closed,
+            cloth: Some(0.03 * way.abs()),
+            tolerance: 0.015 * way.abs(),
+            ..settings.fingers
+        };
+        let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+        let mut arm = by.drive(port, &settings);
+        let close = |arm: &mut Driven| arm.move_fingers(Opening::Closed, &mut nobody);
+        assert_eq!(close(&mut arm), Ok(Between::Nothing), "{open} to {closed}");
+        let opened = arm.move_fingers(Opening::Open, &mut nobody);
+        assert_eq!(opened, Ok(Between::Unknown), "{open} to {closed}");
+        let cloth = Patch {
+            at: Point3::from(arm.port().tool().translation.vector),
+            is_held: false,
+        };
+        let table = Rc::new(RefCell::new(cloth));
+        let port = SimulatedArm::new(simulation(&settings, 0, &[]), Some(table));
+        let between = close(&mut by.drive(port, &settings));
+        assert_eq!(between, Ok(Between::Something), "{open} to {closed}");
+    }
+}
+
+#[test]
+fn fingers_that_are_stopped_half_way_hold_nothing() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(by, &[(FaultKind::PressedStop, 0.7)]);
+        bench.take_cloth_away();
+        let between = bench.driver().move_fingers(Opening::Closed, &mut nobody);
+        assert_eq!(between, Err(ArmError::Stopped));
+        bench.stays_stopped();
+    }
+}
+
+#[test]
+fn fingers_that_do_not_move_are_an_error() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(by, &[(FaultKind::StuckFingers, 0.0)]);
+        let between = bench.driver().move_fingers(Opening::Closed, &mut nobody);
+        assert!(
+            matches!(between, Err(ArmError::Fingers { .. })),
+            "{between:?}"
+        );
+    }
+}
+
+#[test]
+fn an_arm_that_stalls_says_so_and_can_be_stopped() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(by, &[(FaultKind::StuckJoint, ON_THE_WAY_S)]);
+        // A controller of trajectories knows no stall: it gives up when the time is long over.
+        let off = match go(&mut bench) {
+            Err(ArmError::Stalled { off }) if by == By::Poses => off,
+            Err(ArmError::NotThere { said, off }) if said == "aborted" => off,
+            moved => panic!("a joint that is stuck: {moved:?}"),
+        };
+        assert!(off.position_m > 0.05, "{off}");
+        // The node that gave the goal up let the arm go again.
+        assert!(!bench.port().is_stopped());
+        bench.driver().stop().unwrap();
+        bench.stays_stopped();
+    }
+}
+
+#[test]
+fn a_pressed_stop_is_never_taken_back() {
+    for by in By::BOTH {
+        for pressed_s in (0..30).map(|tenth| f64::from(tenth) * 0.1) {
+            let mut bench = Bench::driven(by, &[(FaultKind::PressedStop, pressed_s)]);
+            while bench.port().now_s() < 3.0 {
+                let moved = go(&mut bench);
+                if let Err(error) = moved {
+                    assert_eq!(error, ArmError::Stopped, "{pressed_s}");
+                }
+                bench.port().wait(0.1);
+            }
+            assert_eq!(go(&mut bench), Err(ArmError::Stopped), "{pressed_s}");
+            let fingers = bench.driver().move_fingers(Opening::Closed, &mut nobody);
+            assert_eq!(fingers, Err(ArmError::Stopped), "{pressed_s}");
+            bench.stays_stopped();
+        }
+    }
+}
+
+/// A hand that is interrupted just after somebody pressed the stop: a goal sent then would let the arm go.
+#[test]
+fn a_pressed_stop_outlives_an_interrupted_hand() {
+    for by in By::BOTH {
+        for hundredth in 0..25 {
+            let pressed_s = 0.5 + f64::from(hundredth) * 0.01;
+            let mut bench = Bench::driven(by, &[(FaultKind::PressedStop, pressed_s)]);
+            let halted = bench.driver().move_fingers(
+                Opening::Closed,
+                &mut |state| match state.at_s > 0.55 {
+                    true => Err(Halt::Stop(ArmError::Interrupted)),
+                    false => Ok(()),
+                },
+            );
+            assert!(halted.is_err());
+            let is_pressed = bench.port().now_s() >= pressed_s;
+            assert_eq!(bench.port().is_stopped(), is_pressed, "{pressed_s}");
+        }
+    }
+}
+
+#[test]
+fn a_cancelled_arm_is_enabled_and_a_stop_after_it_holds() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(by, &[]);
+        let paused = bench
+            .driver()
+            .move_tool(
+                &there(),
+                SPEED_M_S,
+                &mut |state| match state.at_s > ON_THE_WAY_S {
+                    true => Err(Halt::Pause),
+                    false => Ok(()),
+                },
+            );
+        assert_eq!(paused, Err(ArmError::Paused));
+        bench.port().wait(1.0);
+        assert!(!bench.port().is_stopped());
+        assert!(bench.off_m(THERE_M) > 0.02);
+        bench.driver().stop().unwrap();
+        bench.stays_stopped();
+        assert_eq!(go(&mut bench), Err(ArmError::Stopped));
+        bench.driver().enable().unwrap();
+        go(&mut bench).unwrap();
+    }
+}
+
+#[test]
+fn a_stop_without_an_answer_is_asked_for_again() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(
+            by,
+            &[(FaultKind::LostStop, 0.0), (FaultKind::LostStop, 0.0)],
+        );
+        bench.driver().stop().unwrap();
+        bench.stays_stopped();
+        let mut bench = Bench::driven(by, &[(FaultKind::LostStop, 0.0); 3]);
+        let not_stopped = bench.driver().stop();
+        assert!(
+            matches!(not_stopped, Err(ArmError::NotStopped { .. })),
+            "{not_stopped:?}"
+        );
+    }
+}
+
+#[test]
+fn goals_that_are_lost_are_sent_again() {
+    for by in By::BOTH {
+        for lost_s in [0.0, 0.2] {
+            let mut bench = Bench::driven(by, &[(FaultKind::LostGoal, lost_s)]);
+            go(&mut bench).unwrap();
+            assert!(bench.off_m(THERE_M) < 0.003);
+        }
+    }
+}
+
+#[test]
+fn a_result_that_is_lost_is_replaced_by_a_look() {
+    for by in By::BOTH {
+        // That of the goal that is no motion, and that of the motion.
+        for lost_s in [0.0, ON_THE_WAY_S] {
+            let mut bench = Bench::driven(by, &[(FaultKind::LostResult, lost_s)]);
+            go(&mut bench).unwrap();
+            assert!(bench.off_m(THERE_M) < 0.003);
+        }
+    }
+}
+
+#[test]
+fn an_arm_that_says_nothing_is_an_error_within_its_time() {
+    for by in By::BOTH {
+        let mut bench = Bench::driven(by, &[(FaultKind::Silence, ON_THE_WAY_S)]);
+        let moved = go(&mut bench);
+        assert!(matches!(moved, Err(ArmError::Silent { .. })), "{moved:?}");
+        assert!(bench.port().now_s() < ON_THE_WAY_S + 1.0 + 0.2);
+        let not_stopped = bench.driver().stop();
+        assert!(
+            matches!(not_stopped, Err(ArmError::NotStopped { .. })),
+            "{not_stopped:?}"
+        );
+        bench.stays_stopped();
+        let mut bench = Bench::driven(by, &[(FaultKind::ShortSilence, ON_THE_WAY_S)]);
+        go(&mut bench).unwrap();
+    }
+}

@@ -1,0 +1,245 @@
+//! A pick and place from its first segment to its last, and what ends it early.
+
+use super::*;
+use crate::driver::{ArmError, Between};
+use crate::log::{ARM_FILE, Entry};
+use crate::route::Name;
+use crate::supervisor::{Asked, NoWatchdog, Unattended};
+use fab_world::start::Start;
+use std::fs;
+
+fn entries(folder: &Path) -> Vec<Entry> {
+    let text = fs::read_to_string(folder.join(ARM_FILE)).unwrap();
+    let lines = text.lines().map(|line| serde_json::from_str(line).unwrap());
+    lines.collect()
+}
+
+fn begun(folder: &Path) -> Vec<Name> {
+    let names = entries(folder).into_iter().filter_map(|entry| match entry {
+        Entry::Begin { segment, .. } => Some(segment),
+        _ => None,
+    });
+    names.collect()
+}
+
+/// Does something when one segment moves for the `looks`th time.
+struct At<F: FnMut() -> bool> {
+    segment: usize,
+    looks: u32,
+    now: usize,
+    looked: u32,
+    act: F,
+}
+
+impl<F: FnMut() -> bool> At<F> {
+    fn new(segment: usize, looks: u32, act: F) -> At<F> {
+        At {
+            segment,
+            looks,
+            now: 0,
+            looked: 0,
+            act,
+        }
+    }
+}
+
+impl<F: FnMut() -> bool> Supervisor for At<F> {
+    fn lays_cloth(&mut self, _: &Start) -> bool {
+        true
+    }
+
+    fn allows(&mut self, asked: Asked<'_>) -> bool {
+        if let Asked::Segment(_) = asked {
+            self.now += 1;
+        }
+        true
+    }
+
+    fn is_holding(&mut self) -> bool {
+        if self.now == self.segment {
+            self.looked += 1;
+            if self.looked == self.looks {
+                return (self.act)();
+            }
+        }
+        true
+    }
+}
+
+#[test]
+fn a_pick_and_place_ends_where_it_says() {
+    let mut bench = Bench::with(&[]);
+    let names: Vec<Name> = bench
+        .segments()
+        .iter()
+        .map(|segment| segment.name)
+        .collect();
+    let done = bench.run(&mut Unattended, &mut NoWatchdog).unwrap();
+    assert_eq!(done.between, Between::Something);
+    assert!((done.grasped_at - Point3::from(PICK_M)).norm() < 0.003);
+    assert!((done.released_at - Point3::from(PLACE_M)).norm() < 0.003);
+    assert!((bench.cloth.borrow().at - Point3::from(PLACE_M)).norm() < 0.003);
+    assert!(bench.off_m(bench.settings.workspace.rest_m) < 0.003);
+    assert_eq!(begun(bench.folder()), names);
+    let entries = entries(bench.folder());
+    for pair in entries.chunks(2) {
+        assert!(
+            matches!(pair, [Entry::Begin { .. }, Entry::Done { .. }]),
+            "{pair:?}"
+        );
+    }
+}
+
+#[test]
+fn every_motion_is_written_down_before_it_begins() {
+    struct Counter(usize);
+    impl Supervisor for Counter {
+        fn lays_cloth(&mut self, _: &Start) -> bool {
+            true
+        }
+        fn allows(&mut self, asked: Asked<'_>) -> bool {
+            self.0 += usize::from(matches!(asked, Asked::Segment(_)));
+            true
+        }
+    }
+    struct Looking<'l>(&'l Path, usize);
+    impl Watchdog for Looking<'_> {
+        fn watch(&mut self) -> Result<(), String> {
+            self.1 += 1;
+            self.beat()
+        }
+        fn beat(&mut self) -> Result<(), String> {
+            let last = entries(self.0).pop();
+            assert!(matches!(last, Some(Entry::Begin { .. })), "{last:?}");
+            assert_eq!(begun(self.0).len(), self.1);
+            Ok(())
+        }
+        fn rest(&mut self) {}
+    }
+    let mut bench = Bench::with(&[]);
+    let folder = bench.folder().to_owned();
+    let mut counter = Counter(0);
+    let mut watchdog = Looking(&folder, 0);
+    bench.run(&mut counter, &mut watchdog).unwrap();
+    assert_eq!(counter.0, watchdog.1);
+}
+
+#[test]
+fn an_interrupt_stops_the_arm_in_every_segment() {
+    let count = Bench::with(&[]).segments().len();
+    for segment in 1..=count {
+        for looks in [1, 2, 5] {
+            let mut bench = Bench::with(&[]);
+            let interrupt = bench.interrupt.clone();
+            let mut raiser = At::new(segment, looks, || {
+                interrupt.raise();
+                true
+            });
+            let name = bench.segments()[segment - 1].name;
+            let broken = bench.run(&mut raiser, &mut NoWatchdog).unwrap_err();
+            assert_eq!(broken.why, ArmError::Interrupted, "{segment}");
+            assert_eq!(broken.stopped, Some(Ok(())), "{segment}");
+            assert_eq!(broken.in_segment, Some(name));
+            bench.stays_stopped();
+            let last = entries(bench.folder()).pop();
+            assert!(
+                matches!(
+                    last,
+                    Some(Entry::Halted {
+                        stopped: Some(true),
+                        ..
+                    })
+                ),
+                "{last:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_mistake_of_this_program_stops_the_arm() {
+    for segment in [1, 3, 6, 9] {
+        let mut bench = Bench::with(&[]);
+        let mut breaks = At::new(segment, 4, || panic!("a mistake"));
+        let broken = bench.run(&mut breaks, &mut NoWatchdog).unwrap_err();
+        assert_eq!(broken.why, ArmError::Panicked("a mistake".to_owned()));
+        assert_eq!(broken.stopped, Some(Ok(())));
+        bench.stays_stopped();
+    }
+}
+
+#[test]
+fn a_key_that_is_let_go_ends_no_segment() {
+    let count = Bench::with(&[]).segments().len();
+    for segment in 1..=count {
+        let mut bench = Bench::with(&[]);
+        // Let go at its sixth look, and held again at the next.
+        let mut lets_go = At::new(segment, 6, || false);
+        let done = bench.run(&mut lets_go, &mut NoWatchdog).unwrap();
+        assert_eq!(done.between, Between::Something, "{segment}");
+        assert!((bench.cloth.borrow().at - Point3::from(PLACE_M)).norm() < 0.003);
+        assert!(bench.off_m(bench.settings.workspace.rest_m) < 0.003);
+        let again = usize::from(lets_go.looked >= 6);
+        assert_eq!(begun(bench.folder()).len(), count + again, "{segment}");
+    }
+}
+
+#[test]
+fn an_arm_does_not_move_while_the_key_is_not_held() {
+    struct Never(Interrupt, u32);
+    impl Supervisor for Never {
+        fn lays_cloth(&mut self, _: &Start) -> bool {
+            true
+        }
+        fn allows(&mut self, _: Asked<'_>) -> bool {
+            true
+        }
+        fn is_holding(&mut self) -> bool {
+            self.1 += 1;
+            if self.1 > 100 {
+                self.0.raise();
+            }
+            false
+        }
+    }
+    let mut bench = Bench::with(&[]);
+    let mut never = Never(bench.interrupt.clone(), 0);
+    let broken = bench.run(&mut never, &mut NoWatchdog).unwrap_err();
+    assert_eq!(broken.why, ArmError::Interrupted);
+    assert!(bench.off_m(bench.settings.workspace.rest_m) < 1e-6);
+    bench.stays_stopped();
+}
+
+#[test]
+fn an_empty_grasp_takes_the_short_way() {
+    let mut bench = Bench::with(&[]);
+    bench.take_cloth_away();
+    let done = bench.run(&mut Unattended, &mut NoWatchdog).unwrap();
+    assert_eq!(done.between, Between::Nothing);
+    let names = begun(bench.folder());
+    let tail = [Name::Grasp, Name::Up, Name::Release, Name::Away, Name::Rest];
+    assert_eq!(names[names.len() - 5..], tail);
+    assert!(bench.off_m(bench.settings.workspace.rest_m) < 0.003);
+}
+
+#[test]
+fn a_watchdog_that_does_not_answer_stops_the_arm() {
+    struct Deaf(u32);
+    impl Watchdog for Deaf {
+        fn watch(&mut self) -> Result<(), String> {
+            Ok(())
+        }
+        fn beat(&mut self) -> Result<(), String> {
+            self.0 += 1;
+            match self.0 > 30 {
+                true => Err("it is gone".to_owned()),
+                false => Ok(()),
+            }
+        }
+        fn rest(&mut self) {}
+    }
+    let mut bench = Bench::with(&[]);
+    let broken = bench.run(&mut Unattended, &mut Deaf(0)).unwrap_err();
+    assert_eq!(broken.why, ArmError::Watchdog("it is gone".to_owned()));
+    bench.stays_stopped();
+}

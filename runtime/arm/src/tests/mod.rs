@@ -1,0 +1,257 @@
+//! Tests of the arm's core over a simulated arm: what its driver believes, what its limits let pass, and where a pick and
+//! place ends when something goes wrong.
+
+#![allow(clippy::unwrap_used)]
+
+mod drivers;
+mod executions;
+mod faults;
+mod journals;
+mod limited;
+mod pauses;
+mod simulations;
+mod trajectories;
+
+use super::driver::{Arm, ArmState, Halt, PortArm};
+use super::execute::{Broken, Done, Execution, without_cloth};
+use super::kinematics::chain::Chain;
+use super::limits::Limited;
+use super::log::ArmLog;
+use super::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
+use super::route::{Segment, segments};
+use super::settings::Settings;
+use super::simulated::{Fault, FaultKind, SimulatedArm, Simulation, Table};
+use super::supervisor::{Supervisor, Watchdog};
+use fab_base::interrupt::Interrupt;
+use nalgebra::{Isometry3, Point3};
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+
+const ROBOT: &str = "
+name = 'lab'
+model = 'j2n6s200'
+driver = 'simulated'
+calibration = 'lab.calibration.toml'
+table = { center_m = [0.45, 0.0, 0.02] }
+workspace = { min_m = [0.15, -0.525, 0.01], max_m = [0.75, 0.525, 0.45], rest_m = [0.35, -0.35, 0.25] }
+fingers = { count = 2, open = 0.0, closed = 6400.0, cloth = 200.0, tolerance = 100.0 }
+camera = { source = 'simulated', window_px = [0, 0, 720] }
+";
+
+const PICK_M: [f64; 3] = [0.40, 0.05, 0.02];
+const PLACE_M: [f64; 3] = [0.50, -0.06, 0.02];
+
+/// The speed at which tests move, m/s.
+const SPEED_M_S: f64 = 0.1;
+
+fn settings() -> Settings {
+    Settings::parse(ROBOT).unwrap()
+}
+
+/// A small piece of cloth, which goes where closed fingers take it.
+struct Patch {
+    at: Point3<f64>,
+    is_held: bool,
+}
+
+impl Table for Patch {
+    fn advance(&mut self, _: f64, tool: &Isometry3<f64>, are_closed: bool) {
+        self.is_held = are_closed && (self.is_held || self.is_between(tool));
+        if self.is_held {
+            self.at = Point3::from(tool.translation.vector);
+        }
+    }
+
+    fn is_between(&self, tool: &Isometry3<f64>) -> bool {
+        (self.at.coords - tool.translation.vector).norm() < 0.02
+    }
+}
+
+type Driven = PortArm<SimulatedArm>;
+
+/// How a driver says motions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum By {
+    Poses,
+    Trajectories,
+}
+
+impl By {
+    const BOTH: [By; 2] = [By::Poses, By::Trajectories];
+
+    fn drive<P: Port>(self, port: P, settings: &Settings) -> PortArm<P> {
+        let (fingers, tolerance) = (settings.fingers, settings.tolerance);
+        match self {
+            By::Poses => PortArm::by_poses(port, &settings.model, fingers, tolerance),
+            By::Trajectories => {
+                let chain = Chain::of_model(&settings.model).unwrap();
+                PortArm::by_trajectories(port, chain, fingers, tolerance)
+                    .with_floor(settings.table.center_m[2])
+            }
+        }
+    }
+}
+
+fn simulation(settings: &Settings, seed: u64, faults: &[(FaultKind, f64)]) -> Simulation {
+    let faults = faults.iter();
+    Simulation {
+        seed,
+        faults: faults
+            .map(|&(kind, from_s)| Fault { kind, from_s })
+            .collect(),
+        ..Simulation::of(settings).unwrap()
+    }
+}
+
+/// An arm over a patch of cloth, at rest, with everything around it.
+struct Bench {
+    settings: Settings,
+    arm: Limited<Driven>,
+    cloth: Rc<RefCell<Patch>>,
+    folder: tempfile::TempDir,
+    interrupt: Interrupt,
+}
+
+impl Bench {
+    /// - `seed`: draws where within its repeatability the arm comes to rest.
+    fn of(by: By, seed: u64, faults: &[(FaultKind, f64)]) -> Bench {
+        let settings = settings();
+        let cloth = Rc::new(RefCell::new(Patch {
+            at: Point3::from(PICK_M),
+            is_held: false,
+        }));
+        let simulation = simulation(&settings, seed, faults);
+        let arm = by.drive(
+            SimulatedArm::new(simulation, Some(cloth.clone())),
+            &settings,
+        );
+        let margin_m = settings.tolerance.position_m;
+        Bench {
+            arm: Limited::new(arm, settings.workspace.clone(), margin_m),
+            settings,
+            cloth,
+            folder: tempfile::tempdir().unwrap(),
+            interrupt: Interrupt::default(),
+        }
+    }
+
+    fn with(faults: &[(FaultKind, f64)]) -> Bench {
+        Bench::driven(By::Poses, faults)
+    }
+
+    fn driven(by: By, faults: &[(FaultKind, f64)]) -> Bench {
+        Bench::of(by, 0, faults)
+    }
+
+    fn take_cloth_away(&self) {
+        self.cloth.borrow_mut().at = Point3::new(0.6, 0.3, 0.02);
+    }
+
+    fn port(&mut self) -> &mut SimulatedArm {
+        self.arm.arm().port()
+    }
+
+    fn driver(&mut self) -> &mut Driven {
+        self.arm.arm()
+    }
+
+    fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    fn segments(&mut self) -> Vec<Segment> {
+        let here = self.port().tool();
+        segments(&self.settings, &here, &PICK_M.into(), &PLACE_M.into())
+    }
+
+    /// Carries a pick and place out.
+    fn run(
+        &mut self,
+        supervisor: &mut dyn Supervisor,
+        watchdog: &mut dyn Watchdog,
+    ) -> Result<Done, Broken> {
+        let segments = self.segments();
+        let tail = without_cloth(&segments, &PICK_M.into(), self.settings.motion.retreat_m);
+        let mut log = ArmLog::open(self.folder()).unwrap();
+        let execution = &mut Execution {
+            arm: &mut self.arm,
+            log: &mut log,
+            supervisor,
+            watchdog,
+            interrupt: &self.interrupt,
+            speed_m_s: SPEED_M_S,
+            number: 1,
+        };
+        execution.run([PICK_M.into(), PLACE_M.into()], &segments, &tail)
+    }
+
+    /// Lets time pass, and fails where a stopped arm moves in it or is let go.
+    #[track_caller]
+    fn stays_stopped(&mut self) {
+        let port = self.port();
+        assert!(port.is_stopped(), "the arm is not stopped");
+        port.wait(5.0);
+        assert!(port.is_stopped(), "the arm was let go");
+        assert!(port.moved_after_stop_m().unwrap() < 1e-9);
+    }
+
+    /// Returns how far the tool is from a place, metres.
+    fn off_m(&mut self, place_m: [f64; 3]) -> f64 {
+        let at = self.port().tool().translation.vector;
+        (at - Point3::from(place_m).coords).norm()
+    }
+}
+
+/// An arm of which the joints are not heard from a time on, and that notes when a goal was cancelled.
+struct Tapped {
+    arm: SimulatedArm,
+    deaf_s: f64,
+    cancelled_s: Option<f64>,
+}
+
+impl Tapped {
+    fn deaf(arm: SimulatedArm, deaf_s: f64) -> Tapped {
+        Tapped {
+            arm,
+            deaf_s,
+            cancelled_s: None,
+        }
+    }
+}
+
+impl Port for Tapped {
+    fn now_s(&self) -> f64 {
+        self.arm.now_s()
+    }
+    fn wait(&mut self, seconds: f64) {
+        self.arm.wait(seconds);
+    }
+    fn send(&mut self, goal: &Goal) -> Result<GoalId, PortError> {
+        self.arm.send(goal)
+    }
+    fn state(&mut self, goal: &GoalId) -> GoalState {
+        self.arm.state(goal)
+    }
+    fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
+        self.cancelled_s.get_or_insert(self.arm.now_s());
+        self.arm.cancel(goal)
+    }
+    fn stop(&mut self) -> Result<(), PortError> {
+        self.arm.stop()
+    }
+    fn start(&mut self) -> Result<(), PortError> {
+        self.arm.start()
+    }
+    fn readings(&mut self) -> Readings {
+        let mut readings = self.arm.readings();
+        let deaf_s = self.deaf_s;
+        readings.joints_rad = readings.joints_rad.filter(|heard| heard.at_s <= deaf_s);
+        readings
+    }
+}
+
+/// Lets every motion go on.
+fn nobody(_: &ArmState) -> Result<(), Halt> {
+    Ok(())
+}

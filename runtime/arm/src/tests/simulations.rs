@@ -1,0 +1,45 @@
+//! The simulated arm has the habits that it says it has.
+
+use super::*;
+use crate::port::{Ending, Goal, GoalState, Waypoint};
+
+/// As kinova-ros's controller does, which takes no notice of a stop.
+#[test]
+fn a_trajectory_goes_on_where_an_arm_is_let_go() {
+    let settings = settings();
+    let mut port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+    let mut turned = Simulation::of(&settings).unwrap().joints_rad;
+    turned[0] += 0.2;
+    let at = |at_s, joints_rad: &[f64]| Waypoint {
+        joints_rad: joints_rad.to_vec(),
+        at_s,
+    };
+    let goal = Goal::Trajectory(vec![at(1.0, &turned), at(1.1, &turned)]);
+    let id = port.send(&goal).unwrap();
+    port.wait(0.5);
+    port.stop().unwrap();
+    port.wait(1.0);
+    assert_eq!(port.state(&id), GoalState::Active);
+    let at = port.tool();
+    assert!(port.moved_after_stop_m().unwrap() < 1e-9);
+    port.start().unwrap();
+    port.wait(2.0);
+    let moved = port.tool().translation.vector - at.translation.vector;
+    assert!(moved.norm() > 0.02);
+}
+
+#[test]
+fn the_next_three_goals_are_lost_and_no_fourth() {
+    let settings = settings();
+    let mut port = SimulatedArm::new(
+        simulation(&settings, 0, &[(FaultKind::LostGoals, 0.0)]),
+        None,
+    );
+    let here = Goal::ToolPose(port.tool());
+    let arrived = [(); 5].map(|()| {
+        let id = port.send(&here).unwrap();
+        port.wait(5.0);
+        port.state(&id) == GoalState::Ended(Ending::Succeeded)
+    });
+    assert_eq!(arrived, [false, false, false, true, true]);
+}

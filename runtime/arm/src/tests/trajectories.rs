@@ -1,0 +1,132 @@
+//! What only a driver by trajectories has to mind: a controller that knows no stop, and joints that it chooses itself.
+
+use super::*;
+use crate::driver::ArmError;
+use crate::kinematics::tool_down::tool_down;
+
+/// In the middle of a motion of 1.3 s.
+const ON_THE_WAY_S: f64 = 0.8;
+
+fn there() -> Isometry3<f64> {
+    tool_down(&Point3::new(0.40, -0.25, 0.20), 0.0)
+}
+
+fn go<P: Port>(arm: &mut PortArm<P>) -> Result<ArmState, ArmError> {
+    arm.move_tool(&there(), SPEED_M_S, &mut nobody)
+}
+
+/// Fails where the arm moves in the next seconds.
+#[track_caller]
+fn rests(bench: &mut Bench) {
+    let at = bench.port().tool();
+    bench.port().wait(10.0);
+    let moved = bench.port().tool().translation.vector - at.translation.vector;
+    assert!(moved.norm() < 1e-9, "it moved by {} m", moved.norm());
+}
+
+#[test]
+fn a_stopped_trajectory_is_not_gone_on_with() {
+    // Stopped by the driver, and let go by it, or by somebody else.
+    for by_driver in [true, false] {
+        let mut bench = Bench::driven(By::Trajectories, &[]);
+        let halted = bench
+            .driver()
+            .move_tool(
+                &there(),
+                SPEED_M_S,
+                &mut |state| match state.at_s > ON_THE_WAY_S {
+                    true => Err(Halt::Stop(ArmError::Interrupted)),
+                    false => Ok(()),
+                },
+            );
+        assert_eq!(halted, Err(ArmError::Interrupted));
+        bench.driver().stop().unwrap();
+        bench.stays_stopped();
+        match by_driver {
+            true => bench.driver().enable().unwrap(),
+            false => bench.port().start().unwrap(),
+        }
+        rests(&mut bench);
+    }
+}
+
+#[test]
+fn a_trajectory_under_a_pressed_stop_is_not_gone_on_with() {
+    // The driver alone is told, or stops it as an execution does; or it is let go without the driver.
+    for (is_stopped, by_driver) in [(false, true), (true, true), (true, false)] {
+        let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::PressedStop, ON_THE_WAY_S)]);
+        assert_eq!(go(bench.driver()), Err(ArmError::Stopped));
+        if is_stopped {
+            bench.driver().stop().unwrap();
+        }
+        bench.stays_stopped();
+        match by_driver {
+            true => bench.driver().enable().unwrap(),
+            false => bench.port().start().unwrap(),
+        }
+        rests(&mut bench);
+        if by_driver {
+            go(bench.driver()).unwrap();
+        }
+    }
+}
+
+/// What the controller has left to do is not known to be gone.
+#[test]
+fn an_arm_is_not_let_go_while_its_controller_takes_nothing() {
+    let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::LostGoals, 1.0)]);
+    bench.driver().stop().unwrap();
+    bench.port().wait(1.0);
+    let enabled = bench.driver().enable();
+    assert!(matches!(enabled, Err(ArmError::Late { .. })), "{enabled:?}");
+    bench.stays_stopped();
+    bench.driver().enable().unwrap();
+    go(bench.driver()).unwrap();
+}
+
+#[test]
+fn a_trajectory_that_never_arrived_is_no_obstacle_to_a_stop() {
+    let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::LostGoals, 0.1)]);
+    let late = go(bench.driver());
+    assert!(matches!(late, Err(ArmError::Late { .. })), "{late:?}");
+    bench.driver().stop().unwrap();
+    bench.stays_stopped();
+}
+
+#[test]
+fn joints_that_are_not_heard_are_silent_and_not_stopped() {
+    let settings = settings();
+    for (deaf_s, wait_s) in [(-1.0, 0.0), (0.0, 2.0), (ON_THE_WAY_S, 0.0)] {
+        let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+        let mut arm = By::Trajectories.drive(Tapped::deaf(port, deaf_s), &settings);
+        arm.wait(wait_s);
+        let mut moved = go(&mut arm);
+        if deaf_s == ON_THE_WAY_S {
+            moved.unwrap();
+            moved = go(&mut arm);
+        }
+        let is_told = matches!(moved, Err(ArmError::Silent { what, .. }) if what == "joints are");
+        assert!(is_told, "{deaf_s}: {moved:?}");
+        // By poses nobody needs them.
+        let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+        go(&mut By::Poses.drive(Tapped::deaf(port, deaf_s), &settings)).unwrap();
+    }
+}
+
+#[test]
+fn joints_do_not_come_below_the_table() {
+    let settings = settings();
+    let arm = |floor_m: f64| {
+        let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
+        By::Trajectories.drive(port, &settings).with_floor(floor_m)
+    };
+    go(&mut arm(0.02)).unwrap();
+    // As if the table were as high as the wrist: nothing else brings a joint of this posture below it.
+    let mut high = arm(0.35);
+    let before = high.port().tool();
+    let Err(ArmError::NoWay(why)) = go(&mut high) else {
+        panic!("joints below the table");
+    };
+    assert!(why.contains("below the table"), "{why}");
+    assert_eq!(high.port().tool(), before);
+}

@@ -1,0 +1,327 @@
+//! An arm over a table as a [`World`]: a real one behind its driver, or the simulated one.
+//!
+//! In: motions in the world frame, whose origin is the middle of the table that the settings state. Out: pictures as the
+//! task's camera takes them, and what is verified of each motion. The world cannot be repeated and knows no particles,
+//! except that a simulated table does.
+
+mod parts;
+mod picture;
+mod planning;
+mod rehearsal;
+mod within;
+
+pub use parts::{About, Parts, about, base_from_world, load};
+pub use picture::{FlatPicture, simulated_table};
+pub use planning::{PLAN_FILE, PLAN_PICTURE, PlanningWorld, read_plan};
+pub use rehearsal::Rehearsal;
+pub use within::WithinReach;
+
+use crate::calibration::Moved;
+use crate::driver::{Arm, ArmError, Between};
+use crate::execute::{Broken, Execution, without_cloth};
+use crate::kinematics::tool_down::tool_down;
+use crate::limits;
+use crate::limits::Limited;
+use crate::log::ArmLog;
+use crate::rgbd::{RgbdSource, Shot};
+use crate::route;
+use crate::settings::Settings;
+use crate::table::ClothTable;
+use fab_base::interrupt::Interrupt;
+use fab_picture::observation::Observation;
+use fab_world::start::Start;
+use fab_world::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
+use nalgebra::{Isometry3, Point3, Vector3};
+use std::cell::RefCell;
+use std::rc::Rc;
+use within::{ArmReach, base_point};
+
+/// How far from `rest_m` the tool may be when a picture is taken, metres.
+const AT_REST_M: f64 = 0.02;
+
+/// How far the hand may be turned then, radians: 10 degrees.
+const TURNED_AT_REST_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
+
+/// An arm over a table.
+pub struct ArmWorld {
+    parts: Parts,
+    base_from_world: Isometry3<f64>,
+    arm: Limited<Box<dyn Arm>>,
+    camera: Box<dyn RgbdSource>,
+    /// The simulated table, where there is one.
+    table: Option<Rc<RefCell<ClothTable>>>,
+    flat: Option<FlatPicture>,
+    reach: ArmReach,
+    log: Option<ArmLog>,
+    is_laid: bool,
+    is_camera_checked: bool,
+    /// The camera's own picture that was taken last.
+    last_shot: Option<Shot>,
+    n_actions: u32,
+    begun_s: f64,
+}
+
+impl ArmWorld {
+    /// Puts limits around an arm, over a table that a camera sees.
+    pub fn new(
+        parts: Parts,
+        arm: Box<dyn Arm>,
+        camera: Box<dyn RgbdSource>,
+    ) -> Result<ArmWorld, WorldError> {
+        let settings = &parts.settings;
+        parts
+            .calibration
+            .check_settings(settings)
+            .map_err(|why| motion(format!("the calibration does not fit the settings: {why}")))?;
+        let margin_m = settings.tolerance.position_m;
+        let log = parts.folder.as_deref().map(ArmLog::open).transpose();
+        Ok(ArmWorld {
+            base_from_world: base_from_world(settings),
+            arm: Limited::new(arm, settings.workspace.clone(), margin_m),
+            camera,
+            table: None,
+            flat: None,
+            reach: ArmReach::of(settings)?,
+            log: log.map_err(|error| motion(error.to_string()))?,
+            is_laid: false,
+            is_camera_checked: false,
+            last_shot: None,
+            n_actions: 0,
+            begun_s: 0.0,
+            parts,
+        })
+    }
+
+    /// Measures coverage against a picture of the flat cloth; it counts into the world's parameters.
+    pub fn with_flat(self, flat: Option<FlatPicture>) -> ArmWorld {
+        ArmWorld { flat, ..self }
+    }
+
+    /// Checks that the camera is where it was calibrated; of a simulated one that was calibrated without a picture, its
+    /// place is known.
+    fn check_camera(&mut self, shot: &Shot) -> Result<(), WorldError> {
+        let is_known = self.table.is_some() && self.parts.calibration.reference.is_none();
+        if self.is_camera_checked || is_known {
+            return Ok(());
+        }
+        let why = match self.parts.calibration.moved(shot, &self.parts.sight) {
+            Moved::No { .. } => {
+                self.is_camera_checked = true;
+                return Ok(());
+            }
+            Moved::ByPx {
+                by_px, turn_deg, ..
+            } => format!(
+                "it was moved since it was calibrated, by {by_px:.1} px and {turn_deg:.1} degrees; calibrate anew"
+            ),
+            Moved::Changed { what } => {
+                format!("its pictures are not those of the calibration: {what}")
+            }
+            Moved::Unsure { why } => {
+                format!("whether it was moved since it was calibrated cannot be said: {why}")
+            }
+        };
+        Err(WorldError::Camera { why })
+    }
+}
+
+impl World for ArmWorld {
+    fn name(&self) -> &str {
+        parts::name(self.parts.settings.driver)
+    }
+
+    fn parameters(&self) -> String {
+        let Parts {
+            settings_hash,
+            calibration,
+            ..
+        } = &self.parts;
+        parts::parameters(settings_hash, calibration, self.flat.as_ref())
+    }
+
+    fn code(&self) -> String {
+        parts::code(self.parts.settings.driver)
+    }
+
+    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
+        let wrong = |why: &str| WorldError::Start {
+            start: start.name.clone(),
+            why: why.to_owned(),
+        };
+        let n_particles = start.grid.dimx as usize * start.grid.dimy as usize;
+        if start.positions.len() != n_particles
+            || !start
+                .positions
+                .iter()
+                .flatten()
+                .all(|value| value.is_finite())
+        {
+            return Err(wrong("its positions are not those of its grid"));
+        }
+        let tool = self
+            .arm
+            .state()
+            .map_err(|error| motion(error.to_string()))?
+            .tool;
+        let rest = Vector3::from(self.parts.settings.workspace.rest_m);
+        if (tool.translation.vector - rest).norm() > AT_REST_M {
+            return Err(motion(format!(
+                "the tool is at ({:.3}, {:.3}, {:.3}) and not at `rest_m`, so that the arm may hide the cloth; bring it there by hand",
+                tool.translation.x, tool.translation.y, tool.translation.z
+            )));
+        }
+        let hand_turn_rad = self.parts.settings.motion.hand_turn_deg.to_radians();
+        let down = tool_down(&Point3::origin(), hand_turn_rad);
+        let turned_rad = tool.rotation.angle_to(&down.rotation);
+        // Written so that what is no number is turned.
+        let is_straight = turned_rad <= TURNED_AT_REST_RAD;
+        if !is_straight {
+            return Err(motion(format!(
+                "the hand is turned by {:.0} degrees against straight down at `motion.hand_turn_deg`, and at most {:.0} are allowed; turn it there by hand",
+                turned_rad.to_degrees(),
+                TURNED_AT_REST_RAD.to_degrees()
+            )));
+        }
+        match &self.table {
+            Some(table) => table.borrow_mut().lay(start)?,
+            None if !self.parts.supervisor.lays_cloth(start) => {
+                return Err(wrong("nobody says that the cloth lies on the table"));
+            }
+            None => {}
+        }
+        self.is_laid = true;
+        self.is_camera_checked = false;
+        self.begun_s = self.arm.now_s();
+        Ok(())
+    }
+
+    fn observe(&mut self) -> Result<Observation, WorldError> {
+        if !self.is_laid {
+            return Err(WorldError::NotReset);
+        }
+        let shot = self.camera.shoot().map_err(|error| WorldError::Camera {
+            why: error.to_string(),
+        })?;
+        self.check_camera(&shot)?;
+        let seen = picture::square(&self.parts, &shot, self.arm.now_s() - self.begun_s);
+        self.last_shot = Some(shot);
+        seen
+    }
+
+    fn act(
+        &mut self,
+        motion_asked: &Motion,
+        interrupt: &Interrupt,
+    ) -> Result<Executed, WorldError> {
+        if !self.is_laid {
+            return Err(WorldError::NotReset);
+        }
+        let [pick, place] = [&motion_asked.pick, &motion_asked.place]
+            .map(|point| base_point(&self.parts.settings, point));
+        let settings = self.parts.settings.clone();
+        let from = self
+            .arm
+            .state()
+            .map_err(|error| motion(error.to_string()))?
+            .tool;
+        let segments = route::segments(&settings, &from, &pick, &place);
+        let empty = without_cloth(&segments, &pick, settings.motion.retreat_m);
+        check_all(&settings, &from, &segments).map_err(motion)?;
+        self.n_actions += 1;
+        let Some(log) = &mut self.log else {
+            return Err(motion(
+                "the arm has no run folder for its journal, and moves only with one".to_owned(),
+            ));
+        };
+        let done = Execution {
+            arm: &mut self.arm,
+            log,
+            supervisor: self.parts.supervisor.as_mut(),
+            watchdog: self.parts.watchdog.as_mut(),
+            interrupt,
+            speed_m_s: settings.motion.speed_m_s,
+            number: self.n_actions,
+        }
+        .run([pick, place], &segments, &empty);
+        let done = done.map_err(told)?;
+        let world_from_base = self.base_from_world.inverse();
+        Ok(Executed {
+            motion: Motion {
+                pick: world_from_base * done.grasped_at,
+                place: world_from_base * done.released_at,
+            },
+            grasp: match done.between {
+                Between::Something => Grasp::Held,
+                Between::Nothing => Grasp::Missed,
+                Between::Unknown => Grasp::Unverified,
+            },
+            duration_s: done.duration_s,
+        })
+    }
+
+    fn crumple(&self, _: &Start, _: u64, _: &Interrupt) -> Result<Start, WorldError> {
+        Err(WorldError::CannotCrumple {
+            world: self.name().to_owned(),
+        })
+    }
+
+    fn particles(&self) -> Option<Vec<[f32; 3]>> {
+        self.table.as_ref()?.borrow().particles()
+    }
+
+    fn flat_cloth(&self) -> Option<Observation> {
+        let shot = match (&self.flat, &self.table) {
+            (Some(flat), _) => flat.shot(),
+            (None, Some(table)) => table.borrow().flat_shot()?,
+            (None, None) => return None,
+        };
+        picture::square(&self.parts, &shot, 0.0).ok()
+    }
+
+    fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
+        self.reach.out_of_reach(&self.parts.settings, point)
+    }
+}
+
+/// Checks every segment of a route before the first is begun.
+fn check_all(
+    settings: &Settings,
+    from: &Isometry3<f64>,
+    segments: &[route::Segment],
+) -> Result<(), String> {
+    let mut at = *from;
+    for segment in segments {
+        let route::Act::Move(to) = segment.act else {
+            continue;
+        };
+        limits::check(
+            &settings.workspace,
+            settings.tolerance.position_m,
+            &at,
+            &to,
+            settings.motion.speed_m_s,
+        )
+        .map_err(|why| format!("`{}` is not allowed: {why}", segment.name.text()))?;
+        at = to;
+    }
+    Ok(())
+}
+
+fn motion(why: String) -> WorldError {
+    WorldError::Motion { why }
+}
+
+/// Says what is known of a motion that was not carried out to its end.
+fn told(broken: Broken) -> WorldError {
+    let told = broken.to_string();
+    match (&broken.why, &broken.stopped) {
+        // An arm of which the stop is not verified is told as a failure, whoever asked for the stop.
+        (ArmError::Interrupted | ArmError::NotConfirmed, None | Some(Ok(()))) => {
+            match broken.in_segment {
+                None if broken.why == ArmError::Interrupted => WorldError::Interrupted,
+                _ => WorldError::Halted { told },
+            }
+        }
+        _ => motion(told),
+    }
+}

@@ -1,0 +1,111 @@
+//! What an arm's world is made of: files, and who watches.
+
+use super::FlatPicture;
+use crate::calibration::Calibration;
+use crate::settings::{DriverKind, Settings};
+use crate::sight::Sight;
+use crate::supervisor::{Supervisor, Watchdog};
+use crate::table::ClothTable;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// Everything that an arm's world is made of.
+pub struct Parts {
+    /// The settings.
+    pub settings: Settings,
+    /// The hash of the settings' text.
+    pub settings_hash: String,
+    /// Where the camera's pixels lie for the arm.
+    pub calibration: Calibration,
+    /// What looks at pictures.
+    pub sight: Sight,
+    /// Side of the square picture that the task's camera takes, pixels.
+    pub image_px: u32,
+    /// Who gives leave to move.
+    pub supervisor: Box<dyn Supervisor>,
+    /// Who stops the arm when this program hangs.
+    pub watchdog: Box<dyn Watchdog>,
+    /// The run folder, for the arm's journal; without it nothing moves.
+    pub folder: Option<PathBuf>,
+}
+
+/// Returns the world frame of some settings, which has its origin at the middle of the table.
+pub fn base_from_world(settings: &Settings) -> Isometry3<f64> {
+    let [x, y, z] = settings.table.center_m;
+    Isometry3::from_parts(
+        Translation3::new(x, y, z),
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), settings.table.turn_deg.to_radians()),
+    )
+}
+
+/// Reads the settings and the calibration that a world is made of; says what is wrong with either.
+pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
+    let settings = Settings::load(path).map_err(|error| error.to_string())?;
+    let text = fab_base::files::read(path, 1 << 20)
+        .map_err(|why| format!("`{}`: {why}", path.display()))?;
+    let hash: Vec<String> = Sha256::digest(&text)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    let beside = path.parent().unwrap_or(Path::new("."));
+    let calibration = Calibration::load(&beside.join(&settings.calibration));
+    let calibration = calibration.map_err(|error| error.to_string())?;
+    Ok((settings, hash.concat(), calibration))
+}
+
+/// What a world says of itself, known without an arm: by it a rollout of the same settings is told from others.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct About {
+    /// Its name in reports.
+    pub name: String,
+    /// The hash of every parameter that changes results.
+    pub parameters: String,
+    /// A digest of the code that makes the results.
+    pub code: String,
+}
+
+/// Returns what the world of a settings file will say of itself; says what is wrong with any of the files otherwise.
+pub fn about(path: &Path) -> Result<About, String> {
+    let (settings, settings_hash, calibration) = load(path)?;
+    let flat = FlatPicture::load(path, &settings, &calibration)?;
+    Ok(About {
+        name: name(settings.driver).to_owned(),
+        parameters: parameters(&settings_hash, &calibration, flat.as_ref()),
+        code: code(settings.driver),
+    })
+}
+
+pub(super) fn name(driver: DriverKind) -> &'static str {
+    match driver {
+        DriverKind::Simulated => "simulated_arm",
+        DriverKind::Kinova | DriverKind::Trajectory => "jaco",
+    }
+}
+
+pub(super) fn code(driver: DriverKind) -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    match driver {
+        DriverKind::Simulated => format!("{version} {}", ClothTable::code()),
+        DriverKind::Kinova | DriverKind::Trajectory => version.to_owned(),
+    }
+}
+
+pub(super) fn parameters(
+    settings_hash: &str,
+    calibration: &Calibration,
+    flat: Option<&FlatPicture>,
+) -> String {
+    let mut hash = Sha256::new();
+    hash.update(settings_hash);
+    hash.update(calibration.to_toml());
+    if let Some(flat) = flat {
+        hash.update(flat.bytes());
+    }
+    let hex: Vec<String> = hash
+        .finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    hex.concat()[..16].to_owned()
+}

@@ -1,0 +1,109 @@
+//! What a task sees of the camera's own picture, and the picture of the flat cloth.
+//!
+//! In: a shot in the camera's own size, or the file that the settings name. Out: the square picture that the task's camera
+//! takes, with its camera. Taking pictures, and noticing a moved camera, is left to the world.
+
+use super::Parts;
+use super::base_from_world;
+use crate::calibration::{Calibration, Window};
+use crate::rgbd::Shot;
+use crate::settings::Settings;
+use crate::table::ClothTable;
+use fab_picture::DepthImage;
+use fab_picture::observation::Observation;
+use fab_picture::png;
+use fab_world::WorldError;
+use image::RgbImage;
+use image::imageops::{self, FilterType};
+use std::path::Path;
+
+/// The camera's own picture of the flat cloth, of the size that the calibration is for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlatPicture(RgbImage);
+
+impl FlatPicture {
+    /// Reads the picture that settings name; none where they name none.
+    ///
+    /// - `path`: the settings file, which the picture's name is relative to.
+    ///
+    /// Says what is wrong where it cannot be read, or has another size than the calibrated camera's pictures.
+    pub fn load(
+        path: &Path,
+        settings: &Settings,
+        calibration: &Calibration,
+    ) -> Result<Option<FlatPicture>, String> {
+        let Some(named) = &settings.camera.flat else {
+            return Ok(None);
+        };
+        let file = path.parent().unwrap_or(Path::new(".")).join(named);
+        let wrong = |why: String| format!("`camera.flat`, the picture of the flat cloth: {why}");
+        let rgb = png::load(&file).map_err(|error| wrong(error.to_string()))?;
+        let [width, height] = calibration.terms.size_px;
+        if [rgb.width(), rgb.height()] != [width, height] {
+            return Err(wrong(format!(
+                "`{}` has {} x {} px, and the calibrated camera's own pictures have {width} x {height}: take it with that camera, and cut nothing off",
+                file.display(),
+                rgb.width(),
+                rgb.height()
+            )));
+        }
+        Ok(Some(FlatPicture(rgb)))
+    }
+
+    /// Returns it as a shot whose depth is without a reading.
+    pub(super) fn shot(&self) -> Shot {
+        Shot {
+            rgb: self.0.clone(),
+            depth_m: DepthImage::new(self.0.width(), self.0.height()),
+            intrinsics: None,
+        }
+    }
+
+    /// Returns its pixels, row by row.
+    pub(super) fn bytes(&self) -> &[u8] {
+        self.0.as_raw()
+    }
+}
+
+/// Takes the camera's own picture of the table that settings simulate, without a cloth.
+pub fn simulated_table(settings: &Settings) -> Result<RgbImage, WorldError> {
+    let table = ClothTable::new(settings, &base_from_world(settings))?;
+    Ok(table.bare_shot()?.rgb)
+}
+
+/// Cuts the task's square picture out of the camera's own.
+pub(super) fn square(parts: &Parts, shot: &Shot, time_s: f64) -> Result<Observation, WorldError> {
+    let size_px = [shot.rgb.width(), shot.rgb.height()];
+    let window = Window::from(parts.settings.camera.window_px);
+    if !window.is_in(size_px) {
+        return Err(WorldError::Camera {
+            why: format!(
+                "its picture has {} x {} px, and `window_px` goes beyond it",
+                size_px[0], size_px[1]
+            ),
+        });
+    }
+    let (left, top, side) = (window.left_px, window.top_px, window.side_px);
+    let image_px = parts.image_px;
+    let rgb = imageops::crop_imm(&shot.rgb, left, top, side, side).to_image();
+    let rgb = match side == image_px {
+        true => rgb,
+        false => imageops::resize(&rgb, image_px, image_px, FilterType::Triangle),
+    };
+    // The mean of a near and a far reading is none, so that depth is taken from one pixel each.
+    let depth_m = DepthImage::from_fn(image_px, image_px, |column, row| {
+        let raw = |at: u32| (2 * u64::from(at) + 1) * u64::from(side) / (2 * u64::from(image_px));
+        *shot
+            .depth_m
+            .get_pixel(left + raw(column) as u32, top + raw(row) as u32)
+    });
+    let world_from_base = base_from_world(&parts.settings).inverse();
+    Ok(Observation {
+        rgb,
+        depth_m,
+        camera: parts
+            .calibration
+            .camera(&world_from_base, &window, image_px),
+        time_s,
+    })
+}

@@ -1,0 +1,52 @@
+//! An arm's world that this program simulates, and what may go wrong in it.
+//!
+//! In: the parts of a world, and faults. Out: a world like any other, and a hold on the arm in it, to look at afterwards.
+
+use super::{ArmWorld, Parts, base_from_world, motion};
+use crate::driver::PortArm;
+use crate::settings::DriverKind;
+use crate::simulated::{Fault, SharedArm, SimulatedArm, Simulation};
+use crate::table::{ClothTable, TableCamera};
+use fab_world::WorldError;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// A simulated world, and the arm that moves in it.
+pub struct Rehearsal {
+    /// The world.
+    pub world: ArmWorld,
+    /// The arm in it.
+    pub arm: SharedArm,
+}
+
+impl ArmWorld {
+    /// Sets up the arm and the table that this program simulates.
+    pub fn simulated(parts: Parts) -> Result<ArmWorld, WorldError> {
+        ArmWorld::rehearsed(parts, Vec::new()).map(|rehearsal| rehearsal.world)
+    }
+
+    /// Sets them up so that something goes wrong.
+    ///
+    /// - `faults`: at times of the arm's clock, which begins at 0 and which nothing but the arm's own work moves.
+    pub fn rehearsed(parts: Parts, faults: Vec<Fault>) -> Result<Rehearsal, WorldError> {
+        let settings = &parts.settings;
+        if settings.driver != DriverKind::Simulated {
+            return Err(motion(
+                "its settings name another driver than `simulated`".to_owned(),
+            ));
+        }
+        let base_from_world = base_from_world(settings);
+        let table = Rc::new(RefCell::new(ClothTable::new(settings, &base_from_world)?));
+        let simulation = Simulation {
+            faults,
+            ..Simulation::of(settings).map_err(motion)?
+        };
+        let arm = SharedArm::new(SimulatedArm::new(simulation, Some(table.clone())));
+        let (fingers, tolerance) = (settings.fingers, settings.tolerance);
+        let driver = PortArm::by_poses(arm.clone(), &settings.model, fingers, tolerance);
+        let camera = TableCamera(table.clone());
+        let mut world = ArmWorld::new(parts, Box::new(driver), Box::new(camera))?;
+        world.table = Some(table);
+        Ok(Rehearsal { world, arm })
+    }
+}

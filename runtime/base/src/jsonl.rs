@@ -1,0 +1,226 @@
+//! Journals of JSON lines: one whole, synced line after another.
+//!
+//! A crash loses at most the line under way. What follows the last line end was cut off while it was written: a
+//! [`Reader`] leaves it aside, and the next line that is appended replaces it.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::path::Path;
+
+/// The longest line that is read, bytes.
+pub const MAX_LINE_BYTES: usize = 16 << 20;
+
+/// Writes a value as the text of a line, without its end.
+///
+/// Fails where the value has keys that are no text.
+pub fn text(line: &impl Serialize) -> io::Result<String> {
+    Ok(serde_json::to_string(line)?)
+}
+
+// ---- writing -------------------------------------------------------------------------------------
+
+/// A journal that lines are appended to.
+#[derive(Debug)]
+pub struct Appender {
+    file: File,
+    /// Bytes up to the end of the last line that stays.
+    whole_bytes: u64,
+    /// Whether the file may hold more than these.
+    has_tail: bool,
+}
+
+impl Appender {
+    /// Opens a journal, which is made where there is none. Nothing in it changes until a line is appended.
+    ///
+    /// All of it stays until [`Appender::keep`] says less.
+    pub fn open(path: &Path) -> io::Result<Appender> {
+        let file = OpenOptions::new().create(true).append(true).open(path)?;
+        let whole_bytes = file.metadata()?.len();
+        Ok(Appender {
+            file,
+            whole_bytes,
+            has_tail: false,
+        })
+    }
+
+    /// Makes sure that no other process writes the journal; the system gives the lock back when this one ends.
+    ///
+    /// Returns whether it is free. Not every file system has locks; without them the user takes care.
+    pub fn lock(&self) -> bool {
+        !matches!(self.file.try_lock(), Err(TryLockError::WouldBlock))
+    }
+
+    /// Says how much stays, bytes; what follows is replaced by the next line.
+    pub fn keep(&mut self, whole_bytes: u64) {
+        self.whole_bytes = whole_bytes;
+        self.has_tail = true;
+    }
+
+    /// Appends a line, and waits until it is on the disk.
+    pub fn append(&mut self, line: &impl Serialize) -> io::Result<()> {
+        self.append_text(text(line)?)
+    }
+
+    /// Appends the text of a line, and waits until it is on the disk.
+    pub fn append_text(&mut self, mut line: String) -> io::Result<()> {
+        if self.has_tail {
+            self.file.set_len(self.whole_bytes)?;
+        }
+        line.push('\n');
+        // A part of a line that stays where this fails would damage the next one.
+        self.has_tail = true;
+        self.file.write_all(line.as_bytes())?;
+        self.file.sync_data()?;
+        self.has_tail = false;
+        self.whole_bytes += line.len() as u64;
+        Ok(())
+    }
+}
+
+// ---- reading -------------------------------------------------------------------------------------
+
+/// Reads the whole lines of a journal, one at a time.
+#[derive(Debug)]
+pub struct Reader {
+    file: BufReader<io::Take<File>>,
+    line: Vec<u8>,
+    number: usize,
+    whole_bytes: u64,
+}
+
+impl Reader {
+    /// Opens a journal of at most `max_bytes`; says why where it cannot be read.
+    pub fn open(path: &Path, max_bytes: u64) -> Result<Reader, String> {
+        let information = path.metadata().map_err(|error| error.to_string())?;
+        if !information.is_file() {
+            return Err("it is no regular file".to_owned());
+        }
+        if information.len() > max_bytes {
+            return Err(format!("it is longer than the limit of {max_bytes} bytes"));
+        }
+        let file = File::open(path).map_err(|error| error.to_string())?;
+        Ok(Reader {
+            file: BufReader::new(file.take(max_bytes)),
+            line: Vec::new(),
+            number: 0,
+            whole_bytes: 0,
+        })
+    }
+
+    /// Reads the next whole line, without its end; says why where it cannot be read.
+    pub fn next_line(&mut self) -> Result<Option<&[u8]>, String> {
+        self.line.clear();
+        let mut limited = Read::take(&mut self.file, MAX_LINE_BYTES as u64);
+        let length = limited
+            .read_until(b'\n', &mut self.line)
+            .map_err(|error| error.to_string())?;
+        self.number += 1;
+        if self.line.pop() != Some(b'\n') {
+            return match length {
+                MAX_LINE_BYTES => Err(format!(
+                    "line {} is longer than {MAX_LINE_BYTES} bytes",
+                    self.number
+                )),
+                _ => Ok(None),
+            };
+        }
+        self.whole_bytes += length as u64;
+        Ok(Some(&self.line))
+    }
+
+    /// Reads the next whole line as JSON; says why where it cannot be read, or is damaged.
+    pub fn read<T: DeserializeOwned>(&mut self) -> Result<Option<T>, String> {
+        let Some(line) = self.next_line()? else {
+            return Ok(None);
+        };
+        match serde_json::from_slice(line) {
+            Ok(value) => Ok(Some(value)),
+            Err(error) => Err(format!("line {} is damaged: {error}", self.number)),
+        }
+    }
+
+    /// Returns the number of the line that was read last, from 1.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+
+    /// Returns the bytes up to the end of the last whole line that was read.
+    pub fn whole_bytes(&self) -> u64 {
+        self.whole_bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+    use std::fs;
+
+    fn values(path: &Path) -> (Vec<Value>, u64) {
+        let mut reader = Reader::open(path, u64::MAX).expect("a journal");
+        let mut values = Vec::new();
+        while let Some(value) = reader.read().expect("a line of JSON") {
+            values.push(value);
+        }
+        (values, reader.whole_bytes())
+    }
+
+    #[test]
+    fn a_line_that_was_cut_off_is_left_aside_and_then_replaced() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("journal.jsonl");
+        let whole = [json!({ "step": 1 }), json!({ "words": "é\n" })];
+        let mut appender = Appender::open(&path).expect("a new file");
+        for line in &whole {
+            appender.append(line).expect("a line");
+        }
+        let bytes = fs::read(&path).expect("the file");
+        // Cut anywhere, also inside of a letter: whole lines stay, and the next one follows them.
+        for cut in 0..=bytes.len() {
+            fs::write(&path, &bytes[..cut]).expect("a cut file");
+            let (read, whole_bytes) = values(&path);
+            assert_eq!(read, whole[..read.len()], "cut at {cut}");
+            let mut appender = Appender::open(&path).expect("the file");
+            appender.keep(whole_bytes);
+            assert_eq!(fs::read(&path).expect("the file"), bytes[..cut]);
+            appender.append(&json!(cut)).expect("a line");
+            let mut expected = whole[..read.len()].to_vec();
+            expected.push(json!(cut));
+            assert_eq!(values(&path).0, expected, "cut at {cut}");
+        }
+    }
+
+    #[test]
+    fn damage_endless_lines_and_what_is_no_file_are_named() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("journal.jsonl");
+        fs::write(&path, "1\n{]\n3\n").expect("a file");
+        let mut reader = Reader::open(&path, 100).expect("a journal");
+        assert_eq!(reader.read::<u32>(), Ok(Some(1)));
+        let damage = reader.read::<u32>().expect_err("damage");
+        assert!(damage.starts_with("line 2 is damaged: "), "{damage}");
+
+        fs::write(&path, vec![b' '; MAX_LINE_BYTES + 1]).expect("a file");
+        let mut reader = Reader::open(&path, u64::MAX).expect("a journal");
+        let endless = reader.next_line().expect_err("an endless line");
+        assert_eq!(endless, "line 1 is longer than 16777216 bytes");
+
+        let long = Reader::open(&path, 100).expect_err("a long file");
+        assert_eq!(long, "it is longer than the limit of 100 bytes");
+        let no_file = Reader::open(folder.path(), 100).expect_err("a folder");
+        assert_eq!(no_file, "it is no regular file");
+    }
+
+    #[test]
+    fn one_writer_has_the_journal() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("journal.jsonl");
+        let [first, second] = [(); 2].map(|()| Appender::open(&path).expect("a file"));
+        assert!(first.lock());
+        assert!(!second.lock());
+        drop(first);
+        assert!(second.lock());
+    }
+}

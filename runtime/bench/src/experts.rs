@@ -1,0 +1,127 @@
+//! The expert ends that a suite's rollouts are compared with.
+//!
+//! In: the suite's programs and laid starts. Out: ends in the cache before any rollout asks for them, and distances
+//! to them. The ends of folds that go a fraction of their way are those of the same sequences, each fold shortened.
+
+use super::laid::Laid;
+use super::play::{Phase, Spent, at, place, program_of};
+use super::record::Record;
+use super::{Bench, BenchError};
+use fab_agent::rollout::Job;
+use fab_base::parallel::in_parallel;
+use fab_program::{Program, Sequence};
+use fab_world::WorldError;
+use fab_world::expert;
+use fab_world::expert::MakeWorld;
+use fab_world::metrics;
+use std::collections::BTreeSet;
+
+/// The sequences that a program's results are compared with, where each fold ends at a fraction of its way.
+fn sequences(program: &Program, fraction: f64) -> Vec<Sequence> {
+    let mut sequences = program.experts.clone();
+    for fold in sequences
+        .iter_mut()
+        .flat_map(|sequence| &mut sequence.folds)
+    {
+        fold.fraction *= fraction;
+    }
+    sequences
+}
+
+/// The fractions that the suite's columns need.
+fn fractions(bench: &Bench<'_>) -> Vec<f64> {
+    let metrics = bench.suite.metrics.iter();
+    metrics
+        .filter_map(|metric| metric.fold_fraction())
+        .collect()
+}
+
+/// Simulates every expert end that is not kept yet; returns whether all are there.
+pub(super) fn simulate(
+    bench: &Bench<'_>,
+    laid: &Laid,
+    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+    spent: &mut Spent,
+) -> Result<bool, BenchError> {
+    let mut jobs = Vec::new();
+    let mut known = BTreeSet::new();
+    for (number, entry) in bench.entries.iter().enumerate() {
+        let starts = laid[entry.task].iter().enumerate();
+        for (start, laid) in starts {
+            let program = program_of(bench, entry, start)?;
+            let digest = laid.digest();
+            let world = (bench.make_world)(program);
+            let world = world.map_err(|error| at(&place(bench, entry, start), error))?;
+            for sequence in fractions(bench)
+                .iter()
+                .flat_map(|it| sequences(program, *it))
+            {
+                let text = serde_json::to_string(&(world.parameters(), &sequence, &digest));
+                if known.insert(text.unwrap_or_default()) {
+                    jobs.push((number, start, sequence));
+                }
+            }
+        }
+    }
+    spent.experts = jobs.len();
+    if jobs.is_empty() {
+        return Ok(true);
+    }
+    progress(Phase::Experts, 0, jobs.len());
+    let done = in_parallel(
+        jobs.len(),
+        bench.threads,
+        |index| {
+            let (entry, start, sequence) = &jobs[index];
+            let entry = &bench.entries[*entry];
+            let program = program_of(bench, entry, *start)?;
+            // One sequence a job, so that no further thread is started for it.
+            let ends = expert::ends(
+                std::slice::from_ref(sequence),
+                &laid[entry.task][*start],
+                &|| (bench.make_world)(program),
+                bench.cache,
+                bench.interrupt,
+                &mut |_| {},
+            );
+            match ends {
+                Ok(ends) => Ok(Some(ends.simulated)),
+                Err(WorldError::Interrupted) => Ok(None),
+                Err(error) => Err(at(&place(bench, entry, *start), error)),
+            }
+        },
+        |done| progress(Phase::Experts, done, jobs.len()),
+    )?;
+    spent.experts_simulated = done.iter().flatten().sum();
+    Ok(done.iter().all(Option::is_some))
+}
+
+/// Scores the last state of a rollout, however it ended; the start itself where nothing was executed.
+pub(super) fn distances_m(
+    bench: &Bench<'_>,
+    job: &Job<'_>,
+    record: &Record,
+) -> Result<Vec<(f64, f64)>, WorldError> {
+    let last = record.last.as_ref().unwrap_or(&job.start.positions);
+    let make_world: &MakeWorld<'_> = job.make_expert_world;
+    let mut distances = Vec::new();
+    for fraction in fractions(bench) {
+        let ends = expert::ends(
+            &sequences(job.program, fraction),
+            job.start,
+            make_world,
+            job.cache,
+            job.interrupt,
+            &mut |_| {},
+        )?;
+        let all = ends
+            .ends
+            .iter()
+            .filter_map(|end| metrics::mean_particle_distance_m(last, &end.positions));
+        distances.extend(
+            all.min_by(f64::total_cmp)
+                .map(|nearest| (fraction, nearest)),
+        );
+    }
+    Ok(distances)
+}

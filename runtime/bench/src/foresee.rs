@@ -1,0 +1,45 @@
+//! What a suite would ask in the first step of each of its entries, before anything is asked.
+
+use super::laid::lay_one;
+use super::play::{at, place, program_of};
+use super::{Bench, BenchError};
+use fab_agent::rollout::{FirstQuestion, Job, first_questions};
+
+/// Lays the first start of each entry, and renders what its stages would be sent; in the order of the entries.
+///
+/// Fails where a start cannot be laid, or the user stops it.
+pub fn first_questions_of(bench: &Bench<'_>) -> Result<Vec<Vec<FirstQuestion>>, BenchError> {
+    let mut all = Vec::with_capacity(bench.entries.len());
+    for entry in &bench.entries {
+        let place = place(bench, entry, 0);
+        let program = program_of(bench, entry, 0)?;
+        let task = &bench.tasks[entry.task];
+        // Nobody lays a cloth, and nothing is connected, for the sake of an estimate.
+        let make_world = || match &bench.arm {
+            Some(arm) => (arm.make_look)(program),
+            None => (bench.make_world)(program),
+        };
+        let start = lay_one(bench, task, &task.starts[0]);
+        let start = start.map_err(|error| at(&place, error))?;
+        let job = Job {
+            program,
+            start: &start,
+            subgoals: &entry.subgoals,
+            examples: &entry.examples,
+            models: entry.models,
+            budget: bench.budget,
+            recorder: None,
+            make_world: &make_world,
+            make_expert_world: &make_world,
+            cache: bench.cache,
+            interrupt: bench.interrupt,
+            horizon: bench.suite.horizons.last().copied(),
+            early_stop: true,
+            operator: None,
+            repetition: 0,
+        };
+        let questions = first_questions(&job);
+        all.push(questions.map_err(|error| BenchError::Run { place, error })?);
+    }
+    Ok(all)
+}

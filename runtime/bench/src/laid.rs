@@ -1,0 +1,90 @@
+//! Lays the starts of a suite, before any of its rollouts.
+//!
+//! In: a bench. Out: a start for each of its points, in positions; where a person lays the cloths, in words alone.
+
+use super::on_arm::{self, Cloths};
+use super::play::{Phase, at};
+use super::starts::StartPoint;
+use super::{Bench, BenchError, Task};
+use fab_base::parallel::in_parallel;
+use fab_world::WorldError;
+use fab_world::start::Start;
+
+/// The starts of every task, laid.
+pub(super) type Laid = Vec<Vec<Start>>;
+
+/// Lays every start; None where the user stopped it.
+pub(super) fn lay(
+    bench: &Bench<'_>,
+    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+) -> Result<Option<Laid>, BenchError> {
+    let tasks = bench.tasks.iter().enumerate();
+    let jobs: Vec<(usize, usize)> = tasks
+        .flat_map(|(task, it)| (0..it.starts.len()).map(move |start| (task, start)))
+        .collect();
+    progress(Phase::Starts, 0, jobs.len());
+    let laid = in_parallel(
+        jobs.len(),
+        bench.threads,
+        |index| {
+            let (task, start) = jobs[index];
+            let task = &bench.tasks[task];
+            let point = &task.starts[start];
+            match lay_one(bench, task, point) {
+                Ok(start) => Ok(Some(start)),
+                Err(WorldError::Interrupted) => Ok(None),
+                Err(error) => {
+                    let place = format!("{}, start {}", task.name, point.number);
+                    Err(at(&place, error))
+                }
+            }
+        },
+        |done| progress(Phase::Starts, done, jobs.len()),
+    )?;
+    let mut starts: Laid = bench.tasks.iter().map(|_| Vec::new()).collect();
+    for ((task, _), start) in jobs.iter().zip(laid) {
+        let Some(start) = start else {
+            return Ok(None);
+        };
+        starts[*task].push(start);
+    }
+    Ok(Some(starts))
+}
+
+/// Lays one start; where a person does that, the start says how in words alone.
+pub(super) fn lay_one(
+    bench: &Bench<'_>,
+    task: &Task,
+    point: &StartPoint,
+) -> Result<Start, WorldError> {
+    if is_by_hand(bench) {
+        return Ok(on_arm::by_hand(point));
+    }
+    let world = (bench.make_world)(&task.program)?;
+    point.lay(world.as_ref(), bench.cache, bench.interrupt)
+}
+
+/// Fails where a start of the suite is one that a model is told as an example.
+pub(super) fn refuse_examples(bench: &Bench<'_>, laid: &Laid) -> Result<(), BenchError> {
+    if is_by_hand(bench) {
+        return Ok(());
+    }
+    for entry in &bench.entries {
+        for start in &laid[entry.task] {
+            if let Some(demonstration) = entry.examples.demonstrates(start) {
+                return Err(BenchError::Demonstrated {
+                    task: bench.tasks[entry.task].name.clone(),
+                    method: entry.method.name.clone(),
+                    start: start.name.clone(),
+                    demonstration,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn is_by_hand(bench: &Bench<'_>) -> bool {
+    let arm = bench.arm.as_ref();
+    arm.is_some_and(|arm| arm.cloths == Cloths::ByHand)
+}

@@ -1,0 +1,375 @@
+//! Carries out a suite: lays starts, simulates expert ends, runs rollouts, reads what came of them.
+//!
+//! In: a [`Bench`]. Out: [`Played`] rollouts in a fixed order, and what the parts of the work took. Each part goes
+//! over its jobs with as many threads as asked for, and a job starts none of its own: expert ends are there
+//! before the first rollout asks for them.
+
+use super::laid::{self, Laid};
+use super::on_arm::{self, LeftArm};
+use super::record::{self, Found, Identity, Record};
+use super::{Bench, BenchError, Entry, experts};
+use fab_agent::journal::{JOURNAL_FILE, RunFolder};
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout;
+use fab_agent::rollout::{Job, RunError};
+use fab_arm::world::About;
+use fab_base::parallel::in_parallel;
+use fab_model::calls::{Fault, ledger};
+use fab_model::described;
+use fab_program::Program;
+use fab_world::WorldError;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// One rollout of a suite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Played {
+    /// Index of the entry.
+    pub entry: usize,
+    /// Index of the start among those of the task.
+    pub start: usize,
+    /// What its folder says.
+    pub record: Record,
+    /// Distance of its last state to the nearest expert end, metres, by the fraction of the way that each of the
+    /// experts' folds goes.
+    pub distances_m: Vec<(f64, f64)>,
+}
+
+/// What came of a suite.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Results {
+    /// Finished rollouts, by entry, start and repetition.
+    pub rollouts: Vec<Played>,
+    /// How many there were to be.
+    pub planned: usize,
+    /// How many were found finished.
+    pub found: usize,
+    /// The folders of rollouts on an arm that were cut off and are not gone on with.
+    pub cut_off: Vec<PathBuf>,
+    /// The rollout that failed for the arm's sake, or did not bring it to rest with an empty hand, where one did so.
+    pub left: Option<LeftArm>,
+    /// Why rollouts are missing, where some are.
+    pub stopped: Option<Stop>,
+    /// Name of the world.
+    pub world: String,
+    /// Hash of the world's parameters.
+    pub params: String,
+    /// What the work took.
+    pub spent: Spent,
+}
+
+/// Why a suite was not carried out to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The user stopped it.
+    Interrupted,
+    /// A cap on calls or cost was reached.
+    Capped,
+    /// A rollout failed for the arm's sake, or left it otherwise than at rest with an empty hand.
+    ArmLeft,
+}
+
+/// Wall times, seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Spent {
+    /// Laying and crumpling starts.
+    pub starts_s: f64,
+    /// Simulating expert ends that were not kept yet, or finding that all are.
+    pub experts_s: f64,
+    /// How many were simulated.
+    pub experts_simulated: usize,
+    /// Of how many.
+    pub experts: usize,
+    /// Rollouts and their scores.
+    pub rollouts_s: f64,
+}
+
+/// What is being done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Starts are laid.
+    Starts,
+    /// Expert ends are simulated.
+    Experts,
+    /// Rollouts are run.
+    Rollouts,
+}
+
+/// Carries out a suite.
+///
+/// `progress` is told how many jobs of a phase are done, and how many there are.
+pub fn play(
+    bench: &Bench<'_>,
+    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+) -> Result<Results, BenchError> {
+    let mut results = Results::default();
+    let begun = Instant::now();
+    let Some(laid) = laid::lay(bench, progress)? else {
+        return Ok(interrupted(results));
+    };
+    results.spent.starts_s = begun.elapsed().as_secs_f64();
+    laid::refuse_examples(bench, &laid)?;
+    if let Some(task) = bench.tasks.first() {
+        let about = about(bench, &task.program).map_err(|error| at(&task.name, error))?;
+        (results.world, results.params) = (about.name, about.parameters);
+    }
+    let begun = Instant::now();
+    let is_whole = experts::simulate(bench, &laid, progress, &mut results.spent)?;
+    results.spent.experts_s = begun.elapsed().as_secs_f64();
+    if !is_whole {
+        return Ok(interrupted(results));
+    }
+    let begun = Instant::now();
+    let jobs = rollouts(bench);
+    results.planned = jobs.len();
+    // What earlier calls of this suite did counts towards its caps.
+    for which in &jobs {
+        bench
+            .budget
+            .restore(&ledger::read(&folder_of(bench, *which))?.spent);
+    }
+    progress(Phase::Rollouts, 0, jobs.len());
+    let done = match &bench.arm {
+        Some(_) => on_arm::play(bench, &laid, &jobs, progress)?,
+        None => side_by_side(bench, &laid, &jobs, progress)?,
+    };
+    for (played, was_found) in done.played {
+        results.found += usize::from(was_found);
+        results.rollouts.push(played);
+    }
+    results.spent.rollouts_s = begun.elapsed().as_secs_f64();
+    let missing = jobs.len() - results.rollouts.len() - done.cut_off.len();
+    results.stopped = match (done.stop, bench.interrupt.is_raised()) {
+        (Some(stop), _) => Some(stop),
+        (None, _) if missing == 0 => None,
+        (None, true) => Some(Stop::Interrupted),
+        (None, false) => Some(Stop::Capped),
+    };
+    (results.cut_off, results.left) = (done.cut_off, done.left);
+    Ok(results)
+}
+
+/// Carries rollouts out in the simulator.
+fn side_by_side(
+    bench: &Bench<'_>,
+    laid: &Laid,
+    jobs: &[Which],
+    progress: &(dyn Fn(Phase, usize, usize) + Sync),
+) -> Result<on_arm::Done, BenchError> {
+    let ended: Result<_, BenchError> = in_parallel(
+        jobs.len(),
+        bench.side_by_side(),
+        |index| match one(bench, laid, jobs[index])? {
+            Ended::Played(played, was_found) => Ok(Some((*played, was_found))),
+            Ended::CutOff | Ended::Stopped(_) => Ok(None),
+        },
+        |done| progress(Phase::Rollouts, done, jobs.len()),
+    );
+    Ok(on_arm::Done {
+        played: ended?.into_iter().flatten().collect(),
+        ..on_arm::Done::default()
+    })
+}
+
+fn interrupted(results: Results) -> Results {
+    Results {
+        stopped: Some(Stop::Interrupted),
+        ..results
+    }
+}
+
+/// Returns what the world of a program says of itself.
+fn about(bench: &Bench<'_>, program: &Program) -> Result<About, WorldError> {
+    if let Some(arm) = &bench.arm {
+        return Ok(arm.about.clone());
+    }
+    let world = (bench.make_world)(program)?;
+    Ok(About {
+        name: world.name().to_owned(),
+        parameters: world.parameters(),
+        code: world.code(),
+    })
+}
+
+pub(super) fn at(place: &str, error: WorldError) -> BenchError {
+    BenchError::World {
+        place: place.to_owned(),
+        error,
+    }
+}
+
+pub(super) fn place(bench: &Bench<'_>, entry: &Entry<'_>, start: usize) -> String {
+    let task = &bench.tasks[entry.task];
+    format!("{}, start {}", task.name, task.starts[start].number)
+}
+
+pub(super) fn program_of<'b>(
+    bench: &Bench<'_>,
+    entry: &'b Entry<'_>,
+    start: usize,
+) -> Result<&'b Program, BenchError> {
+    let grid = bench.tasks[entry.task].starts[start].grid();
+    entry
+        .programs
+        .get(&grid)
+        .ok_or_else(|| BenchError::NoProgram {
+            place: place(bench, entry, start),
+            grid,
+        })
+}
+
+/// Entry, start and repetition of a rollout.
+pub(super) type Which = (usize, usize, u32);
+
+/// Lists the rollouts in the order of tables.
+fn rollouts(bench: &Bench<'_>) -> Vec<Which> {
+    let entries = bench.entries.iter().enumerate();
+    let all = entries.flat_map(|(number, entry)| {
+        let starts = 0..bench.tasks[entry.task].starts.len();
+        starts.flat_map(move |start| (0..entry.repeats).map(move |repeat| (number, start, repeat)))
+    });
+    all.collect()
+}
+
+/// Returns the folder of a rollout, below the suite's.
+pub(super) fn folder_of(bench: &Bench<'_>, (entry, start, repetition): Which) -> PathBuf {
+    let entry = &bench.entries[entry];
+    let task = &bench.tasks[entry.task];
+    let name = format!("start-{:03}-{}", task.starts[start].number, repetition + 1);
+    bench
+        .out
+        .join(&task.name)
+        .join(&entry.method.name)
+        .join(name)
+}
+
+/// What came of one rollout.
+pub(super) enum Ended {
+    /// It has ended; was found so, or not.
+    Played(Box<Played>, bool),
+    /// It was cut off on an arm, and is not gone on with.
+    CutOff,
+    /// It was stopped, or not begun.
+    Stopped(Stop),
+}
+
+/// Finds or runs a rollout, and scores its last state.
+pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended, BenchError> {
+    let (number, start, repetition) = which;
+    let entry = &bench.entries[number];
+    let program = program_of(bench, entry, start)?;
+    let start_at = &laid[entry.task][start];
+    let folder = folder_of(bench, which);
+    let make_simulated = || (bench.make_world)(program);
+    let make_world = || match &bench.arm {
+        Some(arm) => (arm.make_world)(program, &folder),
+        None => make_simulated(),
+    };
+    let job = Job {
+        program,
+        start: start_at,
+        subgoals: &entry.subgoals,
+        examples: &entry.examples,
+        models: entry.models,
+        budget: bench.budget,
+        recorder: bench.recorder,
+        make_world: &make_world,
+        make_expert_world: &make_simulated,
+        cache: bench.cache,
+        interrupt: bench.interrupt,
+        horizon: bench.suite.horizons.last().copied(),
+        early_stop: entry.stops_early(&bench.suite.metrics),
+        operator: bench.operator,
+        repetition,
+    };
+    let about = about(bench, program).map_err(|error| at(&place(bench, entry, start), error))?;
+    let identity = identity(&job, about);
+    let is_on_arm = bench.arm.is_some();
+    let (record, was_found) = match record::find(&folder, &identity) {
+        // What a model could not be had for is tried again, unless an arm has moved the cloth since.
+        Found::Finished(record) if is_on_arm || record.outcome != Outcome::ModelFailed => {
+            (record, true)
+        }
+        Found::Other(why) => return Err(BenchError::Other { folder, why }),
+        Found::Unfinished if is_on_arm && on_arm::has_begun(&folder) => return Ok(Ended::CutOff),
+        Found::Finished(_) | Found::Unfinished => match run(&job, &folder, &identity)? {
+            Ok(record) => (record, false),
+            Err(stop) => return Ok(Ended::Stopped(stop)),
+        },
+    };
+    let distances_m = match experts::distances_m(bench, &job, &record) {
+        Ok(distances_m) => distances_m,
+        Err(WorldError::Interrupted) => return Ok(Ended::Stopped(Stop::Interrupted)),
+        Err(error) => return Err(at(&place(bench, entry, start), error)),
+    };
+    let played = Played {
+        entry: number,
+        start,
+        record,
+        distances_m,
+    };
+    Ok(Ended::Played(Box::new(played), was_found))
+}
+
+fn identity(job: &Job<'_>, about: About) -> Identity {
+    Identity {
+        program: job.program.hash(),
+        params: about.parameters,
+        code: about.code,
+        start: job.start.digest(),
+        models: [job.models.vision, job.models.text].map(described),
+        horizon: job.horizon(),
+        early_stop: job.early_stop,
+        repetition: job.repetition,
+    }
+}
+
+/// Runs a rollout into its folder, or goes on with one that was cut off; says why where it is stopped.
+fn run(
+    job: &Job<'_>,
+    folder: &Path,
+    identity: &Identity,
+) -> Result<Result<Record, Stop>, BenchError> {
+    if job.interrupt.is_raised() {
+        return Ok(Err(Stop::Interrupted));
+    }
+    let failed = |error: RunError| BenchError::Run {
+        place: folder.display().to_string(),
+        error,
+    };
+    let open = match folder.join(JOURNAL_FILE).is_file() {
+        true => RunFolder::reopen(folder),
+        false => RunFolder::create(folder),
+    };
+    let open = open.map_err(|error| failed(error.into()))?;
+    let report = match rollout::run(job, open, &mut |_| {}) {
+        // Nobody lays a cloth for a program that is asked to end.
+        Err(RunError::World(WorldError::Start { .. })) if job.interrupt.is_raised() => {
+            return Ok(Err(Stop::Interrupted));
+        }
+        done => done.map_err(failed)?,
+    };
+    match report.outcome {
+        Outcome::Interrupted => return Ok(Err(Stop::Interrupted)),
+        Outcome::BudgetExhausted => return Ok(Err(Stop::Capped)),
+        _ => {}
+    }
+    let hopeless = [Fault::NotAuthorised, Fault::QuotaExhausted].map(Fault::name);
+    let named = hopeless
+        .into_iter()
+        .find(|fault| report.faults.contains_key(*fault));
+    if let (Outcome::ModelFailed, Some(fault)) = (report.outcome, named) {
+        return Err(BenchError::Refused {
+            folder: folder.to_owned(),
+            fault,
+        });
+    }
+    match record::find(folder, identity) {
+        Found::Finished(record) => Ok(Ok(record)),
+        Found::Other(why) => Err(BenchError::Other {
+            folder: folder.to_owned(),
+            why,
+        }),
+        Found::Unfinished => Ok(Err(Stop::Interrupted)),
+    }
+}

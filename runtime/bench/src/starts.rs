@@ -1,0 +1,301 @@
+//! Where the cloths of a suite lie at first.
+//!
+//! In: a suite's [`Starts`] and a task's cloth, or a folder of recorded positions. Out: [`StartPoint`]s in a fixed
+//! order, which [`StartPoint::lay`] turns into positions. Generated ones are the same on every machine.
+
+use super::suite::Starts;
+use fab_base::cache::Cache;
+use fab_base::files;
+use fab_base::interrupt::Interrupt;
+use fab_program::{Cloth, ClothStart};
+use fab_world::crumple;
+use fab_world::start::{Start, StartError};
+use fab_world::{World, WorldError};
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The largest manifest that is read.
+const MAX_BYTES: u64 = 64 << 20;
+/// The most starts of one folder.
+const MOST: usize = 1000;
+
+/// How far a flat cloth that stands for one laid by hand is turned more than the one before: about as a person sees to lay it.
+const ASKEW_DEG: f64 = 2.0;
+
+/// A start that is not laid yet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StartPoint {
+    /// Its number in the suite or the recorded data.
+    pub number: u64,
+    /// The cloth, with its own size.
+    pub cloth: Cloth,
+    lie: Lie,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Lie {
+    Turned { deg: f64 },
+    Crumpled { seed: u64 },
+    Recorded(Start),
+    ByHand { number: u32 },
+}
+
+/// Why a folder of recorded starts cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordedError {
+    /// The folder or its manifest cannot be read.
+    #[error("the recorded starts `{path}` cannot be used: {why}")]
+    Folder {
+        /// The folder or the manifest.
+        path: PathBuf,
+        /// What is wrong, and what would be right.
+        why: String,
+    },
+    /// A file of positions cannot be used.
+    #[error(transparent)]
+    Start(#[from] StartError),
+}
+
+/// Returns the generated starts of a task's cloth.
+pub fn generated(starts: &Starts, cloth: &Cloth) -> Vec<StartPoint> {
+    match starts {
+        Starts::Flat { sides, turns_deg } => {
+            let both = sides
+                .iter()
+                .flat_map(|side| turns_deg.iter().map(move |deg| (*side, *deg)));
+            let points = both.enumerate().map(|(number, (dimx, deg))| StartPoint {
+                number: number as u64,
+                cloth: Cloth {
+                    dimx,
+                    // Rounded down, as the paper's rectangles are: int(0.8 n) for a task of 55 by 44.
+                    dimy: (dimx * cloth.dimy / cloth.dimx).max(2),
+                    ..cloth.clone()
+                },
+                lie: Lie::Turned { deg },
+            });
+            points.collect()
+        }
+        Starts::Crumpled {
+            sides,
+            count,
+            first_seed,
+        } => {
+            let points = (0..*count as usize).map(|number| StartPoint {
+                number: number as u64,
+                cloth: Cloth {
+                    dimx: sides[number % sides.len()],
+                    dimy: sides[number / sides.len() % sides.len()],
+                    ..cloth.clone()
+                },
+                lie: Lie::Crumpled {
+                    seed: first_seed + number as u64,
+                },
+            });
+            points.collect()
+        }
+        Starts::Operator { count } => {
+            let points = (0..*count).map(|number| StartPoint {
+                number: u64::from(number),
+                cloth: cloth.clone(),
+                lie: Lie::ByHand { number },
+            });
+            points.collect()
+        }
+    }
+}
+
+/// Reads the recorded starts of a folder that are for a task; none where its manifest lists other tasks alone.
+///
+/// A `manifest.json` in the folder lists them, its paths beginning at the folder above: `entries` with `task`,
+/// `id` and `dir` (the start is `init_pos.npy` there), or `states` with `index` and `pos`. Without a manifest, every
+/// `.npy` file of the folder is one, in the order of names, with its description beside it.
+pub fn recorded(folder: &Path, task: &str) -> Result<Vec<StartPoint>, RecordedError> {
+    let wrong = |path: &Path, why: String| RecordedError::Folder {
+        path: path.to_owned(),
+        why,
+    };
+    let manifest = folder.join("manifest.json");
+    let files = if manifest.is_file() {
+        let bytes = files::read(&manifest, MAX_BYTES).map_err(|why| wrong(&manifest, why))?;
+        let value: Value =
+            serde_json::from_slice(&bytes).map_err(|error| wrong(&manifest, error.to_string()))?;
+        listed(&value, task)
+            .and_then(|listed| below(folder, listed))
+            .map_err(|why| wrong(&manifest, why))?
+    } else {
+        let files = positions_in(folder).map_err(|why| wrong(folder, why))?;
+        (0..).zip(files).collect()
+    };
+    if files.len() > MOST {
+        let why = format!(
+            "it holds {} starts of `{task}`, more than {MOST}",
+            files.len()
+        );
+        return Err(wrong(folder, why));
+    }
+    let points = files.into_iter().map(|(number, file)| {
+        let start = Start::load(&file, None)?;
+        Ok(StartPoint {
+            number,
+            cloth: Cloth {
+                dimx: start.grid.dimx,
+                dimy: start.grid.dimy,
+                spacing_m: start.grid.spacing_m,
+                start: ClothStart::Flat,
+            },
+            lie: Lie::Recorded(start),
+        })
+    });
+    points.collect()
+}
+
+/// Returns number and path of each start that a manifest lists for a task.
+fn listed(manifest: &Value, task: &str) -> Result<Vec<(u64, PathBuf)>, String> {
+    let (key, number, path) = match (
+        manifest["entries"].is_array(),
+        manifest["states"].is_array(),
+    ) {
+        (true, _) => ("entries", "id", "dir"),
+        (false, true) => ("states", "index", "pos"),
+        _ => return Err("it has neither `entries` nor `states`".to_owned()),
+    };
+    let all = manifest[key].as_array().map_or(&[][..], Vec::as_slice);
+    if all.is_empty() {
+        return Err(format!(
+            "its `{key}` are empty; right would be at least one start"
+        ));
+    }
+    let mut found = Vec::new();
+    for (at, entry) in all.iter().enumerate() {
+        let (Some(number), Some(file)) = (entry[number].as_u64(), entry[path].as_str()) else {
+            return Err(format!(
+                "`{key}` {at} (counted from 0) lacks `{number}` or `{path}`"
+            ));
+        };
+        if key == "states" {
+            found.push((number, PathBuf::from(file)));
+        } else if entry["task"]
+            .as_str()
+            .is_some_and(|name| snake_case(name) == task)
+        {
+            found.push((number, Path::new(file).join("init_pos.npy")));
+        }
+    }
+    Ok(found)
+}
+
+/// Finds listed files at their real places, which must be below the folder.
+fn below(folder: &Path, files: Vec<(u64, PathBuf)>) -> Result<Vec<(u64, PathBuf)>, String> {
+    let real = fs::canonicalize(folder).map_err(|error| error.to_string())?;
+    let above = real.parent().unwrap_or(&real);
+    let found = files.into_iter().map(|(number, file)| {
+        let path = fs::canonicalize(above.join(&file))
+            .map_err(|error| format!("cannot find `{}`: {error}", file.display()))?;
+        match path.starts_with(&real) {
+            true => Ok((number, path)),
+            false => Err(format!("`{}` leads out of the folder", file.display())),
+        }
+    });
+    found.collect()
+}
+
+fn positions_in(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let entries = fs::read_dir(folder).map_err(|error| error.to_string())?;
+    let mut files = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(|error| error.to_string())?.path();
+        if path.extension().is_some_and(|ending| ending == "npy") {
+            files.push(path);
+        }
+    }
+    if files.is_empty() {
+        return Err(
+            "it has no manifest.json and no .npy file; right would be a folder of recorded starts, or of those that `fabc sim crumple -o` writes"
+                .to_owned(),
+        );
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// Writes `DoubleStraight`, as recorded data names a task, like the task: `double_straight`.
+fn snake_case(name: &str) -> String {
+    let mut text = String::new();
+    for letter in name.chars() {
+        if letter.is_ascii_uppercase() && !text.is_empty() {
+            text.push('_');
+        }
+        text.push(letter.to_ascii_lowercase());
+    }
+    text
+}
+
+impl StartPoint {
+    /// Returns the particles along both sides.
+    pub fn grid(&self) -> [u32; 2] {
+        [self.cloth.dimx, self.cloth.dimy]
+    }
+
+    /// Says how a person is to lay the cloth.
+    pub fn in_words(&self) -> String {
+        let of_task = |number: &u32| match self.cloth.start {
+            ClothStart::Crumpled => format!("crumpled by hand, {}", number + 1),
+            _ => format!("flat, {}", number + 1),
+        };
+        match &self.lie {
+            Lie::Turned { deg } => format!("flat, turned by {deg:.0} degrees"),
+            Lie::Crumpled { .. } => format!("crumpled by hand, {}", self.number + 1),
+            Lie::Recorded(start) => format!("as `{}` was recorded", start.name),
+            Lie::ByHand { number } => of_task(number),
+        }
+    }
+
+    /// Lays the cloth; a crumpled one comes from the cache or is crumpled in `world`.
+    ///
+    /// One that a person lays is crumpled there too, where the world can do that; where it cannot, its positions are those of
+    /// the flat cloth and mean nothing, and the world has the person lay it.
+    pub fn lay(
+        &self,
+        world: &dyn World,
+        cache: &Cache,
+        interrupt: &Interrupt,
+    ) -> Result<Start, WorldError> {
+        match &self.lie {
+            Lie::Turned { deg } => Ok(Start::turned_by(&self.cloth, deg.to_radians())),
+            Lie::Recorded(start) => Ok(start.clone()),
+            Lie::Crumpled { seed } => self.crumpled(*seed, world, cache, interrupt),
+            Lie::ByHand { number } => {
+                let seed = u64::from(*number);
+                let laid = match self.cloth.start {
+                    ClothStart::Crumpled => self.crumpled(seed, world, cache, interrupt),
+                    _ => Ok(Start::turned_by(
+                        &self.cloth,
+                        (ASKEW_DEG * f64::from(*number)).to_radians(),
+                    )),
+                };
+                let start = match laid {
+                    Err(WorldError::CannotCrumple { .. }) => Start::flat(&self.cloth),
+                    laid => laid?,
+                };
+                Ok(Start {
+                    name: format!("laid by hand, {}", number + 1),
+                    seed: Some(seed),
+                    ..start
+                })
+            }
+        }
+    }
+
+    fn crumpled(
+        &self,
+        seed: u64,
+        world: &dyn World,
+        cache: &Cache,
+        interrupt: &Interrupt,
+    ) -> Result<Start, WorldError> {
+        let flat = Start::flat(&self.cloth);
+        crumple::start(&flat, seed, world, cache, interrupt, &mut || {})
+            .map(|crumpled| crumpled.start)
+    }
+}

@@ -1,0 +1,341 @@
+//! Rows as tables: aligned text for a terminal, Markdown, CSV.
+//!
+//! In: [`Row`]s. Out: text. Tables for people have a line per method and number of actions, and a column per
+//! measure; CSV has a line per row. Every table ends with what its figures are and are not.
+
+use super::metric::Metric;
+use super::rows::Row;
+use super::statistics::Statistic;
+use super::suite::Suite;
+use fab_agent::rollout::CoverageSource;
+use std::collections::BTreeMap;
+
+/// Stands under every table that quotes somebody.
+const COMPARISON: &str = "Quoted rows are others' figures and stand for themselves. Ours come from our simulator and our experts, theirs from PyFleX: this is a comparison and not a ranking.";
+
+/// Writes the tables for a terminal.
+pub fn text(suite: &Suite, rows: &[Row]) -> String {
+    let mut blocks = Vec::new();
+    for (task, table) in tables(suite, rows) {
+        blocks.push(format!("{task}\n{}", aligned(&table)));
+    }
+    blocks.push(captions(suite, rows).join("\n"));
+    blocks.join("\n\n")
+}
+
+/// Writes the tables as Markdown.
+pub fn markdown(title: &str, suite: &Suite, rows: &[Row]) -> String {
+    let mut blocks = vec![format!("# {title}"), suite.about.clone()];
+    for (task, table) in tables(suite, rows) {
+        blocks.push(format!("## {task}"));
+        blocks.push(piped(&table));
+    }
+    blocks.extend(captions(suite, rows));
+    blocks.join("\n\n") + "\n"
+}
+
+/// Writes every row as a line of comma-separated values (RFC 4180), below a line of names.
+pub fn csv(rows: &[Row]) -> String {
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let mut lines = vec![
+        "task,method,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note,causes"
+            .to_owned(),
+    ];
+    for row in rows {
+        let count = |value: Option<usize>| value.map_or(String::new(), |value| value.to_string());
+        let cells = [
+            row.task.clone(),
+            row.method.clone(),
+            row.model.clone().unwrap_or_default(),
+            row.metric.as_str().to_owned(),
+            count(row.horizon.map(|it| it as usize)),
+            count(row.n),
+            count(row.repeats.map(|it| it as usize)),
+            row.statistic.clone(),
+            row.value.to_string(),
+            number(row.spread),
+            number(row.ci95.map(|[low, _]| low)),
+            number(row.ci95.map(|[_, high]| high)),
+            row.quoted.to_string(),
+            row.source.clone().unwrap_or_default(),
+            count(row.data_size),
+            number(row.queries),
+            number(row.s_per_action),
+            number(row.planning_s),
+            number(row.cost),
+            counted(&row.outcomes),
+            row.note.clone().unwrap_or_default(),
+            counted(&row.causes),
+        ];
+        lines.push(cells.map(|cell| escaped(&cell)).join(","));
+    }
+    lines.join("\r\n") + "\r\n"
+}
+
+fn escaped(cell: &str) -> String {
+    if cell.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell.to_owned()
+    }
+}
+
+/// A table, its head first.
+type Lines = Vec<Vec<String>>;
+
+/// Returns two tables for each task: the figures, and what they took.
+fn tables(suite: &Suite, rows: &[Row]) -> Vec<(String, Lines)> {
+    let mut tasks: Vec<&str> = rows.iter().map(|row| row.task.as_str()).collect();
+    tasks.dedup();
+    let mut tables = Vec::new();
+    for task in tasks {
+        let lines = lines(rows.iter().filter(|row| row.task == task));
+        tables.push((task.to_owned(), figures(suite, &lines)));
+        tables.push((format!("{task}: what it took"), effort(&lines)));
+    }
+    tables
+}
+
+/// Groups rows by what stands on one line of a table: a method and a number of actions.
+fn lines<'r>(rows: impl Iterator<Item = &'r Row>) -> Vec<Vec<&'r Row>> {
+    let mut lines: Vec<Vec<&Row>> = Vec::new();
+    for row in rows {
+        let key = |row: &Row| (row.method.clone(), row.horizon, row.quoted);
+        let same = lines.iter_mut().find(|line| key(line[0]) == key(row));
+        match same {
+            Some(line) => line.push(row),
+            None => lines.push(vec![row]),
+        }
+    }
+    lines
+}
+
+fn figures(suite: &Suite, lines: &[Vec<&Row>]) -> Lines {
+    let there = |metric: &&Metric| lines.iter().flatten().any(|row| row.metric == **metric);
+    let metrics: Vec<Metric> = suite.metrics.iter().filter(there).copied().collect();
+    let mut head: Vec<String> = ["method", "model", "actions", "starts"]
+        .map(str::to_owned)
+        .to_vec();
+    head.extend(metrics.iter().map(|metric| metric.heading().to_owned()));
+    let mut table = vec![head];
+    for line in lines {
+        let mut cells = names(line[0]);
+        for metric in &metrics {
+            let row = line.iter().find(|row| row.metric == *metric);
+            cells.push(row.map_or(String::new(), |row| figure(row)));
+        }
+        table.push(cells);
+    }
+    table
+}
+
+/// Says what the rollouts of each line took, and how they ended.
+fn effort(lines: &[Vec<&Row>]) -> Lines {
+    let head = [
+        "method",
+        "model",
+        "actions",
+        "starts",
+        "examples",
+        "queries/action",
+        "s/action",
+        "planning, ms",
+        "cost/action",
+        "ended",
+    ];
+    let mut table = vec![head.map(str::to_owned).to_vec()];
+    let has_causes = lines.iter().any(|line| !line[0].causes.is_empty());
+    if has_causes {
+        table[0].push("not reached for".to_owned());
+    }
+    let number = |value: Option<f64>, digits: usize| {
+        value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
+    };
+    // Differences and others' figures took nothing here.
+    for row in lines
+        .iter()
+        .map(|line| line[0])
+        .filter(|row| !row.outcomes.is_empty())
+    {
+        let mut cells = names(row);
+        cells.extend([
+            row.data_size.map_or(String::new(), |size| size.to_string()),
+            number(row.queries, 2),
+            number(row.s_per_action, 2),
+            number(row.planning_s.map(|seconds| seconds * 1000.0), 0),
+            number(row.cost, 2),
+            counted(&row.outcomes),
+        ]);
+        if has_causes {
+            cells.push(counted(&row.causes));
+        }
+        table.push(cells);
+    }
+    table
+}
+
+/// Writes the first cells of a line: method, model, actions, starts.
+fn names(row: &Row) -> Vec<String> {
+    let stand_in = if row.model_is_stand_in {
+        " (stand-in)"
+    } else {
+        ""
+    };
+    let model = row.model.as_ref().map(|model| format!("{model}{stand_in}"));
+    let starts = row.n.map(|n| match row.repeats {
+        Some(repeats) if repeats > 1 => format!("{n} x {repeats}"),
+        _ => n.to_string(),
+    });
+    vec![
+        match row.quoted {
+            true => format!("quoted: {}", row.method),
+            false => row.method.clone(),
+        },
+        model.unwrap_or_default(),
+        row.horizon
+            .map_or(String::new(), |horizon| horizon.to_string()),
+        starts.unwrap_or_default(),
+    ]
+}
+
+/// Writes a figure with its spread and interval.
+fn figure(row: &Row) -> String {
+    let digits = row.metric.digits();
+    let mut text = format!("{:.digits$}", row.value);
+    if row.statistic.starts_with("difference") {
+        text = format!("{:+.digits$}", row.value);
+    }
+    if let Some(spread) = row.spread {
+        text.push_str(&format!(" ± {spread:.digits$}"));
+    }
+    if let Some([low, high]) = row.ci95 {
+        text.push_str(&format!(" [{low:.digits$}, {high:.digits$}]"));
+    }
+    text
+}
+
+fn counted(counts: &BTreeMap<&'static str, usize>) -> String {
+    let counts = counts.iter().map(|(name, count)| format!("{count} {name}"));
+    counts.collect::<Vec<_>>().join(", ")
+}
+
+fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
+    let mut lines = Vec::new();
+    if !suite.note.is_empty() {
+        lines.push(suite.note.trim().to_owned());
+    }
+    for row in rows {
+        if let Some(note) = &row.note {
+            let line = format!(
+                "{} with {}: {note}.",
+                row.method,
+                row.model.as_deref().unwrap_or("no model")
+            );
+            if !lines.contains(&line) {
+                lines.push(line);
+            }
+        }
+    }
+    lines.push(match suite.statistic {
+        Statistic::Median => "Figures: median over all rollouts ± the larger of the distances from the median to the quartiles [95 % bootstrap interval over starts].",
+        Statistic::Mean | Statistic::Share => "Figures: mean over starts, the repeats of a start averaged first, ± standard deviation over starts [95 % bootstrap interval over starts].",
+    }.to_owned());
+    if rows.iter().any(|row| row.metric == Metric::GoalReached) {
+        lines.push(
+            "Goal reached: share of rollouts [Wilson's 95 % interval over starts].".to_owned(),
+        );
+    }
+    let others = |row: &&Row| row.metric.is_share() && row.metric != Metric::GoalReached;
+    if rows.iter().any(|row| others(&row)) {
+        lines.push("Reached by the operator, and covering 0.85 of the flat cloth's area in the end: shares of the rollouts for which that is known [Wilson's 95 % interval].".to_owned());
+    }
+    if rows.iter().any(|row| row.quoted && row.ci95.is_some()) {
+        lines.push(
+            "Intervals of quoted shares are Wilson's, computed here from the quoted counts."
+                .to_owned(),
+        );
+    }
+    if rows
+        .iter()
+        .any(|row| row.metric.source() == Some(CoverageSource::Picture))
+    {
+        lines.push("By pictures: the cloth's pixels over those of the flat cloth under the same camera, which is not SoftGym's measure nor the true area.".to_owned());
+    }
+    if rows
+        .iter()
+        .any(|row| row.statistic.starts_with("difference"))
+    {
+        lines.push("Lines with a sign are differences between two methods from the same starts [95 % paired bootstrap interval].".to_owned());
+    }
+    if rows
+        .iter()
+        .any(|row| row.metric == Metric::NormalizedImprovementSource)
+    {
+        lines.push("NI is the normalized improvement: by SoftGym's grid (source, the paper's numbers, which decide the stop), and by the area that is truly covered (true). With the stop, a rollout counts as it lay when it first met its goal.".to_owned());
+    }
+    lines.push(
+        "A rollout that ends early is not left out: the cloth is measured as it lay last."
+            .to_owned(),
+    );
+    if rows.iter().any(|row| row.model_is_stand_in) {
+        lines.push("Figures of a stand-in say that the pipeline works, and nothing of any vision-language model.".to_owned());
+    }
+    if rows.iter().any(|row| !row.quoted && row.repeats == Some(1)) {
+        lines.push("One rollout per start where `starts` names no repeats: a model that does not vary would only repeat itself.".to_owned());
+    }
+    for source in sources(rows) {
+        lines.push(format!("Quoted from: {source}."));
+    }
+    if rows.iter().any(|row| row.quoted) {
+        lines.push(COMPARISON.to_owned());
+    }
+    lines
+}
+
+fn sources(rows: &[Row]) -> Vec<&str> {
+    let mut sources: Vec<&str> = rows
+        .iter()
+        .filter_map(|row| row.source.as_deref())
+        .collect();
+    sources.sort_unstable();
+    sources.dedup();
+    sources
+}
+
+fn widths(table: &[Vec<String>]) -> Vec<usize> {
+    let columns = table.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |column: usize| {
+        let cells = table.iter().filter_map(move |line| line.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    (0..columns).map(width).collect()
+}
+
+fn aligned(table: &[Vec<String>]) -> String {
+    let widths = widths(table);
+    let lines = table.iter().map(|line| {
+        let cells = line.iter().zip(&widths).filter(|(_, width)| **width > 0);
+        let padded = cells.map(|(cell, width)| format!("{cell:<width$}"));
+        format!("  {}", padded.collect::<Vec<_>>().join("  "))
+            .trim_end()
+            .to_owned()
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+fn piped(table: &[Vec<String>]) -> String {
+    let line = |cells: &[String]| {
+        format!(
+            "| {} |",
+            cells
+                .iter()
+                .map(|cell| cell.replace('|', "\\|"))
+                .collect::<Vec<_>>()
+                .join(" | ")
+        )
+    };
+    let mut lines: Vec<String> = table.iter().map(|cells| line(cells)).collect();
+    let columns = table.first().map_or(0, Vec::len);
+    lines.insert(1.min(lines.len()), format!("|{}", "---|".repeat(columns)));
+    lines.join("\n")
+}

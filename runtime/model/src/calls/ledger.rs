@@ -1,0 +1,285 @@
+//! The calls of one rollout on disk: each before it is sent, and what came of it.
+//!
+//! In: a run folder. Out: `calls.jsonl`, one synced line per beginning and end, and the answers that it holds, so that
+//! none is ever bought twice. A call without an end was sent perhaps, and counts as possibly billed. A rollout
+//! that sends nothing leaves no such file.
+
+use super::budget::{Budget, Spent};
+use super::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usd};
+use crate::Reply;
+use fab_base::jsonl::{Appender, Reader};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Name of the ledger in a run folder.
+pub const LEDGER_FILE: &str = "calls.jsonl";
+
+/// The largest ledger that is read.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// A line of the ledger.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Line {
+    /// A call is about to be sent.
+    Begin {
+        call: u64,
+        model: String,
+        key: String,
+        #[serde(rename = "try")]
+        number: u32,
+        at_most: Option<Usd>,
+    },
+    /// It was answered.
+    Answered { call: u64, reply: Reply },
+    /// It was not.
+    Failed {
+        call: u64,
+        fault: Fault,
+        why: String,
+        billing: Billing,
+        cost: Option<Usd>,
+    },
+    /// A question was answered without a call, from a cache or a recording.
+    Kept { key: String, reply: Reply },
+}
+
+/// What a ledger holds.
+#[derive(Clone, Debug, Default)]
+pub struct Noted {
+    /// Answers by the key of their question.
+    pub answered: BTreeMap<String, Reply>,
+    /// What the calls came to.
+    pub spent: Spent,
+    /// Failed calls by what went wrong.
+    pub faults: BTreeMap<Fault, u32>,
+    /// Calls so far.
+    calls: u64,
+    /// Bytes up to the end of the last whole line.
+    whole_bytes: u64,
+}
+
+/// Reads the ledger of a run folder; an absent one holds nothing.
+///
+/// Fails where it cannot be read, or holds a whole line that is none of a ledger's.
+pub fn read(folder: &Path) -> Result<Noted, LedgerError> {
+    let path = folder.join(LEDGER_FILE);
+    let unreadable = |why: String| LedgerError {
+        path: path.clone(),
+        why,
+    };
+    let mut noted = Noted::default();
+    if !path.exists() {
+        return Ok(noted);
+    }
+    let mut lines = Reader::open(&path, MAX_BYTES).map_err(unreadable)?;
+    let mut open: BTreeMap<u64, (String, Option<Usd>)> = BTreeMap::new();
+    while let Some(line) = lines.read().map_err(unreadable)? {
+        noted.take(line, &mut open);
+    }
+    noted.whole_bytes = lines.whole_bytes();
+    for (_, at_most) in open.into_values() {
+        noted.spent.count(at_most, &unresolved());
+    }
+    Ok(noted)
+}
+
+fn unresolved() -> CallEnd<'static> {
+    CallEnd::Failed {
+        fault: Fault::ConnectionCut,
+        why: "",
+        billing: Billing::Possibly,
+        cost: None,
+    }
+}
+
+impl Noted {
+    fn take(&mut self, line: Line, open: &mut BTreeMap<u64, (String, Option<Usd>)>) {
+        match line {
+            Line::Begin {
+                call, key, at_most, ..
+            } => {
+                self.calls = self.calls.max(call);
+                open.insert(call, (key, at_most));
+            }
+            Line::Answered { call, reply } => {
+                let Some((key, at_most)) = open.remove(&call) else {
+                    return;
+                };
+                self.spent.count(at_most, &CallEnd::Answered(&reply));
+                self.answered.insert(key, reply);
+            }
+            Line::Failed {
+                call,
+                fault,
+                why,
+                billing,
+                cost,
+            } => {
+                let at_most = open.remove(&call).and_then(|(_, at_most)| at_most);
+                let why = why.as_str();
+                let end = CallEnd::Failed {
+                    fault,
+                    why,
+                    billing,
+                    cost,
+                };
+                self.spent.count(at_most, &end);
+                *self.faults.entry(fault).or_default() += 1;
+            }
+            Line::Kept { key, reply } => {
+                self.answered.insert(key, reply);
+            }
+        }
+    }
+}
+
+/// Why a ledger cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cannot use the ledger of calls `{}`: {why}", path.display())]
+pub struct LedgerError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong.
+    pub why: String,
+}
+
+/// The ledger of a rollout under way.
+#[derive(Debug)]
+pub struct Ledger<'b> {
+    path: PathBuf,
+    file: Option<Appender>,
+    budget: &'b Budget,
+    noted: Noted,
+    /// The call under way: its number, its question, and what was set aside for it.
+    open: Option<(u64, String, Option<Usd>)>,
+}
+
+impl<'b> Ledger<'b> {
+    /// Opens the ledger of a run folder, which may hold calls of an earlier part of the same rollout.
+    ///
+    /// - `budget`: counts those earlier calls already.
+    pub fn open(folder: &Path, budget: &'b Budget) -> Result<Ledger<'b>, LedgerError> {
+        Ok(Ledger {
+            path: folder.join(LEDGER_FILE),
+            file: None,
+            budget,
+            noted: read(folder)?,
+            open: None,
+        })
+    }
+
+    /// Returns the answer that a question got already.
+    pub fn answered(&self, key: &str) -> Option<&Reply> {
+        self.noted.answered.get(key)
+    }
+
+    /// Returns what the rollout's calls came to.
+    pub fn spent(&self) -> Spent {
+        self.noted.spent
+    }
+
+    /// Returns how many calls failed, by what went wrong.
+    pub fn faults(&self) -> &BTreeMap<Fault, u32> {
+        &self.noted.faults
+    }
+
+    /// Keeps an answer that cost no call, so that the rest of the rollout stays the same whatever becomes of its source.
+    pub fn keep(&mut self, key: &str, reply: &Reply) -> Result<(), CallRefused> {
+        if self.noted.answered.contains_key(key) {
+            return Ok(());
+        }
+        self.write(&Line::Kept {
+            key: key.to_owned(),
+            reply: reply.clone(),
+        })?;
+        self.noted.answered.insert(key.to_owned(), reply.clone());
+        Ok(())
+    }
+
+    fn write(&mut self, line: &Line) -> Result<(), CallRefused> {
+        let written = self.append(line);
+        written.map_err(|error| {
+            CallRefused::NotNoted(format!("cannot write `{}`: {error}", self.path.display()))
+        })
+    }
+
+    fn append(&mut self, line: &Line) -> std::io::Result<()> {
+        let file = match &mut self.file {
+            Some(file) => file,
+            absent => {
+                let mut file = Appender::open(&self.path)?;
+                file.keep(self.noted.whole_bytes);
+                absent.insert(file)
+            }
+        };
+        file.append(line)
+    }
+}
+
+impl Calls for Ledger<'_> {
+    fn begin(&mut self, call: &Call<'_>) -> Result<(), CallRefused> {
+        self.budget.reserve(call.at_most)?;
+        let number = self.noted.calls + 1;
+        let begun = self.write(&Line::Begin {
+            call: number,
+            model: call.model.to_owned(),
+            key: call.key.to_owned(),
+            number: call.number,
+            at_most: call.at_most,
+        });
+        if begun.is_err() {
+            let unsent = CallEnd::Failed {
+                fault: Fault::Unreachable,
+                why: "",
+                billing: Billing::No,
+                cost: None,
+            };
+            self.budget.settle(call.at_most, &unsent);
+            return begun;
+        }
+        self.noted.calls = number;
+        self.open = Some((number, call.key.to_owned(), call.at_most));
+        Ok(())
+    }
+
+    fn end(&mut self, end: &CallEnd<'_>) -> Result<(), CallRefused> {
+        let Some((call, key, at_most)) = self.open.take() else {
+            return Ok(());
+        };
+        self.budget.settle(at_most, end);
+        self.noted.spent.count(at_most, end);
+        let line = match *end {
+            CallEnd::Answered(reply) => {
+                self.noted.answered.insert(key, reply.clone());
+                Line::Answered {
+                    call,
+                    reply: reply.clone(),
+                }
+            }
+            CallEnd::Failed {
+                fault,
+                why,
+                billing,
+                cost,
+            } => {
+                *self.noted.faults.entry(fault).or_default() += 1;
+                Line::Failed {
+                    call,
+                    fault,
+                    why: why.to_owned(),
+                    billing,
+                    cost,
+                }
+            }
+        };
+        self.append(&line).map_err(|error| {
+            CallRefused::NotKept(format!("cannot write `{}`: {error}", self.path.display()))
+        })
+    }
+}
+
+#[cfg(test)]
+#[path = "ledger/tests.rs"]
+mod tests;

@@ -1,0 +1,286 @@
+//! Models that answer prompts, behind one trait.
+//!
+//! In: a [`Request`], complete in itself: a model gets nothing else, neither the task's name nor the
+//! simulator's state. Out: a [`Reply`]. Reading the answer is `fab_program::reply`, judging it
+//! `fab_program::verify`, asking again `fab_agent::agent`.
+
+pub mod calls;
+pub mod lowering;
+pub mod recording;
+
+use crate::calls::{CallRefused, Calls, Fault, Usage, Usd};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::sync::Arc;
+
+pub use fab_program::ModelRole;
+pub use lowering::Lowering;
+
+/// Answers one request at a time.
+///
+/// Every implementation passes the conformance suite in `tests/suite/model_conformance.rs`.
+pub trait Model: Send + Sync {
+    /// Returns the name that reports and journals print, e.g. `geometric`.
+    fn name(&self) -> &str;
+
+    /// Returns what stands behind the name.
+    fn nature(&self) -> Nature;
+
+    /// Returns whether equal questions may be answered otherwise at another [`Request::repetition`].
+    ///
+    /// A suite repeats the rollouts of such a model, and runs others once.
+    fn varies(&self) -> bool {
+        true
+    }
+
+    /// Returns how the model is told of places in a picture, and in which size it gets pictures.
+    ///
+    /// One that passes questions on to another model passes on that model's lowering too.
+    fn lowering(&self) -> Lowering {
+        Lowering::PIXELS
+    }
+
+    /// Returns which settings are left out although a stage states them.
+    fn omits(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
+
+    /// Answers a request.
+    ///
+    /// Tells `calls` of everything that it sends for the answer. Fails where no answer could be had; an unhelpful
+    /// answer is a [`Reply`] like any other.
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError>;
+}
+
+/// Describes a model in journals: its name, what stands behind it, and how it is told of places in pictures.
+pub fn described(model: &dyn Model) -> serde_json::Value {
+    serde_json::json!({
+        "name": model.name(),
+        "nature": model.nature(),
+        "lowering": model.lowering(),
+        "omits": model.omits(),
+    })
+}
+
+/// Which model answers which role.
+#[derive(Clone, Copy)]
+pub struct Models<'a> {
+    /// Answers stages that show pictures.
+    pub vision: &'a dyn Model,
+    /// Answers stages of words alone.
+    pub text: &'a dyn Model,
+}
+
+impl<'a> Models<'a> {
+    /// Returns the model for a role.
+    pub fn of(&self, role: ModelRole) -> &'a dyn Model {
+        match role {
+            ModelRole::Vision => self.vision,
+            ModelRole::Text => self.text,
+        }
+    }
+
+    /// Returns the name for reports; both names where the roles differ.
+    pub fn name(&self) -> String {
+        match self.vision.name() == self.text.name() {
+            true => self.vision.name().to_owned(),
+            false => format!("{}, {}", self.vision.name(), self.text.name()),
+        }
+    }
+
+    /// Returns what stands behind them: a stand-in where one of them is one.
+    pub fn nature(&self) -> Nature {
+        match [self.vision.nature(), self.text.nature()].contains(&Nature::StandIn) {
+            true => Nature::StandIn,
+            false => Nature::Model,
+        }
+    }
+
+    /// Returns whether equal questions may be answered otherwise at another repetition.
+    pub fn varies(&self) -> bool {
+        self.vision.varies() || self.text.varies()
+    }
+}
+
+/// What stands behind a model's name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Nature {
+    /// An embedded program in a model's place; results say so.
+    StandIn,
+    /// A vision-language model.
+    Model,
+}
+
+/// Everything that is sent for one answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Request {
+    /// Which kind of model is asked.
+    pub role: ModelRole,
+    /// The conversation so far, oldest first.
+    pub messages: Vec<Message>,
+    /// Sampling temperature, where the task states one.
+    pub temperature: Option<f64>,
+    /// Nucleus sampling, where the task states it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub top_p: Option<f64>,
+    /// The longest answer, tokens, where the task states one.
+    pub max_tokens: Option<u32>,
+    /// Tells apart equal questions that want independent answers.
+    pub repetition: u32,
+    /// The action of the rollout that is asked for, from 1, so that a question that comes again later is another one.
+    pub step: u32,
+    /// The JSON Schema of the answer, with the values that the scene offers, where the stage reads the action.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub schema: Option<serde_json::Value>,
+}
+
+impl Request {
+    /// Makes the question of a first step, for once, with no setting stated and no schema.
+    pub fn new(role: ModelRole, messages: Vec<Message>) -> Request {
+        Request {
+            role,
+            messages,
+            temperature: None,
+            top_p: None,
+            max_tokens: None,
+            repetition: 0,
+            step: 1,
+            schema: None,
+        }
+    }
+
+    /// Returns the request's identity: SHA-256 over its JSON, in which an image stands as its own hash.
+    pub fn key(&self) -> String {
+        let bytes = serde_json::to_vec(self).expect("a request holds strings and finite numbers");
+        fab_base::digest::hex(&Sha256::digest(bytes))
+    }
+}
+
+/// One turn of the conversation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Message {
+    /// Who speaks.
+    pub speaker: Speaker,
+    /// Text and pictures, in order.
+    pub parts: Vec<Part>,
+}
+
+impl Message {
+    /// Makes a turn of text alone.
+    pub fn text(speaker: Speaker, text: impl Into<String>) -> Self {
+        Message {
+            speaker,
+            parts: vec![Part::Text(text.into())],
+        }
+    }
+}
+
+/// Who speaks in a conversation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Speaker {
+    /// The frame of the conversation.
+    System,
+    /// fabc.
+    User,
+    /// The model.
+    Assistant,
+}
+
+/// A piece of a turn.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// Words.
+    Text(String),
+    /// A picture.
+    Image(Png),
+}
+
+/// An encoded picture; in journals it stands as the hash of its bytes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Png {
+    bytes: Arc<[u8]>,
+    sha256: String,
+}
+
+impl Png {
+    /// Wraps the bytes of a PNG file.
+    pub fn new(bytes: Vec<u8>) -> Self {
+        let sha256 = fab_base::digest::hex(&Sha256::digest(&bytes));
+        Png {
+            bytes: bytes.into(),
+            sha256,
+        }
+    }
+
+    /// Returns the bytes of the PNG file.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Returns the SHA-256 of the bytes, hex.
+    pub fn sha256(&self) -> &str {
+        &self.sha256
+    }
+}
+
+impl Serialize for Png {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.sha256)
+    }
+}
+
+/// An answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reply {
+    /// What the model wrote.
+    pub text: String,
+    /// What the provider says that it used.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub usage: Option<Usage>,
+    /// What that cost, billionths of a US dollar, where the price is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cost: Option<Usd>,
+}
+
+impl Reply {
+    /// Makes an answer that used nothing: one that was not bought.
+    pub fn text(text: impl Into<String>) -> Reply {
+        Reply {
+            text: text.into(),
+            usage: None,
+            cost: None,
+        }
+    }
+}
+
+/// Why no answer could be had.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    /// The request cannot be answered by this model.
+    #[error("model `{model}` cannot answer this request: {why}")]
+    Unsupported {
+        /// The model's name.
+        model: String,
+        /// What is missing or wrong.
+        why: String,
+    },
+    /// Calls were made, and the last one failed as said.
+    #[error("model `{model}` gave no answer ({fault}): {why}")]
+    Failed {
+        /// The model's name.
+        model: String,
+        /// What went wrong last.
+        fault: Fault,
+        /// The same in words, and how often it was tried; without any key.
+        why: String,
+    },
+    /// A call was not sent.
+    #[error(transparent)]
+    NotSent(#[from] CallRefused),
+    /// The user stopped it.
+    #[error("interrupted")]
+    Interrupted,
+}

@@ -1,0 +1,220 @@
+//! How one model is told of places in a picture: its coordinates, and the size of the pictures that it works on.
+//!
+//! In: what is known of the model, as data. Out: the [`Pointing`] of prompts, schema and reader for a camera's
+//! picture, and pictures in the size that they are sent in. Converting a coordinate is `fab_program::pointing`; drawing
+//! numbers is `vision`.
+
+use super::{Model, ModelRole};
+use crate::Models;
+use fab_program::Program;
+use fab_program::pointing::{CoordinateUnit, Frame, Order, Pointing, PointingError};
+use fab_program::render;
+use image::RgbImage;
+use image::imageops::{self, FilterType};
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::fmt;
+use std::num::NonZeroU32;
+
+/// The longest side of a picture that is sent, pixels.
+const MAX_SENT_PX: u32 = 8192;
+
+/// How one model is told of places in a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lowering {
+    /// What stands for a point.
+    pub points: Points,
+    /// What coordinates count.
+    pub unit: CoordinateUnit,
+    /// Which comes first.
+    pub order: Order,
+    /// What becomes of a picture before it is sent.
+    pub resize: Resize,
+}
+
+/// What stands for a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Points {
+    /// Its coordinates.
+    Coordinates,
+    /// A number: the offered points are numbered in prompts and on pictures of the scene.
+    Marks,
+}
+
+/// What becomes of a picture before it is sent, so that the model works on the very pixels that were sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Resize {
+    /// Nothing.
+    Never,
+    /// It is shrunk, keeping its shape, until no side is longer; a smaller one stays.
+    Within {
+        /// The longest side, pixels.
+        side_px: NonZeroU32,
+    },
+    /// Each side goes to the nearest multiple, as Qwen2.5-VL does to every picture that it is sent.
+    Multiples {
+        /// Of which number of pixels.
+        of_px: NonZeroU32,
+    },
+}
+
+impl Lowering {
+    /// What tasks are written for: `(x, y)` in pixels of the camera's picture.
+    pub const PIXELS: Lowering = Lowering {
+        points: Points::Coordinates,
+        unit: CoordinateUnit::Pixels,
+        order: Order::Xy,
+        resize: Resize::Never,
+    };
+
+    /// Returns the size that a picture of this one is sent in; both `[width, height]`, pixels.
+    pub fn sent(&self, size: [u32; 2]) -> [u32; 2] {
+        let sides = match self.resize {
+            Resize::Never => return size,
+            Resize::Within { side_px } => {
+                let longest = size[0].max(size[1]).max(1);
+                if longest <= side_px.get() {
+                    return size;
+                }
+                let scale = f64::from(side_px.get()) / f64::from(longest);
+                size.map(|side| (f64::from(side) * scale).round() as u32)
+            }
+            Resize::Multiples { of_px } => {
+                let of = u64::from(of_px.get());
+                size.map(|side| {
+                    let nearest = (u64::from(side) + of / 2) / of * of;
+                    u32::try_from(nearest.max(of)).unwrap_or(MAX_SENT_PX)
+                })
+            }
+        };
+        sides.map(|side| side.clamp(1, MAX_SENT_PX))
+    }
+
+    /// Returns a picture as it is sent.
+    pub fn resized<'p>(&self, picture: &'p RgbImage) -> Cow<'p, RgbImage> {
+        let size: [u32; 2] = picture.dimensions().into();
+        let [width, height] = self.sent(size);
+        if [width, height] == size {
+            return Cow::Borrowed(picture);
+        }
+        let filter = FilterType::Triangle;
+        Cow::Owned(imageops::resize(picture, width, height, filter))
+    }
+
+    /// Returns how points of a camera's picture of this size, `[width, height]`, are written.
+    pub fn pointing(&self, size: [u32; 2]) -> Pointing {
+        let frame = Frame {
+            unit: self.unit,
+            order: self.order,
+            size,
+            sent: self.sent(size),
+        };
+        match self.points {
+            Points::Coordinates => Pointing::Frame(frame),
+            Points::Marks => Pointing::Marks(frame),
+        }
+    }
+}
+
+impl Default for Lowering {
+    fn default() -> Self {
+        Lowering::PIXELS
+    }
+}
+
+impl fmt::Display for Lowering {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.points {
+            Points::Coordinates => {}
+            Points::Marks => f.write_str("numbers at ")?,
+        }
+        f.write_str(match self.order {
+            Order::Xy => "x y",
+            Order::Yx => "y x",
+        })?;
+        f.write_str(match self.unit {
+            CoordinateUnit::Pixels => ", pixels",
+            CoordinateUnit::Fraction => ", 0-1",
+            CoordinateUnit::Percent => ", 0-100",
+            CoordinateUnit::PerMille => ", 0-1000",
+        })?;
+        match self.resize {
+            Resize::Never => Ok(()),
+            Resize::Within { side_px } => write!(f, ", pictures within {side_px}"),
+            Resize::Multiples { of_px } => write!(f, " in multiples of {of_px}"),
+        }
+    }
+}
+
+/// Returns why a task cannot be asked of these models, before anything is sent.
+pub fn check(program: &Program, models: Models<'_>) -> Result<(), PointingError> {
+    program.stages.iter().try_for_each(|stage| {
+        let pointing = pointing_of(program, models.of(stage.model));
+        pointing.check(program, stage)
+    })
+}
+
+/// Says which stages do not say how their points are written, where that is not in pixels; it is said for them.
+pub fn note(program: &Program, models: Models<'_>) -> Option<String> {
+    let open = |role: ModelRole| {
+        let stages = program.stages.iter().filter(move |stage| {
+            let pointing = pointing_of(program, models.of(stage.model));
+            stage.model == role && render::leaves_frame_open(program, stage, &pointing)
+        });
+        stages.map(|stage| format!("`{}`", stage.name))
+    };
+    let stages: Vec<String> = open(ModelRole::Vision)
+        .chain(open(ModelRole::Text))
+        .collect();
+    (!stages.is_empty()).then(|| {
+        format!(
+            "no text of stage {} says `{{{{ actions.points }}}}`, how a point is written, and the model does not \
+             answer in the task's pixels; a sentence at the end of the question says it",
+            stages.join(", ")
+        )
+    })
+}
+
+fn pointing_of(program: &Program, model: &dyn Model) -> Pointing {
+    model.lowering().pointing([program.camera.image_px; 2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sides_fit_or_become_the_nearest_multiple_and_a_resized_picture_stays() {
+        let sides = [224, 720, 5, 41, 42, 100_000];
+        let number = |number| NonZeroU32::new(number).expect("not 0");
+        for (resize, expected) in [
+            (Resize::Never, sides),
+            (
+                Resize::Within {
+                    side_px: number(500),
+                },
+                [224, 500, 5, 41, 42, 500],
+            ),
+            (
+                Resize::Multiples { of_px: number(28) },
+                [224, 728, 28, 28, 56, MAX_SENT_PX],
+            ),
+            (
+                Resize::Multiples {
+                    of_px: number(9000),
+                },
+                [MAX_SENT_PX; 6],
+            ),
+        ] {
+            let lowering = Lowering {
+                resize,
+                ..Lowering::PIXELS
+            };
+            assert_eq!(sides.map(|side| lowering.sent([side; 2])[0]), expected);
+            assert_eq!(expected.map(|side| lowering.sent([side; 2])[0]), expected);
+        }
+    }
+}

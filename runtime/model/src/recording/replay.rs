@@ -1,0 +1,154 @@
+//! `replay:FILE`: answers from a recording, byte for byte, and sends nothing.
+
+use super::{Exchange, Outcome, RecordingError, difference, read};
+use crate::calls::Calls;
+use crate::{Lowering, Model, ModelError, ModelRole, Nature, Reply, Request};
+use fab_base::cache::Cache;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// A recording in the place of the model of one role.
+#[derive(Debug)]
+pub struct Replay {
+    name: String,
+    path: PathBuf,
+    nature: Nature,
+    lowering: Lowering,
+    exchanges: Vec<Exchange>,
+    matching: Matching,
+    /// Index of the exchange that answers a question.
+    by_key: BTreeMap<String, usize>,
+}
+
+/// What makes a question the recorded one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Matching {
+    /// All of it: [`Request::key`].
+    Whole,
+    /// The role and the messages; settings, schema, repetition and the number of the action may differ.
+    Words,
+}
+
+impl Replay {
+    /// Reads a recording for a role; its name is `replay(MODEL)`, with the model that was recorded in that role.
+    ///
+    /// Fails where the file is no recording, or holds no exchange.
+    pub fn load(path: &Path, role: ModelRole) -> Result<Replay, RecordingError> {
+        let exchanges = read(path)?.exchanges;
+        if exchanges.is_empty() {
+            return Err(RecordingError {
+                path: path.to_owned(),
+                why: "it holds no exchange".to_owned(),
+            });
+        }
+        let role = serde_json::json!(role);
+        let mut own: Vec<&Exchange> = exchanges
+            .iter()
+            .filter(|it| it.request["role"] == role)
+            .collect();
+        if own.is_empty() {
+            own.extend(&exchanges);
+        }
+        let models: BTreeSet<&str> = own.iter().map(|it| it.model.as_str()).collect();
+        let models: Vec<&str> = models.into_iter().collect();
+        let is_stand_in = own.iter().any(|it| it.nature == Nature::StandIn);
+        // One model has one lowering; of several the first decides, and the others' questions differ by name.
+        let lowering = own.first().map_or(Lowering::PIXELS, |it| it.lowering);
+        let mut by_key = BTreeMap::new();
+        for (index, exchange) in exchanges.iter().enumerate() {
+            // Of a question that was put again after a failure, the last answer counts.
+            let is_failure = matches!(exchange.outcome, Outcome::Failure { .. });
+            if !is_failure || !by_key.contains_key(&exchange.key) {
+                by_key.insert(exchange.key.clone(), index);
+            }
+        }
+        Ok(Replay {
+            name: format!("replay({})", models.join(", ")),
+            path: path.to_owned(),
+            nature: match is_stand_in {
+                true => Nature::StandIn,
+                false => Nature::Model,
+            },
+            lowering,
+            matching: Matching::Whole,
+            by_key,
+            exchanges,
+        })
+    }
+
+    /// Answers whoever puts a recorded question in the same words and pictures, as a program that knows nothing of
+    /// steps and schemas; of questions that came in several steps the first answer counts.
+    pub fn by_words(mut self) -> Replay {
+        self.matching = Matching::Words;
+        self.by_key.clear();
+        for (index, exchange) in self.exchanges.iter().enumerate() {
+            if let Outcome::Reply(_) = exchange.outcome {
+                self.by_key
+                    .entry(words_key(&exchange.request))
+                    .or_insert(index);
+            }
+        }
+        self
+    }
+
+    fn key(&self, request: &Request) -> String {
+        match self.matching {
+            Matching::Whole => request.key(),
+            Matching::Words => words_key(
+                &serde_json::to_value(request).expect("a request holds strings and finite numbers"),
+            ),
+        }
+    }
+}
+
+/// Names what a request's JSON says and shows.
+fn words_key(request: &serde_json::Value) -> String {
+    let (role, messages) = (request["role"].to_string(), request["messages"].to_string());
+    Cache::key([role.as_str(), &messages])
+}
+
+impl Model for Replay {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn nature(&self) -> Nature {
+        self.nature
+    }
+
+    fn lowering(&self) -> Lowering {
+        self.lowering
+    }
+
+    fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let Some(index) = self.by_key.get(&self.key(request)) else {
+            return Err(ModelError::Unsupported {
+                model: self.name.clone(),
+                why: format!(
+                    "`{}` holds no answer to it: {}",
+                    self.path.display(),
+                    difference::nearest(&self.exchanges, request)
+                ),
+            });
+        };
+        match &self.exchanges[*index].outcome {
+            // A replay buys nothing, so what the answer cost then is not said.
+            Outcome::Reply(reply) => Ok(Reply {
+                cost: None,
+                ..reply.clone()
+            }),
+            Outcome::Failure {
+                fault: Some(fault),
+                why,
+            } => Err(ModelError::Failed {
+                model: self.name.clone(),
+                fault: *fault,
+                why: why.clone(),
+            }),
+            Outcome::Failure { fault: None, why } => Err(ModelError::Unsupported {
+                model: self.name.clone(),
+                why: why.clone(),
+            }),
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! The black arrow of a subgoal picture.
+//!
+//! In: which pixels are near black. Out: the arrow's tail and tip, or why there is not exactly one. An arrow
+//! is a straight stroke with a ring at one end; where the cloth lies does not matter here.
+
+use crate::hull::{self, Point};
+use crate::regions::{self, Grid, Patch};
+use image::RgbImage;
+
+/// An arrow; points are `[column, row]`, pixels, with pixel centres at halves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arrow {
+    /// Centre of the ring.
+    pub tail: Point,
+    /// Point of the head.
+    pub tip: Point,
+    /// All of its pixels.
+    pub stroke: Grid,
+}
+
+/// Why there is not exactly one arrow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArrowFault {
+    /// Nothing looks like an arrow.
+    None,
+    /// More than one thing does.
+    Many,
+}
+
+/// The brightest that an arrow's pixel may be, 8-bit levels. Creases of the recorded cloths stay above 90.
+const BLACK: u8 = 48;
+
+/// Radius of the ring and width of all strokes, pixels of a 224 px picture; both are drawn in whole pixels.
+const RING_RADIUS_PX: f64 = 3.0;
+const STROKE_PX: f64 = 2.0;
+
+/// The shortest arrow, from the ring's centre to the tip, pixels of a 224 px picture; shorter ones are all
+/// ring and head.
+const SHORTEST_PX: f64 = 9.0;
+
+/// Least share of the line from ring to tip that is black.
+const LEAST_LINE: f64 = 0.9;
+
+/// The most black patches, and holes in one, that are looked at; they bound the work on a picture of noise.
+const MAX_PATCHES: usize = 64;
+const MAX_HOLES: usize = 64;
+
+/// Collects the pixels that an arrow could be drawn with.
+pub fn near_black(picture: &RgbImage) -> Grid {
+    Grid::from_fn(picture.width(), picture.height(), |column, row| {
+        picture
+            .get_pixel(column, row)
+            .0
+            .iter()
+            .all(|&level| level <= BLACK)
+    })
+}
+
+/// Finds the only arrow among black pixels.
+///
+/// `scale` is the size of the arrow's strokes against those in a 224 px picture, at least 1.
+pub fn find(ink: &Grid, scale: f64) -> Result<Arrow, ArrowFault> {
+    let pen = Pen::at(scale);
+    let mut patches = regions::components(ink);
+    patches.retain(|patch| patch.len() as f64 >= SHORTEST_PX * scale);
+    patches.sort_by_key(|patch| std::cmp::Reverse(patch.len()));
+    patches.truncate(MAX_PATCHES);
+    let (mut n_rings, mut found) = (0, None);
+    for patch in &patches {
+        let rings = pen.rings(ink, patch);
+        n_rings += rings.len();
+        let mut ends = rings
+            .iter()
+            .filter_map(|ring| Some((ring.center, pen.tip(ring.center, patch, ink)?)));
+        found = found.or(ends.next().map(|ends| (ends, patch)));
+    }
+    let Some(((tail, tip), patch)) = found else {
+        return Err(ArrowFault::None);
+    };
+    // Of two crossing arrows only one may lead straight to the farthest pixel, but both have their rings.
+    if n_rings > 1 {
+        return Err(ArrowFault::Many);
+    }
+    let mut stroke = Grid::new(ink.width(), ink.height());
+    for &(column, row) in patch {
+        stroke.insert(column, row);
+    }
+    Ok(Arrow { tail, tip, stroke })
+}
+
+/// Sizes of an arrow's parts in a picture, pixels.
+struct Pen {
+    scale: f64,
+    ring_radius: f64,
+    /// Just outside the ring.
+    clear_radius: f64,
+}
+
+/// A ring, and how clearly it is one.
+#[derive(Clone, Copy)]
+struct Ring {
+    center: Point,
+    quality: f64,
+}
+
+/// Directions in which a ring is probed.
+const N_DIRECTIONS: u32 = 24;
+
+/// Least number of directions with ink on the ring's radius beyond those with ink just outside of it. A ring
+/// has about 19, the line taking the others. A head whose strokes are long enough to enclose a pixel is inked
+/// outside as well.
+const LEAST_RINGED: i32 = 15;
+
+impl Pen {
+    fn at(scale: f64) -> Pen {
+        let ring_radius = (RING_RADIUS_PX * scale).round();
+        let half_width = (STROKE_PX * scale).floor() / 2.0;
+        Pen {
+            scale,
+            ring_radius,
+            clear_radius: ring_radius + half_width + 1.2 * scale,
+        }
+    }
+
+    /// Returns the rings in a patch.
+    fn rings(&self, ink: &Grid, patch: &Patch) -> Vec<Ring> {
+        let mut rings: Vec<Ring> = Vec::new();
+        let most_px = std::f64::consts::PI * self.ring_radius.powi(2);
+        let small = regions::holes(patch)
+            .into_iter()
+            .filter(|hole| (hole.len() as f64) < most_px);
+        for hole in small.take(MAX_HOLES) {
+            let sum = hole
+                .iter()
+                .map(middle)
+                .fold([0.0, 0.0], |sum, at| [sum[0] + at[0], sum[1] + at[1]]);
+            let hole = sum.map(|total| total / hole.len() as f64);
+            // The line cuts the inside of its own ring into several holes.
+            let is_known =
+                |ring: &Ring| hull::distance(ring.center, hole) <= 3.0 * self.ring_radius;
+            if !rings.iter().any(is_known) {
+                rings.extend(self.ring_around(hole, ink));
+            }
+        }
+        // Where its strokes meet, a long arrow's head can pass for a ring; its own ring is the better one.
+        let is_head = |ring: &Ring| {
+            rings.iter().any(|other| {
+                let is_tip = |tip| hull::distance(tip, ring.center) <= 3.0 * self.ring_radius;
+                other.quality > ring.quality
+                    && self.tip(other.center, patch, ink).is_some_and(is_tip)
+            })
+        };
+        rings
+            .iter()
+            .filter(|ring| !is_head(ring))
+            .copied()
+            .collect()
+    }
+
+    /// Finds the middle of the ring that a hole is part of; `None` if no ring is near.
+    fn ring_around(&self, hole: Point, ink: &Grid) -> Option<Ring> {
+        const STEPS: i32 = 12;
+        let step_px = 0.5 * self.scale;
+        // A ring is wide enough to fit equally well in several places; the middle of them is taken.
+        let (mut most, mut equals) = (LEAST_RINGED, Vec::new());
+        for (down, right) in (-STEPS..=STEPS).flat_map(|d| (-STEPS..=STEPS).map(move |r| (d, r))) {
+            let center = [
+                hole[0] + f64::from(right) * step_px,
+                hole[1] + f64::from(down) * step_px,
+            ];
+            let ringed = inked_directions(ink, center, self.ring_radius)
+                - inked_directions(ink, center, self.clear_radius);
+            if ringed > most {
+                most = ringed;
+                equals.clear();
+            }
+            if ringed == most {
+                equals.push(center);
+            }
+        }
+        let n_equals = equals.len() as f64;
+        let center = [0, 1].map(|axis| equals.iter().map(|at| at[axis]).sum::<f64>() / n_equals);
+        let quality = f64::from(most) + self.n_bare_inside(center, ink);
+        (!equals.is_empty()).then_some(Ring { center, quality })
+    }
+
+    /// Counts the pixels inside a ring that have no ink, in pixels of a 224 px picture.
+    fn n_bare_inside(&self, center: Point, ink: &Grid) -> f64 {
+        let reach = self.ring_radius as i32;
+        let offsets =
+            (-reach..=reach).flat_map(|down| (-reach..=reach).map(move |right| [right, down]));
+        let is_bare = |offset: &[i32; 2]| {
+            let at = [0, 1].map(|axis| center[axis] + f64::from(offset[axis]));
+            let is_inside = hull::distance(at, center) < self.ring_radius;
+            is_inside && !ink.contains(at[0].max(0.0) as u32, at[1].max(0.0) as u32)
+        };
+        offsets.filter(is_bare).count() as f64 / self.scale.powi(2)
+    }
+
+    /// Follows the stroke from a ring to its farthest pixel; `None` if no straight line leads there.
+    fn tip(&self, tail: Point, patch: &Patch, ink: &Grid) -> Option<Point> {
+        let tip = patch.iter().map(middle).reduce(|best, next| {
+            let is_farther = hull::distance(next, tail) > hull::distance(best, tail);
+            if is_farther { next } else { best }
+        })?;
+        let length = hull::distance(tail, tip);
+        let n_samples = length.ceil() as u32;
+        let is_black = |sample: &u32| {
+            let share = f64::from(*sample) / f64::from(n_samples);
+            let at = [0, 1].map(|axis| (tail[axis] + share * (tip[axis] - tail[axis])) as u32);
+            share * length <= self.clear_radius || ink.touches(at[0], at[1])
+        };
+        let n_black = (0..=n_samples).filter(is_black).count() as f64;
+        let is_line = n_black >= LEAST_LINE * f64::from(n_samples + 1);
+        (is_line && length >= SHORTEST_PX * self.scale).then_some(tip)
+    }
+}
+
+/// In how many directions from a point there is ink at a distance.
+fn inked_directions(ink: &Grid, center: Point, radius: f64) -> i32 {
+    let is_inked = |direction: &u32| {
+        let angle = std::f64::consts::TAU * f64::from(*direction) / f64::from(N_DIRECTIONS);
+        let (sin, cos) = angle.sin_cos();
+        let at = [center[0] + radius * cos, center[1] + radius * sin];
+        at.iter().all(|&value| value >= 0.0) && ink.contains(at[0] as u32, at[1] as u32)
+    };
+    (0..N_DIRECTIONS).filter(is_inked).count() as i32
+}
+
+fn middle(&(column, row): &(u32, u32)) -> Point {
+    [f64::from(column) + 0.5, f64::from(row) + 0.5]
+}

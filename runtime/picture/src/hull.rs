@@ -1,0 +1,91 @@
+//! Convex outlines of points in the plane.
+//!
+//! In: points. Out: their hull, and whether and how far other points are from it. Of two axes only that they are square to
+//! each other is known here.
+
+/// A point or direction.
+pub type Point = [f64; 2];
+
+/// Returns the convex hull of points, anti-clockwise, without points on its edges.
+///
+/// Fewer than three points remain where the points have no area. The order of the input does not matter.
+pub fn around(points: impl IntoIterator<Item = Point>) -> Vec<Point> {
+    let mut sorted: Vec<Point> = points
+        .into_iter()
+        .filter(|point| point.iter().all(|value| value.is_finite()))
+        .collect();
+    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    sorted.dedup();
+    if sorted.len() < 3 {
+        return sorted;
+    }
+    let mut outline = half_hull(sorted.iter().copied());
+    outline.extend(half_hull(sorted.iter().rev().copied()));
+    outline
+}
+
+/// One side of the hull, without its last point, which starts the other side.
+fn half_hull(sorted: impl Iterator<Item = Point>) -> Vec<Point> {
+    let mut chain: Vec<Point> = Vec::new();
+    for point in sorted {
+        while let [.., a, b] = chain[..] {
+            if cross(minus(b, a), minus(point, a)) > 0.0 {
+                break;
+            }
+            chain.pop();
+        }
+        chain.push(point);
+    }
+    chain.pop();
+    chain
+}
+
+/// Returns the distance from a point to the rim of a hull, on either side of it; infinite for an empty hull.
+pub fn distance_to_outline(hull: &[Point], point: Point) -> f64 {
+    edges(hull)
+        .map(|(a, b)| distance_to_segment(point, a, b))
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Tells whether a point lies in a hull or on its rim.
+pub fn is_inside(hull: &[Point], point: Point) -> bool {
+    hull.len() >= 3 && edges(hull).all(|(a, b)| cross(minus(b, a), minus(point, a)) >= 0.0)
+}
+
+/// Returns the distance between two points.
+pub fn distance(a: Point, b: Point) -> f64 {
+    let [right, up] = minus(a, b);
+    right.hypot(up)
+}
+
+/// Returns the sides of a hull, each from its point to the next.
+pub fn edges(hull: &[Point]) -> impl Iterator<Item = (Point, Point)> {
+    hull.iter()
+        .copied()
+        .zip(hull.iter().copied().cycle().skip(1))
+}
+
+fn distance_to_segment(point: Point, a: Point, b: Point) -> f64 {
+    let (run, offset) = (minus(b, a), minus(point, a));
+    let squared = dot(run, run);
+    let share = if squared > 0.0 {
+        (dot(offset, run) / squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    distance(offset, [run[0] * share, run[1] * share])
+}
+
+/// Returns the way from `b` to `a`.
+pub fn minus(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+/// Returns the scalar product.
+pub fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn cross(a: Point, b: Point) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}

@@ -1,0 +1,53 @@
+//! Pictures and the cameras that take them: colour, depth, sets of pixels, PNG files.
+//!
+//! In: files, readings of a camera, points of the world. Out: pictures, [`Mask`]s and coordinates. Points of the world are
+//! metres, right-handed, z up; pixels are `[column, row]` from the top left corner. What a picture shows is left to
+//! `fab-vision`.
+//!
+//! ```
+//! use fab_picture::camera::Camera;
+//! use fab_picture::{DepthImage, centroid, depth_mask};
+//! use fab_program::ImageUp;
+//! use image::Luma;
+//!
+//! // A camera 650 mm above the table, which sees 40 mm of cloth in the right half of its picture.
+//! let depth_m = DepthImage::from_fn(224, 224, |column, _| Luma([if column < 112 { 0.65 } else { 0.61 }]));
+//! let cloth = depth_mask(&depth_m, 0.646);
+//! assert_eq!(cloth.area_px(), 112 * 224);
+//!
+//! let camera = Camera::top_down(0.65, std::f64::consts::FRAC_PI_4, 224, ImageUp::Y);
+//! let middle = centroid(&cloth).ok_or("no pixel shows cloth")?;
+//! let point = camera.world_from_pixel(middle.at, 0.61).ok_or("the pixel looks past the table")?;
+//! assert!((point.z - 0.04).abs() < 1e-6 && point.x > 0.1 && point.y.abs() < 1e-6, "{point}");
+//! # Ok::<(), &str>(())
+//! ```
+
+pub mod arrow;
+pub mod camera;
+pub mod hull;
+pub mod observation;
+pub mod png;
+pub mod regions;
+
+mod located;
+mod mask;
+#[cfg(test)]
+#[path = "../../../tests/recorded_data.rs"]
+mod recorded;
+
+pub use located::Located;
+pub use mask::{Mask, centroid, depth_mask, has_reading, mask_picture};
+
+/// Distances to the nearest surface, metres along the optical axis, `[width, height]`.
+///
+/// A value that is not a positive finite number means "no reading".
+pub type DepthImage = image::ImageBuffer<image::Luma<f32>, Vec<f32>>;
+
+/// Where a mark is in another picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// The mark, `[column, row]`, middle of its pixel.
+    pub at_px: [f64; 2],
+    /// How far from there it was found, `[right, down]`, pixels.
+    pub moved_px: [f64; 2],
+}

@@ -1,0 +1,150 @@
+//! Which pixels show cloth.
+//!
+//! In: a depth image and a depth limit. Out: a [`Mask`], and its centre. An empty mask is an answer, not an
+//! error.
+
+use super::{DepthImage, Located};
+use fab_program::PixelPoint;
+use image::{GrayImage, Luma};
+
+/// A set of pixels of one picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mask {
+    width: u32,
+    height: u32,
+    /// Row by row, `width * height` of them.
+    inside: Vec<bool>,
+    area_px: usize,
+}
+
+impl Mask {
+    /// Collects the pixels for which `is_inside(column, row)` holds.
+    pub fn from_fn(width: u32, height: u32, mut is_inside: impl FnMut(u32, u32) -> bool) -> Self {
+        let mut inside = Vec::with_capacity(width as usize * height as usize);
+        for row in 0..height {
+            inside.extend((0..width).map(|column| is_inside(column, row)));
+        }
+        let area_px = inside.iter().filter(|&&pixel| pixel).count();
+        Mask {
+            width,
+            height,
+            inside,
+            area_px,
+        }
+    }
+
+    /// Returns the picture's width, pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Returns the picture's height, pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Tells whether a pixel belongs to the set; pixels outside the picture never do.
+    pub fn contains(&self, point: PixelPoint) -> bool {
+        match (u32::try_from(point.u), u32::try_from(point.v)) {
+            (Ok(column), Ok(row)) if column < self.width && row < self.height => {
+                self.inside[row as usize * self.width as usize + column as usize]
+            }
+            _ => false,
+        }
+    }
+
+    /// Tells whether no pixel belongs to the set.
+    pub fn is_empty(&self) -> bool {
+        self.area_px == 0
+    }
+
+    /// Returns the number of pixels in the set.
+    pub fn area_px(&self) -> usize {
+        self.area_px
+    }
+
+    /// Returns the pixel of the set that is nearest to a point, by Euclidean distance.
+    ///
+    /// Of equally near pixels it is the one highest up, then farthest left. `None` if the set is empty.
+    pub fn nearest(&self, point: PixelPoint) -> Option<PixelPoint> {
+        if self.contains(point) {
+            return Some(point);
+        }
+        let mut best: Option<(i64, PixelPoint)> = None;
+        for row in 0..self.height as i32 {
+            let dv = i64::from(row) - i64::from(point.v);
+            if best.is_some_and(|(least, _)| dv * dv >= least) {
+                continue;
+            }
+            for pixel in self.row(row) {
+                let du = i64::from(pixel.u) - i64::from(point.u);
+                // Saturating: squares of two 33-bit numbers can exceed 64 bits when added.
+                let squared = (du * du).saturating_add(dv * dv);
+                if best.is_none_or(|(least, _)| squared < least) {
+                    best = Some((squared, pixel));
+                }
+            }
+        }
+        best.map(|(_, pixel)| pixel)
+    }
+
+    /// Returns the Euclidean distance from a point to the nearest pixel of the set, pixels.
+    ///
+    /// Zero on the set, infinite if the set is empty.
+    pub fn distance_px(&self, point: PixelPoint) -> f64 {
+        self.nearest(point)
+            .map_or(f64::INFINITY, |nearest| point.distance_px(nearest))
+    }
+
+    /// Returns the pixels of the set, row by row from the top, each row from the left.
+    pub fn pixels(&self) -> impl Iterator<Item = PixelPoint> {
+        (0..self.height as i32).flat_map(|row| self.row(row))
+    }
+
+    fn row(&self, row: i32) -> impl Iterator<Item = PixelPoint> {
+        let start = row as usize * self.width as usize;
+        let pixels = &self.inside[start..start + self.width as usize];
+        let columns = pixels.iter().enumerate().filter(|&(_, &inside)| inside);
+        columns.map(move |(column, _)| PixelPoint::new(column as i32, row))
+    }
+}
+
+/// Collects the pixels that are nearer to the camera than `below_m`, metres, exclusive.
+///
+/// Pixels without a reading are background.
+pub fn depth_mask(depth: &DepthImage, below_m: f64) -> Mask {
+    Mask::from_fn(depth.width(), depth.height(), |column, row| {
+        let reading = depth.get_pixel(column, row).0[0];
+        has_reading(reading) && f64::from(reading) < below_m
+    })
+}
+
+/// Draws a mask in white (255) on black.
+pub fn mask_picture(mask: &Mask) -> GrayImage {
+    GrayImage::from_fn(mask.width(), mask.height(), |column, row| {
+        let inside = mask.contains(PixelPoint::new(column as i32, row as i32));
+        Luma([if inside { 255 } else { 0 }])
+    })
+}
+
+/// Tells a distance from the values that depth cameras write where they saw nothing.
+pub fn has_reading(depth_m: f32) -> bool {
+    depth_m.is_finite() && depth_m > 0.0
+}
+
+/// Returns the mean of a mask's pixels; `None` if it is empty.
+///
+/// Its pixel is cut off, as in the paper's code (protocol, section 6), and so lies half a pixel up and left of the
+/// mean; where it was located is the mean itself.
+pub fn centroid(mask: &Mask) -> Option<Located> {
+    let (mut columns, mut rows) = (0_u64, 0_u64);
+    for pixel in mask.pixels() {
+        columns += u64::from(pixel.u.unsigned_abs());
+        rows += u64::from(pixel.v.unsigned_abs());
+    }
+    let area_px = mask.area_px() as u64;
+    (area_px > 0).then(|| Located {
+        pixel: PixelPoint::new((columns / area_px) as i32, (rows / area_px) as i32),
+        at: [columns, rows].map(|sum| sum as f64 / area_px as f64 + 0.5),
+    })
+}

@@ -1,0 +1,219 @@
+//! Which parts of a picture belong together: the table by its colours, patches by their connection.
+//!
+//! In: pictures. Out: colours and sets of pixels. Nothing here knows what is cloth and what is arrow.
+
+use image::RgbImage;
+use std::collections::BTreeMap;
+
+/// A set of pixels of one picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Grid {
+    width: u32,
+    height: u32,
+    inside: Vec<bool>,
+}
+
+impl Grid {
+    /// Makes the empty set.
+    pub fn new(width: u32, height: u32) -> Grid {
+        Grid {
+            width,
+            height,
+            inside: vec![false; width as usize * height as usize],
+        }
+    }
+
+    /// Collects the pixels for which `is_inside(column, row)` holds.
+    pub fn from_fn(width: u32, height: u32, is_inside: impl Fn(u32, u32) -> bool) -> Grid {
+        let mut grid = Grid::new(width, height);
+        for row in 0..height {
+            for column in (0..width).filter(|&column| is_inside(column, row)) {
+                grid.insert(column, row);
+            }
+        }
+        grid
+    }
+
+    /// Returns the picture's width, pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Returns the picture's height, pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Returns the number of pixels in the set.
+    pub fn area_px(&self) -> usize {
+        self.inside.iter().filter(|&&inside| inside).count()
+    }
+
+    /// Tells whether a pixel belongs to the set; those outside the picture do not.
+    pub fn contains(&self, column: u32, row: u32) -> bool {
+        column < self.width && row < self.height && self.inside[self.index(column, row)]
+    }
+
+    /// Tells whether a pixel or one of its eight neighbours belongs to the set.
+    pub fn touches(&self, column: u32, row: u32) -> bool {
+        let near = |at: u32| at.saturating_sub(1)..=at.saturating_add(1);
+        near(row).any(|row| near(column).any(|column| self.contains(column, row)))
+    }
+
+    /// Adds a pixel; one outside the picture is ignored.
+    pub fn insert(&mut self, column: u32, row: u32) {
+        if column < self.width && row < self.height {
+            let index = self.index(column, row);
+            self.inside[index] = true;
+        }
+    }
+
+    /// Returns the pixels of the set as (column, row), row by row.
+    pub fn points(&self) -> impl Iterator<Item = (u32, u32)> {
+        (0..self.height)
+            .flat_map(move |row| (0..self.width).map(move |column| (column, row)))
+            .filter(|&(column, row)| self.contains(column, row))
+    }
+
+    fn index(&self, column: u32, row: u32) -> usize {
+        row as usize * self.width as usize + column as usize
+    }
+}
+
+/// Pixels that hang together, as (column, row).
+pub type Patch = Vec<(u32, u32)>;
+
+/// Splits a set into its patches of pixels that touch, corners included.
+///
+/// The patches are in the order of their topmost, then leftmost pixel.
+pub fn components(set: &Grid) -> Vec<Patch> {
+    split(
+        set,
+        &[
+            (-1, -1),
+            (0, -1),
+            (1, -1),
+            (-1, 0),
+            (1, 0),
+            (-1, 1),
+            (0, 1),
+            (1, 1),
+        ],
+    )
+}
+
+/// Returns the patches of pixels that a patch encloses, in the order of their topmost, then leftmost pixel.
+///
+/// Where two of its pixels touch at a corner, a patch is closed.
+pub fn holes(patch: &Patch) -> Vec<Patch> {
+    let columns = || patch.iter().map(|&(column, _)| column);
+    let rows = || patch.iter().map(|&(_, row)| row);
+    let (Some(left), Some(right)) = (columns().min(), columns().max()) else {
+        return Vec::new();
+    };
+    let (Some(top), Some(bottom)) = (rows().min(), rows().max()) else {
+        return Vec::new();
+    };
+    // One pixel of margin all round, so that everything outside hangs together.
+    let mut own = Grid::new(right - left + 3, bottom - top + 3);
+    for &(column, row) in patch {
+        own.insert(column - left + 1, row - top + 1);
+    }
+    let gaps = Grid::from_fn(own.width, own.height, |column, row| {
+        !own.contains(column, row)
+    });
+    let mut holes = split(&gaps, &[(0, -1), (-1, 0), (1, 0), (0, 1)]);
+    // The outside is the first, since it holds the top left pixel.
+    holes.remove(0);
+    for hole in &mut holes {
+        for (column, row) in hole {
+            (*column, *row) = (*column + left - 1, *row + top - 1);
+        }
+    }
+    holes
+}
+
+/// Splits a set into patches whose pixels are connected by the given steps, (columns, rows).
+fn split(set: &Grid, steps: &[(i32, i32)]) -> Vec<Patch> {
+    let mut seen = Grid::new(set.width, set.height);
+    let mut patches = Vec::new();
+    for start in set.points() {
+        if seen.contains(start.0, start.1) {
+            continue;
+        }
+        seen.insert(start.0, start.1);
+        let mut patch = vec![start];
+        let mut next = 0;
+        while let Some(&(column, row)) = patch.get(next) {
+            next += 1;
+            for &(right, down) in steps {
+                let near = (
+                    column.checked_add_signed(right),
+                    row.checked_add_signed(down),
+                );
+                let (Some(column), Some(row)) = near else {
+                    continue;
+                };
+                if set.contains(column, row) && !seen.contains(column, row) {
+                    seen.insert(column, row);
+                    patch.push((column, row));
+                }
+            }
+        }
+        patches.push(patch);
+    }
+    patches
+}
+
+/// Width of the frame of pixels that shows the table alone, pixels.
+const BORDER_PX: u32 = 2;
+
+/// Least share of the border that a colour of the table takes up.
+const LEAST_SHARE: usize = 33;
+
+/// Returns the colours of the pictures' borders, red, green, blue: one for a plain table, more for a checkered one.
+pub fn border_colours(pictures: &[&RgbImage]) -> Vec<[f64; 3]> {
+    // Bins of 16 levels per channel.
+    let mut bins: BTreeMap<[u8; 3], ([f64; 3], usize)> = BTreeMap::new();
+    let mut n_pixels = 0;
+    for picture in pictures {
+        let (width, height) = picture.dimensions();
+        let on_border = |at: u32, side: u32| at < BORDER_PX || at + BORDER_PX >= side;
+        let border = picture
+            .enumerate_pixels()
+            .filter(|&(column, row, _)| on_border(column, width) || on_border(row, height));
+        for (_, _, pixel) in border {
+            let (sum, count) = bins.entry(pixel.0.map(|level| level / 16)).or_default();
+            for (total, level) in sum.iter_mut().zip(pixel.0) {
+                *total += f64::from(level);
+            }
+            *count += 1;
+            n_pixels += 1;
+        }
+    }
+    let frequent = bins
+        .into_values()
+        .filter(|&(_, count)| count * LEAST_SHARE >= n_pixels);
+    frequent
+        .map(|(sum, count)| sum.map(|total| total / count as f64))
+        .collect()
+}
+
+/// How dark and how bright a table colour may appear, as factors. A fold's soft shadow dims the recorded
+/// tables to 0.70 of their brightness.
+const SHADING: std::ops::RangeInclusive<f64> = 0.65..=1.1;
+
+/// How far a shaded table colour may be off, 8-bit levels; the recorded tables are off by at most 2.
+const TINT: f64 = 24.0;
+
+/// Tells whether a colour is one of the table's, possibly in shadow: a shadow dims a colour, it does not tint it.
+pub fn is_table(rgb: [u8; 3], table: &[[f64; 3]]) -> bool {
+    let rgb = rgb.map(f64::from);
+    table.iter().any(|colour| {
+        let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let factor = dot(&rgb, colour) / dot(colour, colour).max(1.0);
+        let factor = factor.clamp(*SHADING.start(), *SHADING.end());
+        let rest = [0, 1, 2].map(|channel| rgb[channel] - factor * colour[channel]);
+        dot(&rest, &rest).sqrt() <= TINT
+    })
+}

@@ -1,0 +1,187 @@
+//! What can be known of a model, each part on its own.
+//!
+//! In: an entry of a file. Out: [`Facts`], in which None is "unknown". What a fact means for a request, a picture or
+//! a price is left to the neighbours.
+
+use super::date::Date;
+use super::price::Price;
+use fab_model::lowering::{Lowering, Resize};
+use fab_program::pointing::{CoordinateUnit, Order};
+use serde::{Deserialize, Serialize};
+use std::num::NonZeroU32;
+
+/// What is known of a model; None is unknown, never a default.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Facts {
+    /// Whether it takes pictures.
+    pub vision: Option<bool>,
+    /// Whether its answer can be held to a JSON Schema.
+    pub structured_output: Option<bool>,
+    /// The sampling temperatures that it takes.
+    pub temperature: Option<Accepted>,
+    /// The same of nucleus sampling.
+    pub top_p: Option<Accepted>,
+    /// What Chat Completions call the longest answer.
+    pub max_tokens_field: Option<MaxTokensField>,
+    /// The longest side of a picture that it looks at unshrunk, pixels.
+    pub largest_side_px: Option<u32>,
+    /// The largest picture that it looks at unshrunk, pixels in all.
+    pub largest_area_px: Option<u64>,
+    /// What a picture costs.
+    pub image_tokens: Option<ImageTokens>,
+    /// How it says where something is in a picture.
+    pub coordinates: Option<Habit>,
+    /// What tokens cost, earliest first.
+    pub price: Option<Vec<Price>>,
+    /// When it stops to answer, or did.
+    pub shutdown: Option<Date>,
+    /// Whether the vendor may put another model behind its id; None: as the id looks.
+    pub moving: Option<bool>,
+}
+
+/// How a model says where something is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Habit {
+    /// What its numbers count.
+    pub unit: CoordinateUnit,
+    /// Which comes first.
+    pub order: Order,
+    /// The sides of the picture in whose pixels it answers are multiples of this, the nearest to those that were
+    /// sent; None: it answers in pixels of the picture that was sent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub multiples_of_px: Option<u32>,
+}
+
+/// The values of a sampling parameter that a model takes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Accepted {
+    /// These and no other.
+    Only(Vec<f64>),
+    /// All from the first to the second.
+    Range([f64; 2]),
+}
+
+impl Accepted {
+    /// Returns whether a value is taken.
+    pub fn takes(&self, value: f64) -> bool {
+        match self {
+            Accepted::Only(values) => values.contains(&value),
+            Accepted::Range([least, most]) => (*least..=*most).contains(&value),
+        }
+    }
+}
+
+impl std::fmt::Display for Accepted {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Accepted::Only(values) => {
+                let values: Vec<String> = values.iter().map(f64::to_string).collect();
+                write!(f, "{} alone", values.join(", "))
+            }
+            Accepted::Range([least, most]) => write!(f, "{least} to {most}"),
+        }
+    }
+}
+
+/// What Chat Completions call the longest answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MaxTokensField {
+    /// `max_tokens`.
+    MaxTokens,
+    /// `max_completion_tokens`.
+    MaxCompletionTokens,
+}
+
+/// How the tokens of a picture are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ImageTokens {
+    /// So many squares as cover the picture, each `percent` of a token, rounded up in all.
+    Patches(Patches),
+    /// So many squares as cover the picture once its short side fits, each `each` tokens, and `base` in all.
+    Tiles(Tiles),
+    /// Whatever the size.
+    Flat(Flat),
+}
+
+/// Squares that cover a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Patches {
+    /// Side of a square, pixels.
+    pub side_px: u32,
+    /// Tokens per hundred squares.
+    #[serde(default = "hundred")]
+    pub percent: u32,
+}
+
+/// Squares that cover a picture which was made to fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tiles {
+    /// Side of a square, pixels.
+    pub side_px: u32,
+    /// What the picture's short side becomes, pixels.
+    pub short_side_px: u32,
+    /// Tokens of any picture.
+    pub base: u32,
+    /// Tokens of a square.
+    pub each: u32,
+}
+
+/// A number of tokens that the size does not change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Flat {
+    /// The fewest that were seen.
+    pub at_least: u32,
+    /// The most.
+    pub at_most: u32,
+}
+
+fn hundred() -> u32 {
+    100
+}
+
+impl Facts {
+    /// Returns how the model is told of places, and in which size it is sent pictures, so that it has no reason to
+    /// resize them; in pixels of the picture that is sent where its habit is not known.
+    pub fn lowering(&self) -> Lowering {
+        let within = self.largest_side_px.and_then(NonZeroU32::new);
+        let resize = within.map_or(Resize::Never, |side_px| Resize::Within { side_px });
+        let Some(habit) = self.coordinates else {
+            return Lowering {
+                resize,
+                ..Lowering::PIXELS
+            };
+        };
+        let multiples = habit.multiples_of_px.and_then(NonZeroU32::new);
+        Lowering {
+            unit: habit.unit,
+            order: habit.order,
+            resize: multiples.map_or(resize, |of_px| Resize::Multiples { of_px }),
+            ..Lowering::PIXELS
+        }
+    }
+
+    /// Returns these facts, and where one is unknown that of `other`.
+    pub fn or(self, other: &Facts) -> Facts {
+        Facts {
+            vision: self.vision.or(other.vision),
+            structured_output: self.structured_output.or(other.structured_output),
+            temperature: self.temperature.or_else(|| other.temperature.clone()),
+            top_p: self.top_p.or_else(|| other.top_p.clone()),
+            max_tokens_field: self.max_tokens_field.or(other.max_tokens_field),
+            largest_side_px: self.largest_side_px.or(other.largest_side_px),
+            largest_area_px: self.largest_area_px.or(other.largest_area_px),
+            image_tokens: self.image_tokens.or(other.image_tokens),
+            coordinates: self.coordinates.or(other.coordinates),
+            price: self.price.or_else(|| other.price.clone()),
+            shutdown: self.shutdown.or(other.shutdown),
+            moving: self.moving.or(other.moving),
+        }
+    }
+}

@@ -1,0 +1,358 @@
+//! Reads files of facts: their form, and what a value may be.
+//!
+//! In: TOML text. Out: providers and models with each given field, or an error with file and line. Laying one file
+//! over another is [`super::Catalogue::overlaid`].
+
+use super::date::Date;
+use super::facts::{Accepted, Facts, Habit, ImageTokens, MaxTokensField};
+use super::price::Price;
+use super::provider::is_key_name;
+use super::{CatalogueError, KeyNeed, RunsOn, Source, Wire};
+use fab_base::files::line_of;
+use serde::Deserialize;
+use toml::Spanned;
+
+/// The longest file that is read, bytes.
+pub(super) const MAX_BYTES: usize = 1 << 20;
+/// The longest id, name or address, bytes.
+pub(super) const MAX_NAME: usize = 200;
+/// The most that a count in a file may be, so that no sum of tokens overflows.
+const MOST: u32 = 100_000;
+
+/// The form of a file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Form {
+    #[serde(default)]
+    provider: Vec<Spanned<ProviderForm>>,
+    #[serde(default)]
+    model: Vec<Spanned<ModelForm>>,
+}
+
+/// One provider of a file, with the fields that it gives.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ProviderForm {
+    pub name: String,
+    pub wire: Option<Wire>,
+    pub base_url: Option<String>,
+    pub key_env: Option<Vec<String>>,
+    pub key: Option<KeyNeed>,
+    pub runs_on: Option<RunsOn>,
+    pub models_of: Option<String>,
+    pub start: Option<String>,
+    as_of: Date,
+    source: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelForm {
+    provider: Option<String>,
+    id: Option<String>,
+    name: Option<String>,
+    part: Option<String>,
+    #[serde(default)]
+    aliases: Vec<String>,
+    vision: Option<bool>,
+    structured_output: Option<bool>,
+    temperature: Option<Accepted>,
+    top_p: Option<Accepted>,
+    max_tokens_field: Option<MaxTokensField>,
+    largest_side_px: Option<u32>,
+    largest_area_px: Option<u64>,
+    image_tokens: Option<ImageTokens>,
+    coordinates: Option<Habit>,
+    price: Option<Vec<Price>>,
+    shutdown: Option<Date>,
+    moving: Option<bool>,
+    as_of: Date,
+    source: String,
+}
+
+/// What an entry is about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Subject {
+    /// The model with this id.
+    Id(String),
+    /// The model that is called so; its id is not known.
+    Name(String),
+    /// All models whose id has these words.
+    Part(String),
+}
+
+/// One model of a file, with the facts that it gives.
+#[derive(Clone, Debug)]
+pub(super) struct ModelEntry {
+    pub provider: Option<String>,
+    pub subject: Subject,
+    pub aliases: Vec<String>,
+    pub facts: Facts,
+    pub sources: Vec<Source>,
+}
+
+/// An entry with the line that it begins on, from 1.
+pub(super) struct At<T> {
+    pub line: usize,
+    pub entry: T,
+}
+
+/// What a file holds.
+pub(super) struct Read {
+    pub providers: Vec<At<ProviderForm>>,
+    pub models: Vec<At<ModelEntry>>,
+}
+
+impl ProviderForm {
+    pub(super) fn source(&self) -> Source {
+        Source {
+            as_of: self.as_of,
+            source: self.source.clone(),
+        }
+    }
+}
+
+/// Reads a file; `name` names it in errors.
+pub(super) fn read(text: &str, name: &str) -> Result<Read, CatalogueError> {
+    let shape = |why: String| CatalogueError::Shape {
+        file: name.to_owned(),
+        why,
+    };
+    if text.len() > MAX_BYTES {
+        return Err(shape(format!(
+            "it is longer than the limit of {MAX_BYTES} bytes"
+        )));
+    }
+    let form: Form =
+        toml::from_str(text).map_err(|error| shape(error.to_string().trim_end().to_owned()))?;
+    let wrong = |line: usize, why: String| CatalogueError::Entry {
+        file: name.to_owned(),
+        line,
+        why,
+    };
+    let mut read = Read {
+        providers: Vec::new(),
+        models: Vec::new(),
+    };
+    for spanned in form.provider {
+        let line = line_of(text, spanned.span().start);
+        let entry = spanned.into_inner();
+        check_provider(&entry).map_err(|why| wrong(line, why))?;
+        if read
+            .providers
+            .iter()
+            .any(|other| other.entry.name == entry.name)
+        {
+            return Err(wrong(
+                line,
+                format!("the provider `{}` is there twice", entry.name),
+            ));
+        }
+        read.providers.push(At { line, entry });
+    }
+    for spanned in form.model {
+        let line = line_of(text, spanned.span().start);
+        let entry = model(spanned.into_inner()).map_err(|why| wrong(line, why))?;
+        let is_same = |other: &At<ModelEntry>| {
+            other.entry.provider == entry.provider && other.entry.subject == entry.subject
+        };
+        if read.models.iter().any(is_same) {
+            return Err(wrong(
+                line,
+                format!("{} is there twice", entry.subject.words()),
+            ));
+        }
+        read.models.push(At { line, entry });
+    }
+    Ok(read)
+}
+
+impl Subject {
+    pub(super) fn words(&self) -> String {
+        match self {
+            Subject::Id(id) => format!("the id `{id}`"),
+            Subject::Name(name) => format!("the name `{name}`"),
+            Subject::Part(part) => format!("the part `{part}`"),
+        }
+    }
+}
+
+fn model(form: ModelForm) -> Result<ModelEntry, String> {
+    let subject = match (form.id, form.name, form.part) {
+        (Some(id), None, None) => Subject::Id(id),
+        (None, Some(name), None) => Subject::Name(name),
+        (None, None, Some(part)) => Subject::Part(part),
+        _ => return Err("a model needs one of `id`, `name` and `part`".to_owned()),
+    };
+    if form.provider.is_none() && !matches!(subject, Subject::Part(_)) {
+        return Err(
+            "a model without `provider` needs `part`: it holds wherever the model is served"
+                .to_owned(),
+        );
+    }
+    let (Subject::Id(named) | Subject::Name(named) | Subject::Part(named)) = &subject;
+    plain("id", named)?;
+    form.provider
+        .iter()
+        .try_for_each(|name| plain("provider", name))?;
+    form.aliases
+        .iter()
+        .try_for_each(|alias| plain("aliases", alias))?;
+    sourced(&form.source)?;
+    let mut facts = Facts {
+        vision: form.vision,
+        structured_output: form.structured_output,
+        temperature: form.temperature,
+        top_p: form.top_p,
+        max_tokens_field: form.max_tokens_field,
+        largest_side_px: form.largest_side_px,
+        largest_area_px: form.largest_area_px,
+        image_tokens: form.image_tokens,
+        coordinates: form.coordinates,
+        price: form.price,
+        shutdown: form.shutdown,
+        moving: form.moving,
+    };
+    check_facts(&facts)?;
+    if let Some(prices) = &mut facts.price {
+        prices.sort_by_key(|price| price.from);
+    }
+    Ok(ModelEntry {
+        provider: form.provider,
+        subject,
+        aliases: form.aliases,
+        facts,
+        sources: vec![Source {
+            as_of: form.as_of,
+            source: form.source,
+        }],
+    })
+}
+
+fn check_provider(entry: &ProviderForm) -> Result<(), String> {
+    let is_name = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    if entry.name.is_empty() || entry.name.len() > 40 || !entry.name.chars().all(is_name) {
+        return Err(format!(
+            "`name = {:?}` is not 1 to 40 small letters, digits or `-`",
+            entry.name
+        ));
+    }
+    if let Some(url) = &entry.base_url {
+        plain("base_url", url)?;
+        // What looks like a key is not to be repeated in a message, a table, or anything else.
+        if url.contains(['@', '?', '#']) {
+            return Err("`base_url` holds `@`, `?` or `#`; it is an address alone, and a key has no place in it".to_owned());
+        }
+        if !url.starts_with("https://") && !url.starts_with("http://") {
+            return Err(format!(
+                "`base_url = {url:?}` begins with neither `https://` nor `http://`"
+            ));
+        }
+    }
+    for name in entry.key_env.iter().flatten() {
+        // A key that was written here by mistake is not to be repeated in a message.
+        if !is_key_name(name) {
+            return Err(
+                "`key_env` lists names of variables, such as `OPENAI_API_KEY`, and never keys"
+                    .to_owned(),
+            );
+        }
+    }
+    entry
+        .models_of
+        .iter()
+        .try_for_each(|name| plain("models_of", name))?;
+    entry
+        .start
+        .iter()
+        .try_for_each(|command| plain("start", command))?;
+    sourced(&entry.source)
+}
+
+fn check_facts(facts: &Facts) -> Result<(), String> {
+    for (key, accepted) in [("temperature", &facts.temperature), ("top_p", &facts.top_p)] {
+        let is_right = match accepted {
+            None => true,
+            Some(Accepted::Only(values)) => {
+                !values.is_empty() && values.iter().all(|value| value.is_finite())
+            }
+            Some(Accepted::Range([least, most])) => {
+                least.is_finite() && most.is_finite() && least <= most
+            }
+        };
+        if !is_right {
+            return Err(format!(
+                "`{key}` needs finite numbers: `{{ only = [1] }}` or `{{ range = [0, 2] }}`"
+            ));
+        }
+    }
+    let counts: Vec<(&str, u32)> = match facts.image_tokens {
+        None => Vec::new(),
+        Some(ImageTokens::Patches(it)) => vec![("side_px", it.side_px), ("percent", it.percent)],
+        Some(ImageTokens::Tiles(it)) => vec![
+            ("side_px", it.side_px),
+            ("short_side_px", it.short_side_px),
+            ("each", it.each),
+            ("base", it.base.max(1)),
+        ],
+        Some(ImageTokens::Flat(it)) if it.at_least > it.at_most => {
+            return Err(format!(
+                "`flat` has more tokens at least ({}) than at most ({})",
+                it.at_least, it.at_most
+            ));
+        }
+        Some(ImageTokens::Flat(it)) => vec![("at_most", it.at_most)],
+    };
+    let multiples = facts.coordinates.and_then(|habit| habit.multiples_of_px);
+    let sides = multiples.map(|step| ("multiples_of_px", step)).into_iter();
+    let sides = sides.chain(facts.largest_side_px.map(|side| ("largest_side_px", side)));
+    for (key, count) in counts.into_iter().chain(sides) {
+        if !(1..=MOST).contains(&count) {
+            return Err(format!("`{key} = {count}` is not from 1 to {MOST}"));
+        }
+    }
+    check_prices(facts.price.as_deref().unwrap_or_default())
+}
+
+fn check_prices(prices: &[Price]) -> Result<(), String> {
+    for (number, price) in prices.iter().enumerate() {
+        for dollars in [Some(price.input), price.cached_input, Some(price.output)]
+            .into_iter()
+            .flatten()
+        {
+            if !(0.0..=Price::MOST).contains(&dollars) {
+                return Err(format!(
+                    "the price {dollars} is not from 0 to {} USD per million tokens",
+                    Price::MOST
+                ));
+            }
+        }
+        if prices[..number]
+            .iter()
+            .any(|other| other.from == price.from)
+        {
+            let from = price
+                .from
+                .map_or("no day".to_owned(), |from| from.to_string());
+            return Err(format!(
+                "two prices count from {from}; all but one need a day of their own in `from`"
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn sourced(source: &str) -> Result<(), String> {
+    if source.trim().is_empty() {
+        return Err("`source` is empty; say where the facts are from".to_owned());
+    }
+    Ok(())
+}
+
+/// Holds what is sent and printed to one short line.
+fn plain(key: &str, text: &str) -> Result<(), String> {
+    if (1..=MAX_NAME).contains(&text.len()) && !text.chars().any(char::is_control) {
+        return Ok(());
+    }
+    Err(format!("`{key}` is not 1 to {MAX_NAME} bytes on one line"))
+}

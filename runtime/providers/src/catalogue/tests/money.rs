@@ -1,0 +1,183 @@
+//! What a day makes of a model: notices, prices, costs.
+
+use super::super::*;
+use super::{date, find};
+use fab_model::calls::{Usage, Usd};
+use fab_model::{Message, ModelRole, Part, Png, Request, Speaker};
+
+#[test]
+fn notices_tell_what_a_day_makes_of_a_model() {
+    let told = |model: &str, day: &str| find(model).notices(date(day));
+    assert_eq!(
+        told("openai:gpt-4-0613", "2026-11-20")[0],
+        Notice::Retired {
+            on: date("2026-10-23")
+        }
+    );
+    assert_eq!(
+        told("openai:o3", "2026-12-11")[0],
+        Notice::Retired {
+            on: date("2026-12-11")
+        }
+    );
+    let soon = Notice::RetiresSoon {
+        on: date("2026-12-11"),
+        days: 21,
+    };
+    assert_eq!(told("openai:o3", "2026-11-20")[0], soon);
+    let on = date("2027-01-14");
+    assert_eq!(
+        told("openai:gpt-4o", "2026-10-16")[0],
+        Notice::RetiresSoon { on, days: 90 }
+    );
+    assert!(
+        !told("openai:gpt-4o", "2026-10-15")
+            .iter()
+            .any(|it| matches!(it, Notice::RetiresSoon { .. }))
+    );
+    assert_eq!(told("openai:gpt-6.2-sol", "2026-11-20"), [Notice::Undated]);
+    let argon = told("google:gemini-4-argon", "2026-11-30");
+    let by_name = Notice::ByName {
+        name: "Gemini 4 Argon".to_owned(),
+    };
+    assert_eq!(
+        argon,
+        [
+            by_name,
+            Notice::PriceChanges {
+                on: date("2026-12-01")
+            },
+            Notice::Undated
+        ]
+    );
+    assert!(
+        !told("google:gemini-4-argon", "2026-12-01")
+            .iter()
+            .any(|it| matches!(it, Notice::PriceChanges { .. }))
+    );
+    let unlisted = Notice::Unlisted { near: None };
+    assert_eq!(
+        told("ollama:llava", "2026-11-20"),
+        [unlisted.clone(), Notice::CoordinatesUnknown]
+    );
+    assert_eq!(
+        told("anthropic:x-20260101", "2026-11-20"),
+        [unlisted, Notice::PriceUnknown, Notice::CoordinatesUnknown]
+    );
+    for notice in argon {
+        assert!(
+            !notice.to_string().ends_with('.') && !notice.is_warning(),
+            "{notice}"
+        );
+    }
+}
+
+#[test]
+fn costs_are_exact_to_the_last_billionth() {
+    let priced = find("openai:gpt-6.2-sol").priced_on(date("2026-11-20"));
+    let usage = Usage {
+        input_tokens: 1_000_003,
+        cached_input_tokens: 1_000_000,
+        output_tokens: 7,
+    };
+    // 1,000,000 at 0.10 + 3 at 2 + 7 at 10 USD per million.
+    assert_eq!(
+        priced.cost(usage),
+        Some(Usd::from_nano(100_000_000 + 6_000 + 70_000))
+    );
+    let third = Price {
+        from: None,
+        input: 0.07,
+        cached_input: None,
+        output: 0.0,
+    };
+    let one = |input_tokens, cached_input_tokens| Usage {
+        input_tokens,
+        cached_input_tokens,
+        output_tokens: 0,
+    };
+    assert_eq!(
+        third.cost(one(1_000_000, 0)),
+        Usd::from_nano(70_000_000),
+        "0.07 has no exact binary form"
+    );
+    assert_eq!(
+        third.cost(one(1, 1)),
+        Usd::from_nano(70),
+        "cached tokens without a price count as others"
+    );
+    assert_eq!(
+        third.cost(one(5, 50)),
+        Usd::from_nano(350),
+        "no more can be cached than were sent"
+    );
+    let huge = Usage {
+        input_tokens: u64::MAX,
+        cached_input_tokens: 0,
+        output_tokens: u64::MAX,
+    };
+    assert_eq!(
+        Price {
+            input: Price::MOST,
+            ..third
+        }
+        .cost(huge),
+        Usd::from_nano(u64::MAX)
+    );
+    assert_eq!(
+        find("openai:o3").priced_on(date("2026-11-20")).cost(usage),
+        None
+    );
+    assert_eq!(
+        find("vllm:anything")
+            .priced_on(date("2026-11-20"))
+            .cost(usage),
+        Some(Usd::ZERO)
+    );
+}
+
+#[test]
+fn a_later_price_counts_from_its_day() {
+    let argon = find("google:gemini-4-argon");
+    let input = |day: &str| argon.price_on(date(day)).map(|price| price.input);
+    assert_eq!(input("2026-11-30"), Some(2.0));
+    assert_eq!(input("2026-12-01"), Some(4.0));
+}
+
+#[test]
+fn the_most_that_a_request_may_cost_covers_input_answer_and_pictures() {
+    let mut message = Message::text(Speaker::User, "a".repeat(400));
+    let picture = fab_picture::png::encode(&image::RgbImage::new(224, 224));
+    message.parts.push(Part::Image(Png::new(picture)));
+    let mut request = Request::new(ModelRole::Vision, vec![message]);
+    let today = date("2026-11-20");
+    let sol = find("openai:gpt-6.2-sol").priced_on(today);
+    assert_eq!(sol.at_most(&request), None, "no longest answer is stated");
+    request.max_tokens = Some(1000);
+    // 3 * (100 + 59) tokens at 2 USD, 1000 at 10 USD per million.
+    assert_eq!(
+        sol.at_most(&request),
+        Some(Usd::from_nano(3 * 159 * 2_000 + 1000 * 10_000))
+    );
+    request.schema = Some(serde_json::json!({ "a": 1 }));
+    // `{"a":1}` has seven letters, two tokens.
+    assert_eq!(
+        sol.at_most(&request),
+        Some(Usd::from_nano(3 * 161 * 2_000 + 1000 * 10_000))
+    );
+    for (model, why) in [
+        ("openai:o3", "no price"),
+        ("google:gemini-4-argon", "no formula for pictures"),
+    ] {
+        assert_eq!(
+            find(model).priced_on(today).at_most(&request),
+            None,
+            "{why}"
+        );
+    }
+    request.max_tokens = None;
+    assert_eq!(
+        find("ollama:x").priced_on(today).at_most(&request),
+        Some(Usd::ZERO)
+    );
+}

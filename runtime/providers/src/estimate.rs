@@ -1,0 +1,360 @@
+//! What a run would ask and cost, before anything is sent.
+//!
+//! In: the first messages of each stage, how often they may be asked, and what is known of the models. Out: bounds on
+//! calls, tokens and money, and the names of what is not known. The lower bound takes each step to be answered at
+//! once, and each step to be taken; a rollout that reaches its goal early or fails asks less. The upper bound counts
+//! every question, with the corrections before it, the longest answers, and [`SAFETY`] times the estimated input; a
+//! call that is sent again after a failure of the network is not in it.
+
+use crate::catalogue::{Date, Profile, SAFETY, Tokens, tokens};
+use fab_model::calls::Usage;
+use fab_model::calls::Usd;
+use fab_model::{Message, Part};
+use serde::Serialize;
+use std::collections::BTreeSet;
+use std::fmt;
+
+/// A correction is taken to have at most so many tokens; those of the shipped tasks have up to 60.
+const CORRECTION_TOKENS: u64 = 200;
+
+/// A stage and its first messages, as they would be sent in the first step.
+#[derive(Clone, Copy, Debug)]
+pub struct Question<'a> {
+    /// Name of the stage.
+    pub stage: &'a str,
+    /// What is known of the model that is asked.
+    pub profile: &'a Profile,
+    /// What is sent at first.
+    pub messages: &'a [Message],
+    /// The JSON Schema of the answer, where one is sent.
+    pub schema: Option<&'a serde_json::Value>,
+    /// The longest answer, tokens, where the task states one.
+    pub max_tokens: Option<u32>,
+}
+
+/// What a correction shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Correction {
+    /// Words alone.
+    Words,
+    /// The refused action too, drawn on a picture as large as the largest that the stage shows.
+    Picture,
+}
+
+/// How often which questions may be asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan<'a> {
+    /// The stages of a step, in order; what one answers may be told to the later ones.
+    pub questions: &'a [Question<'a>],
+    /// Steps of a rollout.
+    pub horizon: u32,
+    /// The most actions for a step: one, and its retries.
+    pub actions_per_step: u32,
+    /// The most questions per stage and action.
+    pub attempts: u32,
+    /// What a correction shows.
+    pub correction: Correction,
+    /// How many rollouts.
+    pub rollouts: u64,
+    /// The day whose prices count.
+    pub today: Date,
+}
+
+/// What a run would ask and cost.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// How many calls.
+    pub calls: Bounds<u64>,
+    /// Tokens of all questions; the upper bound is None where a part of it is not known.
+    pub input_tokens: Bounds<u64>,
+    /// Tokens of all answers.
+    pub output_tokens: Bounds<u64>,
+    /// What all calls cost, billionths of a US dollar.
+    pub cost: Bounds<Usd>,
+    /// What is not known, in words.
+    pub unknown: Vec<String>,
+    /// The same per stage.
+    pub stages: Vec<StageEstimate>,
+}
+
+/// Two bounds, None where a part of one is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Bounds<T> {
+    /// The lower one.
+    pub at_least: Option<T>,
+    /// The upper one.
+    pub at_most: Option<T>,
+}
+
+impl Estimate {
+    /// Adds up what several parts of a run would ask and cost.
+    pub fn total(parts: impl IntoIterator<Item = Estimate>) -> Estimate {
+        let none = Bounds {
+            at_least: Some(0),
+            at_most: Some(0),
+        };
+        let mut total = Estimate {
+            calls: none,
+            input_tokens: none,
+            output_tokens: none,
+            cost: Bounds {
+                at_least: Some(Usd::ZERO),
+                at_most: Some(Usd::ZERO),
+            },
+            unknown: Vec::new(),
+            stages: Vec::new(),
+        };
+        let mut unknown = BTreeSet::new();
+        for part in parts {
+            total.calls = total.calls.plus(part.calls, u64::saturating_add);
+            total.input_tokens = total
+                .input_tokens
+                .plus(part.input_tokens, u64::saturating_add);
+            total.output_tokens = total
+                .output_tokens
+                .plus(part.output_tokens, u64::saturating_add);
+            total.cost = total.cost.plus(part.cost, |a, b| a + b);
+            unknown.extend(part.unknown);
+            total.stages.extend(part.stages);
+        }
+        total.unknown = unknown.into_iter().collect();
+        total
+    }
+}
+
+impl<T: Copy> Bounds<T> {
+    fn plus(self, other: Bounds<T>, add: impl Fn(T, T) -> T) -> Bounds<T> {
+        Bounds {
+            at_least: self.at_least.zip(other.at_least).map(|(a, b)| add(a, b)),
+            at_most: self.at_most.zip(other.at_most).map(|(a, b)| add(a, b)),
+        }
+    }
+}
+
+/// What a stage would ask and cost.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StageEstimate {
+    /// Its name.
+    pub stage: String,
+    /// `PROVIDER:NAME` of the model that is asked.
+    pub model: String,
+    /// Estimated tokens of its first question in a step.
+    pub first_question: Option<Tokens>,
+    /// How many calls.
+    pub calls: Bounds<u64>,
+    /// Tokens of all its questions.
+    pub input_tokens: Bounds<u64>,
+    /// Tokens of all its answers.
+    pub output_tokens: Bounds<u64>,
+    /// What its calls cost, billionths of a US dollar.
+    pub cost: Bounds<Usd>,
+}
+
+impl Plan<'_> {
+    /// Bounds what the run would ask and cost.
+    pub fn estimate(&self) -> Estimate {
+        let mut unknown = BTreeSet::new();
+        let mut told = Some(0);
+        let mut stages = Vec::with_capacity(self.questions.len());
+        for question in self.questions {
+            stages.push(self.stage(question, told, &mut unknown));
+            told = add(told, question.max_tokens.map(u64::from));
+        }
+        let sum = |part: fn(&StageEstimate) -> Bounds<u64>| Bounds {
+            at_least: stages
+                .iter()
+                .map(|stage| part(stage).at_least)
+                .try_fold(0, plus),
+            at_most: stages
+                .iter()
+                .map(|stage| part(stage).at_most)
+                .try_fold(0, plus),
+        };
+        let costs = |part: fn(&Bounds<Usd>) -> Option<Usd>| {
+            stages
+                .iter()
+                .map(|stage| part(&stage.cost))
+                .sum::<Option<Usd>>()
+        };
+        Estimate {
+            calls: sum(|stage| stage.calls),
+            input_tokens: sum(|stage| stage.input_tokens),
+            output_tokens: sum(|stage| stage.output_tokens),
+            cost: Bounds {
+                at_least: costs(|cost| cost.at_least),
+                at_most: costs(|cost| cost.at_most),
+            },
+            unknown: unknown.into_iter().collect(),
+            stages,
+        }
+    }
+
+    /// Bounds one stage; `told`: the most tokens of earlier stages' answers that its question may hold.
+    fn stage(
+        &self,
+        question: &Question<'_>,
+        told: Option<u64>,
+        unknown: &mut BTreeSet<String>,
+    ) -> StageEstimate {
+        let profile = question.profile;
+        let model = profile.title();
+        let formula = profile.facts.image_tokens.as_ref();
+        let first = tokens::of_messages(question.messages, formula);
+        if first.is_none() {
+            unknown.insert(format!("how many tokens a picture has for {model}"));
+        }
+        if question.max_tokens.is_none() {
+            unknown.insert(format!(
+                "the longest answer of the stage `{}`: state `tokens`",
+                question.stage
+            ));
+        }
+        let price = profile.price_on(self.today);
+        if price.is_none() {
+            unknown.insert(format!("the price of {model}"));
+        }
+        let actions = self.rollouts.saturating_mul(self.horizon.into());
+        let most_actions = actions.saturating_mul(self.actions_per_step.into());
+        let most_calls = most_actions.saturating_mul(self.attempts.into());
+        let calls = Bounds {
+            at_least: Some(actions),
+            at_most: Some(most_calls),
+        };
+        let input_tokens = Bounds {
+            at_least: first.map(|first| first.at_least.saturating_mul(actions)),
+            at_most: self
+                .most_input(question, first, told, formula)
+                .map(|input| input.saturating_mul(most_actions)),
+        };
+        let output_tokens = Bounds {
+            // An answer has at least one.
+            at_least: calls.at_least,
+            at_most: question
+                .max_tokens
+                .map(|tokens| u64::from(tokens).saturating_mul(most_calls)),
+        };
+        let cost = |input: Option<u64>, output: Option<u64>| {
+            if profile.is_free() {
+                return Some(Usd::ZERO);
+            }
+            let usage = Usage {
+                input_tokens: input?,
+                cached_input_tokens: 0,
+                output_tokens: output?,
+            };
+            Some(price?.cost(usage))
+        };
+        StageEstimate {
+            stage: question.stage.to_owned(),
+            model,
+            first_question: first,
+            calls,
+            input_tokens,
+            output_tokens,
+            cost: Bounds {
+                at_least: cost(input_tokens.at_least, output_tokens.at_least),
+                at_most: cost(input_tokens.at_most, output_tokens.at_most),
+            },
+        }
+    }
+
+    /// Returns the most input tokens of all attempts at one action: each question repeats the ones before it, their
+    /// answers and their corrections.
+    fn most_input(
+        &self,
+        question: &Question<'_>,
+        first: Option<Tokens>,
+        told: Option<u64>,
+        formula: Option<&crate::catalogue::ImageTokens>,
+    ) -> Option<u64> {
+        let attempts = u64::from(self.attempts);
+        let schema = question
+            .schema
+            .map_or(0, |schema| tokens::of_text(&schema.to_string()));
+        let remark = if self.actions_per_step > 1 {
+            CORRECTION_TOKENS
+        } else {
+            0
+        };
+        let each = first?
+            .at_most
+            .saturating_add(told?)
+            .saturating_add(schema)
+            .saturating_add(remark);
+        let mut all = each.saturating_mul(attempts);
+        if attempts > 1 {
+            let picture = match self.correction {
+                Correction::Words => 0,
+                Correction::Picture => largest_picture(question.messages, formula)?,
+            };
+            let more = u64::from(question.max_tokens?)
+                .saturating_add(CORRECTION_TOKENS)
+                .saturating_add(picture);
+            // 0 corrections before the first question, 1 before the second, and so on.
+            let repeated = attempts.saturating_mul(attempts - 1) / 2;
+            all = all.saturating_add(more.saturating_mul(repeated));
+        }
+        Some(all.saturating_mul(SAFETY))
+    }
+}
+
+fn largest_picture(
+    messages: &[Message],
+    formula: Option<&crate::catalogue::ImageTokens>,
+) -> Option<u64> {
+    let pictures = messages
+        .iter()
+        .flat_map(|message| &message.parts)
+        .filter(|part| matches!(part, Part::Image(_)));
+    let mut largest = 0;
+    for picture in pictures {
+        let alone = Message {
+            speaker: fab_model::Speaker::User,
+            parts: vec![picture.clone()],
+        };
+        largest = largest.max(tokens::of_messages(&[alone], formula)?.at_most);
+    }
+    Some(largest)
+}
+
+fn add(one: Option<u64>, other: Option<u64>) -> Option<u64> {
+    plus(one?, other)
+}
+
+fn plus(sum: u64, more: Option<u64>) -> Option<u64> {
+    Some(sum.saturating_add(more?))
+}
+
+impl<T: fmt::Display> fmt::Display for Bounds<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let words = |bound: &Option<T>| {
+            let known = bound.as_ref();
+            known.map_or("?".to_owned(), |bound| bound.to_string())
+        };
+        write!(f, "{} to {}", words(&self.at_least), words(&self.at_most))
+    }
+}
+
+impl fmt::Display for Estimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for stage in &self.stages {
+            let first = stage.first_question;
+            let first = first.map_or("?".to_owned(), |first| first.to_string());
+            writeln!(
+                f,
+                "{} ({}): {} calls, about {first} tokens for a first question",
+                stage.stage, stage.model, stage.calls
+            )?;
+        }
+        writeln!(f, "calls: {}", self.calls)?;
+        writeln!(f, "input tokens: {}", self.input_tokens)?;
+        writeln!(f, "output tokens: {}", self.output_tokens)?;
+        write!(f, "cost: {}", self.cost)?;
+        let mut unknown = self.unknown.iter();
+        unknown.try_for_each(|what| write!(f, "\nnot known: {what}"))
+    }
+}
+
+#[cfg(test)]
+#[path = "estimate_tests.rs"]
+mod tests;

@@ -1,0 +1,183 @@
+//! Bounds of small plans, counted by hand, and those that are played out.
+
+use super::*;
+use crate::catalogue::Catalogue;
+use fab_model::{Png, Speaker};
+
+/// 100 estimated tokens.
+fn words() -> Message {
+    Message::text(Speaker::User, "a".repeat(400))
+}
+
+/// 100 estimated tokens, and 59 of a picture.
+fn shown() -> Message {
+    let mut message = words();
+    let picture = fab_picture::png::encode(&image::RgbImage::new(224, 224));
+    message.parts.push(Part::Image(Png::new(picture)));
+    message
+}
+
+fn find(model: &str) -> Profile {
+    Catalogue::builtin().find(model).expect("known")
+}
+
+/// Two stages, three steps, five rollouts.
+fn estimate(
+    vision: &str,
+    text: &str,
+    change: &dyn Fn(&mut Plan<'_>),
+    longest: Option<u32>,
+) -> Estimate {
+    let (shown, words) = ([shown()], [words()]);
+    let (vision, text) = (find(vision), find(text));
+    let question = |stage, profile, messages| Question {
+        stage,
+        profile,
+        messages,
+        schema: None,
+        max_tokens: longest,
+    };
+    let questions = [
+        question("look", &vision, shown.as_slice()),
+        question("plan", &text, words.as_slice()),
+    ];
+    let mut plan = Plan {
+        questions: &questions,
+        horizon: 3,
+        actions_per_step: 1,
+        attempts: 1,
+        correction: Correction::Words,
+        rollouts: 5,
+        today: "2026-11-20".parse().expect("a date"),
+    };
+    change(&mut plan);
+    plan.estimate()
+}
+
+const SOL: &str = "openai:gpt-6.2-sol";
+
+#[test]
+fn where_each_question_is_asked_once_the_bounds_differ_by_the_answers_and_the_safety() {
+    let found = estimate(SOL, SOL, &|_| {}, Some(50));
+    assert_eq!(
+        (found.calls.at_least, found.calls.at_most),
+        (Some(30), Some(30))
+    );
+    assert_eq!(found.input_tokens.at_least, Some(15 * 159 + 15 * 100));
+    // The second stage may be told the 50 tokens that the first one answers.
+    assert_eq!(
+        found.input_tokens.at_most,
+        Some(SAFETY * (15 * 159 + 15 * 150))
+    );
+    assert_eq!(
+        (found.output_tokens.at_least, found.output_tokens.at_most),
+        (Some(30), Some(30 * 50))
+    );
+    assert_eq!(
+        found.cost.at_least,
+        Some(Usd::from_nano((15 * 259) * 2_000 + 30 * 10_000))
+    );
+    assert_eq!(found.unknown, Vec::<String>::new());
+}
+
+#[test]
+fn conversations_that_grow_by_corrections_are_counted_as_they_are_played_out() {
+    let attempts = 3;
+    let change = |plan: &mut Plan<'_>| {
+        plan.attempts = attempts;
+        plan.actions_per_step = 2;
+    };
+    let found = estimate(SOL, SOL, &change, Some(50));
+    let mut expected = 0;
+    for (first, told) in [(159, 0), (100, 50)] {
+        for _action in 0..5 * 3 * 2 {
+            let mut talk = first + told + CORRECTION_TOKENS;
+            for _attempt in 0..attempts {
+                expected += talk * SAFETY;
+                talk += 50 + CORRECTION_TOKENS;
+            }
+        }
+    }
+    assert_eq!(found.input_tokens.at_most, Some(expected));
+    assert_eq!(
+        (found.calls.at_least, found.calls.at_most),
+        (Some(30), Some(30 * 2 * 3))
+    );
+    let pictured = estimate(
+        SOL,
+        SOL,
+        &|plan| {
+            change(plan);
+            plan.correction = Correction::Picture;
+        },
+        Some(50),
+    );
+    // Stage `look` repeats the refused action's picture once before its second question, twice before its third.
+    assert_eq!(
+        pictured.input_tokens.at_most,
+        Some(expected + SAFETY * 30 * 3 * 59)
+    );
+}
+
+#[test]
+fn what_is_not_known_is_named_and_leaves_the_bound_open() {
+    let found = estimate("google:gemini-4-argon", "openai:o3", &|_| {}, None);
+    assert_eq!(
+        found.cost,
+        Bounds {
+            at_least: None,
+            at_most: None
+        }
+    );
+    assert_eq!(
+        found.input_tokens,
+        Bounds {
+            at_least: None,
+            at_most: None
+        }
+    );
+    assert_eq!(found.calls.at_most, Some(30));
+    assert_eq!(
+        found.unknown,
+        [
+            "how many tokens a picture has for google:gemini-4-argon",
+            "the longest answer of the stage `look`: state `tokens`",
+            "the longest answer of the stage `plan`: state `tokens`",
+            "the price of openai:o3",
+        ]
+    );
+    let text = found.to_string();
+    assert!(
+        text.contains("cost: ? to ?\nnot known: how many tokens"),
+        "{text}"
+    );
+}
+
+#[test]
+fn models_on_the_users_own_machine_cost_nothing_whatever_is_unknown() {
+    let found = estimate("ollama:x", "vllm:y", &|_| {}, None);
+    assert_eq!(
+        found.cost,
+        Bounds {
+            at_least: Some(Usd::ZERO),
+            at_most: Some(Usd::ZERO)
+        }
+    );
+}
+
+#[test]
+fn no_plan_makes_a_sum_overflow() {
+    let found = estimate(
+        SOL,
+        SOL,
+        &|plan| {
+            plan.rollouts = u64::MAX;
+            plan.horizon = u32::MAX;
+            plan.attempts = u32::MAX;
+            plan.actions_per_step = u32::MAX;
+        },
+        Some(u32::MAX),
+    );
+    assert_eq!(found.calls.at_most, Some(u64::MAX));
+    assert_eq!(found.cost.at_most, Some(Usd::from_nano(u64::MAX)));
+}

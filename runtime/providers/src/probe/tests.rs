@@ -1,0 +1,273 @@
+//! Scripted models that see the dots well and answer in a frame of their own.
+
+use super::*;
+use fab_model::calls::Unkept;
+use fab_model::{Nature, Reply};
+
+/// Finds the dots in the picture by their colours and names them in one frame, whatever it is asked for.
+struct Seeing {
+    /// How it is told of places.
+    told: Lowering,
+    /// How it says where they are; what it resizes is the picture that it got.
+    says: Lowering,
+    /// What it says of the place, from two numbers.
+    form: fn(&str, [f64; 2]) -> String,
+}
+
+impl Seeing {
+    /// Writes a place, its own way: parts of the picture's sides.
+    fn numbers(&self, part: [f64; 2], got: [u32; 2]) -> [f64; 2] {
+        let looked_at = |side: u32| match self.says.resize {
+            Resize::Multiples { of_px } => {
+                let of = f64::from(of_px.get());
+                (f64::from(side) / of).round() * of
+            }
+            _ => f64::from(side),
+        };
+        let [x, y] = [0, 1].map(|axis| match self.says.unit {
+            CoordinateUnit::Pixels => part[axis] * looked_at(got[axis]) - 0.5,
+            CoordinateUnit::Fraction => part[axis],
+            CoordinateUnit::Percent => part[axis] * 100.0,
+            CoordinateUnit::PerMille => part[axis] * 1000.0,
+        });
+        match self.says.order {
+            Order::Xy => [x, y],
+            Order::Yx => [y, x],
+        }
+    }
+}
+
+impl Model for Seeing {
+    fn name(&self) -> &str {
+        "seeing"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::StandIn
+    }
+
+    fn lowering(&self) -> Lowering {
+        self.told
+    }
+
+    fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let Some(Part::Image(png)) = request.messages[0].parts.last() else {
+            panic!("the question shows a picture");
+        };
+        let shown = png::decode(png.bytes(), std::path::Path::new("shown")).expect("a picture");
+        let lines = DOTS.map(|(name, colour)| {
+            let (mut sum, mut count) = ([0.0, 0.0], 0.0);
+            for (x, y, _) in shown
+                .enumerate_pixels()
+                .filter(|(_, _, pixel)| pixel.0 == colour)
+            {
+                sum = [sum[0] + f64::from(x), sum[1] + f64::from(y)];
+                count += 1.0;
+            }
+            let got = [shown.width(), shown.height()];
+            let part = [0, 1].map(|axis| (sum[axis] / count + 0.5) / f64::from(got[axis]));
+            (self.form)(name, self.numbers(part, got))
+        });
+        Ok(Reply {
+            text: lines.join("\n"),
+            usage: Some(Usage {
+                input_tokens: 100,
+                cached_input_tokens: 0,
+                output_tokens: 10,
+            }),
+            cost: None,
+        })
+    }
+}
+
+fn plain(name: &str, [one, other]: [f64; 2]) -> String {
+    format!("{name}: ({one:.3}, {other:.3})")
+}
+
+fn lowering(unit: CoordinateUnit, order: Order, resize: Resize) -> Lowering {
+    Lowering {
+        unit,
+        order,
+        resize,
+        ..Lowering::PIXELS
+    }
+}
+
+fn multiples() -> Resize {
+    Resize::Multiples {
+        of_px: MULTIPLES_OF_PX,
+    }
+}
+
+fn found(told: Lowering, says: Lowering) -> Probe {
+    let form = plain;
+    probe(&Seeing { told, says, form }, 7, &mut Unkept).expect("it answers")
+}
+
+#[test]
+fn the_way_in_which_a_model_answers_is_found_whichever_was_asked_for() {
+    let [pixels, y_first] =
+        Order::ALL.map(|order| lowering(CoordinateUnit::Pixels, order, multiples()));
+    let of_sides = lowerings(Lowering::PIXELS);
+    assert_eq!(of_sides.len(), 10);
+    assert!(of_sides.contains(&pixels) && of_sides.contains(&y_first));
+    for says in of_sides {
+        for told in [Lowering::PIXELS, says] {
+            let found = found(told, says);
+            assert_eq!(found.best(), Some(says), "asked for {told}");
+            let error = found.tried[0].error;
+            assert!(error.max < 1.0, "{says}: {error:?}");
+            assert_eq!(found.agrees(), says == told, "{says}, asked for {told}");
+            assert_eq!((found.read, found.dots), (12, 12));
+        }
+    }
+}
+
+#[test]
+fn a_model_that_gets_pictures_in_its_size_has_no_reason_to_resize_them() {
+    let told = lowering(CoordinateUnit::Pixels, Order::Xy, multiples());
+    let found = found(told, Lowering::PIXELS);
+    assert!(found.agrees(), "{:?}", found.tried);
+    assert!(found.tried[0].error.max < 1.0, "{:?}", found.tried[0]);
+    assert_eq!(found.tried.len(), 8, "no way is tried twice");
+}
+
+#[test]
+fn what_a_model_resizes_is_the_picture_that_it_was_sent() {
+    let side_px = NonZeroU32::new(360).expect("not 0");
+    let told = lowering(
+        CoordinateUnit::Pixels,
+        Order::Xy,
+        Resize::Within { side_px },
+    );
+    let says = lowering(CoordinateUnit::Pixels, Order::Xy, multiples());
+    let found = found(told, says);
+    assert_eq!(found.best(), Some(says));
+    assert!(found.tried[0].error.max < 1.0, "{:?}", found.tried[0]);
+}
+
+#[test]
+fn a_question_has_the_words_of_rollouts_and_a_picture_in_their_size() {
+    for (told, words, sent) in [
+        (Lowering::PIXELS, "(x, y) in pixels: x grows", [720; 2]),
+        (
+            lowering(CoordinateUnit::Pixels, Order::Yx, multiples()),
+            "[y, x] in pixels of a picture 728 wide and 728 high: x grows",
+            [728; 2],
+        ),
+        (
+            lowering(CoordinateUnit::PerMille, Order::Xy, Resize::Never),
+            "(x, y) in thousandths of the picture's width and height: x grows",
+            [720; 2],
+        ),
+    ] {
+        let asked = question(720, &[[100, 100]; 6], told);
+        let [Part::Text(text), Part::Image(png)] = &asked.messages[0].parts[..] else {
+            panic!("a text and a picture");
+        };
+        assert!(text.contains(words), "{text}");
+        let sentence = told.pointing([720; 2]).sentence();
+        assert!(text.contains(&sentence), "{text}");
+        let form = told.pointing([720; 2]).form();
+        assert!(text.contains(&format!("\nmagenta: {form}")), "{text}");
+        let shown = png::decode(png.bytes(), std::path::Path::new("shown"));
+        assert_eq!(
+            <[u32; 2]>::from(shown.expect("a picture").dimensions()),
+            sent
+        );
+    }
+}
+
+#[test]
+fn errors_count_pixels_of_the_cameras_picture_whatever_was_sent() {
+    let side_px = NonZeroU32::new(360).expect("not 0");
+    let told = lowering(
+        CoordinateUnit::Pixels,
+        Order::Xy,
+        Resize::Within { side_px },
+    );
+    let form = |name: &str, [x, y]: [f64; 2]| plain(name, [x + 1.0, y]);
+    let says = Lowering::PIXELS;
+    let found = probe(&Seeing { told, says, form }, 7, &mut Unkept).expect("it answers");
+    let error = found.error.expect("it was read");
+    // One pixel of the small picture, which is sent as it is, and of the large one, which is sent at half its size.
+    assert!((error.mean - 1.5).abs() < 0.2, "{error:?}");
+    assert!((error.max - 2.0).abs() < 0.5, "{error:?}");
+}
+
+#[test]
+fn coordinates_are_asked_for_where_rollouts_ask_for_numbers() {
+    let told = Lowering {
+        points: Points::Marks,
+        ..Lowering::PIXELS
+    };
+    let found = found(told, Lowering::PIXELS);
+    assert!(found.agrees() && found.asked == Lowering::PIXELS);
+}
+
+#[test]
+fn an_answer_in_another_frame_is_seen_by_its_error() {
+    let per_mille = lowering(CoordinateUnit::PerMille, Order::Xy, Resize::Never);
+    let found = found(Lowering::PIXELS, per_mille);
+    let error = found.error.expect("it was read");
+    assert!(error.median > 50.0 && error.mean <= error.max, "{error:?}");
+    assert_eq!(found.usage.expect("it was told").input_tokens, 200);
+    assert_eq!(found.cost, None, "an unknown cost stays unknown");
+}
+
+fn in_pixels(form: fn(&str, [f64; 2]) -> String, seed: u64) -> Probe {
+    let [told, says] = [Lowering::PIXELS; 2];
+    probe(&Seeing { told, says, form }, seed, &mut Unkept).expect("it answers")
+}
+
+#[test]
+fn an_answer_that_names_no_place_fits_no_frame() {
+    let found = in_pixels(|name, _| format!("I see a {name} dot"), 7);
+    assert_eq!((found.best(), found.error, found.read), (None, None, 0));
+    assert!(!found.agrees());
+}
+
+#[test]
+fn a_dot_that_is_not_named_does_not_agree() {
+    let all_but_blue = |name: &str, at| match name {
+        "blue" => String::new(),
+        _ => plain(name, at),
+    };
+    let found = in_pixels(all_but_blue, 7);
+    assert_eq!((found.best(), found.read), (Some(Lowering::PIXELS), 10));
+    assert!(!found.agrees());
+}
+
+#[test]
+fn dots_lie_apart_and_inside_whatever_the_seed() {
+    for seed in 0..200 {
+        let mut chance = Chance::seeded(seed);
+        for side in SIDES_PX {
+            let radius = f64::from(side / 45).max(4.0);
+            let places = places(side, &mut chance);
+            for (number, one) in places.iter().enumerate() {
+                let inside = one
+                    .map(|at| f64::from(at) >= radius && f64::from(at) + radius < f64::from(side));
+                assert_eq!(inside, [true, true], "seed {seed}: {one:?} of {side}");
+                for other in &places[..number] {
+                    let [dx, dy] = [0, 1].map(|axis| f64::from(one[axis]) - f64::from(other[axis]));
+                    assert!(
+                        dx.hypot(dy) > 3.0 * radius,
+                        "seed {seed}: {one:?} {other:?} of {side}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_asks_the_same_and_another_asks_otherwise() {
+    let places = |seed| {
+        let found = in_pixels(plain, seed);
+        let dots = found.pictures.into_iter().flat_map(|picture| picture.dots);
+        dots.map(|dot| dot.at).collect::<Vec<_>>()
+    };
+    assert_eq!(places(3), places(3));
+    assert_ne!(places(3), places(4));
+}

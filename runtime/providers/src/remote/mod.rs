@@ -1,0 +1,378 @@
+//! Models of providers, asked over HTTP.
+//!
+//! In: a [`Request`]. Out: a [`Reply`], bought once and kept, or a named fault. [`wire`] knows what providers want to
+//! read and write, `transport` sends one message, `retry` says what is tried again, `gate` how much at once, `answers`
+//! keeps what was paid for. Every message is told to [`Calls`] before it is sent, and its end after. Which model has
+//! which facts and prices is left to whoever makes the [`Settings`].
+
+pub mod settings;
+pub mod wire;
+
+mod answers;
+mod base_url;
+mod gate;
+mod hints;
+mod key;
+mod redact;
+mod retry;
+mod status;
+mod transport;
+
+pub use super::catalogue::Wire;
+pub use answers::Answers;
+pub use base_url::{BaseUrl, BaseUrlError};
+pub use gate::Gate;
+pub use key::{Key, KeyError};
+pub use redact::Redactor;
+pub use retry::{Pause, RealTime, Retry, most_calls};
+pub use settings::{Pricing, Settings};
+
+use answers::{Claim, Found};
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
+use fab_model::calls::{Billing, Call, CallEnd, Calls, Fault, Usd};
+use fab_model::{Lowering, Model, ModelError, Nature, Reply, Request};
+use gate::Load;
+use reqwest::Url;
+use reqwest::header::{CONTENT_TYPE, HeaderMap, HeaderName, HeaderValue};
+use retry::{Next, Tries};
+use std::fmt;
+use std::sync::Arc;
+use std::time::Duration;
+use transport::{Incoming, Lost, Proxy, Transport};
+use wire::{Answer, Encoded};
+
+/// A provider's model.
+pub struct Remote {
+    name: String,
+    settings: Settings,
+    endpoint: Url,
+    transport: Transport,
+    shared: Shared,
+}
+
+/// What the models of a run have in common.
+#[derive(Clone, Debug)]
+pub struct Shared {
+    /// How many calls are under way at once; one gate per provider.
+    pub gate: Arc<Gate>,
+    /// The answers that are kept.
+    pub answers: Arc<Answers>,
+    /// Ends waiting calls.
+    pub interrupt: Interrupt,
+    /// Told in words why a question waits for a further try.
+    pub tell: Tell,
+    /// Further keys to hide in whatever comes back, such as those of other providers.
+    pub hidden: Vec<Key>,
+}
+
+/// Hears what a user may want to know while a question waits.
+#[derive(Clone)]
+pub struct Tell(Arc<dyn Fn(&str) + Send + Sync>);
+
+impl Tell {
+    /// Tells `listener`.
+    pub fn to(listener: impl Fn(&str) + Send + Sync + 'static) -> Tell {
+        Tell(Arc::new(listener))
+    }
+
+    /// Tells nobody.
+    pub fn nobody() -> Tell {
+        Tell::to(|_| {})
+    }
+}
+
+impl fmt::Debug for Tell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Tell")
+    }
+}
+
+/// Why nothing can be sent at all.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cannot set up calls to `{model}`: {why}")]
+pub struct SetupError {
+    /// The model's name.
+    pub model: String,
+    /// What the system said.
+    pub why: String,
+}
+
+/// A call that gave no answer.
+struct Ended {
+    fault: Fault,
+    billing: Billing,
+    why: String,
+    cost: Option<Usd>,
+    wait: Option<Duration>,
+}
+
+impl Remote {
+    /// Makes the model; its name is `PROVIDER:NAME`. Nothing is sent.
+    ///
+    /// A host that is this computer is reached without a proxy. Fails where the system's certificates or sockets
+    /// cannot be had, and where a key stands in the name or the base URL, since both are shown.
+    pub fn new(settings: Settings, shared: Shared) -> Result<Remote, SetupError> {
+        let redactor = Redactor::of(settings.key.iter().chain(&shared.hidden));
+        let endpoint = settings.base_url.endpoint(settings.wire, &settings.model);
+        let named = format!("{}:{}", settings.provider, settings.model);
+        let name = redactor.text(&named);
+        if name != named || redactor.text(endpoint.as_str()) != endpoint.as_str() {
+            return Err(SetupError {
+                model: name,
+                why: "a key stands in its name or its base URL; leave it out there".to_owned(),
+            });
+        }
+        let proxy = if settings.base_url.is_loopback() {
+            Proxy::None
+        } else {
+            Proxy::OfTheSystem
+        };
+        let transport = Transport::new(redactor, settings.timeout, proxy);
+        let transport = transport.map_err(|why| SetupError {
+            model: name.clone(),
+            why,
+        })?;
+        Ok(Remote {
+            name,
+            settings,
+            endpoint,
+            transport,
+            shared,
+        })
+    }
+
+    /// Returns the question as it would be sent.
+    ///
+    /// Fails where the model is known not to take what the request holds.
+    pub fn encoded(&self, request: &Request) -> Result<Encoded, ModelError> {
+        let encoded = self.settings.wire.encode(request, &self.settings);
+        encoded.map_err(|unfit| ModelError::Unsupported {
+            model: self.name.clone(),
+            why: unfit.0,
+        })
+    }
+
+    /// Returns the longest answer that a request asks for in the end, tokens; None where none is sent.
+    pub fn longest_answer(&self, request: &Request) -> Option<u32> {
+        self.settings.sent_max_tokens(request)
+    }
+
+    /// Asks until there is an answer or no further try.
+    fn buy(
+        &self,
+        request: &Request,
+        encoded: &Encoded,
+        claim: &Claim<'_>,
+        calls: &mut dyn Calls,
+    ) -> Result<Reply, ModelError> {
+        let headers = self.headers(encoded);
+        let key = request.key();
+        let at_most = self.settings.pricing.at_most(&Request {
+            max_tokens: self.settings.sent_max_tokens(request),
+            ..request.clone()
+        });
+        let retry = &self.settings.retry;
+        let interrupt = &self.shared.interrupt;
+        let mut tries = Tries::new(retry);
+        loop {
+            let pass = self.shared.gate.enter(interrupt);
+            let pass = pass.ok_or(ModelError::Interrupted)?;
+            calls.begin(&Call {
+                model: &self.name,
+                key: &key,
+                number: tries.begin(),
+                at_most,
+            })?;
+            let body = &encoded.body;
+            let came = self
+                .transport
+                .post(&self.endpoint, &headers, body, interrupt);
+            let ended = match came {
+                Ok(incoming) => match self.read(&incoming) {
+                    Ok(answer) => {
+                        pass.tell(Load::Answered);
+                        claim.keep(&answer.text, answer.usage);
+                        let reply = Reply {
+                            cost: self.cost(answer.usage),
+                            text: answer.text,
+                            usage: answer.usage,
+                        };
+                        calls.end(&CallEnd::Answered(&reply))?;
+                        return Ok(reply);
+                    }
+                    Err(ended) => ended,
+                },
+                Err(Lost::Failed {
+                    fault,
+                    billing,
+                    why,
+                }) => Ended {
+                    fault,
+                    billing,
+                    why,
+                    cost: None,
+                    wait: None,
+                },
+                Err(Lost::Interrupted) => {
+                    calls.end(&CallEnd::Failed {
+                        fault: Fault::ConnectionCut,
+                        why: "interrupted before the whole answer was there",
+                        billing: Billing::Possibly,
+                        cost: None,
+                    })?;
+                    return Err(ModelError::Interrupted);
+                }
+            };
+            if matches!(ended.fault, Fault::RateLimited | Fault::ServerFailed) {
+                pass.tell(Load::TooMuch);
+            }
+            drop(pass);
+            calls.end(&CallEnd::Failed {
+                fault: ended.fault,
+                why: &ended.why,
+                billing: ended.billing,
+                cost: ended.cost,
+            })?;
+            match tries.after(ended.fault, ended.wait) {
+                Next::After(wait) => {
+                    let seconds = wait.as_secs_f64();
+                    (self.shared.tell.0)(&format!(
+                        "{}: {}: {}; asked again in {seconds:.1} s",
+                        self.name, ended.fault, ended.why
+                    ));
+                    retry.pause.pause(wait, interrupt);
+                }
+                Next::GiveUp(tried) => {
+                    return Err(ModelError::Failed {
+                        model: self.name.clone(),
+                        fault: ended.fault,
+                        why: format!("{} ({tried})", ended.why),
+                    });
+                }
+            }
+        }
+    }
+
+    /// Reads what came back; nothing of it holds a key.
+    fn read(&self, incoming: &Incoming) -> Result<Answer, Ended> {
+        // A key that the server split over two pieces of text is whole once these are joined.
+        let hide = |text: String| self.transport.redactor().text(&text);
+        match self.decode(incoming) {
+            Ok(answer) => Ok(Answer {
+                text: hide(answer.text),
+                ..answer
+            }),
+            Err(ended) => Err(Ended {
+                why: hide(ended.why),
+                ..ended
+            }),
+        }
+    }
+
+    fn decode(&self, incoming: &Incoming) -> Result<Answer, Ended> {
+        if !(200..300).contains(&incoming.status) {
+            let refusal = status::judge(incoming.status, &incoming.body);
+            return Err(Ended {
+                fault: refusal.fault,
+                billing: refusal.billing,
+                why: refusal.why,
+                cost: None,
+                wait: refusal.wait.max(incoming.wait),
+            });
+        }
+        let decoded = self.settings.wire.decode(&incoming.body);
+        decoded.map_err(|failure| Ended {
+            fault: failure.fault,
+            billing: Billing::Possibly,
+            why: failure.why,
+            cost: self.cost(failure.usage),
+            wait: incoming.wait,
+        })
+    }
+
+    fn cost(&self, usage: Option<fab_model::calls::Usage>) -> Option<Usd> {
+        self.settings.pricing.cost(usage?)
+    }
+
+    fn headers(&self, encoded: &Encoded) -> HeaderMap {
+        let mut headers = HeaderMap::new();
+        headers.insert(CONTENT_TYPE, HeaderValue::from_static("application/json"));
+        for (name, value) in &encoded.headers {
+            headers.insert(
+                HeaderName::from_static(name),
+                HeaderValue::from_static(value),
+            );
+        }
+        if let Some(key) = &self.settings.key {
+            let (name, before) = self.settings.wire.key_header();
+            let value = format!("{before}{}", key.expose());
+            let mut value = HeaderValue::try_from(value).expect("a key is ASCII that can be seen");
+            value.set_sensitive(true);
+            headers.insert(HeaderName::from_static(name), value);
+        }
+        headers
+    }
+
+    /// Names all that an answer depends on, so that repeats and later steps have answers of their own.
+    fn cache_key(&self, request: &Request, encoded: &Encoded) -> String {
+        let body = String::from_utf8_lossy(&encoded.body);
+        let mut parts = vec![
+            "answer of a provider".to_owned(),
+            self.settings.provider.clone(),
+            self.endpoint.to_string(),
+            self.settings.model.clone(),
+            request.repetition.to_string(),
+            request.step.to_string(),
+        ];
+        parts.extend(
+            encoded
+                .headers
+                .iter()
+                .map(|(name, value)| format!("{name}: {value}")),
+        );
+        Cache::key(parts.iter().map(String::as_str).chain([body.as_ref()]))
+    }
+}
+
+impl Model for Remote {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::Model
+    }
+
+    fn lowering(&self) -> Lowering {
+        self.settings.lowering
+    }
+
+    fn omits(&self) -> Vec<&'static str> {
+        let omitted = self.settings.omit.iter();
+        omitted.map(|parameter| parameter.name()).collect()
+    }
+
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let encoded = self.encoded(request)?;
+        let key = self.cache_key(request, &encoded);
+        match self.shared.answers.find(key, &self.shared.interrupt) {
+            Found::Kept(kept) => Ok(Reply {
+                text: kept.text,
+                usage: kept.usage,
+                cost: Some(Usd::ZERO),
+            }),
+            Found::Nothing(claim) => self.buy(request, &encoded, &claim, calls),
+            Found::Interrupted => Err(ModelError::Interrupted),
+        }
+    }
+}
+
+impl fmt::Debug for Remote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Remote")
+            .field("name", &self.name)
+            .field("settings", &self.settings)
+            .finish_non_exhaustive()
+    }
+}

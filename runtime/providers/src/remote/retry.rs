@@ -1,0 +1,258 @@
+//! Which failures are tried again, how often, and after what wait.
+//!
+//! In: the faults of one question's calls, as they come. Out: a wait, or why there is no further try. Nothing here
+//! waits or sends; [`Pause`] is how a wait passes.
+
+use backon::{BackoffBuilder, ExponentialBackoff, ExponentialBuilder};
+use fab_base::interrupt::Interrupt;
+use fab_model::calls::Fault;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::hash::{BuildHasher, RandomState};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// How soon a wait notices that the user stopped it.
+const GLANCE: Duration = Duration::from_millis(50);
+
+/// How often calls for one question are made, and how long is waited between them.
+#[derive(Clone, Debug)]
+pub struct Retry {
+    /// The most calls for one question in all.
+    pub calls: u32,
+    /// The first wait, to which up to as much again is added by chance; each later one is twice as long.
+    pub first_wait: Duration,
+    /// The longest wait before that addition, unless the provider asks for a longer one.
+    pub longest_wait: Duration,
+    /// The longest that is waited for one question in all.
+    pub waits_in_all: Duration,
+    /// Decides the chance in waits; without it each question draws anew.
+    pub seed: Option<u64>,
+    /// How waits pass.
+    pub pause: Arc<dyn Pause>,
+}
+
+impl Default for Retry {
+    fn default() -> Self {
+        Retry {
+            calls: 12,
+            first_wait: Duration::from_secs(1),
+            longest_wait: Duration::from_secs(60),
+            waits_in_all: Duration::from_secs(600),
+            seed: None,
+            pause: Arc::new(RealTime),
+        }
+    }
+}
+
+/// Returns how many calls for one question may end so; one means that none is tried again.
+pub fn most_calls(fault: Fault) -> u32 {
+    match fault {
+        Fault::RateLimited => 8,
+        Fault::ServerFailed | Fault::Unreachable => 5,
+        Fault::ConnectionCut => 3,
+        Fault::TimedOut | Fault::InvalidReply | Fault::Truncated => 2,
+        Fault::QuotaExhausted
+        | Fault::NotAuthorised
+        | Fault::BadRequest
+        | Fault::Refused
+        | Fault::ContentFiltered => 1,
+    }
+}
+
+/// Lets a wait pass.
+pub trait Pause: Send + Sync + fmt::Debug {
+    /// Returns after `wait`, or as soon as `interrupt` is raised.
+    fn pause(&self, wait: Duration, interrupt: &Interrupt);
+}
+
+/// Waits by the clock.
+#[derive(Clone, Copy, Debug)]
+pub struct RealTime;
+
+impl Pause for RealTime {
+    fn pause(&self, wait: Duration, interrupt: &Interrupt) {
+        let begun = Instant::now();
+        while !interrupt.is_raised() {
+            let left = wait.saturating_sub(begun.elapsed());
+            if left.is_zero() {
+                return;
+            }
+            std::thread::sleep(left.min(GLANCE));
+        }
+    }
+}
+
+/// What follows a failure.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Next {
+    /// Another call, after a wait.
+    After(Duration),
+    /// None; in words, why.
+    GiveUp(String),
+}
+
+/// The calls of one question.
+pub(super) struct Tries<'a> {
+    retry: &'a Retry,
+    made: u32,
+    ended: BTreeMap<Fault, u32>,
+    waits: ExponentialBackoff,
+    waited: Duration,
+}
+
+impl<'a> Tries<'a> {
+    pub(super) fn new(retry: &'a Retry) -> Tries<'a> {
+        // With one seed for all, questions that failed together would come again together.
+        let seed = retry.seed.unwrap_or_else(|| RandomState::new().hash_one(0));
+        let waits = ExponentialBuilder::new()
+            .with_min_delay(retry.first_wait)
+            .with_max_delay(retry.longest_wait)
+            .without_max_times()
+            .with_jitter()
+            .with_jitter_seed(seed);
+        Tries {
+            retry,
+            made: 0,
+            ended: BTreeMap::new(),
+            waits: waits.build(),
+            waited: Duration::ZERO,
+        }
+    }
+
+    /// Counts a call and returns its number, from 1.
+    pub(super) fn begin(&mut self) -> u32 {
+        self.made += 1;
+        self.made
+    }
+
+    /// Decides what follows a call that failed; `asked` is the wait that the provider asks for.
+    pub(super) fn after(&mut self, fault: Fault, asked: Option<Duration>) -> Next {
+        let ended = self.ended.entry(fault).or_default();
+        *ended += 1;
+        let made = self.made;
+        let calls = if made == 1 { "call" } else { "calls" };
+        if *ended >= most_calls(fault) || made >= self.retry.calls {
+            return Next::GiveUp(format!("after {made} {calls}"));
+        }
+        let wait = self.waits.next().unwrap_or(self.retry.longest_wait);
+        let wait = wait.max(asked.unwrap_or_default());
+        let waited = self.waited.saturating_add(wait);
+        if waited > self.retry.waits_in_all {
+            return Next::GiveUp(format!(
+                "after {made} {calls}; the next one would have to wait {:.1} s, and {:.1} s in all is the limit",
+                wait.as_secs_f64(),
+                self.retry.waits_in_all.as_secs_f64()
+            ));
+        }
+        self.waited = waited;
+        Next::After(wait)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seeded() -> Retry {
+        Retry {
+            seed: Some(5),
+            ..Retry::default()
+        }
+    }
+
+    fn calls_until_given_up(faults: impl Fn(u32) -> Fault) -> u32 {
+        let retry = Retry {
+            waits_in_all: Duration::MAX,
+            ..seeded()
+        };
+        let mut tries = Tries::new(&retry);
+        loop {
+            let number = tries.begin();
+            assert!(number < 100, "it never gives up");
+            if let Next::GiveUp(_) = tries.after(faults(number), None) {
+                return number;
+            }
+        }
+    }
+
+    #[test]
+    fn each_fault_has_its_bound_and_all_together_have_one() {
+        for fault in Fault::ALL {
+            assert_eq!(
+                calls_until_given_up(|_| fault),
+                most_calls(fault),
+                "{fault}"
+            );
+        }
+        let faults = [Fault::RateLimited, Fault::ServerFailed, Fault::Unreachable];
+        let mixed = calls_until_given_up(|number| faults[number as usize % 3]);
+        assert_eq!(mixed, Retry::default().calls);
+    }
+
+    #[test]
+    fn waits_double_up_to_the_longest_and_chance_adds_at_most_as_much_again() {
+        let retry = Retry {
+            longest_wait: Duration::from_secs(4),
+            ..seeded()
+        };
+        let mut tries = Tries::new(&retry);
+        for expected in [1, 2, 4, 4, 4] {
+            tries.begin();
+            let Next::After(wait) = tries.after(Fault::RateLimited, None) else {
+                panic!("gave up");
+            };
+            let bounds = Duration::from_secs(expected)..=Duration::from_secs(2 * expected);
+            assert!(bounds.contains(&wait), "{wait:?} for {expected} s");
+        }
+    }
+
+    #[test]
+    fn a_longer_wait_that_the_provider_asks_for_is_kept_and_a_shorter_one_is_not() {
+        let retry = seeded();
+        let mut tries = Tries::new(&retry);
+        tries.begin();
+        let asked = Duration::from_secs(40);
+        assert_eq!(
+            tries.after(Fault::RateLimited, Some(asked)),
+            Next::After(asked)
+        );
+        tries.begin();
+        let Next::After(wait) = tries.after(Fault::RateLimited, Some(Duration::ZERO)) else {
+            panic!("gave up");
+        };
+        assert!(wait >= Duration::from_secs(2), "{wait:?}");
+    }
+
+    #[test]
+    fn waits_are_bounded_in_all() {
+        let retry = seeded();
+        let mut tries = Tries::new(&retry);
+        tries.begin();
+        let asked = Some(Duration::from_secs(400));
+        assert_eq!(
+            tries.after(Fault::RateLimited, asked),
+            Next::After(Duration::from_secs(400))
+        );
+        tries.begin();
+        let Next::GiveUp(why) = tries.after(Fault::RateLimited, asked) else {
+            panic!("waits 800 s");
+        };
+        assert!(why.contains("400.0 s") && why.contains("600.0 s"), "{why}");
+        assert!(why.starts_with("after 2 calls; "), "{why}");
+        let mut tries = Tries::new(&retry);
+        tries.begin();
+        let asked = Some(Duration::from_secs(601));
+        let Next::GiveUp(why) = tries.after(Fault::RateLimited, asked) else {
+            panic!("waits 601 s");
+        };
+        assert!(why.starts_with("after 1 call; "), "{why}");
+    }
+
+    #[test]
+    fn an_interrupt_ends_a_wait() {
+        let interrupt = Interrupt::default();
+        interrupt.raise();
+        RealTime.pause(Duration::from_secs(1_000_000), &interrupt);
+    }
+}

@@ -1,0 +1,32 @@
+//! The four forms: what is sent, what is read, and that no bytes make the reading panic.
+
+mod read;
+mod sent;
+
+use super::*;
+use crate::remote::BaseUrl;
+use fab_model::{Message, ModelRole, Part, Png, Speaker};
+
+fn settings(wire: Wire) -> Settings {
+    let base = BaseUrl::parse("http://localhost:1").expect("a base URL");
+    Settings::new("provider", "a-model", wire, base)
+}
+
+/// A conversation with a frame, a picture, an answer and a correction.
+fn request() -> Request {
+    let question = Message {
+        speaker: Speaker::User,
+        parts: vec![
+            Part::Text("fold".to_owned()),
+            Part::Image(Png::new(vec![1, 2, 3])),
+            Part::Text("it".to_owned()),
+        ],
+    };
+    let messages = vec![
+        Message::text(Speaker::System, "You fold."),
+        question,
+        Message::text(Speaker::Assistant, "how?"),
+        Message::text(Speaker::User, "so"),
+    ];
+    Request::new(ModelRole::Vision, messages)
+}

@@ -1,0 +1,288 @@
+//! What is sent, byte for byte as JSON; `make test-peers` shows it to the providers' own clients.
+
+use super::*;
+use crate::catalogue::Catalogue;
+use serde_json::json;
+
+fn sent(request: &Request, settings: &Settings) -> Value {
+    let encoded = settings.wire.encode(request, settings).expect("it fits");
+    serde_json::from_slice(&encoded.body).expect("JSON")
+}
+
+fn refused(request: &Request, settings: &Settings) -> String {
+    let unfit = settings.wire.encode(request, settings).expect_err("unfit");
+    unfit.to_string()
+}
+
+#[test]
+fn conversations_are_told_with_pictures_and_frames_where_each_provider_wants_them() {
+    let expected = |wire| match wire {
+        Wire::OpenaiChat => json!({
+            "model": "a-model",
+            "messages": [
+                { "role": "system", "content": "You fold." },
+                { "role": "user", "content": [
+                    { "type": "text", "text": "fold" },
+                    { "type": "image_url", "image_url": { "url": "data:image/png;base64,AQID" } },
+                    { "type": "text", "text": "it" },
+                ] },
+                { "role": "assistant", "content": "how?" },
+                { "role": "user", "content": "so" },
+            ],
+        }),
+        Wire::OpenaiResponses => json!({
+            "model": "a-model",
+            "input": [
+                { "role": "system", "content": "You fold." },
+                { "role": "user", "content": [
+                    { "type": "input_text", "text": "fold" },
+                    { "type": "input_image", "image_url": "data:image/png;base64,AQID", "detail": "auto" },
+                    { "type": "input_text", "text": "it" },
+                ] },
+                { "role": "assistant", "content": "how?" },
+                { "role": "user", "content": [{ "type": "input_text", "text": "so" }] },
+            ],
+            "store": false,
+        }),
+        Wire::Anthropic => json!({
+            "model": "a-model",
+            "max_tokens": 4096,
+            "system": "You fold.",
+            "messages": [
+                { "role": "user", "content": [
+                    { "type": "text", "text": "fold" },
+                    { "type": "image", "source": { "type": "base64", "media_type": "image/png", "data": "AQID" } },
+                    { "type": "text", "text": "it" },
+                ] },
+                { "role": "assistant", "content": "how?" },
+                { "role": "user", "content": [{ "type": "text", "text": "so" }] },
+            ],
+        }),
+        Wire::Gemini => json!({
+            "contents": [
+                { "role": "user", "parts": [
+                    { "text": "fold" },
+                    { "inlineData": { "mimeType": "image/png", "data": "AQID" } },
+                    { "text": "it" },
+                ] },
+                { "role": "model", "parts": [{ "text": "how?" }] },
+                { "role": "user", "parts": [{ "text": "so" }] },
+            ],
+            "systemInstruction": { "parts": [{ "text": "You fold." }] },
+            "generationConfig": {},
+        }),
+    };
+    for wire in Wire::ALL {
+        assert_eq!(
+            sent(&request(), &settings(wire)),
+            expected(wire),
+            "{}",
+            wire.name()
+        );
+    }
+}
+
+#[test]
+fn settings_and_schema_go_where_each_provider_wants_them() {
+    let schema = json!({ "type": "object" });
+    let request = Request {
+        temperature: Some(0.2),
+        top_p: Some(1.0),
+        max_tokens: Some(769),
+        schema: Some(schema.clone()),
+        ..request()
+    };
+    let format =
+        json!({ "type": "json_schema", "name": "action", "schema": schema, "strict": true });
+    let expected = |wire| match wire {
+        Wire::OpenaiChat => json!([
+            ["/temperature", 0.2], ["/top_p", 1.0], ["/max_tokens", 769], ["/response_format/type", "json_schema"],
+            ["/response_format/json_schema", { "name": "action", "schema": schema, "strict": true }],
+        ]),
+        Wire::OpenaiResponses => json!([
+            ["/temperature", 0.2],
+            ["/top_p", 1.0],
+            ["/max_output_tokens", 769],
+            ["/text/format", format],
+        ]),
+        Wire::Anthropic => json!([
+            ["/temperature", 0.2], ["/top_p", 1.0], ["/max_tokens", 769],
+            ["/output_config/format", { "type": "json_schema", "schema": schema }],
+        ]),
+        Wire::Gemini => json!([
+            ["/generationConfig", {
+                "temperature": 0.2, "topP": 1.0, "maxOutputTokens": 769,
+                "responseMimeType": "application/json", "responseJsonSchema": schema,
+            }],
+        ]),
+    };
+    for wire in Wire::ALL {
+        let with_schema = Settings {
+            structured_output: Some(true),
+            ..settings(wire)
+        };
+        let body = sent(&request, &with_schema);
+        for place in expected(wire).as_array().expect("a list") {
+            let pointer = place[0].as_str().expect("a pointer");
+            assert_eq!(
+                body.pointer(pointer),
+                Some(&place[1]),
+                "{} {pointer}",
+                wire.name()
+            );
+        }
+        let plain = sent(&request, &settings(wire)).to_string();
+        assert!(!plain.to_lowercase().contains("schema"), "{plain}");
+    }
+}
+
+#[test]
+fn newer_models_get_the_longest_answer_under_its_newer_name() {
+    let request = Request {
+        max_tokens: Some(7),
+        ..request()
+    };
+    let newer = Settings {
+        max_tokens_field: Some(MaxTokensField::MaxCompletionTokens),
+        ..settings(Wire::OpenaiChat)
+    };
+    let body = sent(&request, &newer);
+    assert_eq!(
+        (&body["max_completion_tokens"], &body["max_tokens"]),
+        (&json!(7), &Value::Null)
+    );
+}
+
+#[test]
+fn sampling_goes_to_the_version_of_anthropics_interface_that_knows_it() {
+    let version = |request: &Request| {
+        let settings = settings(Wire::Anthropic);
+        settings
+            .wire
+            .encode(request, &settings)
+            .expect("it fits")
+            .headers
+    };
+    let warm = Request {
+        temperature: Some(1.0),
+        ..request()
+    };
+    assert_eq!(version(&request()), [("anthropic-version", "2026-10-21")]);
+    assert_eq!(version(&warm), [("anthropic-version", "2023-06-01")]);
+}
+
+#[test]
+fn a_parameter_that_the_model_does_not_accept_is_refused_by_name_and_value() {
+    let request = Request {
+        temperature: Some(0.2),
+        top_p: Some(0.5),
+        ..request()
+    };
+    for wire in Wire::ALL {
+        let only_one = Settings {
+            temperature: Some(Accepted::Only(vec![1.0])),
+            ..settings(wire)
+        };
+        let said = refused(&request, &only_one);
+        assert!(
+            said.contains("`temperature` 0.2") && said.contains("1 alone"),
+            "{said}"
+        );
+        let high = Settings {
+            top_p: Some(Accepted::Range([0.9, 1.0])),
+            ..settings(wire)
+        };
+        let said = refused(&request, &high);
+        assert!(
+            said.contains("`top_p` 0.5") && said.contains("accepts 0.9 to 1;"),
+            "{said}"
+        );
+        let range = Settings {
+            temperature: Some(Accepted::Range([0.0, 1.0])),
+            ..settings(wire)
+        };
+        sent(&request, &range);
+        let omitted = Settings {
+            omit: Parameter::ALL.to_vec(),
+            ..only_one
+        };
+        let body = sent(&request, &omitted).to_string();
+        assert!(
+            !body.contains("temperature") && !body.contains("op_p"),
+            "{body}"
+        );
+        let no_number = Request {
+            temperature: Some(f64::NAN),
+            ..request.clone()
+        };
+        let said = refused(&no_number, &settings(wire));
+        assert!(said.contains("accepts a finite number"), "{said}");
+    }
+}
+
+#[test]
+fn what_is_known_of_a_model_decides_what_is_sent() {
+    let known = |model: &str| {
+        let profile = Catalogue::builtin().find(model).expect("a provider");
+        let base = BaseUrl::parse("http://localhost:1").expect("a base URL");
+        Settings::of(&profile, base, "2026-11-20".parse().expect("a date"))
+    };
+    let short = Request {
+        max_tokens: Some(7),
+        schema: Some(json!({ "type": "object" })),
+        ..request()
+    };
+    let newer = known("openai-chat:gpt-6.2-sol");
+    let body = sent(&short, &newer);
+    assert_eq!(body["max_completion_tokens"], 7);
+    assert_eq!(body["response_format"]["type"], "json_schema");
+    for (temperature, top_p) in [(Some(0.2), None), (None, Some(0.2))] {
+        let stated = Request {
+            temperature,
+            top_p,
+            ..request()
+        };
+        assert!(refused(&stated, &newer).contains("1 alone"));
+        sent(&stated, &known("openai-chat:gpt-6.1-terra"));
+    }
+    let body = sent(&short, &known("vllm:a-model"));
+    assert_eq!(
+        (&body["max_tokens"], &body["response_format"]),
+        (&json!(7), &Value::Null)
+    );
+    let google = known("google:gemini-3.5-flash").lowering;
+    assert_eq!(google.to_string(), "y x, 0-1000");
+}
+
+#[test]
+fn requests_that_a_model_cannot_take_are_refused() {
+    let png = || Part::Image(Png::new(vec![1]));
+    let turn = |speaker, part| Message {
+        speaker,
+        parts: vec![part],
+    };
+    for wire in Wire::ALL {
+        let blind = Settings {
+            pictures: Some(false),
+            ..settings(wire)
+        };
+        assert!(refused(&request(), &blind).contains("picture"));
+        let mut drawn = request();
+        drawn.messages.push(turn(Speaker::Assistant, png()));
+        assert!(refused(&drawn, &settings(wire)).contains("turn of the model"));
+        let mut framed = request();
+        framed.messages.insert(0, turn(Speaker::System, png()));
+        assert!(refused(&framed, &settings(wire)).contains("turn of the system"));
+        let silent = Request::new(ModelRole::Text, Vec::new());
+        assert!(refused(&silent, &settings(wire)).contains("asks nothing"));
+        let mut late = request();
+        late.messages.push(Message::text(Speaker::System, "more"));
+        let has_place = matches!(wire, Wire::OpenaiChat | Wire::OpenaiResponses);
+        assert_eq!(
+            wire.encode(&late, &settings(wire)).is_ok(),
+            has_place,
+            "{}",
+            wire.name()
+        );
+    }
+}

@@ -1,0 +1,200 @@
+//! Sends one message and waits for what comes back.
+//!
+//! In: an address, headers, a body. Out: status, wait and body without any key; or how the message was lost. One
+//! message is sent once: no redirection is followed, nothing is tried again. An interrupt ends the waiting at once.
+
+use super::hints;
+use super::redact::Redactor;
+use fab_base::interrupt::Interrupt;
+use fab_model::calls::{Billing, Fault};
+use reqwest::header::HeaderMap;
+use reqwest::{Client, Url};
+use std::error::Error;
+use std::future::Future;
+use std::sync::LazyLock;
+use std::time::{Duration, SystemTime};
+use tokio::runtime::{Builder, Runtime};
+
+/// How soon a waiting call notices that the user stopped it.
+const GLANCE: Duration = Duration::from_millis(50);
+
+/// How long a connection may take to be made.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// The largest reply that is read, bytes.
+const MAX_REPLY_BYTES: usize = 16 * 1024 * 1024;
+
+/// What waits for sockets, for the whole process: calls block their own threads.
+static RUNTIME: LazyLock<Result<Runtime, String>> = LazyLock::new(|| {
+    Builder::new_multi_thread()
+        .worker_threads(1)
+        .thread_name("fabc-http")
+        .enable_io()
+        .enable_time()
+        .build()
+        .map_err(|error| error.to_string())
+});
+
+/// Sends messages to one host.
+pub(super) struct Transport {
+    client: Client,
+    runtime: &'static Runtime,
+    redactor: Redactor,
+    timeout: Duration,
+}
+
+/// What came back.
+pub(super) struct Incoming {
+    pub status: u16,
+    /// The wait that the headers ask for.
+    pub wait: Option<Duration>,
+    /// The body, without any key.
+    pub body: Vec<u8>,
+}
+
+/// How a message was lost.
+pub(super) enum Lost {
+    /// The user stopped it.
+    Interrupted,
+    /// Something failed.
+    Failed {
+        fault: Fault,
+        billing: Billing,
+        why: String,
+    },
+}
+
+/// Whether a proxy of the system is used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Proxy {
+    OfTheSystem,
+    None,
+}
+
+impl Transport {
+    /// Makes what sends; `timeout` is for one message from its beginning to the end of its reply.
+    pub(super) fn new(
+        redactor: Redactor,
+        timeout: Duration,
+        proxy: Proxy,
+    ) -> Result<Transport, String> {
+        let runtime = RUNTIME.as_ref().map_err(String::clone)?;
+        // Fails where one is installed already, which does as well.
+        let _ = rustls::crypto::ring::default_provider().install_default();
+        let builder = Client::builder()
+            .connect_timeout(CONNECT_TIMEOUT)
+            .timeout(timeout)
+            .redirect(reqwest::redirect::Policy::none())
+            .retry(reqwest::retry::never())
+            .referer(false)
+            .user_agent(concat!("fabc/", env!("CARGO_PKG_VERSION")));
+        let builder = match proxy {
+            Proxy::OfTheSystem => builder,
+            Proxy::None => builder.no_proxy(),
+        };
+        let client = builder
+            .build()
+            .map_err(|error| chain(error.without_url()))?;
+        Ok(Transport {
+            client,
+            runtime,
+            redactor,
+            timeout,
+        })
+    }
+
+    /// Returns what hides keys in replies.
+    pub(super) fn redactor(&self) -> &Redactor {
+        &self.redactor
+    }
+
+    /// Sends a message and waits for its reply.
+    pub(super) fn post(
+        &self,
+        url: &Url,
+        headers: &HeaderMap,
+        body: &[u8],
+        interrupt: &Interrupt,
+    ) -> Result<Incoming, Lost> {
+        let exchange = self.exchange(url, headers, body);
+        let whole = self.runtime.block_on(unless_raised(exchange, interrupt));
+        whole.unwrap_or(Err(Lost::Interrupted))
+    }
+
+    async fn exchange(
+        &self,
+        url: &Url,
+        headers: &HeaderMap,
+        body: &[u8],
+    ) -> Result<Incoming, Lost> {
+        let request = self.client.post(url.clone()).headers(headers.clone());
+        let sent = request.body(body.to_vec()).send().await;
+        let mut response = sent.map_err(|error| self.lost(error))?;
+        let status = response.status().as_u16();
+        let wait = hints::wait(response.headers(), SystemTime::now());
+        let mut body = Vec::new();
+        while let Some(chunk) = response.chunk().await.map_err(|error| self.lost(error))? {
+            body.extend_from_slice(&chunk);
+            if body.len() > MAX_REPLY_BYTES {
+                return Err(Lost::Failed {
+                    fault: Fault::InvalidReply,
+                    billing: Billing::Possibly,
+                    why: format!("the reply is longer than the limit of {MAX_REPLY_BYTES} bytes"),
+                });
+            }
+        }
+        Ok(Incoming {
+            status,
+            wait,
+            body: self.redactor.body(&body),
+        })
+    }
+
+    fn lost(&self, error: reqwest::Error) -> Lost {
+        let (fault, billing) = if error.is_connect() || error.is_builder() {
+            (Fault::Unreachable, Billing::No)
+        } else if error.is_timeout() {
+            (Fault::TimedOut, Billing::Possibly)
+        } else {
+            (Fault::ConnectionCut, Billing::Possibly)
+        };
+        let why = self.redactor.text(&chain(error.without_url()));
+        let why = match fault {
+            Fault::TimedOut => format!(
+                "no whole reply within {:.1} s: {why}",
+                self.timeout.as_secs_f64()
+            ),
+            _ => why,
+        };
+        Lost::Failed {
+            fault,
+            billing,
+            why,
+        }
+    }
+}
+
+/// Waits for a result; None as soon as the interrupt is raised.
+async fn unless_raised<F: Future>(future: F, interrupt: &Interrupt) -> Option<F::Output> {
+    let mut future = std::pin::pin!(future);
+    loop {
+        if interrupt.is_raised() {
+            return None;
+        }
+        if let Ok(output) = tokio::time::timeout(GLANCE, future.as_mut()).await {
+            return Some(output);
+        }
+    }
+}
+
+/// Writes an error and what caused it, outermost first.
+fn chain(error: reqwest::Error) -> String {
+    let mut words = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        words.push_str(": ");
+        words.push_str(&error.to_string());
+        cause = error.source();
+    }
+    words
+}

@@ -1,0 +1,201 @@
+//! Anthropic's Messages.
+//!
+//! In: messages and what is stated of the answer; a `message`. Out: a typed body; an answer or a failure.
+
+use super::content::{base64, framed, words};
+use super::error::ErrorBody;
+use super::{Answer, Failure, Stated, Unfit, answer, if_readable, tool_called, truncated};
+use fab_model::calls::{Fault, Usage};
+use fab_model::{Message, Part, Speaker};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+#[derive(Serialize)]
+pub(super) struct Body<'a> {
+    model: &'a str,
+    max_tokens: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    system: Option<String>,
+    messages: Vec<Turn<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    temperature: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    top_p: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    output_config: Option<OutputConfig<'a>>,
+}
+
+#[derive(Serialize)]
+struct Turn<'a> {
+    role: &'static str,
+    content: Content<'a>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Content<'a> {
+    Text(String),
+    Blocks(Vec<Block<'a>>),
+}
+
+#[derive(Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Block<'a> {
+    Text { text: &'a str },
+    Image { source: Source },
+}
+
+#[derive(Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Source {
+    Base64 {
+        media_type: &'static str,
+        data: String,
+    },
+}
+
+#[derive(Serialize)]
+struct OutputConfig<'a> {
+    format: Format<'a>,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Format<'a> {
+    JsonSchema { schema: &'a Value },
+}
+
+/// Returns the version of the interface that knows what is stated.
+///
+/// The present one has no sampling parameters any more, and answers 400 to them; the one before it takes them for the
+/// models that still do.
+pub(super) fn version(stated: &Stated<'_>) -> &'static str {
+    if stated.temperature.is_some() || stated.top_p.is_some() {
+        "2023-06-01"
+    } else {
+        "2026-10-21"
+    }
+}
+
+pub(super) fn body<'a>(
+    model: &'a str,
+    messages: &'a [Message],
+    stated: &Stated<'a>,
+    max_tokens: u32,
+) -> Result<Body<'a>, Unfit> {
+    let (system, turns) = framed(messages)?;
+    Ok(Body {
+        model,
+        max_tokens,
+        system,
+        messages: turns.iter().map(turn).collect::<Result<_, _>>()?,
+        temperature: stated.temperature,
+        top_p: stated.top_p,
+        output_config: stated.schema.map(|schema| OutputConfig {
+            format: Format::JsonSchema { schema },
+        }),
+    })
+}
+
+fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
+    if message.speaker == Speaker::Assistant {
+        let content = Content::Text(words(message)?);
+        return Ok(Turn {
+            role: "assistant",
+            content,
+        });
+    }
+    let blocks = message.parts.iter().map(|part| match part {
+        Part::Text(text) => Block::Text { text },
+        Part::Image(png) => Block::Image {
+            source: Source::Base64 {
+                media_type: "image/png",
+                data: base64(png),
+            },
+        },
+    });
+    Ok(Turn {
+        role: "user",
+        content: Content::Blocks(blocks.collect()),
+    })
+}
+
+#[derive(Deserialize)]
+struct Reply {
+    content: Option<Vec<Said>>,
+    stop_reason: Option<String>,
+    stop_details: Option<Details>,
+    #[serde(default, deserialize_with = "if_readable")]
+    usage: Option<Tokens>,
+    error: Option<Value>,
+}
+
+#[derive(Deserialize)]
+struct Details {
+    explanation: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Said {
+    Text {
+        text: String,
+    },
+    ToolUse {},
+    #[serde(other)]
+    Other,
+}
+
+#[derive(Deserialize)]
+struct Tokens {
+    input_tokens: u64,
+    output_tokens: u64,
+    cache_creation_input_tokens: Option<u64>,
+    cache_read_input_tokens: Option<u64>,
+}
+
+pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
+    let reply: Reply = serde_json::from_slice(bytes).map_err(|error| Failure::invalid(&error))?;
+    let usage = reply.usage.map(|tokens| {
+        let cached = tokens.cache_read_input_tokens.unwrap_or(0);
+        let written = tokens.cache_creation_input_tokens.unwrap_or(0);
+        // What was read from or written to the cache is not counted in the input.
+        let input = tokens.input_tokens.saturating_add(cached);
+        Usage {
+            input_tokens: input.saturating_add(written),
+            cached_input_tokens: cached,
+            output_tokens: tokens.output_tokens,
+        }
+    });
+    if let Some(error) = reply.error {
+        return Err(ErrorBody::of(&error).failure(usage));
+    }
+    match reply.stop_reason.as_deref() {
+        Some("end_turn" | "stop_sequence") => {}
+        Some("max_tokens") => return Err(truncated(usage)),
+        Some("model_context_window_exceeded") => {
+            let why = "the model's context window was full before the answer was whole";
+            return Err(Failure::new(Fault::Truncated, why, usage));
+        }
+        Some("refusal") => {
+            let why = reply.stop_details.and_then(|details| details.explanation);
+            let why = why.unwrap_or_else(|| "the model declined to answer".to_owned());
+            return Err(Failure::new(Fault::Refused, why, usage));
+        }
+        Some("tool_use") => return Err(tool_called(usage)),
+        other => {
+            let other = other.unwrap_or("nothing");
+            let why = format!("the answer stopped for `{other}`, and not at its end");
+            return Err(Failure::new(Fault::InvalidReply, why, usage));
+        }
+    }
+    let mut text = String::new();
+    for said in reply.content.unwrap_or_default() {
+        match said {
+            Said::Text { text: more } => text.push_str(&more),
+            Said::ToolUse {} => return Err(tool_called(usage)),
+            Said::Other => {}
+        }
+    }
+    answer(text, usage)
+}

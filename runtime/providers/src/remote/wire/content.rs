@@ -1,0 +1,74 @@
+//! What the four forms have in common: where pictures and frames may stand.
+
+use super::Unfit;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use fab_model::{Message, Part, Png, Speaker};
+
+/// What separates the texts that go into one string.
+const BETWEEN: &str = "\n\n";
+
+/// Returns whether there is a picture among the messages.
+pub(super) fn has_picture(messages: &[Message]) -> bool {
+    let mut parts = messages.iter().flat_map(|message| &message.parts);
+    parts.any(|part| matches!(part, Part::Image(_)))
+}
+
+/// Returns the bytes of a picture in base64.
+pub(super) fn base64(png: &Png) -> String {
+    STANDARD.encode(png.bytes())
+}
+
+/// Returns a picture as a `data:` URL.
+pub(super) fn data_url(png: &Png) -> String {
+    format!("data:image/png;base64,{}", base64(png))
+}
+
+/// Returns the texts of a turn that can hold no picture, as one.
+pub(super) fn words(message: &Message) -> Result<String, Unfit> {
+    let texts: Option<Vec<&str>> = message.parts.iter().map(text).collect();
+    let texts = texts.ok_or_else(|| {
+        let speaker = match message.speaker {
+            Speaker::System => "the system",
+            Speaker::User => "the user",
+            Speaker::Assistant => "the model",
+        };
+        Unfit(format!(
+            "a picture stands in a turn of {speaker}, and only the user's can hold one"
+        ))
+    })?;
+    Ok(texts.join(BETWEEN))
+}
+
+fn text(part: &Part) -> Option<&str> {
+    match part {
+        Part::Text(text) => Some(text),
+        Part::Image(_) => None,
+    }
+}
+
+/// Splits a conversation into the frame before it and its turns, where the frame has a place of its own.
+///
+/// Fails where a frame stands among the turns, or nothing follows it.
+pub(super) fn framed(messages: &[Message]) -> Result<(Option<String>, &[Message]), Unfit> {
+    let is_frame = |message: &Message| message.speaker == Speaker::System;
+    let first_turn = messages.iter().position(|message| !is_frame(message));
+    let (frame, turns) = messages.split_at(first_turn.unwrap_or(messages.len()));
+    refuse_no_question(turns)?;
+    if turns.iter().any(is_frame) {
+        return Err(Unfit(
+            "a system message stands after the first question, and its interface has no place for it".to_owned(),
+        ));
+    }
+    let texts = frame.iter().map(words).collect::<Result<Vec<_>, _>>()?;
+    let frame = (!texts.is_empty()).then(|| texts.join(BETWEEN));
+    Ok((frame, turns))
+}
+
+/// Fails where nobody has said anything.
+pub(super) fn refuse_no_question(turns: &[Message]) -> Result<(), Unfit> {
+    if turns.is_empty() {
+        return Err(Unfit("the request asks nothing".to_owned()));
+    }
+    Ok(())
+}

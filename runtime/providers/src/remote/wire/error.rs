@@ -1,0 +1,152 @@
+//! What providers say when they give no answer.
+//!
+//! In: the `error` of a reply, in any of their forms, and the HTTP status where there is one. Out: a [`Fault`], words,
+//! and how long to wait where the provider says so.
+
+use super::Failure;
+use fab_model::calls::{Fault, Usage};
+use serde_json::Value;
+use std::time::Duration;
+
+/// The longest message of a provider that is repeated, characters.
+const MAX_MESSAGE: usize = 400;
+
+/// An error as a provider tells it.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::remote) struct ErrorBody {
+    message: String,
+    /// The names by which it is called: types, codes, reasons, quotas; lower case.
+    names: Vec<String>,
+    /// A number that it is called by, which is meant as an HTTP status.
+    code: Option<u16>,
+    /// The longest wait that it asks for.
+    pub(in crate::remote) wait: Option<Duration>,
+}
+
+impl ErrorBody {
+    /// Reads a whole body; one that is no JSON is taken as words.
+    pub(in crate::remote) fn of_bytes(bytes: &[u8]) -> ErrorBody {
+        match serde_json::from_slice::<Value>(bytes) {
+            Ok(value) => {
+                let first = value.get(0).unwrap_or(&value);
+                ErrorBody::of(first.get("error").unwrap_or(first))
+            }
+            Err(_) => ErrorBody {
+                message: shortened(&String::from_utf8_lossy(bytes)),
+                names: Vec::new(),
+                code: None,
+                wait: None,
+            },
+        }
+    }
+
+    /// Reads what stands under `error`.
+    pub(in crate::remote) fn of(error: &Value) -> ErrorBody {
+        let message = error["message"].as_str().or(error.as_str());
+        let mut body = ErrorBody {
+            message: shortened(message.unwrap_or_default()),
+            names: Vec::new(),
+            code: code(&error["code"]),
+            wait: None,
+        };
+        body.take_names(error);
+        for detail in error["details"].as_array().into_iter().flatten() {
+            body.take_names(detail);
+            for violation in detail["violations"].as_array().into_iter().flatten() {
+                body.take_names(violation);
+            }
+            let wait = detail["retryDelay"].as_str().and_then(|text| {
+                let seconds: f64 = text.strip_suffix('s')?.parse().ok()?;
+                Duration::try_from_secs_f64(seconds).ok()
+            });
+            body.wait = body.wait.max(wait);
+        }
+        body
+    }
+
+    fn take_names(&mut self, value: &Value) {
+        for field in ["type", "code", "status", "reason", "quotaId"] {
+            if let Some(name) = value[field].as_str() {
+                self.names.push(name.to_lowercase());
+            }
+        }
+    }
+
+    /// Returns the words to repeat.
+    pub(in crate::remote) fn words(&self) -> String {
+        match (self.message.is_empty(), self.names.first()) {
+            (false, _) => self.message.clone(),
+            (true, Some(name)) => name.clone(),
+            (true, None) => "it does not say why".to_owned(),
+        }
+    }
+
+    /// Returns what it means beyond the status that it came with.
+    pub(in crate::remote) fn fault(&self) -> Option<Fault> {
+        let named = |part: &str| self.names.iter().any(|name| name.contains(part));
+        let said = self.message.to_lowercase();
+        let says = |part: &str| said.contains(part);
+        let is_limit = named("rate_limit") || named("resource_exhausted");
+        let is_spent = named("insufficient_quota")
+            || named("billing")
+            || named("perday")
+            || says("credit balance")
+            || says("insufficient credit");
+        if is_spent {
+            Some(Fault::QuotaExhausted)
+        } else if named("perminute") || (is_limit && self.wait.is_some()) {
+            Some(Fault::RateLimited)
+        } else if named("resource_exhausted") && (says("quota") || says("billing")) {
+            Some(Fault::QuotaExhausted)
+        } else if is_limit {
+            Some(Fault::RateLimited)
+        } else if named("content_filter") || named("policy") || named("moderation") {
+            Some(Fault::ContentFiltered)
+        } else if named("api_key_invalid")
+            || named("invalid_api_key")
+            || named("authentication_error")
+        {
+            Some(Fault::NotAuthorised)
+        } else if named("overloaded") || named("server_error") || named("api_error") {
+            Some(Fault::ServerFailed)
+        } else if named("timeout_error") || named("deadline_exceeded") {
+            Some(Fault::TimedOut)
+        } else if named("invalid_") || named("not_found") {
+            Some(Fault::BadRequest)
+        } else {
+            None
+        }
+    }
+
+    /// Makes the failure of a reply that came with status 200 and an error in it.
+    pub(super) fn failure(&self, usage: Option<Usage>) -> Failure {
+        let by_code = || match self.code? {
+            401 | 403 => Some(Fault::NotAuthorised),
+            402 => Some(Fault::QuotaExhausted),
+            408 | 504 => Some(Fault::TimedOut),
+            429 => Some(Fault::RateLimited),
+            400..=499 => Some(Fault::BadRequest),
+            _ => None,
+        };
+        let fault = self.fault().or_else(by_code);
+        Failure::new(fault.unwrap_or(Fault::ServerFailed), self.words(), usage)
+    }
+}
+
+fn code(value: &Value) -> Option<u16> {
+    match value {
+        Value::Number(number) => number.as_u64()?.try_into().ok(),
+        Value::String(text) => text.parse().ok(),
+        _ => None,
+    }
+}
+
+/// Returns a text in one line, and not more than an error needs.
+fn shortened(text: &str) -> String {
+    let mut words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    if let Some((end, _)) = words.char_indices().nth(MAX_MESSAGE) {
+        words.truncate(end);
+        words.push('…');
+    }
+    words
+}

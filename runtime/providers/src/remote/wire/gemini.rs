@@ -1,0 +1,216 @@
+//! Google's `generateContent`.
+//!
+//! In: messages and what is stated of the answer; a `GenerateContentResponse`. Out: a typed body; an answer or a
+//! failure.
+
+use super::content::{base64, framed, words};
+use super::error::ErrorBody;
+use super::{Answer, Failure, Stated, Unfit, answer, if_readable, tool_called, truncated};
+use fab_model::calls::{Fault, Usage};
+use fab_model::{Message, Part, Speaker};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Body<'a> {
+    contents: Vec<Content<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    system_instruction: Option<Frame>,
+    generation_config: Config<'a>,
+}
+
+#[derive(Serialize)]
+struct Frame {
+    parts: [OwnText; 1],
+}
+
+#[derive(Serialize)]
+struct OwnText {
+    text: String,
+}
+
+#[derive(Serialize)]
+struct Content<'a> {
+    role: &'static str,
+    parts: Vec<Piece<'a>>,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+enum Piece<'a> {
+    Text(&'a str),
+    InlineData(Blob),
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Blob {
+    mime_type: &'static str,
+    data: String,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Config<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    temperature: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    top_p: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_output_tokens: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    response_mime_type: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    response_json_schema: Option<&'a Value>,
+}
+
+pub(super) fn body<'a>(messages: &'a [Message], stated: &Stated<'a>) -> Result<Body<'a>, Unfit> {
+    let (frame, turns) = framed(messages)?;
+    Ok(Body {
+        contents: turns.iter().map(content).collect::<Result<_, _>>()?,
+        system_instruction: frame.map(|text| Frame {
+            parts: [OwnText { text }],
+        }),
+        generation_config: Config {
+            temperature: stated.temperature,
+            top_p: stated.top_p,
+            max_output_tokens: stated.max_tokens,
+            response_mime_type: stated.schema.map(|_| "application/json"),
+            response_json_schema: stated.schema,
+        },
+    })
+}
+
+fn content(message: &Message) -> Result<Content<'_>, Unfit> {
+    let role = if message.speaker == Speaker::Assistant {
+        words(message)?;
+        "model"
+    } else {
+        "user"
+    };
+    let parts = message.parts.iter().map(|part| match part {
+        Part::Text(text) => Piece::Text(text),
+        Part::Image(png) => Piece::InlineData(Blob {
+            mime_type: "image/png",
+            data: base64(png),
+        }),
+    });
+    Ok(Content {
+        role,
+        parts: parts.collect(),
+    })
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Reply {
+    candidates: Option<Vec<Candidate>>,
+    prompt_feedback: Option<Feedback>,
+    #[serde(default, deserialize_with = "if_readable")]
+    usage_metadata: Option<Tokens>,
+    error: Option<Value>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Candidate {
+    content: Option<Said>,
+    finish_reason: Option<String>,
+    finish_message: Option<String>,
+}
+
+#[derive(Deserialize)]
+struct Said {
+    parts: Option<Vec<SaidPart>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct SaidPart {
+    text: Option<String>,
+    thought: Option<bool>,
+    function_call: Option<Value>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Feedback {
+    block_reason: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Tokens {
+    prompt_token_count: Option<u64>,
+    cached_content_token_count: Option<u64>,
+    candidates_token_count: Option<u64>,
+    thoughts_token_count: Option<u64>,
+}
+
+pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
+    let reply: Reply = serde_json::from_slice(bytes).map_err(|error| Failure::invalid(&error))?;
+    let usage = reply.usage_metadata.map(|tokens| Usage {
+        input_tokens: tokens.prompt_token_count.unwrap_or(0),
+        cached_input_tokens: tokens.cached_content_token_count.unwrap_or(0),
+        // Hidden reasoning is counted beside the answer.
+        output_tokens: tokens
+            .candidates_token_count
+            .unwrap_or(0)
+            .saturating_add(tokens.thoughts_token_count.unwrap_or(0)),
+    });
+    if let Some(error) = reply.error {
+        return Err(ErrorBody::of(&error).failure(usage));
+    }
+    if let Some(reason) = reply.prompt_feedback.and_then(|said| said.block_reason) {
+        let why = format!("the provider's filter refused the question: `{reason}`");
+        return Err(Failure::new(Fault::ContentFiltered, why, usage));
+    }
+    let Some(candidate) = reply.candidates.unwrap_or_default().into_iter().next() else {
+        let why = "the reply holds no candidate";
+        return Err(Failure::new(Fault::InvalidReply, why, usage));
+    };
+    if let Some(fault) = ended_badly(candidate.finish_reason.as_deref()) {
+        if fault == Fault::Truncated {
+            return Err(truncated(usage));
+        }
+        let reason = candidate.finish_reason.unwrap_or_default();
+        let said = candidate.finish_message.unwrap_or_default();
+        let why = format!("the answer stopped for `{reason}` {said}");
+        return Err(Failure::new(fault, why.trim_end(), usage));
+    }
+    let parts = candidate.content.and_then(|content| content.parts);
+    let mut text = String::new();
+    for part in parts.unwrap_or_default() {
+        if part.function_call.is_some() {
+            return Err(tool_called(usage));
+        }
+        if part.thought != Some(true) {
+            text.push_str(part.text.as_deref().unwrap_or_default());
+        }
+    }
+    answer(text, usage)
+}
+
+/// Returns what an end means that is none of an answer.
+fn ended_badly(reason: Option<&str>) -> Option<Fault> {
+    match reason {
+        Some("STOP") | None => None,
+        Some("MAX_TOKENS" | "CONTINUATION") => Some(Fault::Truncated),
+        Some(
+            "SAFETY"
+            | "RECITATION"
+            | "LANGUAGE"
+            | "BLOCKLIST"
+            | "PROHIBITED_CONTENT"
+            | "SPII"
+            | "IMAGE_SAFETY"
+            | "IMAGE_PROHIBITED_CONTENT"
+            | "IMAGE_RECITATION"
+            | "ESCALATION"
+            | "MODEL_ARMOR",
+        ) => Some(Fault::ContentFiltered),
+        Some("PUP_LIMITED_DISABLED") => Some(Fault::NotAuthorised),
+        Some(_) => Some(Fault::InvalidReply),
+    }
+}

@@ -1,0 +1,225 @@
+//! The four forms in which providers take questions and give answers, one file each.
+//!
+//! In: a [`Request`] and [`Settings`]; the bytes that came back with status 200. Out: the bytes to send; an [`Answer`],
+//! or a [`Failure`] by name. Sending, status codes and tries are left to `remote`.
+
+mod anthropic;
+mod content;
+pub(super) mod error;
+mod gemini;
+mod openai_chat;
+mod openai_responses;
+
+use super::settings::{Parameter, Settings};
+use crate::catalogue::{Accepted, MaxTokensField, Wire};
+use fab_model::Request;
+use fab_model::calls::{Fault, Usage};
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::Value;
+
+/// A question as it is sent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Encoded {
+    /// The body, JSON.
+    pub body: Vec<u8>,
+    /// Headers besides the key's and the content's type.
+    pub headers: Vec<(&'static str, &'static str)>,
+}
+
+/// What an answer says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// The model's words, never empty.
+    pub text: String,
+    /// What the provider says that it used.
+    pub usage: Option<Usage>,
+}
+
+/// Why something that came back is no answer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// What went wrong.
+    pub fault: Fault,
+    /// The same in words.
+    pub why: String,
+    /// What the provider says that it used all the same.
+    pub usage: Option<Usage>,
+}
+
+/// Why a request cannot be put into a provider's form, in words.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Unfit(pub String);
+
+impl Wire {
+    /// Writes a request; equal requests give equal bytes.
+    ///
+    /// Fails where the model is known not to take what the request holds.
+    pub fn encode(self, request: &Request, settings: &Settings) -> Result<Encoded, Unfit> {
+        let stated = Stated::of(request, settings)?;
+        let (model, messages) = (settings.model.as_str(), &request.messages);
+        let body = match self {
+            Wire::OpenaiResponses => bytes(&openai_responses::body(model, messages, &stated)?),
+            Wire::OpenaiChat => {
+                // The older name is the one that most compatible servers know.
+                let field = settings.max_tokens_field;
+                let field = field.unwrap_or(MaxTokensField::MaxTokens);
+                bytes(&openai_chat::body(model, messages, &stated, field)?)
+            }
+            Wire::Anthropic => {
+                let longest = stated.max_tokens.unwrap_or(settings.unstated_max_tokens);
+                bytes(&anthropic::body(model, messages, &stated, longest)?)
+            }
+            Wire::Gemini => bytes(&gemini::body(messages, &stated)?),
+        };
+        let headers = match self {
+            Wire::Anthropic => vec![("anthropic-version", anthropic::version(&stated))],
+            _ => Vec::new(),
+        };
+        Ok(Encoded { body, headers })
+    }
+
+    /// Reads what came back with status 200.
+    pub fn decode(self, bytes: &[u8]) -> Result<Answer, Failure> {
+        match self {
+            Wire::OpenaiResponses => openai_responses::decode(bytes),
+            Wire::OpenaiChat => openai_chat::decode(bytes),
+            Wire::Anthropic => anthropic::decode(bytes),
+            Wire::Gemini => gemini::decode(bytes),
+        }
+    }
+
+    /// Returns the header that carries a key, and what comes before the key.
+    pub(super) fn key_header(self) -> (&'static str, &'static str) {
+        match self {
+            Wire::OpenaiResponses | Wire::OpenaiChat => ("authorization", "Bearer "),
+            Wire::Anthropic => ("x-api-key", ""),
+            Wire::Gemini => ("x-goog-api-key", ""),
+        }
+    }
+
+    /// Returns the version that stands in addresses where a base URL names none.
+    pub(super) fn version_segment(self) -> &'static str {
+        match self {
+            Wire::Gemini => "v1beta",
+            _ => "v1",
+        }
+    }
+
+    /// Returns what follows the base URL.
+    pub(super) fn path(self, model: &str) -> Vec<String> {
+        match self {
+            Wire::OpenaiResponses => vec!["responses".to_owned()],
+            Wire::OpenaiChat => vec!["chat".to_owned(), "completions".to_owned()],
+            Wire::Anthropic => vec!["messages".to_owned()],
+            Wire::Gemini => vec!["models".to_owned(), format!("{model}:generateContent")],
+        }
+    }
+}
+
+/// What of a request's settings is sent.
+struct Stated<'a> {
+    temperature: Option<f64>,
+    top_p: Option<f64>,
+    max_tokens: Option<u32>,
+    schema: Option<&'a Value>,
+}
+
+impl<'a> Stated<'a> {
+    fn of(request: &'a Request, settings: &Settings) -> Result<Stated<'a>, Unfit> {
+        let sent = |parameter| !settings.omit.contains(&parameter);
+        let sampling = |value: Option<f64>, parameter: Parameter| {
+            let Some(value) = value.filter(|_| sent(parameter)) else {
+                return Ok(None);
+            };
+            let accepted = match parameter {
+                Parameter::TopP => &settings.top_p,
+                _ => &settings.temperature,
+            };
+            let name = parameter.name();
+            let takes = |accepted: &Accepted| accepted.takes(value);
+            if value.is_finite() && accepted.as_ref().is_none_or(takes) {
+                return Ok(Some(value));
+            }
+            let accepts = accepted
+                .as_ref()
+                .map_or("a finite number".to_owned(), Accepted::to_string);
+            Err(Unfit(format!(
+                "the stage states `{name}` {value}, and it accepts {accepts}; state that, or leave it out with `--omit {name}`"
+            )))
+        };
+        if settings.pictures == Some(false) && content::has_picture(&request.messages) {
+            return Err(Unfit(
+                "the request holds a picture, and it takes text alone".to_owned(),
+            ));
+        }
+        let structured = settings.structured_output == Some(true);
+        Ok(Stated {
+            temperature: sampling(request.temperature, Parameter::Temperature)?,
+            top_p: sampling(request.top_p, Parameter::TopP)?,
+            max_tokens: request.max_tokens.filter(|_| sent(Parameter::MaxTokens)),
+            schema: request.schema.as_ref().filter(|_| structured),
+        })
+    }
+}
+
+impl Failure {
+    fn new(fault: Fault, why: impl Into<String>, usage: Option<Usage>) -> Failure {
+        Failure {
+            fault,
+            why: why.into(),
+            usage,
+        }
+    }
+
+    fn invalid(error: &serde_json::Error) -> Failure {
+        // The parser's own message may quote what it read at any length.
+        let (line, column) = (error.line(), error.column());
+        let why = format!(
+            "the reply is not what the interface promises, at line {line}, column {column}"
+        );
+        Failure::new(Fault::InvalidReply, why, None)
+    }
+}
+
+/// Makes an answer of words; none are a failure.
+fn answer(text: String, usage: Option<Usage>) -> Result<Answer, Failure> {
+    if text.trim().is_empty() {
+        return Err(Failure::new(
+            Fault::InvalidReply,
+            "the answer is empty",
+            usage,
+        ));
+    }
+    Ok(Answer { text, usage })
+}
+
+fn truncated(usage: Option<Usage>) -> Failure {
+    let why = "the answer was cut off at its longest length; raise the stage's `tokens`";
+    Failure::new(Fault::Truncated, why, usage)
+}
+
+fn tool_called(usage: Option<Usage>) -> Failure {
+    let why = "the model called a tool, and none was offered";
+    Failure::new(Fault::InvalidReply, why, usage)
+}
+
+fn bytes(body: &impl Serialize) -> Vec<u8> {
+    serde_json::to_vec(body).expect("a body holds strings, finite numbers and JSON")
+}
+
+/// Reads a part of a reply that nothing depends on; None where it is not as promised.
+///
+/// An answer that was paid for is not lost because of its bill.
+fn if_readable<'de, D, T>(deserializer: D) -> Result<Option<T>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: serde::de::DeserializeOwned,
+{
+    let value = Value::deserialize(deserializer)?;
+    Ok(serde_json::from_value(value).ok())
+}
+
+#[cfg(test)]
+#[path = "../tests/wire/mod.rs"]
+mod tests;

@@ -1,0 +1,219 @@
+//! OpenAI's Chat Completions: also Ollama, vLLM, llama.cpp, LM Studio, LiteLLM and others.
+//!
+//! In: messages and what is stated of the answer; a `chat.completion`. Out: a typed body; an answer or a failure.
+//! Compatible servers leave fields out, so that a reply needs no more than a choice with words in it.
+
+use super::content::{data_url, refuse_no_question, words};
+use super::error::ErrorBody;
+use super::{Answer, Failure, Stated, Unfit, answer, if_readable, tool_called, truncated};
+use crate::catalogue::MaxTokensField;
+use fab_model::calls::{Fault, Usage};
+use fab_model::{Message, Part, Speaker};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+#[derive(Serialize)]
+pub(super) struct Body<'a> {
+    model: &'a str,
+    messages: Vec<Turn<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    temperature: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    top_p: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_tokens: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_completion_tokens: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    response_format: Option<Format<'a>>,
+}
+
+#[derive(Serialize)]
+struct Turn<'a> {
+    role: &'static str,
+    content: Content<'a>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Content<'a> {
+    Text(String),
+    Parts(Vec<Piece<'a>>),
+}
+
+#[derive(Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Piece<'a> {
+    Text { text: &'a str },
+    ImageUrl { image_url: ImageUrl },
+}
+
+#[derive(Serialize)]
+struct ImageUrl {
+    url: String,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Format<'a> {
+    JsonSchema { json_schema: Schema<'a> },
+}
+
+#[derive(Serialize)]
+struct Schema<'a> {
+    name: &'static str,
+    schema: &'a Value,
+    strict: bool,
+}
+
+pub(super) fn body<'a>(
+    model: &'a str,
+    messages: &'a [Message],
+    stated: &Stated<'a>,
+    field: MaxTokensField,
+) -> Result<Body<'a>, Unfit> {
+    refuse_no_question(messages)?;
+    let limit = |wanted| stated.max_tokens.filter(|_| field == wanted);
+    Ok(Body {
+        model,
+        messages: messages.iter().map(turn).collect::<Result<_, _>>()?,
+        temperature: stated.temperature,
+        top_p: stated.top_p,
+        max_tokens: limit(MaxTokensField::MaxTokens),
+        max_completion_tokens: limit(MaxTokensField::MaxCompletionTokens),
+        response_format: stated.schema.map(|schema| Format::JsonSchema {
+            json_schema: Schema {
+                name: "action",
+                schema,
+                strict: true,
+            },
+        }),
+    })
+}
+
+fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
+    let (role, content) = match message.speaker {
+        Speaker::System => ("system", Content::Text(words(message)?)),
+        Speaker::Assistant => ("assistant", Content::Text(words(message)?)),
+        Speaker::User => ("user", asked(message)),
+    };
+    Ok(Turn { role, content })
+}
+
+fn asked(message: &Message) -> Content<'_> {
+    // Some servers read text alone only as a string.
+    if let [Part::Text(text)] = &message.parts[..] {
+        return Content::Text(text.clone());
+    }
+    let pieces = message.parts.iter().map(|part| match part {
+        Part::Text(text) => Piece::Text { text },
+        Part::Image(png) => Piece::ImageUrl {
+            image_url: ImageUrl { url: data_url(png) },
+        },
+    });
+    Content::Parts(pieces.collect())
+}
+
+#[derive(Deserialize)]
+struct Completion {
+    choices: Option<Vec<Choice>>,
+    #[serde(default, deserialize_with = "if_readable")]
+    usage: Option<Tokens>,
+    error: Option<Value>,
+}
+
+#[derive(Deserialize)]
+struct Choice {
+    message: Option<Said>,
+    finish_reason: Option<String>,
+}
+
+#[derive(Deserialize)]
+struct Said {
+    content: Option<Text>,
+    refusal: Option<String>,
+    tool_calls: Option<Vec<Value>>,
+    function_call: Option<Value>,
+}
+
+/// Words, as a string or, from some servers, in pieces.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Text {
+    Whole(String),
+    Pieces(Vec<TextPiece>),
+}
+
+#[derive(Deserialize)]
+struct TextPiece {
+    text: Option<String>,
+}
+
+#[derive(Deserialize)]
+struct Tokens {
+    prompt_tokens: u64,
+    #[serde(default)]
+    completion_tokens: u64,
+    prompt_tokens_details: Option<InputDetails>,
+}
+
+#[derive(Deserialize)]
+struct InputDetails {
+    cached_tokens: Option<u64>,
+}
+
+pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
+    let completion: Completion =
+        serde_json::from_slice(bytes).map_err(|error| Failure::invalid(&error))?;
+    let usage = completion.usage.map(|tokens| Usage {
+        input_tokens: tokens.prompt_tokens,
+        cached_input_tokens: tokens
+            .prompt_tokens_details
+            .and_then(|details| details.cached_tokens)
+            .unwrap_or(0),
+        // Hidden reasoning is counted in it.
+        output_tokens: tokens.completion_tokens,
+    });
+    if let Some(error) = completion.error {
+        return Err(ErrorBody::of(&error).failure(usage));
+    }
+    let mut choices = completion.choices.unwrap_or_default().into_iter();
+    let Some(Choice {
+        message: Some(said),
+        finish_reason,
+    }) = choices.next()
+    else {
+        let why = "the reply holds no choice with a message";
+        return Err(Failure::new(Fault::InvalidReply, why, usage));
+    };
+    if let Some(refusal) = said.refusal.filter(|refusal| !refusal.is_empty()) {
+        return Err(Failure::new(Fault::Refused, refusal, usage));
+    }
+    match finish_reason.as_deref() {
+        Some("length") => return Err(truncated(usage)),
+        Some("content_filter") => {
+            let why = "the provider's filter took the answer away";
+            return Err(Failure::new(Fault::ContentFiltered, why, usage));
+        }
+        Some(reason @ ("error" | "abort")) => {
+            let why = format!("the server ended the answer with `{reason}`");
+            return Err(Failure::new(Fault::ServerFailed, why, usage));
+        }
+        _ => {}
+    }
+    let is_tool_call = said.tool_calls.is_some_and(|calls| !calls.is_empty())
+        || said.function_call.is_some()
+        || matches!(
+            finish_reason.as_deref(),
+            Some("tool_calls" | "function_call")
+        );
+    if is_tool_call {
+        return Err(tool_called(usage));
+    }
+    let text = match said.content {
+        None => String::new(),
+        Some(Text::Whole(text)) => text,
+        Some(Text::Pieces(pieces)) => pieces.into_iter().filter_map(|piece| piece.text).collect(),
+    };
+    answer(text, usage)
+}

@@ -1,0 +1,210 @@
+//! OpenAI's Responses, with nothing stored there.
+//!
+//! In: messages and what is stated of the answer; a `response`. Out: a typed body; an answer or a failure.
+
+use super::content::{data_url, refuse_no_question, words};
+use super::error::ErrorBody;
+use super::{Answer, Failure, Stated, Unfit, answer, if_readable, tool_called, truncated};
+use fab_model::calls::{Fault, Usage};
+use fab_model::{Message, Part, Speaker};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+#[derive(Serialize)]
+pub(super) struct Body<'a> {
+    model: &'a str,
+    input: Vec<Turn<'a>>,
+    store: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    temperature: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    top_p: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_output_tokens: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    text: Option<TextFormat<'a>>,
+}
+
+#[derive(Serialize)]
+struct Turn<'a> {
+    role: &'static str,
+    content: Content<'a>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Content<'a> {
+    Text(String),
+    Parts(Vec<Piece<'a>>),
+}
+
+#[derive(Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Piece<'a> {
+    InputText {
+        text: &'a str,
+    },
+    InputImage {
+        image_url: String,
+        detail: &'static str,
+    },
+}
+
+#[derive(Serialize)]
+struct TextFormat<'a> {
+    format: Format<'a>,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Format<'a> {
+    JsonSchema {
+        name: &'static str,
+        schema: &'a Value,
+        strict: bool,
+    },
+}
+
+pub(super) fn body<'a>(
+    model: &'a str,
+    messages: &'a [Message],
+    stated: &Stated<'a>,
+) -> Result<Body<'a>, Unfit> {
+    refuse_no_question(messages)?;
+    Ok(Body {
+        model,
+        input: messages.iter().map(turn).collect::<Result<_, _>>()?,
+        store: false,
+        temperature: stated.temperature,
+        top_p: stated.top_p,
+        max_output_tokens: stated.max_tokens,
+        text: stated.schema.map(|schema| TextFormat {
+            format: Format::JsonSchema {
+                name: "action",
+                schema,
+                strict: true,
+            },
+        }),
+    })
+}
+
+fn turn(message: &Message) -> Result<Turn<'_>, Unfit> {
+    let (role, content) = match message.speaker {
+        Speaker::System => ("system", Content::Text(words(message)?)),
+        Speaker::Assistant => ("assistant", Content::Text(words(message)?)),
+        Speaker::User => (
+            "user",
+            Content::Parts(message.parts.iter().map(piece).collect()),
+        ),
+    };
+    Ok(Turn { role, content })
+}
+
+fn piece(part: &Part) -> Piece<'_> {
+    match part {
+        Part::Text(text) => Piece::InputText { text },
+        Part::Image(png) => Piece::InputImage {
+            image_url: data_url(png),
+            detail: "auto",
+        },
+    }
+}
+
+#[derive(Deserialize)]
+struct Response {
+    status: Option<String>,
+    error: Option<Value>,
+    incomplete_details: Option<Incomplete>,
+    output: Option<Vec<Item>>,
+    #[serde(default, deserialize_with = "if_readable")]
+    usage: Option<Tokens>,
+}
+
+#[derive(Deserialize)]
+struct Incomplete {
+    reason: Option<String>,
+}
+
+#[derive(Deserialize)]
+struct Item {
+    r#type: String,
+    content: Option<Vec<Said>>,
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+enum Said {
+    OutputText {
+        text: String,
+    },
+    Refusal {
+        refusal: String,
+    },
+    #[serde(other)]
+    Other,
+}
+
+#[derive(Deserialize)]
+struct Tokens {
+    input_tokens: u64,
+    output_tokens: u64,
+    input_tokens_details: Option<InputDetails>,
+}
+
+#[derive(Deserialize)]
+struct InputDetails {
+    cached_tokens: Option<u64>,
+}
+
+pub(super) fn decode(bytes: &[u8]) -> Result<Answer, Failure> {
+    let response: Response =
+        serde_json::from_slice(bytes).map_err(|error| Failure::invalid(&error))?;
+    let usage = response.usage.map(|tokens| Usage {
+        input_tokens: tokens.input_tokens,
+        cached_input_tokens: tokens
+            .input_tokens_details
+            .and_then(|details| details.cached_tokens)
+            .unwrap_or(0),
+        // Hidden reasoning is counted in it.
+        output_tokens: tokens.output_tokens,
+    });
+    if let Some(error) = response.error {
+        return Err(ErrorBody::of(&error).failure(usage));
+    }
+    let reason = response
+        .incomplete_details
+        .and_then(|details| details.reason);
+    match (response.status.as_deref(), reason.as_deref()) {
+        (Some("completed") | None, _) => {}
+        (Some("incomplete"), Some("max_output_tokens")) => return Err(truncated(usage)),
+        (Some("incomplete"), Some("content_filter")) => {
+            let why = "the provider's filter took the answer away";
+            return Err(Failure::new(Fault::ContentFiltered, why, usage));
+        }
+        (Some("failed"), _) => {
+            let why = "the provider failed without saying why";
+            return Err(Failure::new(Fault::ServerFailed, why, usage));
+        }
+        (Some(status), reason) => {
+            let reason = reason.unwrap_or("no reason");
+            let why = format!("the reply's status is `{status}` ({reason}), and not `completed`");
+            return Err(Failure::new(Fault::InvalidReply, why, usage));
+        }
+    }
+    let output = response.output.unwrap_or_default();
+    if output.iter().any(|item| item.r#type.ends_with("_call")) {
+        return Err(tool_called(usage));
+    }
+    let messages = output.into_iter().filter(|item| item.r#type == "message");
+    let mut text = String::new();
+    for said in messages.flat_map(|message| message.content.unwrap_or_default()) {
+        match said {
+            Said::OutputText { text: more } => text.push_str(&more),
+            Said::Refusal { refusal } => {
+                return Err(Failure::new(Fault::Refused, refusal, usage));
+            }
+            Said::Other => {}
+        }
+    }
+    answer(text, usage)
+}

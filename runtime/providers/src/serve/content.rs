@@ -1,0 +1,146 @@
+//! Reads turns of a conversation: who speaks, words, pictures.
+
+use super::fields::Fields;
+use super::refusal::Refusal;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use fab_model::{Message, ModelRole, Part, Png, Speaker};
+use fab_picture::png;
+use serde_json::Value;
+
+/// The most turns of a conversation.
+const MAX_TURNS: usize = 1000;
+
+/// How one of the two forms names the pieces of a turn.
+pub(super) struct Names {
+    /// Types of a text.
+    pub text: &'static [&'static str],
+    /// The type of a picture.
+    pub image: &'static str,
+    /// Whether a picture's address stands in an object of its own.
+    pub address: Address,
+}
+
+/// Where a picture's address stands.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Address {
+    /// `"image_url": {"url": "data:…"}`.
+    InObject,
+    /// `"image_url": "data:…"`.
+    Plain,
+}
+
+/// Reads all turns; `path` names the list in refusals.
+pub(super) fn turns(turns: Vec<Value>, path: &str, names: &Names) -> Result<Vec<Message>, Refusal> {
+    if turns.is_empty() || turns.len() > MAX_TURNS {
+        let message = format!(
+            "`{path}` has {} turns; 1 to {MAX_TURNS} are taken",
+            turns.len()
+        );
+        return Err(Refusal::of(path, message));
+    }
+    let turns = turns.into_iter().enumerate();
+    turns
+        .map(|(number, turn)| self::turn(Fields::of(format!("{path}[{number}]"), turn)?, names))
+        .collect()
+}
+
+fn turn(mut turn: Fields, names: &Names) -> Result<Message, Refusal> {
+    turn.only("type", "message".into())?;
+    let role = turn.text("role")?;
+    let speaker = match role.as_str() {
+        "system" | "developer" => Speaker::System,
+        "user" => Speaker::User,
+        "assistant" => Speaker::Assistant,
+        _ => return Err(turn.wrong("role", "is none of system, developer, user and assistant")),
+    };
+    let path = turn.path("content");
+    let parts = match turn.required("content")? {
+        Value::String(text) => vec![Part::Text(text)],
+        Value::Array(parts) => {
+            let parts = parts.into_iter().enumerate();
+            let read = parts.map(|(number, part)| {
+                self::part(Fields::of(format!("{path}[{number}]"), part)?, names)
+            });
+            read.collect::<Result<_, _>>()?
+        }
+        _ => return Err(turn.wrong("content", "is neither a string nor a list")),
+    };
+    // What clients repeat of an answer says nothing further.
+    turn.only("tool_calls", Value::Array(Vec::new()))?;
+    turn.finish(&["name", "id", "status", "refusal", "annotations"])?;
+    Ok(Message { speaker, parts })
+}
+
+fn part(mut part: Fields, names: &Names) -> Result<Part, Refusal> {
+    let kind = part.text("type")?;
+    if names.text.contains(&kind.as_str()) {
+        let text = part.text("text")?;
+        part.finish(&["annotations", "logprobs"])?;
+        return Ok(Part::Text(text));
+    }
+    if kind != names.image {
+        return Err(part.wrong(
+            "type",
+            &format!("is neither {} nor {}", names.text.join(", "), names.image),
+        ));
+    }
+    let path = part.path("image_url");
+    let address = match (names.address, part.required("image_url")?) {
+        (Address::Plain, Value::String(address)) => address,
+        (Address::InObject, value @ Value::Object(_)) => {
+            let mut inner = Fields::of(path.as_str(), value)?;
+            let address = inner.text("url")?;
+            inner.finish(&["detail"])?;
+            address
+        }
+        _ => return Err(part.wrong("image_url", "has another form here")),
+    };
+    part.finish(&["detail"])?;
+    png(&address, &path).map(Part::Image)
+}
+
+/// Reads a picture out of its address, which has to hold it.
+fn png(address: &str, path: &str) -> Result<Png, Refusal> {
+    const START: &str = "data:image/png;base64,";
+    let wrong = |why: &str| Refusal::of(path, format!("`{path}` {why}"));
+    let is_data = address
+        .get(..5)
+        .is_some_and(|start| start.eq_ignore_ascii_case("data:"));
+    if !is_data {
+        return Err(wrong(
+            "leads elsewhere, and nothing is fetched: send the PNG as a data: URL in base64",
+        ));
+    }
+    let encoded = match address.split_at_checked(START.len()) {
+        Some((start, encoded)) if start.eq_ignore_ascii_case(START) => encoded,
+        _ => {
+            return Err(wrong(
+                "is no PNG in base64; it has to begin with `data:image/png;base64,`",
+            ));
+        }
+    };
+    let bytes = STANDARD
+        .decode(encoded)
+        .map_err(|_| wrong("is no base64"))?;
+    match png::size(&bytes) {
+        Some([width, height]) if width.max(height) <= png::MAX_SIDE_PX => Ok(Png::new(bytes)),
+        Some([width, height]) => {
+            let most = png::MAX_SIDE_PX;
+            Err(wrong(&format!(
+                "is {width} by {height} pixels; at most {most} by {most} are taken"
+            )))
+        }
+        None => Err(wrong("is no PNG picture")),
+    }
+}
+
+/// Returns which kind of model a conversation asks: one that sees, where it has a picture.
+pub(super) fn role(messages: &[Message]) -> ModelRole {
+    let mut parts = messages.iter().flat_map(|message| &message.parts);
+    if parts.any(|part| matches!(part, Part::Image(_))) {
+        ModelRole::Vision
+    } else {
+        ModelRole::Text
+    }
+}

@@ -1,0 +1,110 @@
+//! Answers are bought once: kept by all that they depend on, and asked for by one thread at a time.
+
+use crate::support::*;
+use fab_base::cache::Cache;
+use fab_model::calls::{Unkept, Usd};
+use fab_model::{Model, Request};
+use fab_providers::remote::{Answers, Wire};
+use std::fs;
+use std::sync::Arc;
+use std::time::Duration;
+use tempfile::TempDir;
+
+fn keeping(url: &str) -> (Trial, TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut trial = Trial::of(url);
+    let cache = Cache::at(folder.path().join("answers"));
+    trial.shared.answers = Arc::new(Answers::kept_in(cache));
+    (trial, folder)
+}
+
+#[test]
+fn a_kept_answer_is_the_same_costs_nothing_and_tells_nothing() {
+    let provider = Provider::playing(vec![good("first"), good("second")]);
+    let (trial, _folder) = keeping(&provider.url());
+    let bought = trial.model().ask(&request(), &mut Unkept).unwrap();
+    let mut notes = Notes::new();
+    let kept = trial.model().ask(&request(), &mut notes).unwrap();
+    assert_eq!((kept.text.as_str(), kept.usage), ("first", bought.usage));
+    assert_eq!(kept.cost, Some(Usd::ZERO));
+    assert!(notes.told.is_empty());
+    assert_eq!(provider.got().len(), 1);
+}
+
+#[test]
+fn whatever_an_answer_depends_on_makes_another_question_of_it() {
+    let replies = (0..20).map(|at| good(&at.to_string())).collect();
+    let provider = Provider::playing(replies);
+    let (trial, _folder) = keeping(&provider.url());
+    let mut texts = Vec::new();
+    let mut ask = |trial: &Trial, change: &dyn Fn(&mut Request)| {
+        let mut changed = request();
+        change(&mut changed);
+        texts.push(trial.model().ask(&changed, &mut Unkept).unwrap().text);
+    };
+    ask(&trial, &|_| {});
+    ask(&trial, &|request| request.repetition = 1);
+    ask(&trial, &|request| request.step = 2);
+    ask(&trial, &|request| request.temperature = Some(0.5));
+    let other = |change: &dyn Fn(&mut Trial)| {
+        let mut other = Trial::of(&provider.url());
+        other.shared = trial.shared.clone();
+        change(&mut other);
+        other
+    };
+    ask(
+        &other(&|trial| trial.settings.provider = "another".to_owned()),
+        &|_| {},
+    );
+    ask(
+        &other(&|trial| trial.settings.model = "another".to_owned()),
+        &|_| {},
+    );
+    let base = fab_providers::remote::BaseUrl::parse(&format!("{}/v2", provider.url())).unwrap();
+    ask(
+        &other(&|trial| trial.settings.base_url = base.clone()),
+        &|_| {},
+    );
+    let expected: Vec<String> = (0..7).map(|at| at.to_string()).collect();
+    assert_eq!(texts, expected);
+    assert_eq!(trial.settings.wire, Wire::OpenaiChat);
+}
+
+#[test]
+fn failures_are_not_kept() {
+    let provider = Provider::playing(vec![status(400), good("there")]);
+    let (trial, _folder) = keeping(&provider.url());
+    trial.model().ask(&request(), &mut Unkept).unwrap_err();
+    let reply = trial.model().ask(&request(), &mut Unkept).unwrap();
+    assert_eq!(reply.text, "there");
+}
+
+#[test]
+fn a_broken_file_costs_a_call_and_no_error() {
+    let provider = Provider::playing(vec![good("first"), good("second")]);
+    let (trial, folder) = keeping(&provider.url());
+    trial.model().ask(&request(), &mut Unkept).unwrap();
+    for entry in fs::read_dir(folder.path().join("answers")).unwrap() {
+        fs::write(entry.unwrap().path(), "{\"format\":1,\"text\":").unwrap();
+    }
+    let reply = trial.model().ask(&request(), &mut Unkept).unwrap();
+    assert_eq!(reply.text, "second");
+}
+
+#[test]
+fn threads_with_one_question_make_one_call() {
+    let slow = good("one").set_delay(Duration::from_millis(200));
+    let provider = Provider::playing(vec![slow, good("another")]);
+    let (trial, _folder) = keeping(&provider.url());
+    let texts: Vec<String> = std::thread::scope(|scope| {
+        let asking = (0..4)
+            .map(|_| scope.spawn(|| trial.model().ask(&request(), &mut Unkept).unwrap().text));
+        let asking: Vec<_> = asking.collect();
+        asking
+            .into_iter()
+            .map(|thread| thread.join().unwrap())
+            .collect()
+    });
+    assert_eq!(texts, ["one"; 4]);
+    assert_eq!(provider.got().len(), 1);
+}

@@ -1,0 +1,314 @@
+//! A scripted provider, and doubles that note what a model tells and waits for.
+
+use fab_base::interrupt::Interrupt;
+use fab_model::calls::{Billing, Call, CallEnd, CallRefused, Calls, Fault, Usage, Usd};
+use fab_model::{Message, ModelRole, Request, Speaker};
+use fab_providers::remote::{
+    Answers, BaseUrl, Gate, Key, Pause, Pricing, Remote, Retry, Settings, Shared, Tell, Wire,
+};
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::Duration;
+use wiremock::{Mock, MockServer, Respond, ResponseTemplate};
+
+/// What must never be seen again.
+pub const CANARY: &str = "sk-canary/0123456789+abc";
+
+/// A provider that plays replies in order, the last one for ever.
+pub struct Provider {
+    server: MockServer,
+    runtime: tokio::runtime::Runtime,
+}
+
+struct Script {
+    replies: Vec<ResponseTemplate>,
+    next: AtomicUsize,
+}
+
+impl Respond for Script {
+    fn respond(&self, _: &wiremock::Request) -> ResponseTemplate {
+        let at = self.next.fetch_add(1, Ordering::SeqCst);
+        self.replies[at.min(self.replies.len() - 1)].clone()
+    }
+}
+
+impl Provider {
+    pub fn playing(replies: Vec<ResponseTemplate>) -> Provider {
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .worker_threads(1)
+            .enable_all()
+            .build()
+            .unwrap();
+        let server = runtime.block_on(async {
+            let server = MockServer::start().await;
+            let script = Script {
+                replies,
+                next: AtomicUsize::new(0),
+            };
+            let any = Mock::given(wiremock::matchers::any());
+            any.respond_with(script).mount(&server).await;
+            server
+        });
+        Provider { server, runtime }
+    }
+
+    pub fn url(&self) -> String {
+        self.server.uri()
+    }
+
+    /// Returns every request that came, oldest first.
+    pub fn got(&self) -> Vec<wiremock::Request> {
+        let requests = self.runtime.block_on(self.server.received_requests());
+        requests.expect("requests are recorded")
+    }
+}
+
+/// A listener that does to each connection, once its request is read, what `act` says.
+pub struct Rude {
+    address: String,
+    count: Arc<AtomicUsize>,
+}
+
+impl Rude {
+    pub fn acting(act: impl Fn(&mut TcpStream) + Send + 'static) -> Rude {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = format!("http://{}", listener.local_addr().unwrap());
+        let count = Arc::new(AtomicUsize::new(0));
+        let counted = count.clone();
+        thread::spawn(move || {
+            for stream in listener.incoming() {
+                let Ok(mut stream) = stream else { return };
+                if read_request(&mut stream) {
+                    counted.fetch_add(1, Ordering::SeqCst);
+                    act(&mut stream);
+                }
+            }
+        });
+        Rude { address, count }
+    }
+
+    pub fn url(&self) -> String {
+        self.address.clone()
+    }
+
+    pub fn count(&self) -> usize {
+        self.count.load(Ordering::SeqCst)
+    }
+}
+
+/// Reads head and body; false where the connection ends before.
+fn read_request(stream: &mut TcpStream) -> bool {
+    let mut bytes = Vec::new();
+    let mut chunk = [0; 4096];
+    loop {
+        let text = String::from_utf8_lossy(&bytes).to_lowercase();
+        if let Some(head) = text.find("\r\n\r\n") {
+            let length = text[..head].split("content-length: ").nth(1);
+            let length = length.and_then(|rest| rest.lines().next()?.trim().parse().ok());
+            if bytes.len() >= head + 4 + length.unwrap_or(0) {
+                return true;
+            }
+        }
+        match stream.read(&mut chunk) {
+            Ok(0) | Err(_) => return false,
+            Ok(count) => bytes.extend_from_slice(&chunk[..count]),
+        }
+    }
+}
+
+/// Writes as much of a head and a body as is given.
+pub fn say(stream: &mut TcpStream, text: &str) {
+    // The other side may have gone.
+    let _ = stream.write_all(text.as_bytes());
+}
+
+/// A good reply of Chat Completions.
+pub fn good(text: &str) -> ResponseTemplate {
+    ResponseTemplate::new(200).set_body_json(good_body(text))
+}
+
+pub fn good_body(text: &str) -> serde_json::Value {
+    serde_json::json!({
+        "choices": [{ "finish_reason": "stop", "message": { "role": "assistant", "content": text } }],
+        "usage": { "prompt_tokens": 10, "completion_tokens": 5 },
+    })
+}
+
+pub fn status(status: u16) -> ResponseTemplate {
+    ResponseTemplate::new(status)
+}
+
+/// Lets waits pass at once and notes them.
+#[derive(Debug, Default)]
+pub struct Noted(pub Mutex<Vec<Duration>>);
+
+impl Pause for Noted {
+    fn pause(&self, wait: Duration, _: &Interrupt) {
+        self.0.lock().unwrap().push(wait);
+    }
+}
+
+/// Ten nano-dollars a token, and a hundred at most.
+#[derive(Debug)]
+pub struct Prices;
+
+impl Pricing for Prices {
+    fn at_most(&self, _: &Request) -> Option<Usd> {
+        Some(Usd::from_nano(100))
+    }
+
+    fn cost(&self, usage: Usage) -> Option<Usd> {
+        Some(Usd::from_nano(
+            10 * (usage.input_tokens + usage.output_tokens),
+        ))
+    }
+}
+
+/// What a model told of one message.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Told {
+    Begin {
+        model: String,
+        key: String,
+        number: u32,
+        at_most: Option<Usd>,
+    },
+    Answered {
+        text: String,
+        cost: Option<Usd>,
+    },
+    Failed {
+        fault: Fault,
+        why: String,
+        billing: Billing,
+        cost: Option<Usd>,
+    },
+}
+
+/// Notes what is told, and refuses the call after `allowed` ones.
+pub struct Notes {
+    pub told: Vec<Told>,
+    pub allowed: usize,
+}
+
+impl Notes {
+    pub fn new() -> Notes {
+        Notes {
+            told: Vec::new(),
+            allowed: usize::MAX,
+        }
+    }
+
+    /// Returns the ends; fails where beginnings and ends do not alternate, or numbers do not count up.
+    pub fn ends(&self) -> Vec<Told> {
+        let mut ends = Vec::new();
+        for (at, pair) in self.told.chunks(2).enumerate() {
+            let Told::Begin { number, .. } = &pair[0] else {
+                panic!("an end without a beginning: {:?}", self.told);
+            };
+            assert_eq!(*number as usize, at + 1);
+            assert!(
+                pair.len() == 2 && !matches!(pair[1], Told::Begin { .. }),
+                "{:?}",
+                self.told
+            );
+            ends.push(pair[1].clone());
+        }
+        ends
+    }
+
+    /// Returns faults and billing of the calls that failed.
+    pub fn faults(&self) -> Vec<(Fault, Billing)> {
+        let ends = self.ends();
+        let failed = ends.iter().filter_map(|end| match end {
+            Told::Failed { fault, billing, .. } => Some((*fault, *billing)),
+            _ => None,
+        });
+        failed.collect()
+    }
+}
+
+impl Calls for Notes {
+    fn begin(&mut self, call: &Call<'_>) -> Result<(), CallRefused> {
+        if self.ends().len() >= self.allowed {
+            return Err(CallRefused::Budget("no more calls".to_owned()));
+        }
+        self.told.push(Told::Begin {
+            model: call.model.to_owned(),
+            key: call.key.to_owned(),
+            number: call.number,
+            at_most: call.at_most,
+        });
+        Ok(())
+    }
+
+    fn end(&mut self, end: &CallEnd<'_>) -> Result<(), CallRefused> {
+        self.told.push(match *end {
+            CallEnd::Answered(reply) => Told::Answered {
+                text: reply.text.clone(),
+                cost: reply.cost,
+            },
+            CallEnd::Failed {
+                fault,
+                why,
+                billing,
+                cost,
+            } => Told::Failed {
+                fault,
+                why: why.to_owned(),
+                billing,
+                cost,
+            },
+        });
+        Ok(())
+    }
+}
+
+/// A model under test, and what it waited for.
+pub struct Trial {
+    pub settings: Settings,
+    pub shared: Shared,
+    pub waits: Arc<Noted>,
+}
+
+impl Trial {
+    pub fn of(url: &str) -> Trial {
+        let waits = Arc::new(Noted::default());
+        let base = BaseUrl::parse(url).unwrap();
+        let settings = Settings {
+            key: Some(Key::new("A_KEY", CANARY).unwrap()),
+            timeout: Duration::from_secs(20),
+            retry: Retry {
+                seed: Some(5),
+                pause: waits.clone(),
+                ..Retry::default()
+            },
+            pricing: Arc::new(Prices),
+            ..Settings::new("provider", "a-model", Wire::OpenaiChat, base)
+        };
+        let shared = Shared {
+            tell: Tell::nobody(),
+            gate: Arc::new(Gate::new(4)),
+            answers: Arc::new(Answers::none()),
+            interrupt: Interrupt::default(),
+            hidden: Vec::new(),
+        };
+        Trial {
+            settings,
+            shared,
+            waits,
+        }
+    }
+
+    pub fn model(&self) -> Remote {
+        Remote::new(self.settings.clone(), self.shared.clone()).unwrap()
+    }
+}
+
+pub fn request() -> Request {
+    let messages = vec![Message::text(Speaker::User, "fold it")];
+    Request::new(ModelRole::Text, messages)
+}

@@ -1,0 +1,301 @@
+//! `geometric`: an offline stand-in for a vision-language model.
+//!
+//! In: the same [`Request`] that a remote model would get, and nothing else. Out: a [`Reply`] in the form that
+//! the prompt asks for. With pictures, it puts the step that they show into words; without, it reads such
+//! words and a list of points and picks two of them. It is a program about outlines and rectangles, not a
+//! model: it is called a stand-in wherever its results appear, and what it scores says nothing about models.
+//!
+//! It knows no task. What it cannot make sense of it answers in words that hold no instruction and no
+//! point, which the caller's reader reports like any other unusable answer. A question for anything else than
+//! a pick point and a place point is an error of the model's.
+
+mod frame;
+mod plan;
+mod prompt;
+mod see;
+mod smooth;
+mod words;
+
+#[cfg(test)]
+mod tests;
+
+use fab_model::calls::Calls;
+use fab_model::{Message, Model, ModelError, Nature, Part, Reply, Request, Speaker};
+use fab_picture::hull;
+use fab_program::PixelPoint;
+pub use smooth::{FEATURES, Offer, offers};
+
+use frame::Frame;
+use plan::{Candidate, Listed};
+use prompt::AnswerLine;
+use see::Sighting;
+use words::{Compass, Instruction, Sides, Spot};
+
+/// The stand-in.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Geometric;
+
+impl Model for Geometric {
+    fn name(&self) -> &str {
+        "geometric"
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::StandIn
+    }
+
+    fn varies(&self) -> bool {
+        false
+    }
+
+    fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let asked = all_words(&request.messages);
+        if smooth::is_asked(&asked) {
+            return Ok(Reply::text(smooth::answer(&request.messages)));
+        }
+        if let Some(more) = prompt::asks_for_more(&asked) {
+            return Err(ModelError::Unsupported {
+                model: self.name().to_owned(),
+                why: format!(
+                    "it can only answer with a pick point and a place point, and the prompt asks {more}"
+                ),
+            });
+        }
+        let text = match describe(&request.messages) {
+            Some(description) => description,
+            None => choose(&request.messages),
+        };
+        Ok(Reply::text(text))
+    }
+}
+
+/// Puts the pictures of the last turn that has any into words; `None` if there are no pictures at all.
+fn describe(messages: &[Message]) -> Option<String> {
+    let pictures = |message: &Message| {
+        let parts = message.parts.iter();
+        let bytes = parts.filter_map(|part| match part {
+            Part::Image(png) => Some(png.clone()),
+            Part::Text(_) => None,
+        });
+        bytes.collect::<Vec<_>>()
+    };
+    let users = messages
+        .iter()
+        .filter(|message| message.speaker == Speaker::User);
+    let shown = users.map(pictures).rfind(|pictures| !pictures.is_empty())?;
+    let encoded: Vec<&[u8]> = shown.iter().map(fab_model::Png::bytes).collect();
+    let middle = if prompt::centers_cloth_in_picture(&all_words(messages)) {
+        Middle::OfPicture
+    } else {
+        Middle::OfOutline
+    };
+    Some(
+        match see::see(&encoded)
+            .map_err(|unseen| unseen.to_string())
+            .and_then(|seen| put_into_words(&seen, middle))
+        {
+            Ok((instruction, sides)) => format!(
+                "Instructions: {instruction}.\n\
+             Explanation: The black arrow on the first picture runs from the first of these points to the \
+             second; the cloth there has {sides}, and on the second picture it has left the arrow's tail."
+            ),
+            Err(why) => format!("I cannot describe this step: {why}."),
+        },
+    )
+}
+
+/// Corners of the rectangle that the cloth misses by this share of the short side are worth a word.
+const BARE_FROM: f64 = 0.3;
+
+/// A point that is farther inside the outline than this share of the short side is on no side of the cloth.
+const INSIDE_FROM: f64 = 0.15;
+
+/// How far from the middle of the rectangle a point inside still counts as the center, as a share of the short
+/// side. Folds towards the center may end a tenth of their way early.
+const CENTER_WITHIN: f64 = 0.3;
+
+/// The same where the prompt says where the center is.
+const TOLD_CENTER_WITHIN: f64 = 0.1;
+
+/// Where the center of the cloth is looked for.
+///
+/// A cloth that has been folded need not have its center in the middle of its outline.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Middle {
+    /// In the middle of the picture, for the prompt says so.
+    OfPicture,
+    /// In the middle of the rectangle around the cloth.
+    OfOutline,
+}
+
+fn put_into_words(seen: &Sighting, middle: Middle) -> Result<(Instruction, &'static str), String> {
+    let fitted = Frame::fit(&seen.outline).ok_or("the cloth has no area")?;
+    let heading = Compass::nearest(fitted.angle());
+    let (heading, frame) = if heading.is_in_reading_order() {
+        (heading, fitted)
+    } else {
+        (heading.opposite(), fitted.turned(2))
+    };
+    let is_center = |point| match middle {
+        Middle::OfPicture => {
+            hull::distance(point, seen.middle) <= TOLD_CENTER_WITHIN * frame.long_side()
+        }
+        Middle::OfOutline => {
+            let depth = hull::distance_to_outline(&seen.outline, point) / frame.short_side();
+            let is_inside = hull::is_inside(&seen.outline, point) && depth > INSIDE_FROM;
+            let off = hull::distance(point, frame.point_at([0.5, 0.5])) / frame.short_side();
+            is_inside && off <= CENTER_WITHIN
+        }
+    };
+    let spot = |point| {
+        if is_center(point) {
+            return Spot::Center;
+        }
+        let share = frame.share_of(point);
+        let [along, across] = share.map(|share| (share * 8.0).round().clamp(0.0, 8.0) as u8);
+        Spot::At { along, across }
+    };
+    let (pick, place) = (spot(seen.tail), spot(seen.tip));
+    if pick == place {
+        return Err("the arrow is too short to tell its two ends apart".to_owned());
+    }
+    let (sides, sides_in_words) = if frame.has_long_sides() {
+        (Sides::Long, "long sides and short ones")
+    } else {
+        (Sides::Equal, "sides of about the same length")
+    };
+    let bare = frame.corner_gaps(&seen.outline).map(|gap| gap >= BARE_FROM);
+    Ok((
+        Instruction {
+            pick,
+            place,
+            heading,
+            sides,
+            bare,
+        },
+        sides_in_words,
+    ))
+}
+
+/// Picks two points by the last prompt that lists corners.
+fn choose(messages: &[Message]) -> String {
+    match choice(messages) {
+        Ok(text) => text,
+        Err(why) => format!("I cannot choose points: {why}."),
+    }
+}
+
+fn choice(messages: &[Message]) -> Result<String, String> {
+    let asked = |message: &Message| {
+        let text = spoken(message);
+        let instruction = prompt::instruction_lines(&text).find_map(Instruction::read)?;
+        (message.speaker == Speaker::User).then_some((text, instruction))
+    };
+    let mut found = messages
+        .iter()
+        .enumerate()
+        .filter_map(|(at, message)| Some((at, asked(message)?)));
+    let (at, (text, instruction)) = found
+        .next_back()
+        .ok_or("no line names a point of the cloth to pick and one to place it on")?;
+    let corners = prompt::corners(&text);
+    if corners.is_empty() {
+        return Err("no corners are listed".to_owned());
+    }
+    let listed = Listed {
+        corners,
+        others: prompt::other_points(&text),
+        center: prompt::center(&text),
+    };
+    let plan = plan::plan(&instruction, &listed).map_err(|why| why.to_string())?;
+    let refused = Refused::read(&messages[at..]);
+    let chosen = plan
+        .candidates
+        .iter()
+        .find(|candidate| refused.leaves(candidate))
+        .ok_or("every likely pair of listed points was refused")?;
+    let whole = all_words(messages);
+    let [pick, place] = ["pick", "place"].map(|field| AnswerLine::asked_for(field, &whole));
+    let again = if refused.is_empty() {
+        ""
+    } else {
+        " that was not refused"
+    };
+    Ok(format!(
+        "{}\n{}\nThe rectangle around the listed corners lies turned by about {:.0} degrees against the words; \
+         in it, these are the listed points nearest to the two that the words name{again}.",
+        pick.with(chosen.pick),
+        place.with(chosen.place),
+        plan.turn.to_degrees(),
+    ))
+}
+
+/// The text of a message, its parts on lines of their own.
+fn spoken(message: &Message) -> String {
+    let parts = message.parts.iter();
+    let texts = parts.filter_map(|part| match part {
+        Part::Text(text) => Some(text.as_str()),
+        Part::Image(_) => None,
+    });
+    texts.collect::<Vec<_>>().join("\n")
+}
+
+/// The text of all messages.
+fn all_words(messages: &[Message]) -> String {
+    let texts: Vec<String> = messages.iter().map(spoken).collect();
+    texts.join("\n")
+}
+
+/// Earlier answers of a conversation that were sent back.
+struct Refused(Vec<Refusal>);
+
+struct Refusal {
+    pick: PixelPoint,
+    place: PixelPoint,
+    blamed: Blamed,
+}
+
+/// What a correction finds fault with.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Blamed {
+    Pick,
+    Place,
+    Pair,
+}
+
+impl Refused {
+    /// Collects the answers that a user's turn follows.
+    fn read(turns: &[Message]) -> Refused {
+        let pairs = turns.windows(2).filter(|pair| {
+            pair[0].speaker == Speaker::Assistant && pair[1].speaker == Speaker::User
+        });
+        let refusals = pairs.filter_map(|pair| {
+            let answer = spoken(&pair[0]);
+            let correction = spoken(&pair[1]).to_lowercase();
+            let blamed = match (correction.contains("pick"), correction.contains("place")) {
+                (true, false) => Blamed::Pick,
+                (false, true) => Blamed::Place,
+                _ => Blamed::Pair,
+            };
+            let pick = prompt::answered("pick", &answer)?;
+            Some(Refusal {
+                pick,
+                place: prompt::answered("place", &answer)?,
+                blamed,
+            })
+        });
+        Refused(refusals.collect())
+    }
+
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    fn leaves(&self, candidate: &Candidate) -> bool {
+        self.0.iter().all(|refusal| match refusal.blamed {
+            Blamed::Pick => candidate.pick != refusal.pick,
+            Blamed::Place => candidate.place != refusal.place,
+            Blamed::Pair => (candidate.pick, candidate.place) != (refusal.pick, refusal.place),
+        })
+    }
+}

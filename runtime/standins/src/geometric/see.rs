@@ -1,0 +1,237 @@
+//! What two subgoal pictures show: the cloth's outline and the arrow of the step between them.
+//!
+//! In: two encoded pictures, the cloth before a step with the arrow drawn on it and the cloth after it.
+//! Out: a [`Sighting`], or an [`Unseen`] that says what is missing. Colours are not known beforehand: the
+//! table's are read from the pictures' borders, cloth is what differs from them, and the arrow is black.
+//! How a fold is put into words is `super::words`' business.
+
+use fab_picture::arrow::{self, Arrow, ArrowFault};
+use fab_picture::hull::{self, Point};
+use fab_picture::regions::{self, Grid};
+use image::RgbImage;
+
+/// What the first picture shows, checked against the second. Points are `[right, up]` from the picture's
+/// bottom left corner, pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sighting {
+    /// The cloth's convex outline, anti-clockwise.
+    pub outline: Vec<Point>,
+    /// The arrow's ring: the point that is picked.
+    pub tail: Point,
+    /// The arrow's head: the point that it is placed on.
+    pub tip: Point,
+    /// The picture's middle.
+    pub middle: Point,
+}
+
+/// Why a step cannot be read from the pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unseen {
+    /// There are not two pictures.
+    #[error(
+        "I need two pictures, the cloth before the step and after it, and I was given {n_pictures}"
+    )]
+    Count {
+        /// How many there are.
+        n_pictures: usize,
+    },
+    /// A picture is damaged or of an unknown kind.
+    #[error("the {0} picture cannot be read")]
+    Unreadable(Which),
+    /// A picture is too small or too large.
+    #[error("a side of the {0} picture is shorter than 32 pixels or longer than 4096")]
+    Size(Which),
+    /// The pictures have different sizes, so they cannot be compared.
+    #[error("the two pictures have different sizes")]
+    SizesDiffer,
+    /// Everything has the border's colours.
+    #[error("I see no cloth on the {0} picture")]
+    Cloth(Which),
+    /// The first picture has no arrow.
+    #[error("I see no arrow on the first picture")]
+    Arrow,
+    /// The arrow is on the second picture instead.
+    #[error("I see no arrow on the first picture but one on the second, as if they were swapped")]
+    ArrowOnSecond,
+    /// There are several arrows.
+    #[error("I see more than one arrow on the first picture")]
+    Arrows,
+    /// The arrow starts off the cloth.
+    #[error("the arrow on the first picture does not start on the cloth")]
+    TailBesideCloth,
+    /// The second picture shows the cloth as it was.
+    #[error("the second picture shows no change of the cloth")]
+    NoChange,
+    /// The change is not the one that the arrow announces.
+    #[error("the change between the pictures does not fit the arrow, as if they were swapped")]
+    Backwards,
+}
+
+/// One of the two pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// The cloth before the step.
+    First,
+    /// The cloth after the step.
+    Second,
+}
+
+impl std::fmt::Display for Which {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Which::First => "first",
+            Which::Second => "second",
+        })
+    }
+}
+
+const SIDE_PX: std::ops::RangeInclusive<u32> = 32..=4096;
+
+/// Least visible cloth, as a share of the picture.
+const LEAST_CLOTH: f64 = 0.003;
+
+/// How far off the cloth's outline the ring's centre may be, pixels of a 224 px picture: the ring's outer
+/// radius is 4, and as much again for an arrow drawn by hand.
+const TAIL_SLACK_PX: f64 = 8.0;
+
+/// Growth of the cloth's visible area that still counts as none; folding never adds to it.
+const GROWTH: f64 = 1.05;
+
+/// Least share of the cloth's area that a step uncovers.
+const LEAST_CHANGE: f64 = 0.005;
+
+/// Reads a step from exactly two pictures.
+pub fn see(pictures: &[&[u8]]) -> Result<Sighting, Unseen> {
+    let [first, second] = pictures else {
+        return Err(Unseen::Count {
+            n_pictures: pictures.len(),
+        });
+    };
+    let first = decode(first, Which::First)?;
+    let second = decode(second, Which::Second)?;
+    if first.dimensions() != second.dimensions() {
+        return Err(Unseen::SizesDiffer);
+    }
+    // Smaller pictures have arrows of the same size, for legibility.
+    let scale = (f64::from(first.width().max(first.height())) / 224.0).max(1.0);
+    let ink = arrow::near_black(&first);
+    let drawn = arrow::find(&ink, scale).map_err(|fault| match fault {
+        ArrowFault::Many => Unseen::Arrows,
+        ArrowFault::None => match arrow::find(&arrow::near_black(&second), scale) {
+            Ok(_) => Unseen::ArrowOnSecond,
+            Err(_) => Unseen::Arrow,
+        },
+    })?;
+    let table = regions::border_colours(&[&first, &second]);
+    let before = cloth(&first, &table, &drawn.stroke).ok_or(Unseen::Cloth(Which::First))?;
+    let nothing = Grid::new(second.width(), second.height());
+    let after = cloth(&second, &table, &nothing).ok_or(Unseen::Cloth(Which::Second))?;
+    let outline = outline_with_arrow(&before, &drawn, scale)?;
+    check_change(&before, &after, &drawn)?;
+    let up = |[column, row]: [f64; 2]| [column, f64::from(first.height()) - row];
+    Ok(Sighting {
+        outline,
+        tail: up(drawn.tail),
+        tip: up(drawn.tip),
+        middle: [first.width(), first.height()].map(|side| f64::from(side) / 2.0),
+    })
+}
+
+fn decode(bytes: &[u8], which: Which) -> Result<RgbImage, Unseen> {
+    let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(|_| Unseen::Unreadable(which))?;
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(*SIDE_PX.end());
+    limits.max_image_height = Some(*SIDE_PX.end());
+    reader.limits(limits);
+    let picture = match reader.decode() {
+        Ok(picture) => picture.into_rgb8(),
+        Err(image::ImageError::Limits(_)) => return Err(Unseen::Size(which)),
+        Err(_) => return Err(Unseen::Unreadable(which)),
+    };
+    if SIDE_PX.contains(&picture.width()) && SIDE_PX.contains(&picture.height()) {
+        Ok(picture)
+    } else {
+        Err(Unseen::Size(which))
+    }
+}
+
+/// The pixels of the cloth: the largest patch that is not table, less the arrow drawn over it.
+fn cloth(picture: &RgbImage, table: &[[f64; 3]], stroke: &Grid) -> Option<Grid> {
+    // With the stroke in, or an arrow across the cloth would cut it in two.
+    let patch = Grid::from_fn(picture.width(), picture.height(), |column, row| {
+        stroke.contains(column, row) || !regions::is_table(picture.get_pixel(column, row).0, table)
+    });
+    let mut largest = regions::components(&patch)
+        .into_iter()
+        .max_by_key(Vec::len)?;
+    // A stroke that was softened by scaling has grey rims that are neither table nor cloth.
+    largest.retain(|&(column, row)| !stroke.touches(column, row));
+    let least = LEAST_CLOTH * f64::from(picture.width()) * f64::from(picture.height());
+    if (largest.len() as f64) < least {
+        return None;
+    }
+    let mut cloth = Grid::new(picture.width(), picture.height());
+    for (column, row) in largest {
+        cloth.insert(column, row);
+    }
+    Some(cloth)
+}
+
+/// The cloth's hull. The ring hides the very corner it stands on, so the arrow's ends count as cloth where
+/// they are close to it.
+fn outline_with_arrow(cloth: &Grid, arrow: &Arrow, scale: f64) -> Result<Vec<Point>, Unseen> {
+    let height = f64::from(cloth.height());
+    let up = |[column, row]: [f64; 2]| [column, height - row];
+    let rims = (0..cloth.height()).flat_map(|row| {
+        let columns = (0..cloth.width()).filter(move |&column| cloth.contains(column, row));
+        let (least, most) = columns.fold((u32::MAX, 0), |(l, m), c| (l.min(c), m.max(c + 1)));
+        [(least, row), (least, row + 1), (most, row), (most, row + 1)]
+            .into_iter()
+            .filter(move |_| least < most)
+    });
+    let rim_points = rims.map(|(column, row)| up([f64::from(column), f64::from(row)]));
+    let bare = hull::around(rim_points);
+    let is_near = |point: Point| {
+        hull::is_inside(&bare, point)
+            || hull::distance_to_outline(&bare, point) <= TAIL_SLACK_PX * scale
+    };
+    let (tail, tip) = (up(arrow.tail), up(arrow.tip));
+    if !is_near(tail) {
+        return Err(Unseen::TailBesideCloth);
+    }
+    let ends = [Some(tail), Some(tip).filter(|&tip| is_near(tip))];
+    Ok(hull::around(
+        bare.iter().copied().chain(ends.into_iter().flatten()),
+    ))
+}
+
+/// Refuses pairs whose second picture does not follow from the first by the arrow.
+fn check_change(before: &Grid, after: &Grid, arrow: &Arrow) -> Result<(), Unseen> {
+    let area = before.area_px() as f64;
+    let left: Vec<[f64; 2]> = before
+        .points()
+        .filter(|&(column, row)| !after.contains(column, row))
+        .map(|(column, row)| [f64::from(column), f64::from(row)])
+        .collect();
+    // The first picture's stroke hides cloth, which must not count as growth.
+    let hidden = arrow
+        .stroke
+        .points()
+        .filter(|&(column, row)| after.contains(column, row))
+        .count();
+    if after.area_px() as f64 > (area + 2.0 * hidden as f64) * GROWTH {
+        return Err(Unseen::Backwards);
+    }
+    if (left.len() as f64) < area * LEAST_CHANGE {
+        return Err(Unseen::NoChange);
+    }
+    let n_left = left.len() as f64;
+    let middle = [0, 1].map(|axis| left.iter().map(|point| point[axis]).sum::<f64>() / n_left);
+    if hull::distance(middle, arrow.tail) < hull::distance(middle, arrow.tip) {
+        Ok(())
+    } else {
+        Err(Unseen::Backwards)
+    }
+}

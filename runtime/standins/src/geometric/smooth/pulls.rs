@@ -1,0 +1,95 @@
+//! What each pull that a prompt offers promises.
+//!
+//! In: a [`Brief`] and a [`View`]. Out: every pull within the prompt's rules, the most promising first.
+
+use super::brief::Brief;
+use super::features::{Cloth, NAMES};
+use super::view::View;
+use super::{estimate, middle_of, rim};
+use fab_picture::hull;
+use fab_program::PixelPoint;
+
+/// One of the answers that could be given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pull {
+    /// Where it begins.
+    pub pick: PixelPoint,
+    /// Which of the offered directions.
+    pub direction: usize,
+    /// Which of the offered distances.
+    pub distance: usize,
+    /// Whether its pick looks like a corner of the cloth itself.
+    pub is_sharp: bool,
+    /// What it looks like, in numbers.
+    pub features: [f64; NAMES.len()],
+    /// The gain of coverage that is expected of it, as a share of the flat cloth.
+    pub gain: f64,
+    /// Whether the prompt asks to keep away from its pick.
+    is_avoided: bool,
+}
+
+/// How far a pull may turn from the way out of the center, degrees: half a direction less than a quarter turn.
+const OUTWARD_DEG: f64 = 67.0;
+
+/// How much nearer than the prompt says a place is kept, pixels: it is found to a pixel at either end.
+const SLACK_PX: f64 = 2.0;
+
+/// The share of the circles around a point that is cloth at a corner of the cloth itself; less is the end of a fold.
+const SHARP: std::ops::Range<f64> = 0.08..0.38;
+
+/// Returns the pulls that a prompt's rules allow, the most promising first; those of corners that it asks to
+/// avoid come last, since a task may take one where there is no other.
+pub fn ranked(brief: &Brief, view: &View) -> Vec<Pull> {
+    let center = brief.center.map_or_else(|| rim::center(view), middle_of);
+    let cloth = Cloth::new(view, center, brief.edge_px);
+    let mut pulls: Vec<Pull> = brief
+        .corners
+        .iter()
+        .flat_map(|&pick| of_corner(pick, brief, &cloth))
+        .collect();
+    let last = |pull: &Pull| i32::from(pull.is_avoided);
+    pulls.sort_by(|a, b| last(a).cmp(&last(b)).then(b.gain.total_cmp(&a.gain)));
+    pulls
+}
+
+/// Returns the pulls of one corner that the rules allow.
+fn of_corner(pick: PixelPoint, brief: &Brief, cloth: &Cloth<'_>) -> Vec<Pull> {
+    let from = middle_of(pick);
+    let center = cloth.center;
+    let corner = cloth.corner(from);
+    let is_near =
+        |&(point, px): &(PixelPoint, f64)| hull::distance(middle_of(point), from) <= px + SLACK_PX;
+    let is_avoided = brief.avoided.iter().any(is_near);
+    let out = [from[0] - center[0], from[1] - center[1]];
+    let mut pulls = Vec::new();
+    for (direction, heading) in brief.directions.iter().enumerate() {
+        // Rows run down, and angles of a prompt against the clock.
+        let angle = -heading.value.to_radians();
+        let (sin, cos) = angle.sin_cos();
+        let outward = out[0] * cos + out[1] * sin;
+        if outward < OUTWARD_DEG.to_radians().cos() * out[0].hypot(out[1]) {
+            continue;
+        }
+        let way = cloth.way(&corner, angle);
+        for (distance, length) in brief.distances.iter().enumerate() {
+            let way_px = length.value * brief.edge_px;
+            let to = [from[0] + way_px * cos, from[1] + way_px * sin];
+            let is_bound = brief
+                .bound
+                .is_none_or(|(point, px)| hull::distance(middle_of(point), to) <= px - SLACK_PX);
+            if is_bound {
+                let features = way.pull(to);
+                pulls.push(Pull {
+                    pick,
+                    direction,
+                    distance,
+                    is_sharp: SHARP.contains(&corner.cloth_near),
+                    features,
+                    gain: estimate::gain(&features),
+                    is_avoided,
+                });
+            }
+        }
+    }
+    pulls
+}

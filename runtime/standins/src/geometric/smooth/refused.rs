@@ -1,0 +1,61 @@
+//! What the corrections of a conversation rule out.
+//!
+//! In: the turns after the question, and a pull that might be answered. Out: whether it may still be. A
+//! correction is known by what it asks for: another corner, another direction, which it may name, or a smaller
+//! distance; one that asks for none of these rules out what it answers, and that alone.
+
+use super::super::{prompt, spoken};
+use super::brief::{self, Brief, Choice};
+use super::pulls::Pull;
+use fab_model::{Message, Speaker};
+
+/// Tells whether no correction among `turns` rules a pull out.
+pub fn leaves(turns: &[Message], brief: &Brief, pull: &Pull) -> bool {
+    let pairs = turns
+        .windows(2)
+        .filter(|pair| pair[0].speaker == Speaker::Assistant && pair[1].speaker == Speaker::User);
+    pairs
+        .into_iter()
+        .all(|pair| !rules_out(&spoken(&pair[0]), &spoken(&pair[1]), brief, pull))
+}
+
+fn rules_out(answer: &str, correction: &str, brief: &Brief, pull: &Pull) -> bool {
+    if prompt::answered("pick", answer) != Some(pull.pick) {
+        return false;
+    }
+    let answered = |field: &str, offered: &[Choice]| {
+        let stated = brief::choices(answer, field).into_iter().next()?;
+        offered.iter().position(|choice| *choice == stated)
+    };
+    let is_direction = answered("direction", &brief.directions) == Some(pull.direction);
+    let correction = correction.to_lowercase();
+    let correction = correction.split_whitespace().collect::<Vec<_>>().join(" ");
+    // What was wrong is told too, and what a picture beside the correction shows.
+    let is_request = |sentence: &&str| sentence.contains("choose") || sentence.contains("pull ");
+    let asked: Vec<&str> = correction.split(". ").filter(is_request).collect();
+    if let Some(named) = asked
+        .iter()
+        .find_map(|sentence| named_direction(sentence, brief))
+    {
+        return named != pull.direction;
+    }
+    let asked = asked.join(". ");
+    if asked.contains("smaller distance") {
+        let distance = answered("distance", &brief.distances);
+        let is_smaller = distance
+            .is_some_and(|at| brief.distances[pull.distance].value < brief.distances[at].value);
+        return is_direction && !is_smaller;
+    }
+    if asked.contains("corner") || asked.contains("another point") {
+        return true;
+    }
+    is_direction && answered("distance", &brief.distances) == Some(pull.distance)
+}
+
+/// The offered direction that a request names, as in `pull it in the direction 45 deg`.
+fn named_direction(asked: &str, brief: &Brief) -> Option<usize> {
+    let (_, named) = asked.rsplit_once("direction ")?;
+    let named = named.trim_end_matches(['.', '\n', ' ']);
+    let is_named = |choice: &Choice| choice.words.eq_ignore_ascii_case(named);
+    brief.directions.iter().position(is_named)
+}

@@ -1,0 +1,233 @@
+//! `imperfect`: a stand-in that errs as often as it says, and so shows what verification is worth.
+//!
+//! In: a [`Request`]. Out: what `geometric` answers, or with the declared probability something wrong: a quarter
+//! of the errors each a pick near the last place point, the opposite direction (pick and place swapped where there
+//! is none), a point that is not listed, and words that cannot be read. Each question for an action draws anew,
+//! by its own content, its step, its repetition and the seed; questions for words are passed on. It shows how much the
+//! checks catch of errors like these, and nothing about the errors that a vision-language model makes.
+
+use super::Geometric;
+use super::offered::{self, Field};
+use fab_base::chance::Chance;
+use fab_model::calls::Calls;
+use fab_model::{Model, ModelError, Nature, Part, Reply, Request, Speaker};
+use fab_program::PixelPoint;
+
+/// How far a point that is not listed lies from the one that should have been named, pixels.
+const ASTRAY_PX: i32 = 29;
+
+/// The stand-in.
+#[derive(Clone, Debug)]
+pub struct Imperfect {
+    name: String,
+    rate: f64,
+    seed: u64,
+}
+
+/// What is wrong with an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Slip {
+    NearLastPlace,
+    Opposite,
+    OffTheList,
+    Malformed,
+}
+
+impl Imperfect {
+    /// Makes the stand-in that errs with probability `rate`; its name is `imperfect:RATE:SEED`.
+    ///
+    /// `None` where the rate is not from 0 to 1.
+    pub fn new(rate: f64, seed: u64) -> Option<Imperfect> {
+        (0.0..=1.0).contains(&rate).then(|| Imperfect {
+            name: format!("imperfect:{rate}:{seed}"),
+            rate,
+            seed,
+        })
+    }
+}
+
+impl Model for Imperfect {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn nature(&self) -> Nature {
+        Nature::StandIn
+    }
+
+    fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
+        let right = Geometric.ask(request, calls)?;
+        let fields = offered::fields(request);
+        let mut chance = Chance::of(&format!("imperfect {} {}", self.seed, request.key()));
+        if fields.is_empty() || chance.fraction() >= self.rate {
+            return Ok(right);
+        }
+        let slips = [
+            Slip::NearLastPlace,
+            Slip::Opposite,
+            Slip::OffTheList,
+            Slip::Malformed,
+        ];
+        let slip = slips[chance.below(slips.len())];
+        let wrong = Answer::read(&right.text, fields)
+            .and_then(|answer| answer.spoilt(slip, request, &mut chance));
+        // What cannot be read in the right answer cannot be spoilt either, but an error was drawn.
+        let text = wrong.unwrap_or_else(|| "I would pull it a little to the side.".to_owned());
+        Ok(Reply::text(text))
+    }
+}
+
+/// A right answer: each field with its value.
+struct Answer(Vec<(Field, String)>);
+
+impl Answer {
+    /// Finds for each field the longest offered value in a line that names it.
+    fn read(text: &str, fields: Vec<Field>) -> Option<Answer> {
+        let found = fields.into_iter().map(|field| {
+            let name = field.name.replace('_', " ");
+            let lines = text
+                .lines()
+                .filter(|line| line.to_lowercase().contains(&name));
+            let values =
+                lines.flat_map(|line| field.values.iter().filter(|value| line.contains(*value)));
+            let longest = values.max_by_key(|value| value.len()).cloned();
+            longest.map(|value| (field, value))
+        });
+        found.collect::<Option<Vec<_>>>().map(Answer)
+    }
+
+    /// Returns the answer with a slip in it; `None` for one that cannot be read.
+    fn spoilt(mut self, slip: Slip, request: &Request, chance: &mut Chance) -> Option<String> {
+        let mut points = self.0.iter().enumerate();
+        let pick = points.position(|(_, (_, value))| offered::point(value).is_some())?;
+        match slip {
+            Slip::Malformed => return None,
+            Slip::NearLastPlace => {
+                let (field, value) = &self.0[pick];
+                self.0[pick].1 = near_last_place(field, value, request, chance)?;
+            }
+            Slip::OffTheList => {
+                let (field, value) = &self.0[pick];
+                self.0[pick].1 = off_the_list(field, value, chance)?;
+            }
+            Slip::Opposite => self.turn_round(pick),
+        }
+        let values = self.0.into_iter().map(|(field, value)| (field.name, value));
+        Some(offered::answer(values.collect()))
+    }
+
+    fn turn_round(&mut self, pick: usize) {
+        let direction = self
+            .0
+            .iter_mut()
+            .find(|(_, value)| degrees(value).is_some());
+        if let Some((field, value)) = direction {
+            let Some(wanted) = degrees(value).map(|deg| deg + 180.0) else {
+                return;
+            };
+            let off = |text: &&String| {
+                let apart = degrees(text).map_or(360.0, |deg| (deg - wanted).rem_euclid(360.0));
+                apart.min(360.0 - apart)
+            };
+            if let Some(opposite) = field.values.iter().min_by(|a, b| off(a).total_cmp(&off(b))) {
+                *value = opposite.clone();
+            }
+            return;
+        }
+        let mut others = (0..self.0.len()).filter(|index| *index != pick);
+        let place = others.find(|index| offered::point(&self.0[*index].1).is_some());
+        if let Some(place) = place {
+            let value = self.0[place].1.clone();
+            self.0[place].1 = std::mem::replace(&mut self.0[pick].1, value);
+        }
+    }
+}
+
+/// Returns the listed point nearest to where the prompt says that the cloth was placed last, and not the right one;
+/// any other listed point where the prompt says nothing of the kind.
+fn near_last_place(
+    field: &Field,
+    right: &str,
+    request: &Request,
+    chance: &mut Chance,
+) -> Option<String> {
+    let others: Vec<&String> = field
+        .values
+        .iter()
+        .filter(|value| *value != right)
+        .collect();
+    let Some(last) = last_place(field, request) else {
+        return (!others.is_empty()).then(|| others[chance.below(others.len())].clone());
+    };
+    let away = |text: &&&String| offered::point(text).map_or(f64::MAX, |it| it.distance_px(last));
+    let nearest = others.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+    nearest.map(|text| (*text).clone())
+}
+
+/// Returns a point astray of the right one that is not listed.
+fn off_the_list(field: &Field, right: &str, chance: &mut Chance) -> Option<String> {
+    let right = offered::point(right)?;
+    let first = chance.below(4);
+    let astray = (0..4).map(|turn| {
+        let (du, dv) = [(1, 1), (-1, 1), (-1, -1), (1, -1)][(first + turn) % 4];
+        let point = PixelPoint::new(right.u + du * ASTRAY_PX, right.v + dv * ASTRAY_PX);
+        format!("({}, {})", point.u, point.v)
+    });
+    let mut unlisted = astray.filter(|text| !field.values.contains(text));
+    unlisted.next()
+}
+
+/// How many lines after one that speaks of the last action may give its point.
+const LINES_ON: usize = 2;
+
+/// Reads where the cloth was placed last: the first point from a line on that speaks of the last or previous action.
+///
+/// The question is the longest of the user's turns that name every listed point; corrections and examples name others.
+fn last_place(field: &Field, request: &Request) -> Option<PixelPoint> {
+    let users = request
+        .messages
+        .iter()
+        .filter(|it| it.speaker == Speaker::User);
+    let texts = users.map(|message| {
+        let parts = message.parts.iter().filter_map(|part| match part {
+            Part::Text(text) => Some(text.as_str()),
+            Part::Image(_) => None,
+        });
+        parts.collect::<Vec<_>>().join("\n")
+    });
+    let questions = texts.filter(|text| field.values.iter().all(|value| text.contains(value)));
+    let question = questions.max_by_key(String::len)?;
+    let lines: Vec<&str> = question.lines().collect();
+    let about = |line: &str| {
+        let line = line.to_lowercase();
+        line.contains("last") || line.contains("previous")
+    };
+    let windows = lines.iter().enumerate().filter(|(_, line)| about(line));
+    let mut points = windows.filter_map(|(at, _)| {
+        let end = lines.len().min(at + 1 + LINES_ON);
+        lines[at..end].iter().find_map(|line| first_point(line))
+    });
+    points.next()
+}
+
+fn first_point(line: &str) -> Option<PixelPoint> {
+    let mut rest = line;
+    while let Some(at) = rest.find('(') {
+        rest = &rest[at..];
+        let end = rest.find(')')?;
+        if let Some(point) = offered::point(&rest[..=end]) {
+            return Some(point);
+        }
+        rest = &rest[1..];
+    }
+    None
+}
+
+/// Reads a direction such as `135 deg`.
+fn degrees(text: &str) -> Option<f64> {
+    text.strip_suffix(" deg")?.trim().parse().ok()
+}
+
+#[cfg(test)]
+#[path = "imperfect/tests.rs"]
+mod tests;

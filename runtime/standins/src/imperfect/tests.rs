@@ -1,0 +1,164 @@
+//! What the imperfect stand-in gets wrong, how often, and by what it is decided.
+#![allow(clippy::unwrap_used)]
+
+use super::*;
+use fab_model::calls::Unkept;
+use fab_model::{Message, ModelRole};
+use serde_json::json;
+
+/// A planning question of a fold, as its prompts are written.
+fn question(number: usize) -> Request {
+    let listed = "(40, 50), (180, 48), (183, 170), (41, 172)";
+    let text = format!(
+        "- Method of folding: Pick the left end of the top long side and place it on the left end of the bottom long side\n- Question {number}.\n- Cloth corners: {listed}\n- Cloth center: (110, 110)\nPick Point = (x, y)\nPlace Point = (x, y)"
+    );
+    let values: Vec<&str> = vec!["(40, 50)", "(180, 48)", "(183, 170)", "(41, 172)"];
+    let mut places = values.clone();
+    places.push("(110, 110)");
+    Request {
+        schema: Some(json!({ "properties": {
+            "pick": { "type": "string", "enum": values },
+            "place": { "type": "string", "enum": places },
+        } })),
+        ..Request::new(ModelRole::Text, vec![Message::text(Speaker::User, text)])
+    }
+}
+
+fn fields(names: &[(&str, &[&str])]) -> Vec<Field> {
+    let field = |(name, values): &(&str, &[&str])| Field {
+        name: (*name).to_owned(),
+        values: values.iter().map(|value| (*value).to_owned()).collect(),
+    };
+    names.iter().map(field).collect()
+}
+
+const CORNERS: &[&str] = &["(10, 10)", "(90, 10)", "(90, 90)"];
+const TURNS: &[&str] = &[
+    "0 deg", "45 deg", "90 deg", "135 deg", "180 deg", "225 deg", "270 deg", "315 deg",
+];
+const PULL: &str = "Pick Point = (90, 10)\nDirection = 45 deg\nDistance = 0.25 edge";
+
+/// Spoils the answer [`PULL`], the prompt having said what the last place was.
+fn spoil(slip: Slip, said: &str) -> Option<String> {
+    let fields = fields(&[
+        ("pick", CORNERS),
+        ("direction", TURNS),
+        ("distance", &["0.1 edge", "0.25 edge"]),
+    ]);
+    let request = Request {
+        messages: vec![Message::text(Speaker::User, said)],
+        ..question(0)
+    };
+    Answer::read(PULL, fields)?.spoilt(slip, &request, &mut Chance::seeded(1))
+}
+
+#[test]
+fn each_slip_is_what_it_is_called() {
+    let near = spoil(
+        Slip::NearLastPlace,
+        "The corners are (10, 10), (90, 10), (90, 90).\nThe red rings are where the last pull\nended, (85, 95), and its mirror (15, 5).",
+    );
+    assert_eq!(
+        near.unwrap(),
+        r#"{"pick":"(90, 90)","direction":"45 deg","distance":"0.25 edge"}"#
+    );
+    let opposite = spoil(Slip::Opposite, "");
+    assert_eq!(
+        opposite.unwrap(),
+        r#"{"pick":"(90, 10)","direction":"225 deg","distance":"0.25 edge"}"#
+    );
+    let astray: serde_json::Value =
+        serde_json::from_str(&spoil(Slip::OffTheList, "").unwrap()).unwrap();
+    let pick = astray["pick"].as_str().unwrap();
+    assert!(
+        offered::point(pick).is_some() && !CORNERS.contains(&pick),
+        "{pick}"
+    );
+    assert_eq!(spoil(Slip::Malformed, ""), None);
+}
+
+#[test]
+fn without_a_direction_pick_and_place_are_swapped() {
+    let fields = fields(&[("pick", CORNERS), ("place", CORNERS)]);
+    let answer = Answer::read("Pick Point = (90, 10)\nPlace Point = (10, 10)", fields).unwrap();
+    let swapped = answer.spoilt(Slip::Opposite, &question(0), &mut Chance::seeded(1));
+    assert_eq!(
+        swapped.unwrap(),
+        r#"{"pick":"(10, 10)","place":"(90, 10)"}"#
+    );
+}
+
+#[test]
+fn it_errs_as_often_as_declared() {
+    let wrong = |rate: f64| {
+        let model = Imperfect::new(rate, 5).unwrap();
+        let differs = |number: &usize| {
+            let request = question(*number);
+            model.ask(&request, &mut Unkept).unwrap()
+                != Geometric.ask(&request, &mut Unkept).unwrap()
+        };
+        (0..400).filter(differs).count()
+    };
+    assert!(
+        Geometric
+            .ask(&question(0), &mut Unkept)
+            .unwrap()
+            .text
+            .contains("Pick Point = (")
+    );
+    assert_eq!(wrong(0.0), 0);
+    assert_eq!(wrong(1.0), 400);
+    // 120 expected, four standard deviations are 37.
+    assert!((83..=157).contains(&wrong(0.3)), "{}", wrong(0.3));
+}
+
+#[test]
+fn a_repetition_and_a_seed_draw_anew_and_equal_questions_do_not() {
+    let ask = |seed: u64, repetition: u32| -> Vec<String> {
+        let model = Imperfect::new(0.5, seed).unwrap();
+        let request = |number| Request {
+            repetition,
+            ..question(number)
+        };
+        (0..20)
+            .map(|number| model.ask(&request(number), &mut Unkept).unwrap().text)
+            .collect()
+    };
+    assert_eq!(ask(1, 0), ask(1, 0));
+    assert_ne!(ask(1, 0), ask(1, 1));
+    assert_ne!(ask(1, 0), ask(2, 0));
+}
+
+#[test]
+fn a_question_that_comes_again_in_the_next_step_draws_anew() {
+    let model = Imperfect::new(0.5, 1).unwrap();
+    let answers = (1..=20).map(|step| {
+        let request = Request {
+            step,
+            ..question(3)
+        };
+        model.ask(&request, &mut Unkept).unwrap().text
+    });
+    let answers: std::collections::BTreeSet<String> = answers.collect();
+    assert!(answers.len() > 1, "{answers:?}");
+}
+
+#[test]
+fn questions_for_words_are_passed_on() {
+    let request = Request {
+        schema: None,
+        ..question(3)
+    };
+    let model = Imperfect::new(1.0, 1).unwrap();
+    assert_eq!(
+        model.ask(&request, &mut Unkept).unwrap(),
+        Geometric.ask(&request, &mut Unkept).unwrap()
+    );
+}
+
+#[test]
+fn a_rate_is_a_probability() {
+    assert!(Imperfect::new(-0.1, 0).is_none());
+    assert!(Imperfect::new(1.1, 0).is_none());
+    assert!(Imperfect::new(f64::NAN, 0).is_none());
+}

@@ -1,0 +1,64 @@
+//! What a request offers: the values of each field, as its schema lists them.
+//!
+//! In: a [`Request`]. Out: the fields in the schema's order. For stand-ins that choose from what is offered and
+//! look at nothing else.
+
+use fab_model::{Part, Request, Speaker};
+use fab_program::PixelPoint;
+use serde_json::{Map, Value};
+
+/// A field of an answer and what it may be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Field {
+    pub name: String,
+    /// As an answer writes them; empty where the schema gives a pattern.
+    pub values: Vec<String>,
+}
+
+/// Returns the fields of an action; none where the request does not ask for one.
+pub(super) fn fields(request: &Request) -> Vec<Field> {
+    let schema = request.schema.as_ref();
+    let properties = schema.and_then(|schema| schema["properties"].as_object());
+    let fields = properties.into_iter().flatten().map(|(name, property)| {
+        let values = property["enum"].as_array().into_iter().flatten();
+        Field {
+            name: name.clone(),
+            values: values
+                .filter_map(|value| value.as_str().map(str::to_owned))
+                .collect(),
+        }
+    });
+    fields.collect()
+}
+
+/// Writes an answer as the JSON object that the schema describes.
+pub(super) fn answer(values: Vec<(String, String)>) -> String {
+    let object: Map<String, Value> = values
+        .into_iter()
+        .map(|(name, value)| (name, Value::String(value)))
+        .collect();
+    Value::Object(object).to_string()
+}
+
+/// Reads `(x, y)`, whole pixels.
+pub(super) fn point(text: &str) -> Option<PixelPoint> {
+    let inside = text.trim().strip_prefix('(')?.strip_suffix(')')?;
+    let (u, v) = inside.split_once(',')?;
+    Some(PixelPoint {
+        u: u.trim().parse().ok()?,
+        v: v.trim().parse().ok()?,
+    })
+}
+
+/// Returns the text of the last turn of the user's; empty where there is none.
+pub(super) fn last_asked(request: &Request) -> String {
+    let mut users = request.messages.iter().rev();
+    let Some(last) = users.find(|message| message.speaker == Speaker::User) else {
+        return String::new();
+    };
+    let texts = last.parts.iter().filter_map(|part| match part {
+        Part::Text(text) => Some(text.as_str()),
+        Part::Image(_) => None,
+    });
+    texts.collect::<Vec<_>>().join("\n")
+}

@@ -1,0 +1,256 @@
+//! Corners of the cloth in an observation.
+//!
+//! In: a depth image and a picture, the cloth's mask, a [`CornerSearch`]. Out: pixels of the camera image,
+//! strongest corner first. The detector looks at an 8-bit picture of the cloth against black (protocol, sections
+//! 4 and 6); [`corners`] has that picture made, [`corners_of_gray`] is the bare detector.
+
+use super::sight::detector_picture;
+use super::{MAX_SIDE_PX, VisionError, bounding_box, check_size};
+use fab_picture::mask_picture;
+use fab_picture::{DepthImage, Located, Mask};
+use fab_program::{PixelPoint, Response, Sight};
+use image::{RgbImage, imageops};
+use opencv::core::{Mat, Point2f, Size, TermCriteria, TermCriteria_Type, Vector, no_array};
+use opencv::imgproc;
+
+/// How corners are searched for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CornerSearch {
+    /// What the detector looks at.
+    pub of: Sight,
+    /// Side of the square picture that the detector sees, pixels.
+    pub image_px: u32,
+    /// The most corners kept, strongest first; 1 to 10 000.
+    pub max: u32,
+    /// Least accepted response as a fraction of the strongest, `0 < quality <= 1`.
+    pub quality: f64,
+    /// Least distance between corners, pixels of the detector's picture.
+    pub spacing_px: f64,
+    /// Side of the square over which a response is averaged, pixels of the detector's picture; odd, 1 to 31.
+    pub block_px: u32,
+    /// What counts as a strong response.
+    pub response: Response,
+}
+
+/// How far a detected corner may be off the cloth and still be taken for one of its pixels, pixels of the
+/// camera image. Shrinking moves a corner by up to two camera pixels; one more for rounding.
+const SNAP_PX: f64 = 3.0;
+
+/// Finds the cloth's corners, strongest first.
+///
+/// The detector sees the depth in centimetres, the mask in white or `rgb` in grey, as `search.of` says, and 0 for
+/// everything that is not cloth. Where its picture has the camera's size, corners are pixels as it found them.
+///
+/// Else what it sees is scaled to `search.image_px` squared (bicubic), and a corner is scaled back by pixel
+/// centres. On a smaller picture that is known to one pixel of it only, and a rounded response lies inside the
+/// cloth, so the corner is then located on the camera's own picture: where the outline's edges around it meet. Its
+/// pixel is rounded and moved into the image. Where that leaves it off the cloth by at most 3 px, it is moved to
+/// the nearest cloth pixel; one that is farther off stays where it was found.
+///
+/// An empty mask has no corners. Fails if a picture or a setting is out of range, or the sizes of picture,
+/// mask and depth image differ.
+pub fn corners(
+    depth: &DepthImage,
+    rgb: &RgbImage,
+    mask: &Mask,
+    search: &CornerSearch,
+) -> Result<Vec<Located>, VisionError> {
+    let (width, height) = depth.dimensions();
+    check_size(width, height)?;
+    if rgb.dimensions() != (width, height) {
+        return Err(VisionError::PictureSize {
+            picture: [rgb.width(), rgb.height()],
+            depth: [width, height],
+        });
+    }
+    if (mask.width(), mask.height()) != (width, height) {
+        return Err(VisionError::MaskSize {
+            mask: [mask.width(), mask.height()],
+            depth: [width, height],
+        });
+    }
+    check_search(search)?;
+    let Some(around) = bounding_box(mask) else {
+        return Ok(Vec::new());
+    };
+    let picture = detector_picture(depth, rgb, mask, search.of, search.image_px);
+    if (width, height) == (search.image_px, search.image_px) {
+        let [left, top, width, height] = window(mask, around, search);
+        let cloth = imageops::crop_imm(&picture, left, top, width, height).to_image();
+        let corner = |[x, y]: [f32; 2]| {
+            let at = [
+                f64::from(x) + f64::from(left),
+                f64::from(y) + f64::from(top),
+            ];
+            Located {
+                pixel: PixelPoint::new(at[0] as i32, at[1] as i32),
+                at: at.map(|at| at + 0.5),
+            }
+        };
+        let found = corners_of_gray(&cloth, search)?;
+        return Ok(found.into_iter().map(corner).collect());
+    }
+    let found = corners_of_gray(&picture, search)?;
+    let scale_back = |at: f32, side: u32| {
+        let scale = f64::from(side) / f64::from(search.image_px);
+        ((f64::from(at) + 0.5) * scale - 0.5) as f32
+    };
+    let scaled: Vec<[f32; 2]> = found
+        .into_iter()
+        .map(|[x, y]| [scale_back(x, width), scale_back(y, height)])
+        .collect();
+    let coarseness_px = (f64::from(width.max(height)) / f64::from(search.image_px)).ceil();
+    let located = if coarseness_px > 1.0 {
+        locate(scaled, mask, coarseness_px)?
+    } else {
+        scaled
+    };
+    let whole = |at: f32, side: u32| f64::from(at).round().clamp(0.0, f64::from(side - 1)) as i32;
+    let corner = |[x, y]: [f32; 2]| Located {
+        pixel: snap(PixelPoint::new(whole(x, width), whole(y, height)), mask),
+        at: [x, y].map(|at| f64::from(at) + 0.5),
+    };
+    Ok(located.into_iter().map(corner).collect())
+}
+
+/// Returns left, top, width and height of the part of a picture outside of which a detector sees black alone.
+///
+/// A response depends on half the square that is averaged, a gradient's pixel and a stronger neighbour's; the margin is
+/// ample.
+fn window(mask: &Mask, around: [PixelPoint; 2], search: &CornerSearch) -> [u32; 4] {
+    let margin_px = search.block_px + 4;
+    let [low, high] = around;
+    let first = |at: i32| (at.max(0) as u32).saturating_sub(margin_px);
+    let size =
+        |at: i32, first: u32, side: u32| (at.max(0) as u32 + margin_px + 1).min(side) - first;
+    let [left, top] = [first(low.u), first(low.v)];
+    let (width, height) = (mask.width(), mask.height());
+    [
+        left,
+        top,
+        size(high.u, left, width),
+        size(high.v, top, height),
+    ]
+}
+
+/// Moves corners to where the mask's edges around them meet (OpenCV's `cornerSubPix`).
+///
+/// `coarseness_px` is how many pixels of the mask one pixel of the detector's picture spans. A corner that
+/// would leave its window, as on a straight edge, stays where it was.
+fn locate(
+    corners: Vec<[f32; 2]>,
+    mask: &Mask,
+    coarseness_px: f64,
+) -> Result<Vec<[f32; 2]>, VisionError> {
+    // A detected corner is off by up to two pixels of its picture (see SNAP_PX); the window covers that.
+    let window_px = 2 * coarseness_px as i32;
+    let picture = mask_picture(mask);
+    let (rows, columns) = (picture.height() as i32, picture.width() as i32);
+    if rows <= 2 * window_px + 5 || columns <= 2 * window_px + 5 || corners.is_empty() {
+        return Ok(corners);
+    }
+    let view = Mat::new_rows_cols_with_data::<u8>(rows, columns, picture.as_raw())?;
+    let mut moved: Vector<Point2f> = corners.iter().map(|&[x, y]| Point2f::new(x, y)).collect();
+    let until = TermCriteria::new(
+        TermCriteria_Type::COUNT as i32 | TermCriteria_Type::EPS as i32,
+        30,
+        0.01,
+    )?;
+    let window = Size::new(window_px, window_px);
+    imgproc::corner_sub_pix(&view, &mut moved, window, Size::new(-1, -1), until)?;
+    let near = |at: f32, to: f32| (at - to).abs() <= window_px as f32;
+    Ok(corners
+        .into_iter()
+        .zip(moved)
+        .map(|([x, y], to)| {
+            if near(x, to.x) && near(y, to.y) {
+                [to.x, to.y]
+            } else {
+                [x, y]
+            }
+        })
+        .collect())
+}
+
+/// Finds the corners of a grey picture, strongest first, as `[x, y]` in its own pixels.
+///
+/// OpenCV's `goodFeaturesToTrack`; `search.of` and `search.image_px` are not used.
+pub fn corners_of_gray(
+    gray: &image::GrayImage,
+    search: &CornerSearch,
+) -> Result<Vec<[f32; 2]>, VisionError> {
+    check_size(gray.width(), gray.height())?;
+    check_search(search)?;
+    let (rows, columns) = (gray.height() as i32, gray.width() as i32);
+    let picture = Mat::new_rows_cols_with_data::<u8>(rows, columns, gray.as_raw())?;
+    let (is_harris, k) = match search.response {
+        Response::Harris { k } => (true, k),
+        Response::ShiTomasi => (false, 0.0),
+    };
+    let mut found = Vector::<Point2f>::new();
+    imgproc::good_features_to_track(
+        &picture,
+        &mut found,
+        search.max as i32,
+        search.quality,
+        search.spacing_px,
+        &no_array(),
+        search.block_px as i32,
+        is_harris,
+        k,
+    )?;
+    Ok(found.iter().map(|point| [point.x, point.y]).collect())
+}
+
+/// Refuses settings that OpenCV would misread; to it, no corners at most means no limit.
+fn check_search(search: &CornerSearch) -> Result<(), VisionError> {
+    let side = f64::from(search.image_px);
+    let harris_k = match search.response {
+        Response::Harris { k } => k,
+        Response::ShiTomasi => 0.0,
+    };
+    let limits = [
+        (
+            "image",
+            side,
+            (1..=MAX_SIDE_PX).contains(&search.image_px),
+            "1 to 8192",
+        ),
+        (
+            "max",
+            f64::from(search.max),
+            (1..=10_000).contains(&search.max),
+            "1 to 10000",
+        ),
+        (
+            "quality",
+            search.quality,
+            search.quality > 0.0 && search.quality <= 1.0,
+            "above 0 and at most 1",
+        ),
+        (
+            "spacing",
+            search.spacing_px,
+            (0.0..=1e4).contains(&search.spacing_px),
+            "0 to 10000",
+        ),
+        (
+            "block",
+            f64::from(search.block_px),
+            (1..=31).contains(&search.block_px) && search.block_px % 2 == 1,
+            "odd, 1 to 31",
+        ),
+        ("k", harris_k, (0.0..=1.0).contains(&harris_k), "0 to 1"),
+    ];
+    match limits.into_iter().find(|&(_, _, holds, _)| !holds) {
+        Some((name, value, _, range)) => Err(VisionError::Setting { name, value, range }),
+        None => Ok(()),
+    }
+}
+
+fn snap(corner: PixelPoint, mask: &Mask) -> PixelPoint {
+    match mask.nearest(corner) {
+        Some(nearest) if corner.distance_px(nearest) <= SNAP_PX => nearest,
+        _ => corner,
+    }
+}

@@ -1,0 +1,108 @@
+//! Pictures in, points out; and points drawn back into pictures.
+//!
+//! In: depth images and RGB pictures. Out: [`fab_picture::Mask`]s, corners, boxes, outlines, centres, drawings. Everything is a
+//! pure function of its input. This is the only crate that names OpenCV: its detectors and drawing
+//! routines are the ones whose results the paper recorded. Which detector a task wants, and what its
+//! points are called, is decided elsewhere.
+
+mod boxes;
+mod color;
+mod corners;
+mod draw;
+mod layers;
+mod marks;
+mod numbers;
+mod outline;
+#[cfg(test)]
+#[path = "../../../tests/recorded_data.rs"]
+mod recorded;
+mod rectangle;
+mod residuals;
+mod sight;
+mod split;
+#[cfg(test)]
+mod tests;
+
+pub use boxes::{bounding_box, box_center, box_distance_px};
+pub use color::{color_mask, painted_white};
+pub use corners::{CornerSearch, corners, corners_of_gray};
+pub use draw::{draw_action, draw_arrow, draw_label, draw_points};
+pub use layers::{DrawnLayer, DrawnShape, draw_layers};
+pub use marks::{find_again, marks};
+pub use numbers::draw_numbers;
+pub use outline::{MAX_ALONG, along, contour, edge_middles, largest};
+pub use rectangle::{Rectangle, rectangle_around};
+pub use residuals::draw_residuals;
+pub use split::{closed, contrast_of, split_mask};
+
+/// Returns the name and version of the library that pictures are worked on with.
+pub fn library() -> Result<String, VisionError> {
+    Ok(format!("OpenCV {}", opencv::core::get_version_string()?))
+}
+
+/// The longest side of a picture that this folder works on, pixels.
+pub const MAX_SIDE_PX: u32 = 8192;
+
+/// Why a picture could not be worked on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum VisionError {
+    /// A picture has no pixels, or more than can be worked on.
+    #[error(
+        "a picture of {width} x {height} px cannot be used: each side has 1 to {MAX_SIDE_PX} px"
+    )]
+    Size {
+        /// Pixels from left to right.
+        width: u32,
+        /// Pixels from top to bottom.
+        height: u32,
+    },
+    /// A mask belongs to a picture of another size.
+    #[error(
+        "the mask has {} x {} px, the depth image {} x {} px", mask[0], mask[1], depth[0], depth[1]
+    )]
+    MaskSize {
+        /// Width and height of the mask.
+        mask: [u32; 2],
+        /// Width and height of the depth image.
+        depth: [u32; 2],
+    },
+    /// The picture that belongs to a depth image has another size.
+    #[error(
+        "the picture has {} x {} px, the depth image {} x {} px", picture[0], picture[1], depth[0], depth[1]
+    )]
+    PictureSize {
+        /// Width and height of the picture.
+        picture: [u32; 2],
+        /// Width and height of the depth image.
+        depth: [u32; 2],
+    },
+    /// A setting of a corner search or an outline is outside its range.
+    #[error("`{name}` is {value}; it must be {range}")]
+    Setting {
+        /// The setting's name.
+        name: &'static str,
+        /// What it is.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// OpenCV refused, in its words.
+    #[error("OpenCV failed: {0}")]
+    OpenCv(String),
+}
+
+impl From<opencv::Error> for VisionError {
+    fn from(error: opencv::Error) -> Self {
+        VisionError::OpenCv(error.message)
+    }
+}
+
+/// Refuses pictures that are empty or larger than [`MAX_SIDE_PX`].
+fn check_size(width: u32, height: u32) -> Result<(), VisionError> {
+    let fits = |side: u32| (1..=MAX_SIDE_PX).contains(&side);
+    if fits(width) && fits(height) {
+        Ok(())
+    } else {
+        Err(VisionError::Size { width, height })
+    }
+}

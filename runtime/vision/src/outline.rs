@@ -1,0 +1,185 @@
+//! Outlines of masks as closed polygons, and points on them.
+//!
+//! In: a mask. Out: the polygon's vertices in order; the last side leads back to the first vertex.
+
+use super::{VisionError, check_size};
+use fab_picture::{Located, Mask};
+use fab_program::PixelPoint;
+use opencv::core::{Mat, Point, Vector};
+use opencv::imgproc;
+use std::collections::BTreeSet;
+
+/// The most points that [`along`] returns.
+pub const MAX_ALONG: u32 = 10_000;
+
+/// Returns the outer outline of a mask's largest piece; empty if the mask is.
+///
+/// Pixels that touch by a side or a corner belong to one piece; of equally large pieces the one whose first
+/// pixel, row by row, comes first is taken. The outline consists of pixels of the piece (OpenCV's `findContours`);
+/// holes have no part in it. With a `tolerance_px` above 0 it is then simplified to a polygon that runs about as
+/// close to it as that (OpenCV's `approxPolyDP`); with 0 every pixel is kept.
+///
+/// It starts at the vertex highest up, then farthest left, and runs clockwise as seen in the picture. One that
+/// encloses nothing, as that of a line one pixel wide, runs forth and back in either order.
+///
+/// Fails if the tolerance is not between 0 and 8192, the mask's sides are longer than
+/// [`super::MAX_SIDE_PX`], or OpenCV fails.
+pub fn contour(mask: &Mask, tolerance_px: f64) -> Result<Vec<PixelPoint>, VisionError> {
+    if !(0.0..=8192.0).contains(&tolerance_px) {
+        return Err(VisionError::Setting {
+            name: "tolerance",
+            value: tolerance_px,
+            range: "0 to 8192",
+        });
+    }
+    if mask.is_empty() {
+        return Ok(Vec::new());
+    }
+    check_size(mask.width(), mask.height())?;
+    let (columns, rows) = (mask.width() as usize, mask.height() as i32);
+    let mut picture = vec![0_u8; columns * mask.height() as usize];
+    for pixel in largest_piece(mask) {
+        picture[pixel.v as usize * columns + pixel.u as usize] = 255;
+    }
+    let view = Mat::new_rows_cols_with_data::<u8>(rows, columns as i32, &picture)?;
+    let mut outlines = Vector::<Vector<Point>>::new();
+    let (mode, method) = (imgproc::RETR_EXTERNAL, imgproc::CHAIN_APPROX_NONE);
+    imgproc::find_contours(&view, &mut outlines, mode, method, Point::new(0, 0))?;
+    // One piece has one outer outline.
+    let mut outline = outlines.get(0)?;
+    if tolerance_px > 0.0 {
+        let mut polygon = Vector::<Point>::new();
+        imgproc::approx_poly_dp(&outline, &mut polygon, tolerance_px, true)?;
+        outline = polygon;
+    }
+    let points = outline
+        .iter()
+        .map(|point| PixelPoint::new(point.x, point.y));
+    Ok(in_order(points.collect()))
+}
+
+/// Returns the mask's largest piece alone; of equally large ones the one that begins farther up, then farther left.
+pub fn largest(mask: &Mask) -> Mask {
+    let mut is_inside = vec![false; mask.width() as usize * mask.height() as usize];
+    for pixel in largest_piece(mask) {
+        is_inside[pixel.v as usize * mask.width() as usize + pixel.u as usize] = true;
+    }
+    Mask::from_fn(mask.width(), mask.height(), |column, row| {
+        is_inside[row as usize * mask.width() as usize + column as usize]
+    })
+}
+
+/// Collects the pixels of the largest piece, in no particular order.
+fn largest_piece(mask: &Mask) -> Vec<PixelPoint> {
+    let index = |pixel: PixelPoint| pixel.v as usize * mask.width() as usize + pixel.u as usize;
+    let mut is_seen = vec![false; mask.width() as usize * mask.height() as usize];
+    let mut largest = Vec::new();
+    for start in mask.pixels() {
+        if is_seen[index(start)] {
+            continue;
+        }
+        is_seen[index(start)] = true;
+        let mut piece = vec![start];
+        let mut n_visited = 0;
+        while let Some(&pixel) = piece.get(n_visited) {
+            n_visited += 1;
+            for (du, dv) in (-1..=1).flat_map(|dv| (-1..=1).map(move |du| (du, dv))) {
+                let near = PixelPoint::new(pixel.u + du, pixel.v + dv);
+                if mask.contains(near) && !is_seen[index(near)] {
+                    is_seen[index(near)] = true;
+                    piece.push(near);
+                }
+            }
+        }
+        if piece.len() > largest.len() {
+            largest = piece;
+        }
+    }
+    largest
+}
+
+/// Turns a closed polygon so that it starts at its upper left vertex and runs clockwise.
+fn in_order(mut points: Vec<PixelPoint>) -> Vec<PixelPoint> {
+    let first = (0..points.len()).min_by_key(|&index| (points[index].v, points[index].u));
+    points.rotate_left(first.unwrap_or(0));
+    // Rows count downward, so a positive area is a clockwise one to the eye.
+    let doubled_area: i64 = sides(&points)
+        .map(|(a, b)| i64::from(a.u) * i64::from(b.v) - i64::from(b.u) * i64::from(a.v))
+        .sum();
+    if doubled_area < 0 {
+        points[1..].reverse();
+    }
+    points
+}
+
+/// Pairs each vertex with the next one, the last with the first.
+fn sides(outline: &[PixelPoint]) -> impl Iterator<Item = (PixelPoint, PixelPoint)> {
+    let next = outline.iter().cycle().skip(1);
+    outline.iter().copied().zip(next.copied())
+}
+
+/// Returns the middle of each side of an outline in its order; of its pixel, halves are rounded up (right and down).
+///
+/// The two sides between two points are taken once, and a single point has none.
+pub fn edge_middles(outline: &[PixelPoint]) -> Vec<Located> {
+    let n_sides = match outline.len() {
+        0 | 1 => 0,
+        2 => 1,
+        n => n,
+    };
+    let pixel = |a: i32, b: i32| (i64::from(a) + i64::from(b) + 1).div_euclid(2) as i32;
+    let at = |a: i32, b: i32| (f64::from(a) + f64::from(b) + 1.0) / 2.0;
+    sides(outline)
+        .take(n_sides)
+        .map(|(a, b)| Located {
+            pixel: PixelPoint::new(pixel(a.u, b.u), pixel(a.v, b.v)),
+            at: [at(a.u, b.u), at(a.v, b.v)],
+        })
+        .collect()
+}
+
+/// Returns points at equal distances along an outline, from its first vertex on and in its order.
+///
+/// They are `count` at most, and no more than [`MAX_ALONG`]; each is rounded to a pixel, halves up (right and
+/// down), and a pixel that came before is left out, so that an outline shorter than `count` pixels has fewer.
+pub fn along(outline: &[PixelPoint], count: u32) -> Vec<Located> {
+    let count = count.min(MAX_ALONG);
+    let perimeter_px: f64 = sides(outline).map(|(a, b)| a.distance_px(b)).sum();
+    let mut sides = sides(outline);
+    let Some(mut side) = sides.next() else {
+        return Vec::new();
+    };
+    let mut side_begins_px = 0.0;
+    let mut points = Vec::with_capacity(count as usize);
+    let mut taken = BTreeSet::new();
+    for index in 0..count {
+        let at_px = perimeter_px * f64::from(index) / f64::from(count);
+        while at_px > side_begins_px + side.0.distance_px(side.1) {
+            // Rounding may leave the last point a hair beyond the last side; it stays at its end.
+            let Some(next) = sides.next() else { break };
+            side_begins_px += side.0.distance_px(side.1);
+            side = next;
+        }
+        let point = on_side(side, at_px - side_begins_px);
+        if taken.insert(point.pixel) {
+            points.push(point);
+        }
+    }
+    points
+}
+
+fn on_side((a, b): (PixelPoint, PixelPoint), from_a_px: f64) -> Located {
+    let length_px = a.distance_px(b);
+    let fraction = if length_px > 0.0 {
+        (from_a_px / length_px).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let at = [(a.u, b.u), (a.v, b.v)]
+        .map(|(a, b)| f64::from(a) + fraction * (f64::from(b) - f64::from(a)) + 0.5);
+    let [column, row] = at.map(|at| at.floor() as i32);
+    Located {
+        pixel: PixelPoint::new(column, row),
+        at,
+    }
+}

@@ -1,0 +1,89 @@
+//! A world around another one, of which it changes a part.
+//!
+//! In: the world within, and what is otherwise. Out: a [`World`]; all that is not said to be otherwise is the inner one's.
+
+use super::{Executed, Motion, World, WorldError, WorldPoint};
+use crate::start::Start;
+use fab_base::interrupt::Interrupt;
+use fab_picture::observation::Observation;
+
+/// A world around another one: what is not overridden is done by that.
+pub trait Around {
+    /// Returns the world within.
+    fn inner(&self) -> &dyn World;
+
+    /// Returns the world within, to be changed.
+    fn inner_mut(&mut self) -> &mut dyn World;
+
+    /// As [`World::name`].
+    fn name(&self) -> &str {
+        self.inner().name()
+    }
+
+    /// As [`World::act`].
+    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+        self.inner_mut().act(motion, interrupt)
+    }
+
+    /// As [`World::particles`].
+    fn particles(&self) -> Option<Vec<[f32; 3]>> {
+        self.inner().particles()
+    }
+
+    /// As [`World::flat_cloth`].
+    fn flat_cloth(&self) -> Option<Observation> {
+        self.inner().flat_cloth()
+    }
+
+    /// As [`World::out_of_reach`].
+    fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
+        self.inner().out_of_reach(point)
+    }
+}
+
+impl<W: Around> World for W {
+    fn name(&self) -> &str {
+        Around::name(self)
+    }
+
+    fn parameters(&self) -> String {
+        self.inner().parameters()
+    }
+
+    fn code(&self) -> String {
+        self.inner().code()
+    }
+
+    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
+        self.inner_mut().reset(start)
+    }
+
+    fn observe(&mut self) -> Result<Observation, WorldError> {
+        self.inner_mut().observe()
+    }
+
+    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+        Around::act(self, motion, interrupt)
+    }
+
+    fn crumple(
+        &self,
+        start: &Start,
+        seed: u64,
+        interrupt: &Interrupt,
+    ) -> Result<Start, WorldError> {
+        self.inner().crumple(start, seed, interrupt)
+    }
+
+    fn particles(&self) -> Option<Vec<[f32; 3]>> {
+        Around::particles(self)
+    }
+
+    fn flat_cloth(&self) -> Option<Observation> {
+        Around::flat_cloth(self)
+    }
+
+    fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
+        Around::out_of_reach(self, point)
+    }
+}

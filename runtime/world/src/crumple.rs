@@ -1,0 +1,201 @@
+//! Crumpled starts: made by a world, and kept, since that takes seconds.
+//!
+//! In: a program's cloth, a seed, a world. Out: a [`Start`], from the cache or crumpled anew. Equal cloths,
+//! seeds and worlds give equal bits.
+
+use crate::metrics;
+use crate::start::Start;
+use crate::{World, WorldError};
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
+
+/// Most lifts for one start. One suffices for most; five take some ten seconds.
+pub(crate) const MOST_LIFTS: u32 = 5;
+/// Coverages that a start may have: those of the 40 recorded starts go from 0.325 to 0.625 (protocol, section 5).
+const COVERAGES: std::ops::RangeInclusive<f64> = 0.32..=0.63;
+
+/// Tells whether a heap covers as much of the table as recorded starts do, by SoftGym's measure.
+///
+/// A world lifts a heap again that does not, from where it lies, at most [`MOST_LIFTS`] times in all. SoftGym lifts
+/// once and keeps what comes; here single heaps would lie too open for a start. Equal on every machine: the
+/// measure has basic operations alone.
+///
+/// - `positions`: `[dimy * dimx]`, grid order, world frame, metres.
+/// - `cloth`: the start that was lifted, for its grid and outline.
+pub(crate) fn is_start(positions: &[[f32; 3]], cloth: &Start) -> bool {
+    metrics::outlined_coverage(positions, &cloth.grid, cloth.outline.as_ref())
+        .is_some_and(|covered| COVERAGES.contains(&covered))
+}
+
+/// A crumpled start, and how it was had.
+#[derive(Clone, Debug)]
+pub struct Crumpled {
+    /// The start.
+    pub start: Start,
+    /// Why it could not be kept for the next time, where that happened.
+    pub not_kept: Option<String>,
+}
+
+/// Returns the crumpled start that a seed makes of a flat one.
+///
+/// `announce` is called before a start is crumpled anew. Fails where the world cannot lay or crumple the
+/// cloth, or where `interrupt` is raised.
+pub fn start(
+    flat: &Start,
+    seed: u64,
+    world: &dyn World,
+    cache: &Cache,
+    interrupt: &Interrupt,
+    announce: &mut dyn FnMut(),
+) -> Result<Crumpled, WorldError> {
+    let key = key(flat, seed, world);
+    if let Some(positions) = cache.positions(&key, flat.positions.len()) {
+        return Ok(Crumpled {
+            start: flat.crumpled(seed, positions),
+            not_kept: None,
+        });
+    }
+    announce();
+    let start = world.crumple(flat, seed, interrupt)?;
+    let kept = cache.put_positions(&key, &start.positions);
+    Ok(Crumpled {
+        start,
+        not_kept: kept.err(),
+    })
+}
+
+/// Covers everything that the start depends on, the code that computes it included.
+fn key(flat: &Start, seed: u64, world: &dyn World) -> String {
+    Cache::key([
+        "crumpled start, format 1",
+        &world.parameters(),
+        &world.code(),
+        &flat.digest(),
+        &seed.to_string(),
+        include_str!("crumple.rs"),
+        include_str!("metrics/grid_coverage.rs"),
+        include_str!("start/mod.rs"),
+        include_str!("start/outline.rs"),
+        include_str!("simulated.rs"),
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::SimulatedWorld;
+    use crate::start::Outline;
+    use fab_program::{Camera, Cloth, ClothStart, ImageUp};
+
+    const CLOTH: Cloth = Cloth {
+        dimx: 12,
+        dimy: 10,
+        spacing_m: 0.00625,
+        start: ClothStart::Crumpled,
+    };
+
+    fn world() -> SimulatedWorld {
+        let camera = Camera {
+            height_m: 0.65,
+            fov_rad: 0.785,
+            image_px: 64,
+            up: ImageUp::Y,
+        };
+        SimulatedWorld::new(&camera, fab_program::Picker::default()).unwrap()
+    }
+
+    /// Returns the start, and whether it had to be crumpled.
+    fn crumpled(seed: u64, cache: &Cache) -> (Start, bool) {
+        let mut anew = false;
+        let mut announce = || anew = true;
+        let interrupt = Interrupt::default();
+        let crumpled = start(
+            &Start::flat(&CLOTH),
+            seed,
+            &world(),
+            cache,
+            &interrupt,
+            &mut announce,
+        );
+        (crumpled.unwrap().start, anew)
+    }
+
+    #[test]
+    fn a_start_is_crumpled_once_and_has_the_same_bits_from_the_cache() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::at(folder.path().to_owned());
+        let (bare, _) = crumpled(7, &Cache::none());
+        assert_eq!(crumpled(7, &cache), (bare.clone(), true));
+        assert_eq!(crumpled(7, &cache), (bare.clone(), false));
+        let (other, anew) = crumpled(8, &cache);
+        assert!(anew && other.digest() != bare.digest());
+    }
+
+    #[test]
+    fn heaps_outside_of_the_recorded_spread_are_no_starts() {
+        let flat = Start::flat(&Cloth {
+            dimx: 40,
+            dimy: 40,
+            ..CLOTH
+        });
+        let grid = flat.grid;
+        // A flat cloth covers 0.95 by this measure; drawn together to a share of its width, about that share.
+        let drawn = |share: f32| -> Vec<[f32; 3]> {
+            (0..1600)
+                .map(|index| {
+                    [(index % 40) as f32 * share, (index / 40) as f32, 0.8].map(|at| at * 0.00625)
+                })
+                .collect()
+        };
+        for (share, expected) in [(1.0, false), (0.75, false), (0.45, true), (0.2, false)] {
+            let covered = metrics::coverage(&drawn(share), &grid);
+            assert_eq!(is_start(&drawn(share), &flat), expected, "{covered:?}");
+        }
+        assert!(!is_start(&[], &flat));
+        // Of a cloth that is half missing, half as much is as open: here 0.86 of its own area, 0.43 of the grid's.
+        let half = Outline::new(&(("#".repeat(20) + &".".repeat(20) + "\n").repeat(40)));
+        let halved = Start {
+            outline: Some(half),
+            ..flat
+        };
+        // The missing ones are where the world has them.
+        let left = |share: f32| -> Vec<[f32; 3]> {
+            let there = |(index, point)| if index % 40 < 20 { point } else { [0.0; 3] };
+            drawn(share).into_iter().enumerate().map(there).collect()
+        };
+        assert!(is_start(&left(0.45), &halved));
+        assert!(!is_start(&left(0.9), &halved));
+    }
+
+    #[test]
+    fn a_damaged_entry_is_crumpled_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::at(folder.path().to_owned());
+        let (first, _) = crumpled(3, &cache);
+        let entry = std::fs::read_dir(folder.path()).unwrap().next().unwrap();
+        let path = entry.unwrap().path();
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+        assert_eq!(crumpled(3, &cache), (first, true));
+    }
+
+    #[test]
+    fn a_raised_interrupt_keeps_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let interrupt = Interrupt::default();
+        interrupt.raise();
+        let cache = Cache::at(folder.path().to_owned());
+        let crumpled = start(
+            &Start::flat(&CLOTH),
+            1,
+            &world(),
+            &cache,
+            &interrupt,
+            &mut || {},
+        );
+        assert!(matches!(crumpled, Err(WorldError::Interrupted)));
+        let kept = std::fs::read_dir(folder.path()).unwrap();
+        assert_eq!(kept.count(), 0);
+    }
+}

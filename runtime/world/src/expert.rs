@@ -1,0 +1,224 @@
+//! Executes declared folds by the cloth's own particles, and keeps what they come to.
+//!
+//! In: a program's fold sequences, a start, a world. Out: end states to score against. An expert
+//! reads particle positions that no camera shows (protocol, section 6), so it is never a player.
+
+use crate::start::{Grid, RESTING_HEIGHT_M, Start};
+use crate::{Motion, World, WorldError, WorldPoint};
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
+use fab_program::{ClothPoint, Fold, Sequence};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+/// Makes a fresh world, equal to every other one that it makes.
+pub type MakeWorld<'a> = dyn Fn() -> Result<Box<dyn World>, WorldError> + Sync + 'a;
+
+/// The end state of one sequence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExpertEnd {
+    /// Index of the sequence in the program.
+    pub sequence: usize,
+    /// `[dimy * dimx]` positions, world frame, metres.
+    pub positions: Vec<[f32; 3]>,
+}
+
+/// End states, and how they were had.
+#[derive(Clone, Debug)]
+pub struct ExpertEnds {
+    /// In the program's order.
+    pub ends: Vec<ExpertEnd>,
+    /// How many had to be simulated; the others came from the cache.
+    pub simulated: usize,
+    /// Why a result could not be kept, where that happened.
+    pub not_kept: Option<String>,
+}
+
+/// Returns the end state of every sequence, from the cache or by simulating it on all cores.
+///
+/// `announce` is told how many must be simulated, before it begins.
+pub fn ends(
+    sequences: &[Sequence],
+    start: &Start,
+    make_world: &MakeWorld<'_>,
+    cache: &Cache,
+    interrupt: &Interrupt,
+    announce: &mut dyn FnMut(usize),
+) -> Result<ExpertEnds, WorldError> {
+    let world = make_world()?;
+    let keys: Vec<String> = sequences
+        .iter()
+        .map(|sequence| key(sequence, start, world.as_ref()))
+        .collect();
+    let mut known: Vec<Option<Vec<[f32; 3]>>> = keys
+        .iter()
+        .map(|key| cache.positions(key, start.positions.len()))
+        .collect();
+    let missing: Vec<usize> = (0..known.len())
+        .filter(|&index| known[index].is_none())
+        .collect();
+    let mut not_kept = None;
+    if !missing.is_empty() {
+        announce(missing.len());
+        for (index, result) in simulate(
+            sequences, &keys, &missing, start, make_world, cache, interrupt,
+        ) {
+            let (positions, lost) = result?;
+            not_kept = lost.or(not_kept);
+            known[index] = Some(positions);
+        }
+    }
+    let ends = known.into_iter().enumerate();
+    let ends = ends
+        .filter_map(|(sequence, positions)| {
+            Some(ExpertEnd {
+                sequence,
+                positions: positions?,
+            })
+        })
+        .collect();
+    Ok(ExpertEnds {
+        ends,
+        simulated: missing.len(),
+        not_kept,
+    })
+}
+
+/// Positions, and why they could not be kept where that is so.
+type Simulated = Result<(Vec<[f32; 3]>, Option<String>), WorldError>;
+
+/// Runs and keeps the missing sequences, one world per thread; results in the order of `missing`.
+fn simulate(
+    sequences: &[Sequence],
+    keys: &[String],
+    missing: &[usize],
+    start: &Start,
+    make_world: &MakeWorld<'_>,
+    cache: &Cache,
+    interrupt: &Interrupt,
+) -> Vec<(usize, Simulated)> {
+    let next = AtomicUsize::new(0);
+    let results = Mutex::new(Vec::with_capacity(missing.len()));
+    let threads = thread::available_parallelism()
+        .map_or(1, usize::from)
+        .min(missing.len());
+    thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                while let Some(&index) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let result = end_of(&sequences[index], start, make_world, interrupt);
+                    // Kept at once, so that a stop loses at most what is under way.
+                    let kept = result.as_ref().map_or(Ok(()), |positions| {
+                        cache.put_positions(&keys[index], positions)
+                    });
+                    let result = result.map(|positions| (positions, kept.err()));
+                    let stop = result.is_err();
+                    results
+                        .lock()
+                        .expect("no thread panics while it holds the results")
+                        .push((index, result));
+                    if stop {
+                        break;
+                    }
+                }
+            });
+        }
+    });
+    let mut results = results.into_inner().expect("every thread has ended");
+    results.sort_by_key(|(index, _)| *index);
+    results
+}
+
+fn end_of(
+    sequence: &Sequence,
+    start: &Start,
+    make_world: &MakeWorld<'_>,
+    interrupt: &Interrupt,
+) -> Result<Vec<[f32; 3]>, WorldError> {
+    let mut world = make_world()?;
+    world.reset(start)?;
+    for fold in &sequence.folds {
+        let motion = motion(fold, start, world.as_ref())?;
+        world.act(&motion, interrupt)?;
+    }
+    world.particles().ok_or_else(no_particles)
+}
+
+/// Returns where a fold picks and places, given where the cloth's particles are now.
+///
+/// `place = pick + fraction * (target - pick)`; the centre is that of the start, on the table.
+/// Fails in a world that does not know its particles.
+pub fn motion(fold: &Fold, start: &Start, world: &dyn World) -> Result<Motion, WorldError> {
+    let particles = world.particles().ok_or_else(no_particles)?;
+    let locate = |point: &ClothPoint| -> Result<WorldPoint, WorldError> {
+        match *point {
+            ClothPoint::Particle { right, front } => {
+                let index = particle_index(start.grid, right, front);
+                let [x, y, z] = *particles.get(index).ok_or_else(no_particles)?;
+                Ok(WorldPoint::new(f64::from(x), f64::from(y), f64::from(z)))
+            }
+            ClothPoint::Center => {
+                let [x, y] = start.center_m();
+                Ok(WorldPoint::new(x, y, RESTING_HEIGHT_M))
+            }
+        }
+    };
+    let pick = locate(&fold.pick)?;
+    let target = locate(&fold.place)?;
+    Ok(Motion {
+        pick,
+        place: pick + (target - pick) * fold.fraction,
+    })
+}
+
+/// Returns the index of the particle at a place in the flat cloth; edge middles round down, as in
+/// the recorded demonstrations.
+fn particle_index(grid: Grid, right: f64, front: f64) -> usize {
+    let along = |fraction: f64, count: u32| {
+        (fraction.clamp(0.0, 1.0) * f64::from(count - 1)).floor() as usize
+    };
+    along(front, grid.dimy) * grid.dimx as usize + along(right, grid.dimx)
+}
+
+fn no_particles() -> WorldError {
+    WorldError::Motion {
+        why: "this world does not know where the cloth's particles are".to_owned(),
+    }
+}
+
+/// Covers everything that an end state depends on, the code that computes it included.
+fn key(sequence: &Sequence, start: &Start, world: &dyn World) -> String {
+    Cache::key([
+        "expert end state, format 1",
+        &world.parameters(),
+        &world.code(),
+        &start.digest(),
+        &serde_json::to_string(sequence).expect("a sequence holds finite numbers"),
+        include_str!("expert.rs"),
+        include_str!("start/mod.rs"),
+        include_str!("simulated.rs"),
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_and_edge_middles_are_the_recorded_particles() {
+        let grid = Grid {
+            dimx: 55,
+            dimy: 44,
+            spacing_m: 0.00625,
+        };
+        let index = |right, front| particle_index(grid, right, front);
+        assert_eq!(index(0.0, 0.0), 0);
+        assert_eq!(index(0.0, 1.0), 55 * 43);
+        assert_eq!(index(1.0, 0.0), 54);
+        assert_eq!(index(1.0, 1.0), 55 * 44 - 1);
+        assert_eq!(index(0.0, 0.5), 21 * 55);
+        assert_eq!(index(0.5, 1.0), 55 * 43 + 27);
+        assert_eq!(index(1.0, 0.5), 21 * 55 + 54);
+    }
+}

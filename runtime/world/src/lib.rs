@@ -1,0 +1,171 @@
+//! Worlds in which actions are executed, behind one trait.
+//!
+//! In: a [`Start`] and [`Motion`]s in metres. Out: [`Observation`]s and what really happened. A world
+//! knows nothing of prompts, models or checks.
+
+pub mod crumple;
+pub mod expert;
+pub mod metrics;
+pub mod simulated;
+pub mod start;
+
+mod around;
+#[cfg(test)]
+#[path = "../../../tests/recorded_data.rs"]
+mod recorded;
+
+use crate::start::Start;
+use fab_base::interrupt::Interrupt;
+use fab_picture::observation::Observation;
+use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
+
+pub use around::Around;
+pub use simulated::{Look, SimulatedWorld};
+
+/// A point in the world frame: right-handed, z up, origin at the table's centre, metres.
+pub type WorldPoint = Point3<f64>;
+
+/// A cloth on a table under a camera, and something that picks and places.
+///
+/// Every implementation passes the conformance suite in `tests/suite/world_conformance.rs`.
+pub trait World {
+    /// Returns the world's name as reports print it, e.g. `sim`.
+    fn name(&self) -> &str;
+
+    /// Returns the hash of every parameter that changes results.
+    fn parameters(&self) -> String;
+
+    /// Returns a digest of the code that makes the results: it changes whenever equal actions might end otherwise.
+    fn code(&self) -> String;
+
+    /// Lays the cloth as `start` says and sets the clock to zero.
+    fn reset(&mut self, start: &Start) -> Result<(), WorldError>;
+
+    /// Takes a picture. Two pictures without an action between them are equal.
+    fn observe(&mut self) -> Result<Observation, WorldError>;
+
+    /// Picks at one point, carries the cloth to another and releases it.
+    ///
+    /// Returns what was really done, which may differ from what was asked. Ends early when `interrupt` is raised: with
+    /// [`WorldError::Interrupted`] where nothing is to be said of it, else with [`WorldError::Halted`].
+    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError>;
+
+    /// Crumples a start by chance and returns where the cloth then lies, on the table's centre and at rest.
+    ///
+    /// The seed decides all chance: equal starts and seeds give equal results. The world itself stays as it was,
+    /// so that what is crumpled begins a rollout like any other start: by [`World::reset`], with its digest in
+    /// the journal. Fails with [`WorldError::CannotCrumple`] where a world has no such means, and ends early
+    /// with [`WorldError::Interrupted`] when `interrupt` is raised.
+    fn crumple(&self, start: &Start, seed: u64, interrupt: &Interrupt)
+    -> Result<Start, WorldError>;
+
+    /// Returns the position of every particle, or `None` where the world cannot know.
+    ///
+    /// Shape `[dimy * dimx]`, index `iy * dimx + ix`, world frame, metres.
+    fn particles(&self) -> Option<Vec<[f32; 3]>>;
+
+    /// Returns what the camera sees of the flat cloth, whole and alone on the table, or `None` where no such picture was taken.
+    ///
+    /// Coverage is measured against it where the world does not know its particles, so it belongs to the world's
+    /// parameters. Its size is that of other pictures; depth may be without a reading.
+    fn flat_cloth(&self) -> Option<Observation> {
+        None
+    }
+
+    /// Says why nothing can be picked or placed at a point, or `None` where it is in reach.
+    ///
+    /// The words end a sentence that a model is told, such as `it lies 0.81 m from the arm's base, and the arm reaches
+    /// 0.70 m`. Depends on the point and the world's parameters alone.
+    fn out_of_reach(&self, _point: &WorldPoint) -> Option<String> {
+        None
+    }
+}
+
+/// Says why nothing can be done at a point, as [`World::out_of_reach`] does.
+pub type Reach<'a> = dyn Fn(&WorldPoint) -> Option<String> + 'a;
+
+/// Finds every point in reach: for questions outside of any world.
+pub fn everywhere(_: &WorldPoint) -> Option<String> {
+    None
+}
+
+/// A pick and a place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// Where the cloth is taken.
+    pub pick: WorldPoint,
+    /// Where it is released.
+    pub place: WorldPoint,
+}
+
+/// What a world really did.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Executed {
+    /// The motion as executed; a world with limits may have clipped it.
+    pub motion: Motion,
+    /// What was held between pick and place.
+    pub grasp: Grasp,
+    /// Duration in the world, seconds.
+    pub duration_s: f64,
+}
+
+/// What was held between pick and place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Grasp {
+    /// The particle of this index.
+    Particle(u32),
+    /// Nothing: the cloth was out of reach of the gripper.
+    Missed,
+    /// Something: fingers that were closed stopped before they met.
+    Held,
+    /// The gripper closed, and nothing tells what is in it.
+    Unverified,
+}
+
+/// Why a world failed.
+#[derive(Debug, thiserror::Error)]
+pub enum WorldError {
+    /// The start cannot be laid.
+    #[error("the start `{start}` cannot be laid on the table: {why}")]
+    Start {
+        /// The start's name.
+        start: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The camera cannot be set up.
+    #[error("the camera cannot be set up: {why}")]
+    Camera {
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The world was used before its first reset.
+    #[error("no cloth has been laid yet")]
+    NotReset,
+    /// The world has no way to crumple a cloth.
+    #[error("the world `{world}` cannot crumple a cloth; give it a start file")]
+    CannotCrumple {
+        /// The world's name.
+        world: String,
+    },
+    /// The motion left what the world can represent.
+    #[error("the motion failed: {why}")]
+    Motion {
+        /// What went wrong.
+        why: String,
+    },
+    /// Somebody asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+    /// The motion was planned, and nothing is to move.
+    #[error("planned, and not moved")]
+    PlannedOnly,
+    /// Somebody asked to stop, or gave no leave to go on, in the middle of a motion.
+    #[error("{told}")]
+    Halted {
+        /// In which part, and what is verified.
+        told: String,
+    },
+}

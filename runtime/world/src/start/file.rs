@@ -1,0 +1,304 @@
+//! Reads recorded particle positions from `.npy` files.
+//!
+//! In: a path, and where the user states them the grid and the axis that points up. Out: a
+//! [`Start`] in the world frame. Files are bounded before they are read.
+
+use super::{Outline, Start};
+use fab_base::{files, npy};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// The largest file that is read: far above any grid that the simulator accepts.
+const MAX_BYTES: u64 = 64 << 20;
+/// How many folders above a recorded start may hold the manifest that describes it.
+const MANIFEST_LEVELS: usize = 5;
+
+/// A rectangular particle grid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grid {
+    /// Particles along the cloth's own x, at least 2.
+    pub dimx: u32,
+    /// Particles along the cloth's other side, at least 2.
+    pub dimy: u32,
+    /// Distance between neighbours in the flat cloth, metres.
+    pub spacing_m: f64,
+}
+
+/// Which axis of a file points away from the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Up {
+    /// The second, as PyFleX records; world = (x, -z, y), a rotation.
+    Y,
+    /// The third, as in the world frame.
+    Z,
+}
+
+/// How the numbers in a file are to be understood.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StartFrame {
+    /// The particle grid.
+    #[serde(flatten)]
+    pub grid: Grid,
+    /// The axis that points up.
+    pub up: Up,
+}
+
+/// What a file beside the positions says of them.
+#[derive(Deserialize)]
+struct Description {
+    #[serde(flatten)]
+    frame: StartFrame,
+    #[serde(default)]
+    outline: Option<Outline>,
+}
+
+impl From<StartFrame> for Description {
+    fn from(frame: StartFrame) -> Description {
+        Description {
+            frame,
+            outline: None,
+        }
+    }
+}
+
+/// Why a start file cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The file cannot be opened or read.
+    #[error("cannot read the start `{path}`: {why}")]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        why: String,
+    },
+    /// The file is no `.npy` file of floating-point numbers.
+    #[error(
+        "the start `{path}` is not a usable .npy file: {why}; right would be float32 or float64 of shape (particles, 3)"
+    )]
+    NotPositions {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+    /// The array's shape is wrong.
+    #[error("the start `{path}` has shape {found}; right would be {wanted}")]
+    Shape {
+        /// The file.
+        path: PathBuf,
+        /// The shape found.
+        found: String,
+        /// The shape wanted, and why.
+        wanted: String,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error(
+        "the start `{path}` has the coordinate {value} at particle {particle}; every coordinate must be a finite number of metres"
+    )]
+    NotFinite {
+        /// The file.
+        path: PathBuf,
+        /// Index of the particle.
+        particle: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// Nobody says which way is up or how the particles are arranged.
+    #[error(
+        "nothing says how the start `{path}` is arranged: write `{beside}` with dimx, dimy, spacing_m and up (\"y\" or \"z\"), or give `--dims 55x44 --up y`"
+    )]
+    FrameUnknown {
+        /// The file.
+        path: PathBuf,
+        /// The description that is looked for first.
+        beside: PathBuf,
+    },
+    /// The file that describes the start cannot be understood.
+    #[error("the description `{path}` of the start is wrong: {why}")]
+    Description {
+        /// The description file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+}
+
+pub(super) fn load(path: &Path, stated: Option<StartFrame>) -> Result<Start, StartError> {
+    let (shape, numbers) = read_npy(path)?;
+    let Description { frame, outline } = match stated {
+        Some(frame) => frame.into(),
+        None => find_description(path)?,
+    };
+    let grid = frame.grid;
+    let wanted = u64::from(grid.dimx) * u64::from(grid.dimy);
+    if shape != [wanted, 3] {
+        return Err(StartError::Shape {
+            path: path.to_owned(),
+            found: format!("{shape:?}"),
+            wanted: format!(
+                "[{wanted}, 3] for a grid of {} by {} particles",
+                grid.dimx, grid.dimy
+            ),
+        });
+    }
+    if let Some(at) = numbers.iter().position(|value| !value.is_finite()) {
+        return Err(StartError::NotFinite {
+            path: path.to_owned(),
+            particle: at / 3,
+            value: numbers[at],
+        });
+    }
+    let positions = numbers
+        .as_chunks::<3>()
+        .0
+        .iter()
+        .map(|&[x, y, z]| match frame.up {
+            Up::Y => [x as f32, -z as f32, y as f32],
+            Up::Z => [x as f32, y as f32, z as f32],
+        })
+        .collect();
+    Ok(Start {
+        name: path.display().to_string(),
+        seed: None,
+        grid,
+        outline,
+        positions,
+    })
+}
+
+/// Reads any two-dimensional array of floats, row by row.
+fn read_npy(path: &Path) -> Result<(Vec<u64>, Vec<f64>), StartError> {
+    let unreadable = |why: String| StartError::Unreadable {
+        path: path.to_owned(),
+        why,
+    };
+    let wrong = |why: String| StartError::NotPositions {
+        path: path.to_owned(),
+        why,
+    };
+    let bytes = files::read(path, MAX_BYTES).map_err(unreadable)?;
+    let (shape, numbers) = npy::decode_floats(&bytes).map_err(wrong)?;
+    if shape.len() != 2 || shape[1] != 3 {
+        return Err(StartError::Shape {
+            path: path.to_owned(),
+            found: format!("{shape:?}"),
+            wanted: "[particles, 3]".to_owned(),
+        });
+    }
+    Ok((shape, numbers))
+}
+
+fn find_description(path: &Path) -> Result<Description, StartError> {
+    let beside = path.with_extension("json");
+    if beside.is_file() {
+        let wrong = |why: String| StartError::Description {
+            path: beside.clone(),
+            why,
+        };
+        let described: Description = serde_json::from_value(read_json(&beside)?)
+            .map_err(|error| wrong(error.to_string()))?;
+        check_grid(described.frame, &beside)?;
+        if let Some(outline) = &described.outline {
+            outline.check(&described.frame.grid).map_err(wrong)?;
+        }
+        return Ok(described);
+    }
+    let mut folder = path.parent().map(Path::to_owned);
+    for _ in 0..MANIFEST_LEVELS {
+        let Some(here) = folder else { break };
+        let manifest = here.join("manifest.json");
+        if manifest.is_file() {
+            return frame_in_manifest(&manifest, path).map(Description::from);
+        }
+        folder = here.parent().map(Path::to_owned);
+    }
+    Err(StartError::FrameUnknown {
+        path: path.to_owned(),
+        beside,
+    })
+}
+
+/// Finds the entry of a recorded data set that names this file; its paths are relative to the
+/// manifest's grandparent folder, and recorded data is y-up at 6.25 mm.
+fn frame_in_manifest(manifest: &Path, start: &Path) -> Result<StartFrame, StartError> {
+    let wrong = |why: String| StartError::Description {
+        path: manifest.to_owned(),
+        why,
+    };
+    let value = read_json(manifest)?;
+    let root = manifest
+        .parent()
+        .and_then(Path::parent)
+        .unwrap_or(Path::new(""));
+    let target = start
+        .canonicalize()
+        .map_err(|error| wrong(error.to_string()))?;
+    let entries = value
+        .get("entries")
+        .or_else(|| value.get("states"))
+        .and_then(|entries| entries.as_array());
+    for entry in entries.into_iter().flatten() {
+        let text = |key: &str| entry.get(key).and_then(|value| value.as_str());
+        let candidate = match (text("dir"), text("pos")) {
+            (Some(folder), _) => root
+                .join(folder)
+                .join(target.file_name().unwrap_or_default()),
+            (None, Some(file)) => root.join(file),
+            (None, None) => continue,
+        };
+        if candidate
+            .canonicalize()
+            .is_ok_and(|candidate| candidate == target)
+        {
+            let number = |key: &str| {
+                entry
+                    .get(key)
+                    .or_else(|| value.get(key))
+                    .and_then(|value| value.as_f64())
+            };
+            let count = |key: &str| u32::try_from(entry.get(key)?.as_u64()?).ok();
+            let (Some(dimx), Some(dimy), Some(spacing_m)) =
+                (count("dimx"), count("dimy"), number("spacing_m"))
+            else {
+                let why =
+                    "the start's entry lacks dimx, dimy or spacing_m, or one is no such number";
+                return Err(wrong(why.to_owned()));
+            };
+            let grid = Grid {
+                dimx,
+                dimy,
+                spacing_m,
+            };
+            return check_grid(StartFrame { grid, up: Up::Y }, manifest);
+        }
+    }
+    Err(wrong(format!("it has no entry for `{}`", start.display())))
+}
+
+fn check_grid(frame: StartFrame, described_in: &Path) -> Result<StartFrame, StartError> {
+    let Grid {
+        dimx,
+        dimy,
+        spacing_m,
+    } = frame.grid;
+    if dimx < 2 || dimy < 2 || !(spacing_m.is_finite() && spacing_m > 0.0) {
+        return Err(StartError::Description {
+            path: described_in.to_owned(),
+            why: format!(
+                "a grid of {dimx} by {dimy} particles {spacing_m} m apart; both counts must be at least 2 and the spacing above 0"
+            ),
+        });
+    }
+    Ok(frame)
+}
+
+fn read_json(path: &Path) -> Result<serde_json::Value, StartError> {
+    let wrong = |why: String| StartError::Description {
+        path: path.to_owned(),
+        why,
+    };
+    let bytes = files::read(path, MAX_BYTES).map_err(wrong)?;
+    serde_json::from_slice(&bytes).map_err(|error| wrong(error.to_string()))
+}
