@@ -5,8 +5,10 @@
 
 use crate::output;
 use crate::robot::terminal;
-use fab_agent::operator::{Cause, Judgement, Operator};
-use fab_agent::rollout::RolloutReport;
+use fab_agent::judgement::{Cause, Judgement};
+use fab_agent::operator::Operator;
+use fab_agent::record::Report;
+use std::path::Path;
 
 /// How often a question is put again where the answer is none of the offered ones.
 const TRIES: u32 = 10;
@@ -15,7 +17,7 @@ const TRIES: u32 = 10;
 pub struct Terminal;
 
 impl Operator for Terminal {
-    fn judge(&self, report: &RolloutReport) -> Option<Judgement> {
+    fn judge(&self, report: &Report, folder: &Path) -> Option<Judgement> {
         output::progress("");
         // Whoever held a key while the arm moved may hold it still, and answers in lines from here on.
         terminal::be_as_before();
@@ -28,7 +30,7 @@ impl Operator for Terminal {
                 .stopped
                 .as_ref()
                 .map_or(String::new(), |why| format!(" ({why})")),
-            report.run_dir
+            folder.display()
         ));
         let judgement = asked(&mut terminal::typed_line, &mut output::talk);
         if judgement.is_none() {

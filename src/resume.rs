@@ -8,9 +8,9 @@ use crate::cli::ResumeArguments;
 use crate::exit::{Exit, Failure};
 use crate::run::{self, Begun, Into, RUN_FILE};
 use crate::{output, sources};
-use fab_agent::journal::JOURNAL_FILE;
 use fab_agent::outcome::Outcome;
-use serde_json::Value;
+use fab_agent::record::{Record, Report, Took};
+use fab_agent::rollout::Ended;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -23,8 +23,8 @@ pub fn run(arguments: &ResumeArguments) -> Result<Exit, Failure> {
         ))
     })?;
     let begun = begun(&folder, &arguments.run)?;
-    if let Some(report) = ended(&folder) {
-        return Ok(said(&report, arguments));
+    if let Some((report, took)) = ended(&folder) {
+        return Ok(said(report, took, arguments));
     }
     let Begun {
         directory,
@@ -64,36 +64,31 @@ fn begun(folder: &Path, named: &Path) -> Result<Begun, Failure> {
     begun.map_err(|error| wrong(format!("its {RUN_FILE} is damaged ({error})")))
 }
 
-/// Returns the report of a rollout that ended for good: not by the user, a cap, or a model that could not be had.
-fn ended(folder: &Path) -> Option<Value> {
-    let text = fs::read_to_string(folder.join(JOURNAL_FILE)).ok()?;
-    let last: Value = serde_json::from_str(text.lines().last()?).ok()?;
-    let report = (last["type"] == "end").then(|| last["report"].clone())?;
-    match outcome(&report)? {
+/// Returns the record of a rollout that ended for good: not by the user, a cap, or a model that could not be had.
+fn ended(folder: &Path) -> Option<(Report, Option<Took>)> {
+    let record = Record::read(folder).ok()?;
+    let report = record.end?.report;
+    match report.outcome {
         Outcome::Interrupted | Outcome::BudgetExhausted | Outcome::ModelFailed => None,
-        _ => Some(report),
+        _ => Some((report, record.took)),
     }
-}
-
-fn outcome(report: &Value) -> Option<Outcome> {
-    serde_json::from_value(report["outcome"].clone()).ok()
 }
 
 /// Says how the rollout had ended; the exit code is that of the run.
-fn said(report: &Value, arguments: &ResumeArguments) -> Exit {
-    let name = report["outcome"].as_str().unwrap_or_default();
+fn said(report: Report, took: Option<Took>, arguments: &ResumeArguments) -> Exit {
     output::talk(&format!(
-        "the rollout in `{}` has ended ({name}); there is nothing to go on with",
-        arguments.run.display()
+        "the rollout in `{}` has ended ({}); there is nothing to go on with",
+        arguments.run.display(),
+        report.outcome.name()
     ));
+    let judged = report.operator.as_ref().map(|judgement| judgement.reached);
+    let exit = run::exit_of(report.outcome, report.goal_reached, judged);
     if arguments.json {
-        output::json(report);
+        let document = match took {
+            Some(took) => serde_json::to_value(Ended { report, took }),
+            None => serde_json::to_value(report),
+        };
+        output::json(&document.expect("a report has string keys and finite numbers"));
     }
-    match outcome(report) {
-        Some(outcome) => {
-            let judged = report["operator"]["reached"].as_bool();
-            run::exit_of(outcome, report["goal_reached"].as_bool(), judged)
-        }
-        None => Exit::Environment,
-    }
+    exit
 }

@@ -1,10 +1,8 @@
 //! What can go wrong, in words that name the value and what would be right.
 
 use crate::mask::Mask;
-use crate::params::ParamsError;
+use crate::params::{ParamsError, REACH_M};
 
-/// Farthest a particle may start, and the picker may be sent, from the table's centre along an axis, metres.
-pub const REACH_M: f32 = 2.0;
 /// Longest stretch spring accepted in a start, as a multiple of its rest length; recorded starts reach 1.9.
 pub const MAX_START_STRETCH: f32 = 3.0;
 /// Deepest a particle may start below the table's surface, metres; leaves room for rounding in files.

@@ -73,10 +73,10 @@ mod springs;
 
 pub use camera::{CameraError, Frame, ImageUp, Look, MAX_SIZE_PX, MIN_SIZE_PX, TopDownCamera};
 pub use crumple::{Crumpled, Lift};
-pub use error::{MAX_START_DEPTH_M, MAX_START_STRETCH, REACH_M, SimError, StartError};
+pub use error::{MAX_START_DEPTH_M, MAX_START_STRETCH, SimError, StartError};
 pub use grid::{Grid, GridError, MAX_DIM, MAX_SPACING_M, MIN_DIM, MIN_SPACING_M};
 pub use mask::{Mask, MaskError};
-pub use params::{ALGORITHM_VERSION, DROP_LEG_STEPS, Params, ParamsError, Route};
+pub use params::{ALGORITHM_VERSION, DROP_LEG_STEPS, Params, ParamsError, REACH_M, Route};
 pub use scenario::diagonal_fold;
 pub use simulator::{Aim, PickAndPlace, RestShortcut, Simulator};
 pub use snapshot::Snapshot;

@@ -4,12 +4,14 @@
 //! comes from, where such a number exists; the others were chosen by replaying
 //! recorded demonstrations (`fabc sim replay --set NAME=VALUE`) and say so.
 
-use crate::error::REACH_M;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sha2::{Digest, Sha256};
 
 /// Names the solver's arithmetic. Raise it whenever a change of code changes results.
 pub const ALGORITHM_VERSION: u32 = 2;
+
+/// Farthest a particle may start, and the picker may be sent, from the table's centre along an axis, metres.
+pub const REACH_M: f32 = 2.0;
 
 /// Most substeps, and most sweeps, that bound the time of a step.
 const MAX_COUNT: u32 = 100;

@@ -5,11 +5,11 @@
 //! `camera`; anything about tasks is nowhere in this crate.
 
 use crate::digest::digest_of;
-use crate::error::{MAX_ROUTE_STEPS, REACH_M, SimError, StartError, check_start};
+use crate::error::{MAX_ROUTE_STEPS, SimError, StartError, check_start};
 use crate::grid::Grid;
 use crate::layout::Layout;
 use crate::mask::Mask;
-use crate::params::{Params, ParamsError};
+use crate::params::{Params, ParamsError, REACH_M};
 use crate::picker::{self, Gripper, Way};
 use crate::snapshot::Snapshot;
 use crate::solver::{Outcome, Solver};
@@ -263,6 +263,33 @@ impl Simulator {
         self.sphere
     }
 
+    /// Returns the state between two steps.
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            positions: self.positions(),
+            velocities: self.velocities(),
+            held: self.held(),
+            sphere: self.sphere,
+            steps: self.steps,
+            at_rest: self.at_rest,
+        }
+    }
+
+    /// Goes on from a state that was taken of this cloth, or of one made alike.
+    ///
+    /// Fails, and changes nothing, where counts differ, a number is not finite, or a held particle is missing.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimError> {
+        snapshot.check(&self.mask)?;
+        self.solver.set_positions(&snapshot.positions);
+        self.solver.hold(&snapshot.held);
+        self.solver.set_velocities(&snapshot.velocities);
+        self.held = None;
+        self.sphere = snapshot.sphere;
+        self.steps = snapshot.steps;
+        self.at_rest = snapshot.at_rest;
+        Ok(())
+    }
+
     /// Gives every particle a velocity.
     ///
     /// - `velocities`: `[n_particles]`, grid order, world frame, metres per second; those of missing particles
@@ -281,17 +308,6 @@ impl Simulator {
     /// Tells whether a particle of the grid is part of the cloth.
     pub(crate) fn has(&self, particle: usize) -> bool {
         particle < self.grid().particle_count() && self.mask.has(particle)
-    }
-
-    /// Takes over a state that fits.
-    pub(crate) fn resume(&mut self, snapshot: &Snapshot) {
-        self.solver.set_positions(&snapshot.positions);
-        self.solver.hold(&snapshot.held);
-        self.solver.set_velocities(&snapshot.velocities);
-        self.held = None;
-        self.sphere = snapshot.sphere;
-        self.steps = snapshot.steps;
-        self.at_rest = snapshot.at_rest;
     }
 
     /// Tells whether the last step changed nothing.

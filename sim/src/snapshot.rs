@@ -1,10 +1,10 @@
 //! A cloth's whole state, to go on from later or elsewhere with the same bits.
 //!
-//! In: a simulator between two steps. Out: plain data, and back. Parameters and outline are not part of it: a
+//! Plain data; a simulator takes it between two steps, and goes on from it. Parameters and outline are not part of it: a
 //! snapshot fits the cloth that it was taken of, or one made alike.
 
 use crate::error::SimError;
-use crate::simulator::Simulator;
+use crate::mask::Mask;
 use serde::{Deserialize, Serialize};
 
 /// All that a simulator's further steps depend on, beside its outline and its parameters.
@@ -27,25 +27,11 @@ pub struct Snapshot {
     pub at_rest: bool,
 }
 
-impl Simulator {
-    /// Returns the state between two steps.
-    pub fn snapshot(&self) -> Snapshot {
-        Snapshot {
-            positions: self.positions(),
-            velocities: self.velocities(),
-            held: self.held(),
-            sphere: self.sphere(),
-            steps: self.steps(),
-            at_rest: self.is_at_rest(),
-        }
-    }
-
-    /// Goes on from a state that was taken of this cloth, or of one made alike.
-    ///
-    /// Fails, and changes nothing, where counts differ, a number is not finite, or a held particle is missing.
-    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimError> {
-        let count = self.grid().particle_count();
-        for vectors in [&snapshot.positions, &snapshot.velocities] {
+impl Snapshot {
+    /// Tells whether a cloth can go on from it: fails on the first count, number or held particle that does not fit.
+    pub(crate) fn check(&self, mask: &Mask) -> Result<(), SimError> {
+        let count = mask.grid().particle_count();
+        for vectors in [&self.positions, &self.velocities] {
             if vectors.len() != count {
                 return Err(SimError::OtherCloth {
                     expected: count,
@@ -56,15 +42,15 @@ impl Simulator {
             if let Some(particle) = vectors.iter().position(is_broken) {
                 return Err(SimError::NonFinite {
                     particle,
-                    step: snapshot.steps,
+                    step: self.steps,
                     place: "in the snapshot",
                 });
             }
         }
-        if let Some(&particle) = snapshot.held.iter().find(|&&held| !self.has(held)) {
-            return Err(SimError::NoSuchParticle { particle, count });
+        let is_there = |particle: usize| particle < count && mask.has(particle);
+        match self.held.iter().find(|&&held| !is_there(held)) {
+            Some(&particle) => Err(SimError::NoSuchParticle { particle, count }),
+            None => Ok(()),
         }
-        self.resume(snapshot);
-        Ok(())
     }
 }

@@ -237,7 +237,10 @@ fn exit_of(results: &Results) -> Exit {
         None if !results.cut_off.is_empty() => return Exit::Unreached,
         None => {}
     }
-    let mut outcomes = results.rollouts.iter().map(|played| played.record.outcome);
+    let mut outcomes = results
+        .rollouts
+        .iter()
+        .map(|played| played.rollout.report.outcome);
     if !results.rollouts.is_empty() && outcomes.all(failed) {
         return Exit::Environment;
     }

@@ -206,8 +206,8 @@ impl Report<'_> {
     /// Mean over all actions.
     fn planning_s(&self) -> Option<f64> {
         let rollouts = self.results.rollouts.iter();
-        let steps = rollouts.flat_map(|played| &played.record.steps);
-        let planning: Vec<f64> = steps.filter_map(|step| step.planning_s).collect();
+        let steps = rollouts.flat_map(|played| &played.rollout.steps);
+        let planning: Vec<f64> = steps.filter_map(|step| step.spent.planning_s).collect();
         statistics::mean(&planning)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::exit::Failure;
 use crate::output;
-use fab_agent::rollout::RolloutReport;
+use fab_agent::rollout::Ended;
 use fab_arm::plan::Plan;
 use fab_arm::settings::{DriverKind, Settings};
 use fab_arm::world::{PLAN_FILE, PLAN_PICTURE, read_plan};
@@ -10,8 +10,8 @@ use serde_json::json;
 use std::path::Path;
 
 /// Prints the plan, and the report's outcome; as JSON both.
-pub fn say(report: &RolloutReport, settings: &Settings, as_json: bool) -> Result<(), Failure> {
-    let folder = Path::new(&report.run_dir);
+pub fn say(report: &Ended, settings: &Settings, as_json: bool) -> Result<(), Failure> {
+    let folder = Path::new(&report.took.run_dir);
     let plan = match folder.join(PLAN_FILE).exists() {
         true => Some(read_plan(folder).map_err(Failure::environment)?),
         false => None,
@@ -35,7 +35,7 @@ pub fn say(report: &RolloutReport, settings: &Settings, as_json: bool) -> Result
         Some(_) => format!(" (drawing: {PLAN_PICTURE})"),
         None => String::new(),
     };
-    output::data(&format!("run folder: {}{drawing}", report.run_dir));
+    output::data(&format!("run folder: {}{drawing}", report.took.run_dir));
     Ok(())
 }
 

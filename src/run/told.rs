@@ -2,8 +2,9 @@
 
 use crate::output;
 use fab_agent::agent::{Attempt, Finding};
-use fab_agent::operator::Judgement;
-use fab_agent::rollout::{CoverageSource, Event, RolloutReport};
+use fab_agent::judgement::Judgement;
+use fab_agent::record::CoverageSource;
+use fab_agent::rollout::{Ended, Event};
 use fab_model::calls::Spent;
 use fab_program::verify::Verdict;
 use fab_program::{Goal, Metric};
@@ -89,7 +90,7 @@ fn refusal(attempt: &Attempt) -> Option<String> {
 }
 
 /// Sums up a rollout.
-pub fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
+pub fn summary(report: &Ended, goal: Option<&Goal>) -> String {
     let mut lines = vec![format!("outcome: {}", report.outcome.name())];
     let words = report.stopped.as_deref();
     lines.extend(
@@ -138,23 +139,24 @@ pub fn summary(report: &RolloutReport, goal: Option<&Goal>) -> String {
     lines.push(questions(report));
     lines.extend(spent(report));
     let seconds = report
+        .took
         .seconds
         .iter()
         .filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
     lines.push(format!(
         "seconds: {}, in all {:.1}",
         seconds.collect::<Vec<_>>().join(", "),
-        report.wall_s
+        report.took.wall_s
     ));
-    if report.experts_simulated > 0 {
+    if report.took.experts_simulated > 0 {
         lines.push(format!(
             "of that, {} expert results were simulated for the first time",
-            report.experts_simulated
+            report.took.experts_simulated
         ));
     }
     lines.push(format!(
         "run folder: {} (contact sheet: sheet.png)",
-        report.run_dir
+        report.took.run_dir
     ));
     lines.join("\n")
 }
@@ -172,16 +174,16 @@ fn judged(judgement: &Judgement) -> String {
 }
 
 /// Says what models were paid for, where calls were made.
-fn spent(report: &RolloutReport) -> Option<String> {
-    if report.calls == 0 {
+fn spent(report: &Ended) -> Option<String> {
+    if report.took.calls == 0 {
         return None;
     }
     let mut text = format!(
         "calls: {}, tokens {} in, {} out",
-        report.calls, report.usage.input_tokens, report.usage.output_tokens
+        report.took.calls, report.took.usage.input_tokens, report.took.usage.output_tokens
     );
-    text.push_str(&format!(", {}", report.spent.in_words()));
-    let faults = report.faults.iter();
+    text.push_str(&format!(", {}", report.took.spent.in_words()));
+    let faults = report.took.faults.iter();
     let faults: Vec<String> = faults
         .map(|(fault, count)| format!("{fault} {count}"))
         .collect();
@@ -192,7 +194,7 @@ fn spent(report: &RolloutReport) -> Option<String> {
 }
 
 /// Says what came of the questions, with what went wrong by name.
-fn questions(report: &RolloutReport) -> String {
+fn questions(report: &Ended) -> String {
     let mut counts = vec![format!("questions: {}", report.queries)];
     let refusals = report.refusals.iter();
     counts.extend(refusals.map(|(check, count)| format!("refused by `{check}`: {count}")));
@@ -201,7 +203,7 @@ fn questions(report: &RolloutReport) -> String {
     }
     let skipped = report.skipped.iter();
     counts.extend(skipped.map(|(why, count)| format!("steps skipped ({why}): {count}")));
-    if let Some(planning_s) = report.planning_s {
+    if let Some(planning_s) = report.took.planning_s {
         counts.push(format!(
             "{:.0} ms of planning per action",
             planning_s * 1000.0

@@ -4,7 +4,7 @@
 //! was, whether the arm is stopped, where the cloth lies.
 
 use super::nodes::{MODEL, PATIENCE_S, Ros, TRAJECTORY};
-use fab_agent::journal::JOURNAL_FILE;
+use fab_agent::record::RECORD_FILE;
 use fab_arm::log::ARM_FILE;
 use fab_arm::settings::Settings;
 use fab_arm::simulated::FaultKind;
@@ -292,7 +292,7 @@ impl Run {
     }
 
     fn why(&self) -> String {
-        let steps = std::fs::read_to_string(self.folder.join(JOURNAL_FILE)).unwrap_or_default();
+        let steps = std::fs::read_to_string(self.folder.join(RECORD_FILE)).unwrap_or_default();
         let lines = steps
             .lines()
             .filter_map(|line| serde_json::from_str(line).ok());

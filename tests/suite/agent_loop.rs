@@ -3,7 +3,7 @@
 use super::support::{self, Scripted, Trial};
 use fab_agent::agent::Finding;
 use fab_agent::outcome::Outcome;
-use fab_agent::rollout::{Event, RolloutReport};
+use fab_agent::rollout::{Ended, Event};
 use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
@@ -19,7 +19,7 @@ const WORDS: &str = "Instructions: fold the back left corner onto the front left
 
 /// What a rollout under scripted replies came to.
 struct Played {
-    report: RolloutReport,
+    report: Ended,
     seen: Vec<Request>,
     said: Vec<Request>,
     findings: Vec<Finding>,

@@ -3,10 +3,10 @@
 
 use super::support::{self, Trial, root, task};
 use fab_agent::arm_sight::SIGHT;
-use fab_agent::journal::{JOURNAL_FILE, RunFolder};
+use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
-use fab_agent::rollout;
-use fab_agent::rollout::{Job, RolloutReport};
+use fab_agent::record::RECORD_FILE;
+use fab_agent::rollout::{self, Job};
 use fab_arm::calibration::{Calibration, Method, Pair, Terms};
 use fab_arm::log::{ARM_FILE, Entry, Left, left};
 use fab_arm::port::Port;
@@ -135,7 +135,7 @@ impl Trouble {
 
 /// How a rollout ended.
 struct Ended {
-    report: RolloutReport,
+    report: rollout::Ended,
     arm: SharedArm,
     took_s: f64,
 }
@@ -235,7 +235,7 @@ fn survives(trial: &Trial<'_>, seed: u64, usual: &Ended) -> Outcome {
     ended.arm.wait(5.0);
 
     let outcome = ended.report.outcome;
-    let journal = fs::read_to_string(folder.join(JOURNAL_FILE)).unwrap();
+    let journal = fs::read_to_string(folder.join(RECORD_FILE)).unwrap();
     let lines: Vec<Value> = journal
         .lines()
         .map(|line| serde_json::from_str(line).unwrap())

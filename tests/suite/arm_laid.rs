@@ -109,7 +109,7 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
     });
     assert_eq!(names.collect::<Vec<_>>(), ["flat, 1", "flat, 2", "flat, 3"]);
     let rows = rows::rows(&bench, &results);
-    assert_eq!(rows[0].metric.as_str(), "normalized_improvement_picture");
+    assert_eq!(rows[0].metric.row().name, "normalized_improvement_picture");
     assert_eq!(rows[0].note, None, "that was no rehearsal");
 
     let again = play::play(&bench, &|_, _, _| {}).unwrap();

@@ -84,8 +84,8 @@ fn every_rollout_ends_in_a_named_outcome_and_every_call_is_accounted_for() {
             }
             other => panic!("rollout {repetition} ended {other:?}"),
         }
-        calls += report.calls;
-        faults.extend(report.faults.keys().cloned());
+        calls += report.took.calls;
+        faults.extend(report.took.faults.keys().cloned());
     }
     assert_eq!(calls, provider.seen().got.len() as u64);
     assert!(faults.len() >= 5, "only {faults:?} came up");

@@ -127,12 +127,12 @@ fn refusals_are_counted_by_check_and_planning_is_timed() {
     let report = played.report;
     assert_eq!(report.outcome, Outcome::AttemptsExhausted);
     assert_eq!(report.queries, 2);
-    let counts: Vec<_> = report.refusals.into_iter().collect();
+    let counts: Vec<_> = report.refusals.clone().into_iter().collect();
     assert_eq!(
         counts,
         [("offered".to_owned(), 1), ("outward".to_owned(), 1)]
     );
-    let planning_s = report.planning_s.unwrap();
-    assert!(planning_s > 0.0 && planning_s <= report.wall_s);
+    let planning_s = report.took.planning_s.unwrap();
+    assert!(planning_s > 0.0 && planning_s <= report.took.wall_s);
     assert_eq!(report.skipped_steps, 0);
 }

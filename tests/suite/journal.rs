@@ -2,7 +2,7 @@
 
 use super::support::{self, Scripted, Trial};
 use fab_agent::journal::{JournalError, RunFolder};
-use fab_agent::rollout::RolloutReport;
+use fab_agent::rollout::Ended;
 use fab_base::cache::Cache;
 use fab_model::Models;
 use fab_sim::{Params, Simulator};
@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Runs the small task with two expert sequences into `folder`.
-fn run_small(folder: &Path) -> RolloutReport {
+fn run_small(folder: &Path) -> Ended {
     let mut program = support::small_task();
     program.experts = support::task("double_triangle").experts[..2].to_vec();
     let mut trial = Trial::new(&program, folder, Look::default());
@@ -174,7 +174,10 @@ fn expert_results_are_simulated_once() {
     let first = run_small(folder.path());
     std::fs::remove_dir_all(folder.path().join("run")).unwrap();
     let second = run_small(folder.path());
-    assert_eq!((first.experts_simulated, second.experts_simulated), (2, 0));
+    assert_eq!(
+        (first.took.experts_simulated, second.took.experts_simulated),
+        (2, 0)
+    );
     assert_eq!(
         first.mean_particle_distance_mm,
         second.mean_particle_distance_mm
@@ -195,7 +198,7 @@ fn a_damaged_cache_entry_is_simulated_again() {
     std::fs::write(&entry, &bytes[..bytes.len() / 2]).unwrap();
     std::fs::remove_dir_all(folder.path().join("run")).unwrap();
     let second = run_small(folder.path());
-    assert_eq!(second.experts_simulated, 1);
+    assert_eq!(second.took.experts_simulated, 1);
     assert_eq!(
         first.mean_particle_distance_mm,
         second.mean_particle_distance_mm

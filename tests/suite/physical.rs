@@ -4,9 +4,12 @@ use super::bench::project;
 use super::seen_coverage::{Blind, flat};
 use super::support::{self, ProjectFiles, fabc};
 use fab_agent::examples::Examples;
-use fab_agent::operator::{Cause, Judgement, Operator};
-use fab_agent::rollout::RolloutReport;
+use fab_agent::record::Report;
 use fab_agent::subgoals::{Origin, SubgoalSet};
+use fab_agent::{
+    judgement::{Cause, Judgement},
+    operator::Operator,
+};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_bench::suite::Suite;
@@ -170,7 +173,7 @@ fn suites_for_a_table_are_held_to_what_is_known_there() {
 struct Written(Mutex<VecDeque<Judgement>>);
 
 impl Operator for Written {
-    fn judge(&self, report: &RolloutReport) -> Option<Judgement> {
+    fn judge(&self, report: &Report, _: &Path) -> Option<Judgement> {
         assert_eq!(report.operator, None);
         self.0.lock().unwrap().pop_front()
     }
@@ -257,7 +260,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
     };
     let results = play::play(&bench, &|_, _, _| {}).unwrap();
     let rows = rows::rows(&bench, &results);
-    let metrics: Vec<&str> = rows.iter().map(|row| row.metric.as_str()).collect();
+    let metrics: Vec<&str> = rows.iter().map(|row| row.metric.row().name).collect();
     assert_eq!(
         metrics,
         [

@@ -165,7 +165,7 @@ fn play(model: &dyn Model) -> Played {
     Played {
         outcome: report.outcome,
         actions,
-        refusals: report.refusals,
+        refusals: report.report.refusals,
         notes,
     }
 }

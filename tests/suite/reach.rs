@@ -3,10 +3,11 @@
 
 use super::support::{self, ProjectFiles, words_of};
 use fab_agent::examples::Examples;
-use fab_agent::journal::{JOURNAL_FILE, RunFolder};
+use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
+use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout;
-use fab_agent::rollout::{Job, RolloutReport, first_questions};
+use fab_agent::rollout::{Ended, Job, first_questions};
 use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
@@ -79,7 +80,7 @@ impl Model for Answering<'_> {
 }
 
 struct Played {
-    report: RolloutReport,
+    report: Ended,
     asked: Vec<Request>,
     /// The journal's lines.
     lines: Vec<Value>,
@@ -99,7 +100,7 @@ fn play(
         let folder = tempfile::tempdir().unwrap();
         let run = folder.path().join("run");
         let report = rollout::run(job, RunFolder::create(&run).unwrap(), &mut |_| {}).unwrap();
-        let text = std::fs::read_to_string(run.join(JOURNAL_FILE)).unwrap();
+        let text = std::fs::read_to_string(run.join(RECORD_FILE)).unwrap();
         let lines = text.lines().map(|line| serde_json::from_str(line).unwrap());
         (report, lines.collect())
     });

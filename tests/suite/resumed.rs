@@ -1,9 +1,10 @@
 //! Rollouts that were cut off, stopped by a cap, or changed since, and are gone on with.
 
 use super::support::{self, Trial, bring_library, fabc, finish, project};
-use fab_agent::journal::{JOURNAL_FILE, JournalError, RunFolder};
+use fab_agent::journal::{JournalError, RunFolder};
 use fab_agent::outcome::Outcome;
-use fab_agent::rollout::RolloutReport;
+use fab_agent::record::RECORD_FILE;
+use fab_agent::rollout::Ended;
 use fab_model::Models;
 use fab_model::calls::{Budget, Call, CallEnd, Calls, Caps, Spent, Usage, Usd, ledger};
 use fab_model::{Model, ModelError, Nature, Reply, Request};
@@ -69,10 +70,10 @@ impl Bought {
 }
 
 fn journal(run: &Path) -> String {
-    fs::read_to_string(run.join(JOURNAL_FILE)).unwrap()
+    fs::read_to_string(run.join(RECORD_FILE)).unwrap()
 }
 
-fn play(trial: &Trial<'_>, model: &Bought, run: &Path) -> RolloutReport {
+fn play(trial: &Trial<'_>, model: &Bought, run: &Path) -> Ended {
     trial.run(model.both(), run, &mut |_| {})
 }
 
@@ -95,8 +96,8 @@ fn a_rollout_cut_off_anywhere_comes_out_the_same_and_asks_nothing_twice() {
     let whole = folder.path().join("whole");
     let model = Bought::default();
     let report = play(&trial, &model, &whole);
-    assert_eq!(report.calls, 4);
-    assert_eq!(report.cost_usd, Some(0.004));
+    assert_eq!(report.took.calls, 4);
+    assert_eq!(report.took.cost_usd, Some(0.004));
     let sent = model.sent();
     let lines = journal(&whole);
     let ends: Vec<usize> = lines.match_indices('\n').map(|(at, _)| at + 1).collect();
@@ -112,7 +113,7 @@ fn a_rollout_cut_off_anywhere_comes_out_the_same_and_asks_nothing_twice() {
     {
         let run = folder.path().join(format!("cut-{number}"));
         copy(&whole, &run);
-        fs::write(run.join(JOURNAL_FILE), &lines[..cut]).unwrap();
+        fs::write(run.join(RECORD_FILE), &lines[..cut]).unwrap();
         // Two answers of each step come before its line; the third call was under way.
         let steps = ends
             .iter()
@@ -168,8 +169,8 @@ fn a_cap_ends_a_rollout_and_a_higher_one_goes_on_with_it() {
     let model = Bought::default();
     let report = play(&trial, &model, &run);
     assert_eq!(report.outcome, Outcome::HorizonReached);
-    assert_eq!((model.sent().len(), report.calls), (1, 4));
-    assert_eq!(report.usage.input_tokens, 4000);
+    assert_eq!((model.sent().len(), report.took.calls), (1, 4));
+    assert_eq!(report.took.usage.input_tokens, 4000);
 }
 
 fn spent(run: &Path) -> Spent {
@@ -232,7 +233,7 @@ fn the_command_goes_on_with_a_run_and_notices_a_changed_task() {
     let run = folder.path().join("run");
     let whole = journal(&run);
     let first_two: String = whole.split_inclusive('\n').take(2).collect();
-    fs::write(run.join(JOURNAL_FILE), &first_two).unwrap();
+    fs::write(run.join(RECORD_FILE), &first_two).unwrap();
 
     // From another folder, since paths are those of the place where the run was begun.
     let elsewhere = folder.path().join("elsewhere");
@@ -254,7 +255,7 @@ fn the_command_goes_on_with_a_run_and_notices_a_changed_task() {
         ended.stderr
     );
 
-    fs::write(run.join(JOURNAL_FILE), &first_two).unwrap();
+    fs::write(run.join(RECORD_FILE), &first_two).unwrap();
     let changed = task.replace("< 40mm", "< 41mm");
     assert_ne!(changed, task);
     fs::write(folder.path().join("mine.fab"), changed).unwrap();

@@ -1,7 +1,7 @@
 //! A step whose result is not like the next subgoal is asked again, a bounded number of times.
 
 use super::support::{self, Trial};
-use fab_agent::rollout::RolloutReport;
+use fab_agent::rollout::Ended;
 use fab_model::Models;
 use fab_model::calls::Calls;
 use fab_model::{Message, Model, ModelError, Nature, Part, Reply, Request, Speaker};
@@ -46,7 +46,7 @@ impl Model for Careless {
 }
 
 struct Played {
-    report: RolloutReport,
+    report: Ended,
     asked: Vec<Request>,
     /// What the journal says of each action's result.
     results: Vec<Value>,

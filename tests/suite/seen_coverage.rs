@@ -2,10 +2,12 @@
 
 use super::support;
 use fab_agent::examples::Examples;
-use fab_agent::journal::{JOURNAL_FILE, RunFolder};
+use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
+use fab_agent::record::CoverageSource;
+use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout;
-use fab_agent::rollout::{CoverageSource, Job, RolloutReport, RunError};
+use fab_agent::rollout::{Ended, Job, RunError};
 use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
@@ -66,7 +68,7 @@ fn with_goal(metric: Metric, limit: f64) -> Program {
 }
 
 /// Runs the task's first step with the stand-in, and returns its report and its journal.
-fn play(program: &Program, flat: Option<Observation>) -> Result<(RolloutReport, String), RunError> {
+fn play(program: &Program, flat: Option<Observation>) -> Result<(Ended, String), RunError> {
     let steps = program.subgoals.as_ref().map_or(0, |it| it.steps());
     let make_world = || -> Result<Box<dyn World>, WorldError> {
         Ok(Box::new(Blind {
@@ -109,7 +111,7 @@ fn play(program: &Program, flat: Option<Observation>) -> Result<(RolloutReport, 
     let report = rollout::run(&job, RunFolder::create(&run).unwrap(), &mut |_| {})?;
     Ok((
         report,
-        std::fs::read_to_string(run.join(JOURNAL_FILE)).unwrap(),
+        std::fs::read_to_string(run.join(RECORD_FILE)).unwrap(),
     ))
 }
 

@@ -4,7 +4,7 @@
 
 use super::support::{self, ProjectFiles, Scripted, Trial, words_of};
 use fab_agent::outcome::Outcome;
-use fab_agent::rollout::{Event, RolloutReport};
+use fab_agent::rollout::{Ended, Event};
 use fab_base::cache::Cache;
 use fab_compiler::{LoadError, Loader};
 use fab_model::Models;
@@ -51,7 +51,7 @@ pub(super) fn steered_but(changes: &[(&str, &str)]) -> Program {
 }
 
 pub(super) struct Played {
-    pub report: RolloutReport,
+    pub report: Ended,
     pub asked: Vec<Request>,
     pub motions: Vec<Motion>,
     /// The journal's step lines.

@@ -1,9 +1,10 @@
 //! What the tests share: the command, recorded data, small tasks, scripted models.
 
 use fab_agent::examples::Examples;
-use fab_agent::journal::{JOURNAL_FILE, RunFolder};
+use fab_agent::journal::RunFolder;
+use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout;
-use fab_agent::rollout::{Event, Job, RolloutReport, RunError};
+use fab_agent::rollout::{Ended, Event, Job, RunError};
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
@@ -170,7 +171,7 @@ impl<'p> Trial<'p> {
     }
 
     /// Runs it with the stand-in in both roles, into the new folder `run`.
-    pub fn run_stand_in(&self, run: &Path) -> RolloutReport {
+    pub fn run_stand_in(&self, run: &Path) -> Ended {
         let models = Models {
             vision: &Geometric,
             text: &Geometric,
@@ -179,12 +180,7 @@ impl<'p> Trial<'p> {
     }
 
     /// Runs it into the new folder `run`, or goes on with what that holds.
-    pub fn run(
-        &self,
-        models: Models<'_>,
-        run: &Path,
-        watch: &mut dyn FnMut(Event<'_>),
-    ) -> RolloutReport {
+    pub fn run(&self, models: Models<'_>, run: &Path, watch: &mut dyn FnMut(Event<'_>)) -> Ended {
         self.try_run(models, run, watch).unwrap()
     }
 
@@ -194,7 +190,7 @@ impl<'p> Trial<'p> {
         models: Models<'_>,
         run: &Path,
         watch: &mut dyn FnMut(Event<'_>),
-    ) -> Result<RolloutReport, RunError> {
+    ) -> Result<Ended, RunError> {
         let make_world = || -> Result<Box<dyn World>, WorldError> {
             let world = SimulatedWorld::new(&self.program.camera, self.program.picker)?;
             Ok(Box::new(world.with_look(self.look.clone())))
@@ -216,7 +212,7 @@ impl<'p> Trial<'p> {
             operator: None,
             repetition: self.repetition,
         };
-        let folder = match run.join(JOURNAL_FILE).exists() {
+        let folder = match run.join(RECORD_FILE).exists() {
             true => RunFolder::reopen(run),
             false => RunFolder::create(run),
         };

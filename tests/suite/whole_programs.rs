@@ -5,7 +5,7 @@
 use super::support::{self, Scripted, Trial};
 use fab_agent::examples::Examples;
 use fab_agent::outcome::Outcome;
-use fab_agent::rollout::{Event, RolloutReport};
+use fab_agent::rollout::{Ended, Event};
 use fab_agent::scene::{Scene, SceneError};
 use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_base::interrupt::Interrupt;
@@ -25,7 +25,7 @@ use std::path::Path;
 
 /// What a rollout under scripted replies came to.
 struct Played {
-    report: RolloutReport,
+    report: Ended,
     said: Vec<Request>,
     motions: Vec<(PixelPoint, Motion)>,
     /// The journal's step lines.

@@ -30,7 +30,7 @@ use fab_program::verify::Verdict;
 use fab_program::{Exhausted, Program, Value};
 use fab_world::Reach;
 pub use rehearsal::{Rehearsed, rehearse};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::Duration;
 use talk::{Answer, Missing, Next, Talk};
@@ -53,7 +53,7 @@ pub struct Attempt {
 }
 
 /// What an answer meant.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "finding", rename_all = "snake_case")]
 pub enum Finding {
     /// A text for later stages.
@@ -86,7 +86,7 @@ pub enum Finding {
         /// What the rollout ends with.
         outcome: Outcome,
         /// What went wrong with the last call, where one was made.
-        #[serde(skip_serializing_if = "Option::is_none")]
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         fault: Option<Fault>,
         /// Why.
         why: String,
@@ -110,7 +110,7 @@ pub enum Decision {
 }
 
 /// Which answer was taken in the end.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Accepted {
     /// The stage that asked for it.
     pub stage: String,

@@ -8,32 +8,17 @@
 
 mod earlier;
 
-use crate::action::Action;
-use crate::agent::{Accepted, Attempt};
-use crate::outcome::Outcome;
-use crate::result::StepResult;
-use crate::rollout::Measures;
+use crate::agent::Attempt;
+use crate::record::{Asked, Line, MAX_SPENT_BYTES, RECORD_FILE, SPENT_FILE, Spent};
 use earlier::Earlier;
 use fab_base::files;
 use fab_base::jsonl::{self, Appender, Reader};
 use fab_model::calls::LedgerError;
 use fab_model::{Part, Request, Speaker};
-use fab_world::Executed;
-use serde::Serialize;
-use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fs::{self, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// Version of the journal's lines.
-pub const JOURNAL_SCHEMA: u32 = 1;
-/// Name of the journal in a run folder.
-pub const JOURNAL_FILE: &str = "rollout.jsonl";
-/// Name of the file beside it that says what the rollout took.
-pub const SPENT_FILE: &str = "spent.jsonl";
-/// The longest such file that is read.
-pub const MAX_SPENT_BYTES: u64 = 64 << 20;
 
 /// A run folder that is being written.
 #[derive(Debug)]
@@ -91,49 +76,6 @@ pub enum JournalError {
     },
 }
 
-/// One line of the journal.
-#[derive(Debug, Serialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-pub enum Line<'a> {
-    /// The first line: what was run.
-    Header(&'a Value),
-    /// One step.
-    Step(&'a StepLine),
-    /// The last line: what came of it.
-    End(&'a Value),
-}
-
-/// What is kept of one step; every file is relative to the run folder.
-#[derive(Debug, Default, Serialize)]
-pub struct StepLine {
-    /// From 1.
-    pub step: u32,
-    /// Keypoints in pixels, or null where the picture gave none.
-    pub scene: Value,
-    /// Every question of the step.
-    pub attempts: Vec<Value>,
-    /// Which answer was taken, where one was.
-    pub accepted: Option<Accepted>,
-    /// What was to be executed, where something was.
-    pub action: Option<Action>,
-    /// What the world really did.
-    pub executed: Option<Executed>,
-    /// SHA-256 of all positions' bits after it, as `fabc sim replay` prints it, where the world knows.
-    pub digest: Option<String>,
-    /// How much the cloth covers after it, where the world knows.
-    #[serde(flatten)]
-    pub measures: Measures,
-    /// The cloth after it beside the next subgoal, where the task compares them.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub result: Option<StepResult>,
-    /// What the rollout would have ended with, where the step was skipped instead.
-    pub skipped: Option<Outcome>,
-    /// Why the step ended the rollout, in words.
-    pub stopped: Option<String>,
-    /// Pictures and positions by what they show.
-    pub files: serde_json::Map<String, Value>,
-}
-
 impl RunFolder {
     /// Makes a folder for one rollout; it must not exist or be empty.
     pub fn create(path: &Path) -> Result<RunFolder, JournalError> {
@@ -148,7 +90,7 @@ impl RunFolder {
                 path: path.to_owned(),
             });
         }
-        let file = path.join(JOURNAL_FILE);
+        let file = path.join(RECORD_FILE);
         let journal = Appender::open(&file).map_err(|error| unwritable(&file, error))?;
         locked(&journal, path)?;
         Ok(RunFolder {
@@ -163,7 +105,7 @@ impl RunFolder {
     ///
     /// Nothing in it changes until a line is appended that is not there yet.
     pub fn reopen(path: &Path) -> Result<RunFolder, JournalError> {
-        let file = path.join(JOURNAL_FILE);
+        let file = path.join(RECORD_FILE);
         // Opening makes a file where there is none.
         let journal = fs::metadata(&file).and_then(|_| Appender::open(&file));
         let mut journal = journal.map_err(|error| JournalError::Unreadable {
@@ -220,7 +162,7 @@ impl RunFolder {
     /// Appends one line and waits until it is on disk.
     ///
     /// A line that is there already must be the same, and stays. The first new one replaces whatever followed those.
-    pub fn append(&mut self, line: &Line<'_>) -> Result<(), JournalError> {
+    pub fn append(&mut self, line: &Line) -> Result<(), JournalError> {
         let text = jsonl::text(line).expect("journal lines have string keys");
         let is_known = self.earlier.take(&text);
         if is_known.map_err(|why| JournalError::Differs {
@@ -230,22 +172,25 @@ impl RunFolder {
             return Ok(());
         }
         let written = self.journal.append_text(text);
-        written.map_err(|error| self.unwritable(JOURNAL_FILE, &error))
+        written.map_err(|error| self.unwritable(RECORD_FILE, &error))
     }
 
     /// Adds a line to what the rollout took; it is for information, and not waited for.
-    pub fn spend(&self, line: &Value) -> Result<(), JournalError> {
+    pub fn spend(&self, line: &Spent) -> Result<(), JournalError> {
         let path = self.path.join(SPENT_FILE);
         let file = OpenOptions::new().create(true).append(true).open(path);
-        let written = file.and_then(|mut file| file.write_all(format!("{line}\n").as_bytes()));
+        let text = jsonl::text(line).expect("what was spent has string keys");
+        let written = file.and_then(|mut file| file.write_all(format!("{text}\n").as_bytes()));
         written.map_err(|error| self.unwritable(SPENT_FILE, &error))
     }
 
     /// Returns the run's identity, where an earlier part of it has begun.
     pub fn run_id(&self) -> Option<String> {
         let mut lines = Reader::open(&self.path.join(SPENT_FILE), MAX_SPENT_BYTES).ok()?;
-        let line: Value = lines.read().ok()??;
-        line["run_id"].as_str().map(str::to_owned)
+        match lines.read().ok()?? {
+            Spent::Begin { run_id } => Some(run_id),
+            Spent::Step(_) | Spent::End { .. } => None,
+        }
     }
 
     /// Writes a file of the run, whole or not at all, and returns its name for the journal.
@@ -258,7 +203,7 @@ impl RunFolder {
     }
 
     /// Writes the exact prompt and reply of one attempt and returns its entry for the step's line.
-    pub fn keep_attempt(&mut self, step: u32, attempt: &Attempt) -> Result<Value, JournalError> {
+    pub fn keep_attempt(&mut self, step: u32, attempt: &Attempt) -> Result<Asked, JournalError> {
         self.keep_images(&attempt.request)?;
         let stem = format!("step_{step}/{}_{}", attempt.stage, attempt.number);
         let request = serde_json::to_vec_pretty(&attempt.request)
@@ -272,16 +217,16 @@ impl RunFolder {
             Some(reply) => Some(self.keep(&format!("{stem}.reply.txt"), reply.text.as_bytes())?),
             None => None,
         };
-        Ok(json!({
-            "stage": attempt.stage,
-            "attempt": attempt.number,
-            "request_key": attempt.request.key(),
-            "request": request_file,
-            "prompt": prompt_file,
-            "reply": reply_file,
-            "result": attempt.finding,
-            "usage": attempt.reply.as_ref().and_then(|reply| reply.usage),
-        }))
+        Ok(Asked {
+            stage: attempt.stage.clone(),
+            attempt: attempt.number,
+            request_key: attempt.request.key(),
+            request: request_file,
+            prompt: prompt_file,
+            reply: reply_file,
+            result: attempt.finding.clone(),
+            usage: attempt.reply.as_ref().and_then(|reply| reply.usage),
+        })
     }
 
     fn keep_images(&mut self, request: &Request) -> Result<(), JournalError> {

@@ -127,6 +127,7 @@ pub mod arm_sight;
 pub mod demos;
 pub mod draft;
 pub mod examples;
+pub mod judgement;
 pub mod operator;
 pub mod outcome;
 pub mod pictures;
@@ -136,6 +137,7 @@ pub mod subgoals;
 pub mod task_files;
 
 pub mod journal;
+pub mod record;
 pub mod sheet;
 
 #[cfg(test)]

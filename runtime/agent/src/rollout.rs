@@ -6,20 +6,20 @@
 
 mod covered;
 mod first;
-mod record;
-mod report;
 mod score;
 mod tally;
 mod timer;
 mod turn;
+mod writer;
 
 use crate::action::Action;
 use crate::agent::{AgentError, Asking, Attempt, PromptError, Step};
 use crate::demos::DemosError;
 use crate::examples::Examples;
-use crate::journal::{JournalError, Line, RunFolder};
+use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
 use crate::outcome::Outcome;
+use crate::record::{Line, Report, Took};
 use crate::result::StepResult;
 use crate::scene::SceneError;
 use crate::sheet::Sheet;
@@ -37,15 +37,15 @@ use fab_vision::VisionError;
 use fab_world::expert::MakeWorld;
 use fab_world::start::Start;
 use fab_world::{Grasp, WorldError};
-use record::Keeper;
-use report::Report;
 use score::{Scored, meets, score};
+use serde::Serialize;
+use std::ops::Deref;
 use std::time::Instant;
 use turn::{Memory, Turn};
+use writer::Keeper;
 
-pub use covered::{CoverageSource, Measures};
 pub use first::{FirstQuestion, first_questions};
-pub use report::{Progress, Report as RolloutReport, Score};
+pub use score::Score;
 
 /// What is to be run.
 pub struct Job<'a> {
@@ -85,6 +85,25 @@ impl Job<'_> {
     /// Returns the most actions of the rollout.
     pub fn horizon(&self) -> u32 {
         self.horizon.unwrap_or(self.program.horizon)
+    }
+}
+
+/// A rollout that has ended, as `fabc run --json` prints it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Ended {
+    /// What is the same in each run of it.
+    #[serde(flatten)]
+    pub report: Report,
+    /// What it took this time.
+    #[serde(flatten)]
+    pub took: Took,
+}
+
+impl Deref for Ended {
+    type Target = Report;
+
+    fn deref(&self) -> &Report {
+        &self.report
     }
 }
 
@@ -207,7 +226,7 @@ pub fn run(
     job: &Job<'_>,
     folder: RunFolder,
     progress: &mut dyn FnMut(Event<'_>),
-) -> Result<Report, RunError> {
+) -> Result<Ended, RunError> {
     let begun = Instant::now();
     lowering::check(job.program, job.models).map_err(RenderError::from)?;
     if let Some(note) = lowering::note(job.program, job.models) {
@@ -244,7 +263,9 @@ pub fn run(
                 stopped = Some(Outcome::GoalReached);
             }
         }
-        keeper.folder.append(&Line::Step(&turn.line))?;
+        keeper
+            .folder
+            .append(&Line::Step(Box::new(turn.line.clone())))?;
         keeper.count(&turn)?;
         // A plan that was asked for is no rollout that ends early.
         if let (Some(why), true) = (&turn.line.stopped, stopped != Some(Outcome::Planned)) {

@@ -3,7 +3,7 @@
 //! One row per executed step: the subgoal with its arrow, the cloth with the chosen action, the cloth
 //! after it. The headline names the task, the model (and that it is a stand-in), and the result.
 
-use crate::rollout::RolloutReport;
+use crate::record::Report;
 use fab_program::PixelPoint;
 use fab_vision::VisionError;
 use image::{Rgb, RgbImage, imageops};
@@ -47,7 +47,7 @@ impl Sheet {
     }
 
     /// Draws the sheet; `None` where no step was executed. Fails where the letters cannot be drawn.
-    pub fn picture(&self, report: &RolloutReport) -> Result<Option<RgbImage>, VisionError> {
+    pub fn picture(&self, report: &Report) -> Result<Option<RgbImage>, VisionError> {
         if self.rows.is_empty() {
             return Ok(None);
         }

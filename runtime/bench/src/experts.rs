@@ -5,7 +5,7 @@
 
 use super::laid::Laid;
 use super::play::{Phase, Spent, at, place, program_of};
-use super::record::Record;
+use super::record::Rollout;
 use super::{Bench, BenchError};
 use fab_agent::rollout::Job;
 use fab_base::parallel::in_parallel;
@@ -32,7 +32,7 @@ fn sequences(program: &Program, fraction: f64) -> Vec<Sequence> {
 fn fractions(bench: &Bench<'_>) -> Vec<f64> {
     let metrics = bench.suite.metrics.iter();
     metrics
-        .filter_map(|metric| metric.fold_fraction())
+        .filter_map(|metric| metric.row().fold_fraction)
         .collect()
 }
 
@@ -100,9 +100,9 @@ pub(super) fn simulate(
 pub(super) fn distances_m(
     bench: &Bench<'_>,
     job: &Job<'_>,
-    record: &Record,
+    rollout: &Rollout,
 ) -> Result<Vec<(f64, f64)>, WorldError> {
-    let last = record.last.as_ref().unwrap_or(&job.start.positions);
+    let last = rollout.last.as_ref().unwrap_or(&job.start.positions);
     let make_world: &MakeWorld<'_> = job.make_expert_world;
     let mut distances = Vec::new();
     for fraction in fractions(bench) {

@@ -208,7 +208,7 @@ impl Entry<'_> {
     /// with the stop are taken from the same rollouts.
     pub fn stops_early(&self, metrics: &[Metric]) -> bool {
         let is_free = self.models.nature() == Nature::StandIn;
-        !(is_free && metrics.iter().any(|metric| metric.is_without_stop()))
+        !(is_free && metrics.iter().any(|metric| metric.row().is_without_stop))
     }
 
     /// Returns how many examples the prompts of the task hold: demonstrations, else those that the author wrote.

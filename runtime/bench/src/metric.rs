@@ -1,168 +1,331 @@
-//! What a suite measures.
+//! What a suite measures: one row for each metric.
 //!
 //! Smoothing is measured twice (protocol, section 5): by SoftGym's grid, whose numbers the paper prints and
 //! which decides when a rollout stops, and by the true area. A value with the stop is the one at the first step
 //! that met the goal, frozen from there; a value without is that of a rollout which went on. Measures by pictures, of a cloth
 //! whose particles nobody knows, have metrics of their own: a rollout has values for the one kind or for the other.
+//!
+//! A row says all that is known of a metric. Suites name it, tables and CSV read it, and the table of `docs/bench.md` is
+//! written from it.
 
-use fab_agent::rollout::CoverageSource;
-use serde::{Deserialize, Serialize};
-
-/// A measure of a rollout.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Metric {
-    /// Mean particle distance to the nearest expert end whose folds go the whole way, millimetres.
-    MeanParticleDistanceMm,
-    /// Likewise, with every fold of the experts ending at 0.9 of its way, as the recorded demonstrations do.
-    #[serde(rename = "mean_particle_distance_mm_gamma_0.9")]
-    MeanParticleDistanceMmGamma09,
-    /// Normalized improvement by SoftGym's grid, with the early stop.
-    NormalizedImprovementSource,
-    /// Normalized improvement by the true area, with the early stop.
-    NormalizedImprovementTrue,
-    /// Normalized improvement by SoftGym's grid, of a rollout that does not stop early.
-    NormalizedImprovementSourceWithoutStop,
-    /// Normalized improvement by the true area, of a rollout that does not stop early.
-    NormalizedImprovementTrueWithoutStop,
-    /// Normalized improvement by pictures, with the early stop.
-    NormalizedImprovementPicture,
-    /// Whether the cloth covers at least [`COVERED`] in the end by SoftGym's grid; its statistic is always the share.
-    #[serde(rename = "covered_0.85_source")]
-    CoveredSource,
-    /// Likewise by pictures.
-    #[serde(rename = "covered_0.85_picture")]
-    CoveredPicture,
-    /// Whether the goal was reached, of the rollouts for which that is known; its statistic is always the share.
-    GoalReached,
-    /// Whether the operator says that the task was reached, of the rollouts that were judged; always the share.
-    ReachedByOperator,
-}
+use super::play::Played;
+use super::record::Step;
+use fab_agent::outcome::Outcome;
+use fab_agent::record::CoverageSource;
+use fab_program::Goal;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::fmt;
 
 /// The coverage from which on the paper counts a cloth on the real table as smooth.
-pub const COVERED: f64 = 0.85;
+const COVERED: f64 = 0.85;
+
+/// A row of [`METRICS`].
+#[derive(Debug)]
+pub struct Row {
+    /// Its name in suites, JSON and CSV.
+    pub name: &'static str,
+    /// The head of its column in tables for people.
+    pub heading: &'static str,
+    /// What its figures count.
+    pub unit: Unit,
+    /// Which figures are the better ones.
+    pub better: Better,
+    /// How many digits behind the point are worth printing.
+    pub digits: usize,
+    /// How the values of many rollouts become one figure.
+    pub aggregate: Aggregate,
+    /// What coverage must have been measured on for a rollout to have a value; none where that does not matter.
+    pub measured_on: Option<CoverageSource>,
+    /// Whether it needs a rollout that goes on after its goal was met.
+    pub is_without_stop: bool,
+    /// The share of its way at which each fold of the experts ends, where experts are what counts.
+    pub fold_fraction: Option<f64>,
+    /// Reads it from a rollout; none where the rollout has no value.
+    pub read: fn(&Row, &Reading<'_>) -> Option<f64>,
+    /// What it is, one line.
+    pub about: &'static str,
+    /// What a table says below it, where it says something.
+    pub caption: Option<&'static str>,
+}
+
+/// What a figure counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Millimetres.
+    Millimetres,
+    /// A share of the whole; improvements may be below 0.
+    Share,
+    /// How many for each action.
+    PerAction,
+}
+
+impl Unit {
+    /// Returns its name in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            Unit::Millimetres => "mm",
+            Unit::Share => "share",
+            Unit::PerAction => "per action",
+        }
+    }
+}
+
+/// Which figures are the better ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Better {
+    /// Higher ones.
+    Higher,
+    /// Lower ones.
+    Lower,
+}
+
+/// How the values of many rollouts become one figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aggregate {
+    /// By the statistic that the suite states.
+    AsStated,
+    /// It says of a rollout that something happened or not: the share of those in which it did.
+    Share,
+}
+
+/// What a metric reads of one rollout.
+pub struct Reading<'r> {
+    /// The rollout.
+    pub played: &'r Played,
+    /// The steps that count.
+    pub steps: &'r [Step],
+    /// How it ended, with as many steps as count.
+    pub outcome: Outcome,
+}
+
+impl Reading<'_> {
+    /// Returns the value after the last step that was taken; a cloth that nothing was done to has improved by nothing.
+    fn last(&self, of: fn(&Step) -> Option<f64>) -> Option<f64> {
+        let mut taken = self.steps.iter().rev().filter(|step| step.line.is_taken());
+        taken.next().map_or(Some(0.0), of)
+    }
+}
+
+/// Every metric, in the order of the documents.
+pub const METRICS: &[Row] = &[
+    Row {
+        name: "mean_particle_distance_mm",
+        heading: "distance, mm",
+        unit: Unit::Millimetres,
+        better: Better::Lower,
+        digits: 1,
+        fold_fraction: Some(1.0),
+        read: distance_mm,
+        about: "mean distance of particles to the nearest expert end whose folds go the whole way",
+        ..PLAIN
+    },
+    Row {
+        name: "mean_particle_distance_mm_gamma_0.9",
+        heading: "to gamma 0.9, mm",
+        unit: Unit::Millimetres,
+        better: Better::Lower,
+        digits: 1,
+        fold_fraction: Some(0.9),
+        read: distance_mm,
+        about: "the same, with every fold of the experts ending at 0.9 of its way, as the recorded demonstrations do",
+        ..PLAIN
+    },
+    Row {
+        name: "normalized_improvement_source",
+        heading: "NI, source",
+        measured_on: Some(CoverageSource::Particles),
+        read: |_, reading| reading.last(|step| step.line.measures.normalized_improvement),
+        about: "normalized improvement by SoftGym's grid, as the paper's numbers; frozen at the first step that met the goal",
+        caption: Some(
+            "NI is the normalized improvement: by SoftGym's grid (source, the paper's numbers, which decide the stop), and by the area that is truly covered (true). With the stop, a rollout counts as it lay when it first met its goal.",
+        ),
+        ..PLAIN
+    },
+    Row {
+        name: "normalized_improvement_true",
+        heading: "NI, true",
+        measured_on: Some(CoverageSource::Particles),
+        read: |_, reading| reading.last(|step| step.line.measures.normalized_improvement_true),
+        about: "the same by the area that is truly covered",
+        ..PLAIN
+    },
+    Row {
+        name: "normalized_improvement_source_without_stop",
+        heading: "source, no stop",
+        measured_on: Some(CoverageSource::Particles),
+        is_without_stop: true,
+        read: |_, reading| reading.last(|step| step.line.measures.normalized_improvement),
+        about: "the first of these, of a rollout that goes on after its goal was met",
+        ..PLAIN
+    },
+    Row {
+        name: "normalized_improvement_true_without_stop",
+        heading: "true, no stop",
+        measured_on: Some(CoverageSource::Particles),
+        is_without_stop: true,
+        read: |_, reading| reading.last(|step| step.line.measures.normalized_improvement_true),
+        about: "the second of these, of a rollout that goes on after its goal was met",
+        ..PLAIN
+    },
+    Row {
+        name: "normalized_improvement_picture",
+        heading: "NI, picture",
+        measured_on: Some(CoverageSource::Picture),
+        read: |_, reading| reading.last(|step| step.line.measures.normalized_improvement),
+        about: "normalized improvement by pictures, where nobody knows the cloth's particles",
+        ..PLAIN
+    },
+    Row {
+        name: "covered_0.85_source",
+        heading: "covers 0.85, source",
+        measured_on: Some(CoverageSource::Particles),
+        read: covers,
+        about: "whether the cloth covers at least 0.85 of its flat area in the end, by SoftGym's grid",
+        caption: Some(COVERS),
+        ..SHARE
+    },
+    Row {
+        name: "covered_0.85_picture",
+        heading: "covers 0.85, picture",
+        measured_on: Some(CoverageSource::Picture),
+        read: covers,
+        about: "the same by pictures",
+        caption: Some(COVERS),
+        ..SHARE
+    },
+    Row {
+        name: "goal_reached",
+        heading: "goal reached",
+        read: |_, reading| {
+            let is_judged = reading.played.rollout.report.goal_reached.is_some();
+            is_judged.then(|| share(reading.outcome == Outcome::GoalReached))
+        },
+        about: "whether the task's goal was reached; none where the world does not know what it is judged on",
+        caption: Some("Goal reached: share of rollouts [Wilson's 95 % interval over starts]."),
+        ..SHARE
+    },
+    Row {
+        name: "reached_by_operator",
+        heading: "reached, by the operator",
+        read: |_, reading| {
+            let judgement = reading.played.rollout.report.operator.as_ref();
+            judgement.map(|judgement| share(judgement.reached))
+        },
+        about: "whether the operator says that the task was reached, of the rollouts that were judged",
+        caption: Some(
+            "Reached by the operator: share of the rollouts that were judged [Wilson's 95 % interval].",
+        ),
+        ..SHARE
+    },
+];
+
+/// What rows say that say nothing else.
+const PLAIN: Row = Row {
+    name: "",
+    heading: "",
+    unit: Unit::Share,
+    better: Better::Higher,
+    digits: 3,
+    aggregate: Aggregate::AsStated,
+    measured_on: None,
+    is_without_stop: false,
+    fold_fraction: None,
+    read: |_, _| None,
+    about: "",
+    caption: None,
+};
+
+const SHARE: Row = Row {
+    digits: 2,
+    aggregate: Aggregate::Share,
+    ..PLAIN
+};
+
+const COVERS: &str = "Covers 0.85: share of the rollouts in which the cloth covers at least 0.85 of its flat area in the end [Wilson's 95 % interval].";
+
+fn share(holds: bool) -> f64 {
+    f64::from(u8::from(holds))
+}
+
+fn covers(_: &Row, reading: &Reading<'_>) -> Option<f64> {
+    let covered = reading.last(|step| step.line.measures.coverage);
+    Some(share(covered.is_some_and(|covered| covered >= COVERED)))
+}
+
+fn distance_mm(row: &Row, reading: &Reading<'_>) -> Option<f64> {
+    let mut distances = reading.played.distances_m.iter();
+    let found = distances.find(|(fraction, _)| Some(*fraction) == row.fold_fraction);
+    found.map(|(_, distance_m)| distance_m * 1000.0)
+}
+
+/// A metric: one row of [`METRICS`].
+#[derive(Clone, Copy)]
+pub struct Metric(&'static Row);
 
 impl Metric {
-    /// Returns its name in suites, JSON and CSV.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Metric::MeanParticleDistanceMm => "mean_particle_distance_mm",
-            Metric::MeanParticleDistanceMmGamma09 => "mean_particle_distance_mm_gamma_0.9",
-            Metric::NormalizedImprovementSource => "normalized_improvement_source",
-            Metric::NormalizedImprovementTrue => "normalized_improvement_true",
-            Metric::NormalizedImprovementSourceWithoutStop => {
-                "normalized_improvement_source_without_stop"
-            }
-            Metric::NormalizedImprovementTrueWithoutStop => {
-                "normalized_improvement_true_without_stop"
-            }
-            Metric::NormalizedImprovementPicture => "normalized_improvement_picture",
-            Metric::CoveredSource => "covered_0.85_source",
-            Metric::CoveredPicture => "covered_0.85_picture",
-            Metric::GoalReached => "goal_reached",
-            Metric::ReachedByOperator => "reached_by_operator",
-        }
+    /// Finds the metric of a name.
+    pub fn find(name: &str) -> Option<Metric> {
+        METRICS.iter().find(|row| row.name == name).map(Metric)
     }
 
-    /// Returns the head of its column in tables for people.
-    pub fn heading(self) -> &'static str {
-        match self {
-            Metric::MeanParticleDistanceMm => "distance, mm",
-            Metric::MeanParticleDistanceMmGamma09 => "to gamma 0.9, mm",
-            Metric::NormalizedImprovementSource => "NI, source",
-            Metric::NormalizedImprovementTrue => "NI, true",
-            Metric::NormalizedImprovementSourceWithoutStop => "source, no stop",
-            Metric::NormalizedImprovementTrueWithoutStop => "true, no stop",
-            Metric::NormalizedImprovementPicture => "NI, picture",
-            Metric::CoveredSource => "covers 0.85, source",
-            Metric::CoveredPicture => "covers 0.85, picture",
-            Metric::GoalReached => "goal reached",
-            Metric::ReachedByOperator => "reached, by the operator",
-        }
+    /// Returns its row.
+    pub fn row(self) -> &'static Row {
+        self.0
     }
 
-    /// Returns how many digits behind the point are worth printing.
-    pub fn digits(self) -> usize {
-        match self {
-            Metric::MeanParticleDistanceMm | Metric::MeanParticleDistanceMmGamma09 => 1,
-            _ if self.is_share() => 2,
-            _ => 3,
+    /// Returns its value for a rollout of which the first `cut` steps count.
+    ///
+    /// None where the rollout has no value, or was measured otherwise.
+    pub fn value(self, played: &Played, cut: u32, goal: Option<&Goal>) -> Option<f64> {
+        let rollout = &played.rollout;
+        if self.0.measured_on.is_some() && self.0.measured_on != rollout.report.coverage_source {
+            return None;
         }
-    }
-
-    /// Returns whether it says of a rollout that something happened or not, so that its statistic is the share.
-    pub fn is_share(self) -> bool {
-        matches!(
-            self,
-            Metric::CoveredSource
-                | Metric::CoveredPicture
-                | Metric::GoalReached
-                | Metric::ReachedByOperator
-        )
-    }
-
-    /// Returns what coverage must have been measured on for a rollout to have a value; none where that does not matter.
-    pub fn source(self) -> Option<CoverageSource> {
-        match self {
-            Metric::NormalizedImprovementSource
-            | Metric::NormalizedImprovementTrue
-            | Metric::NormalizedImprovementSourceWithoutStop
-            | Metric::NormalizedImprovementTrueWithoutStop
-            | Metric::CoveredSource => Some(CoverageSource::Particles),
-            Metric::NormalizedImprovementPicture | Metric::CoveredPicture => {
-                Some(CoverageSource::Picture)
-            }
-            _ => None,
-        }
-    }
-
-    /// Returns the share of its way at which each fold of the experts ends, where experts are what counts.
-    pub fn fold_fraction(self) -> Option<f64> {
-        match self {
-            Metric::MeanParticleDistanceMm => Some(1.0),
-            Metric::MeanParticleDistanceMmGamma09 => Some(0.9),
-            _ => None,
-        }
+        let stop = goal.filter(|_| !self.0.is_without_stop);
+        let reading = Reading {
+            played,
+            steps: rollout.steps_to(cut, stop),
+            outcome: rollout.outcome_at(cut, goal, stop),
+        };
+        (self.0.read)(self.0, &reading)
     }
 
     /// Returns whether nothing can be said of it where nobody knows the cloth's particles.
     pub fn needs_particles(self) -> bool {
-        self.source() == Some(CoverageSource::Particles) || self.fold_fraction().is_some()
+        self.0.measured_on == Some(CoverageSource::Particles) || self.0.fold_fraction.is_some()
     }
+}
 
-    /// Returns whether it needs a rollout that goes on after its goal was met.
-    pub fn is_without_stop(self) -> bool {
-        matches!(
-            self,
-            Metric::NormalizedImprovementSourceWithoutStop
-                | Metric::NormalizedImprovementTrueWithoutStop
-        )
+impl PartialEq for Metric {
+    fn eq(&self, other: &Metric) -> bool {
+        self.0.name == other.0.name
+    }
+}
+
+impl Eq for Metric {}
+
+impl fmt::Debug for Metric {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.name)
+    }
+}
+
+impl Serialize for Metric {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.name)
+    }
+}
+
+impl<'de> Deserialize<'de> for Metric {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Metric, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        Metric::find(&name).ok_or_else(|| {
+            let names: Vec<&str> = METRICS.iter().map(|row| row.name).collect();
+            let names = names.join("`, `");
+            serde::de::Error::custom(format!("there is no metric `{name}`, only `{names}`"))
+        })
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_equal_the_serialised_form() {
-        for metric in [
-            Metric::MeanParticleDistanceMm,
-            Metric::MeanParticleDistanceMmGamma09,
-            Metric::NormalizedImprovementSource,
-            Metric::NormalizedImprovementTrue,
-            Metric::NormalizedImprovementSourceWithoutStop,
-            Metric::NormalizedImprovementTrueWithoutStop,
-            Metric::NormalizedImprovementPicture,
-            Metric::CoveredSource,
-            Metric::CoveredPicture,
-            Metric::GoalReached,
-            Metric::ReachedByOperator,
-        ] {
-            assert_eq!(
-                serde_json::json!(metric),
-                serde_json::json!(metric.as_str())
-            );
-        }
-    }
-}
+mod tests;

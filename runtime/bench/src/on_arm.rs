@@ -78,11 +78,11 @@ impl Cloths {
             Cloths::Simulated => None,
             Cloths::ByHand if metrics().all(|metric| needs(&metric)) => metrics().next(),
             // Without a distance its column would be that of the start, as if nothing had been done.
-            Cloths::ByHand => metrics().find(|metric| metric.fold_fraction().is_some()),
+            Cloths::ByHand => metrics().find(|metric| metric.row().fold_fraction.is_some()),
         };
         match unknown {
             Some(metric) => Err(BenchError::NoParticles {
-                metric: metric.as_str(),
+                metric: metric.row().name,
             }),
             None => Ok(()),
         }
@@ -116,7 +116,7 @@ pub(super) fn play(
         let mut has_failed = false;
         match play::one(bench, laid, *which)? {
             Ended::Played(played, was_found) => {
-                has_failed = !was_found && played.record.outcome == Outcome::WorldFailed;
+                has_failed = !was_found && played.rollout.report.outcome == Outcome::WorldFailed;
                 done.played.push((*played, was_found));
             }
             Ended::CutOff => done.cut_off.push(folder.clone()),

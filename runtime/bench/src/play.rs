@@ -6,16 +6,17 @@
 
 use super::laid::{self, Laid};
 use super::on_arm::{self, LeftArm};
-use super::record::{self, Found, Identity, Record};
+use super::record::{self, Found, Identity, Rollout};
 use super::{Bench, BenchError, Entry, experts};
-use fab_agent::journal::{JOURNAL_FILE, RunFolder};
+use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
+use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout;
 use fab_agent::rollout::{Job, RunError};
 use fab_arm::world::About;
 use fab_base::parallel::in_parallel;
+use fab_model::Description;
 use fab_model::calls::{Fault, ledger};
-use fab_model::described;
 use fab_program::Program;
 use fab_world::WorldError;
 use std::path::{Path, PathBuf};
@@ -29,7 +30,7 @@ pub struct Played {
     /// Index of the start among those of the task.
     pub start: usize,
     /// What its folder says.
-    pub record: Record,
+    pub rollout: Rollout,
     /// Distance of its last state to the nearest expert end, metres, by the fraction of the way that each of the
     /// experts' folds goes.
     pub distances_m: Vec<(f64, f64)>,
@@ -285,19 +286,19 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
     let about = about(bench, program).map_err(|error| at(&place(bench, entry, start), error))?;
     let identity = identity(&job, about);
     let is_on_arm = bench.arm.is_some();
-    let (record, was_found) = match record::find(&folder, &identity) {
+    let (rollout, was_found) = match record::find(&folder, &identity) {
         // What a model could not be had for is tried again, unless an arm has moved the cloth since.
-        Found::Finished(record) if is_on_arm || record.outcome != Outcome::ModelFailed => {
-            (record, true)
+        Found::Finished(rollout) if is_on_arm || rollout.report.outcome != Outcome::ModelFailed => {
+            (rollout, true)
         }
         Found::Other(why) => return Err(BenchError::Other { folder, why }),
         Found::Unfinished if is_on_arm && on_arm::has_begun(&folder) => return Ok(Ended::CutOff),
         Found::Finished(_) | Found::Unfinished => match run(&job, &folder, &identity)? {
-            Ok(record) => (record, false),
+            Ok(rollout) => (rollout, false),
             Err(stop) => return Ok(Ended::Stopped(stop)),
         },
     };
-    let distances_m = match experts::distances_m(bench, &job, &record) {
+    let distances_m = match experts::distances_m(bench, &job, &rollout) {
         Ok(distances_m) => distances_m,
         Err(WorldError::Interrupted) => return Ok(Ended::Stopped(Stop::Interrupted)),
         Err(error) => return Err(at(&place(bench, entry, start), error)),
@@ -305,7 +306,7 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
     let played = Played {
         entry: number,
         start,
-        record,
+        rollout,
         distances_m,
     };
     Ok(Ended::Played(Box::new(played), was_found))
@@ -317,7 +318,7 @@ fn identity(job: &Job<'_>, about: About) -> Identity {
         params: about.parameters,
         code: about.code,
         start: job.start.digest(),
-        models: [job.models.vision, job.models.text].map(described),
+        models: [job.models.vision, job.models.text].map(Description::of),
         horizon: job.horizon(),
         early_stop: job.early_stop,
         repetition: job.repetition,
@@ -329,7 +330,7 @@ fn run(
     job: &Job<'_>,
     folder: &Path,
     identity: &Identity,
-) -> Result<Result<Record, Stop>, BenchError> {
+) -> Result<Result<Rollout, Stop>, BenchError> {
     if job.interrupt.is_raised() {
         return Ok(Err(Stop::Interrupted));
     }
@@ -337,12 +338,12 @@ fn run(
         place: folder.display().to_string(),
         error,
     };
-    let open = match folder.join(JOURNAL_FILE).is_file() {
+    let open = match folder.join(RECORD_FILE).is_file() {
         true => RunFolder::reopen(folder),
         false => RunFolder::create(folder),
     };
     let open = open.map_err(|error| failed(error.into()))?;
-    let report = match rollout::run(job, open, &mut |_| {}) {
+    let rollout::Ended { report, took } = match rollout::run(job, open, &mut |_| {}) {
         // Nobody lays a cloth for a program that is asked to end.
         Err(RunError::World(WorldError::Start { .. })) if job.interrupt.is_raised() => {
             return Ok(Err(Stop::Interrupted));
@@ -357,7 +358,7 @@ fn run(
     let hopeless = [Fault::NotAuthorised, Fault::QuotaExhausted].map(Fault::name);
     let named = hopeless
         .into_iter()
-        .find(|fault| report.faults.contains_key(*fault));
+        .find(|fault| took.faults.contains_key(*fault));
     if let (Outcome::ModelFailed, Some(fault)) = (report.outcome, named) {
         return Err(BenchError::Refused {
             folder: folder.to_owned(),
@@ -365,7 +366,7 @@ fn run(
         });
     }
     match record::find(folder, identity) {
-        Found::Finished(record) => Ok(Ok(record)),
+        Found::Finished(rollout) => Ok(Ok(rollout)),
         Found::Other(why) => Err(BenchError::Other {
             folder: folder.to_owned(),
             why,

@@ -3,7 +3,7 @@
 //! In: finished rollouts. Out: [`Row`]s, whose fields JSON and CSV have too. Every finished rollout counts,
 //! however it ended: its last state is what is measured, and `outcomes` says how many ended how.
 
-use super::metric::{COVERED, Metric};
+use super::metric::{Aggregate, Metric};
 use super::play::{Played, Results};
 use super::record::Step;
 use super::statistics::{self, Statistic, Summary};
@@ -12,8 +12,9 @@ use super::{Bench, Entry};
 use fab_agent::outcome::Outcome;
 use fab_model::Nature;
 use fab_program::{Goal, Program};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// What is said of a row whose suite is for a real table, by the world that stood in for it.
 const REHEARSALS: [(&str, &str); 2] = [
@@ -26,6 +27,30 @@ const REHEARSALS: [(&str, &str); 2] = [
         "a rehearsal on a simulated arm and table, which says that the protocol runs and nothing of a real arm",
     ),
 ];
+
+/// What a figure is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stated {
+    /// A statistic of a method.
+    Of(Statistic),
+    /// The difference of a statistic between two methods.
+    Difference(Statistic),
+}
+
+impl fmt::Display for Stated {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Stated::Of(statistic) => f.write_str(statistic.as_str()),
+            Stated::Difference(statistic) => write!(f, "difference of {}s", statistic.as_str()),
+        }
+    }
+}
+
+impl Serialize for Stated {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
 
 /// One figure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -42,8 +67,8 @@ pub struct Row {
     pub n: Option<usize>,
     /// Rollouts per start.
     pub repeats: Option<u32>,
-    /// What is said: `median`, `mean`, `share`, or the difference of two of these.
-    pub statistic: String,
+    /// What the figure is: `median`, `mean`, `share`, or the difference of two of these.
+    pub statistic: Stated,
     /// The figure.
     pub value: f64,
     /// Larger quartile distance of a median, standard deviation of a mean.
@@ -166,8 +191,8 @@ impl<'b> Shown<'b> {
             .is_some_and(|goal| !goal.metric.is_judged_each_step());
         let metrics = self.bench.suite.metrics.iter().copied();
         metrics.filter(move |metric| {
-            let is_left_out =
-                stops && metric.is_without_stop() || is_fold && metric.source().is_some();
+            let is_left_out = stops && metric.row().is_without_stop
+                || is_fold && metric.row().measured_on.is_some();
             !is_left_out
         })
     }
@@ -179,12 +204,12 @@ impl<'b> Shown<'b> {
                 let statistic = self.statistic(metric);
                 let samples = self.samples(metric, cut);
                 if let Some(summary) = statistics::summary(statistic, &samples) {
-                    let said = statistic.as_str().to_owned();
+                    let stated = Stated::Of(statistic);
                     rows.push(self.row(
                         self.entry.method.name.clone(),
                         metric,
                         (horizon, cut),
-                        said,
+                        stated,
                         summary,
                     ));
                 }
@@ -200,8 +225,8 @@ impl<'b> Shown<'b> {
                 let statistic = self.statistic(metric);
                 let (a, b) = (self.samples(metric, cut), over.samples(metric, cut));
                 if let Some(summary) = statistics::gap(statistic, &a, &b) {
-                    let said = format!("difference of {}s", statistic.as_str());
-                    let row = self.row(name.to_owned(), metric, (horizon, cut), said, summary);
+                    let stated = Stated::Difference(statistic);
+                    let row = self.row(name.to_owned(), metric, (horizon, cut), stated, summary);
                     rows.push(Row {
                         queries: None,
                         s_per_action: None,
@@ -218,9 +243,9 @@ impl<'b> Shown<'b> {
     }
 
     fn statistic(&self, metric: Metric) -> Statistic {
-        match metric.is_share() {
-            true => Statistic::Share,
-            false => self.bench.suite.statistic,
+        match metric.row().aggregate {
+            Aggregate::Share => Statistic::Share,
+            Aggregate::AsStated => self.bench.suite.statistic,
         }
     }
 
@@ -230,52 +255,20 @@ impl<'b> Shown<'b> {
 
     /// Returns the goal at which a rollout counts as stopped.
     fn stop(&self, metric: Metric) -> Option<&'b Goal> {
-        self.goal().filter(|_| !metric.is_without_stop())
+        self.goal().filter(|_| !metric.row().is_without_stop)
     }
 
     fn samples(&self, metric: Metric, cut: u32) -> Vec<Vec<f64>> {
-        let of = |played: &&&Played| self.value(played, metric, cut);
+        let of = |played: &&&Played| metric.value(played, cut, self.goal());
         let starts = self.rollouts.iter();
         starts
             .map(|repeats| repeats.iter().filter_map(|it| of(&it)).collect())
             .collect()
     }
 
-    fn value(&self, played: &Played, metric: Metric, cut: u32) -> Option<f64> {
-        let record = &played.record;
-        // What is measured otherwise is no value of this metric.
-        if metric.source().is_some() && metric.source() != record.coverage_source {
-            return None;
-        }
-        let steps = record.steps_to(cut, self.stop(metric));
-        let share = |holds: bool| Some(f64::from(u8::from(holds)));
-        match metric {
-            Metric::MeanParticleDistanceMm | Metric::MeanParticleDistanceMmGamma09 => {
-                let distances = played.distances_m.iter();
-                let mut wanted = distances.filter(|(it, _)| Some(*it) == metric.fold_fraction());
-                wanted.next().map(|(_, distance_m)| distance_m * 1000.0)
-            }
-            Metric::NormalizedImprovementSource
-            | Metric::NormalizedImprovementPicture
-            | Metric::NormalizedImprovementSourceWithoutStop => last(steps, |it| it.improvement),
-            Metric::NormalizedImprovementTrue | Metric::NormalizedImprovementTrueWithoutStop => {
-                last(steps, |it| it.improvement_true)
-            }
-            Metric::CoveredSource | Metric::CoveredPicture => {
-                share(last(steps, |it| it.coverage).is_some_and(|covered| covered >= COVERED))
-            }
-            Metric::GoalReached if !record.is_goal_judged => None,
-            Metric::GoalReached => share(self.outcome(played, metric, cut) == Outcome::GoalReached),
-            Metric::ReachedByOperator => {
-                let judgement = record.operator.as_ref()?;
-                share(judgement.reached)
-            }
-        }
-    }
-
     fn outcome(&self, played: &Played, metric: Metric, cut: u32) -> Outcome {
         played
-            .record
+            .rollout
             .outcome_at(cut, self.goal(), self.stop(metric))
     }
 
@@ -284,7 +277,7 @@ impl<'b> Shown<'b> {
         method: String,
         metric: Metric,
         (horizon, cut): (u32, u32),
-        statistic: String,
+        statistic: Stated,
         summary: Summary,
     ) -> Row {
         let rollouts = || self.rollouts.iter().flatten();
@@ -295,17 +288,20 @@ impl<'b> Shown<'b> {
                 .or_default() += 1;
         }
         let mut causes = BTreeMap::new();
-        let judged = rollouts().filter_map(|played| played.record.operator.as_ref());
+        let judged = rollouts().filter_map(|played| played.rollout.report.operator.as_ref());
         for cause in judged.filter_map(|judgement| judgement.why) {
             *causes.entry(cause.name()).or_default() += 1;
         }
         let steps: Vec<&Step> = rollouts()
-            .flat_map(|played| played.record.steps_to(cut, self.stop(metric)))
+            .flat_map(|played| played.rollout.steps_to(cut, self.stop(metric)))
             .collect();
         let per_action = |sum: f64| (!steps.is_empty()).then(|| sum / steps.len() as f64);
         let costs = steps.iter().map(|step| step.cost_usd);
         let cost = costs.sum::<Option<f64>>();
-        let planning: Vec<f64> = steps.iter().filter_map(|step| step.planning_s).collect();
+        let planning: Vec<f64> = steps
+            .iter()
+            .filter_map(|step| step.spent.planning_s)
+            .collect();
         let is_stand_in = self.entry.models.nature() == Nature::StandIn;
         let own = self
             .entry
@@ -332,8 +328,13 @@ impl<'b> Shown<'b> {
             quoted: false,
             source: None,
             data_size: Some(self.entry.data_size()),
-            queries: per_action(steps.iter().map(|step| f64::from(step.queries)).sum()),
-            s_per_action: per_action(steps.iter().map(|step| step.seconds).sum()),
+            queries: per_action(
+                steps
+                    .iter()
+                    .map(|step| step.line.attempts.len() as f64)
+                    .sum(),
+            ),
+            s_per_action: per_action(steps.iter().map(|step| step.seconds()).sum()),
             cost: cost.and_then(per_action),
             outcomes,
             causes,
@@ -345,15 +346,6 @@ impl<'b> Shown<'b> {
     }
 }
 
-/// Returns the value after the last step that was taken; a cloth that nothing was done to has improved by nothing.
-fn last(steps: &[Step], of: fn(&Step) -> Option<f64>) -> Option<f64> {
-    let mut taken = steps.iter().rev().filter(|step| step.is_taken);
-    match taken.next() {
-        Some(step) => of(step),
-        None => Some(0.0),
-    }
-}
-
 fn quoted(quote: &Quote) -> Row {
     Row {
         task: quote.task.clone(),
@@ -362,7 +354,7 @@ fn quoted(quote: &Quote) -> Row {
         horizon: quote.horizon,
         n: quote.n.map(|n| n as usize),
         repeats: None,
-        statistic: quote.statistic.as_str().to_owned(),
+        statistic: Stated::Of(quote.statistic),
         value: quote.value,
         spread: quote.spread,
         ci95: quote

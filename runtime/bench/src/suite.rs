@@ -204,11 +204,11 @@ impl Suite {
         }
         let mut all = self.own_starts.values().chain([&self.starts]);
         if all.any(Starts::is_laid_by_hand) {
-            let distance = |metric: &&Metric| metric.fold_fraction().is_some();
+            let distance = |metric: &&Metric| metric.row().fold_fraction.is_some();
             if let Some(metric) = self.metrics.iter().find(distance) {
                 let why = format!(
                     "`{}` compares with simulated ends of the same start, and nobody knows how a cloth lies that is laid by hand",
-                    metric.as_str()
+                    metric.row().name
                 );
                 return wrong("metrics", why);
             }

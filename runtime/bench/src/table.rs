@@ -4,10 +4,10 @@
 //! measure; CSV has a line per row. Every table ends with what its figures are and are not.
 
 use super::metric::Metric;
-use super::rows::Row;
+use super::rows::{Row, Stated};
 use super::statistics::Statistic;
 use super::suite::Suite;
-use fab_agent::rollout::CoverageSource;
+use fab_agent::record::CoverageSource;
 use std::collections::BTreeMap;
 
 /// Stands under every table that quotes somebody.
@@ -47,11 +47,11 @@ pub fn csv(rows: &[Row]) -> String {
             row.task.clone(),
             row.method.clone(),
             row.model.clone().unwrap_or_default(),
-            row.metric.as_str().to_owned(),
+            row.metric.row().name.to_owned(),
             count(row.horizon.map(|it| it as usize)),
             count(row.n),
             count(row.repeats.map(|it| it as usize)),
-            row.statistic.clone(),
+            row.statistic.to_string(),
             row.value.to_string(),
             number(row.spread),
             number(row.ci95.map(|[low, _]| low)),
@@ -116,7 +116,7 @@ fn figures(suite: &Suite, lines: &[Vec<&Row>]) -> Lines {
     let mut head: Vec<String> = ["method", "model", "actions", "starts"]
         .map(str::to_owned)
         .to_vec();
-    head.extend(metrics.iter().map(|metric| metric.heading().to_owned()));
+    head.extend(metrics.iter().map(|metric| metric.row().heading.to_owned()));
     let mut table = vec![head];
     for line in lines {
         let mut cells = names(line[0]);
@@ -200,9 +200,9 @@ fn names(row: &Row) -> Vec<String> {
 
 /// Writes a figure with its spread and interval.
 fn figure(row: &Row) -> String {
-    let digits = row.metric.digits();
+    let digits = row.metric.row().digits;
     let mut text = format!("{:.digits$}", row.value);
-    if row.statistic.starts_with("difference") {
+    if matches!(row.statistic, Stated::Difference(_)) {
         text = format!("{:+.digits$}", row.value);
     }
     if let Some(spread) = row.spread {
@@ -240,14 +240,9 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
         Statistic::Median => "Figures: median over all rollouts ± the larger of the distances from the median to the quartiles [95 % bootstrap interval over starts].",
         Statistic::Mean | Statistic::Share => "Figures: mean over starts, the repeats of a start averaged first, ± standard deviation over starts [95 % bootstrap interval over starts].",
     }.to_owned());
-    if rows.iter().any(|row| row.metric == Metric::GoalReached) {
-        lines.push(
-            "Goal reached: share of rollouts [Wilson's 95 % interval over starts].".to_owned(),
-        );
-    }
-    let others = |row: &&Row| row.metric.is_share() && row.metric != Metric::GoalReached;
-    if rows.iter().any(|row| others(&row)) {
-        lines.push("Reached by the operator, and covering 0.85 of the flat cloth's area in the end: shares of the rollouts for which that is known [Wilson's 95 % interval].".to_owned());
+    for row in rows {
+        let caption = row.metric.row().caption.map(str::to_owned);
+        lines.extend(caption.filter(|caption| !lines.contains(caption)));
     }
     if rows.iter().any(|row| row.quoted && row.ci95.is_some()) {
         lines.push(
@@ -257,21 +252,15 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
     }
     if rows
         .iter()
-        .any(|row| row.metric.source() == Some(CoverageSource::Picture))
+        .any(|row| row.metric.row().measured_on == Some(CoverageSource::Picture))
     {
         lines.push("By pictures: the cloth's pixels over those of the flat cloth under the same camera, which is not SoftGym's measure nor the true area.".to_owned());
     }
     if rows
         .iter()
-        .any(|row| row.statistic.starts_with("difference"))
+        .any(|row| matches!(row.statistic, Stated::Difference(_)))
     {
         lines.push("Lines with a sign are differences between two methods from the same starts [95 % paired bootstrap interval].".to_owned());
-    }
-    if rows
-        .iter()
-        .any(|row| row.metric == Metric::NormalizedImprovementSource)
-    {
-        lines.push("NI is the normalized improvement: by SoftGym's grid (source, the paper's numbers, which decide the stop), and by the area that is truly covered (true). With the stop, a rollout counts as it lay when it first met its goal.".to_owned());
     }
     lines.push(
         "A rollout that ends early is not left out: the cloth is measured as it lay last."

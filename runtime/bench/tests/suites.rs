@@ -50,7 +50,7 @@ fn what_is_wrong_with_a_suite_is_named_with_what_would_be_right() {
         (
             "\"goal_reached\"",
             "\"success\"",
-            "unknown variant `success`",
+            "there is no metric `success`",
         ),
         ("[50, 51]", "[50, 51", "TOML parse error at line"),
         ("[50, 51]", "[]", "`starts.sides`: the list is empty"),

@@ -52,14 +52,29 @@ pub trait Model: Send + Sync {
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError>;
 }
 
-/// Describes a model in journals: its name, what stands behind it, and how it is told of places in pictures.
-pub fn described(model: &dyn Model) -> serde_json::Value {
-    serde_json::json!({
-        "name": model.name(),
-        "nature": model.nature(),
-        "lowering": model.lowering(),
-        "omits": model.omits(),
-    })
+/// What a run records of a model: two that differ in it are not the same.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Description {
+    /// Its name.
+    pub name: String,
+    /// What stands behind it.
+    pub nature: Nature,
+    /// How it is told of places in pictures.
+    pub lowering: Lowering,
+    /// The parameters that are left out of its requests.
+    pub omits: Vec<String>,
+}
+
+impl Description {
+    /// Describes a model.
+    pub fn of(model: &dyn Model) -> Description {
+        Description {
+            name: model.name().to_owned(),
+            nature: model.nature(),
+            lowering: model.lowering(),
+            omits: model.omits().into_iter().map(str::to_owned).collect(),
+        }
+    }
 }
 
 /// Which model answers which role.

@@ -4,13 +4,11 @@
 //! follows (a step that ended the rollout, its end, a line that was cut off) is written anew.
 
 use super::JournalError;
+use crate::record::{Line, MAX_BYTES};
 use fab_base::jsonl::Reader;
 use serde_json::Value;
 use std::collections::VecDeque;
 use std::path::Path;
-
-/// The largest journal that is gone on with.
-const MAX_BYTES: u64 = 256 << 20;
 
 /// Lines that are known already, oldest first.
 #[derive(Debug, Default)]
@@ -75,12 +73,10 @@ impl Earlier {
 
 /// Returns whether a line stays: the first if it is a header, others if they are steps that did not end the rollout.
 fn is_taken(line: &str, number: usize) -> bool {
-    let Ok(line) = serde_json::from_str::<Value>(line) else {
-        return false;
-    };
-    match number {
-        0 => line["type"] == "header",
-        _ => line["type"] == "step" && line["stopped"].is_null(),
+    match serde_json::from_str(line) {
+        Ok(Line::Header(_)) => number == 0,
+        Ok(Line::Step(step)) => number > 0 && step.stopped.is_none(),
+        Ok(Line::End(_)) | Err(_) => false,
     }
 }
 

@@ -14,10 +14,10 @@ use crate::scene::{Scene, SceneError};
 use crate::subgoals::SubgoalSet;
 use fab_picture::observation::Observation;
 use fab_program::Program;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What a step came to, beside the subgoal that it was to lead to.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepResult {
     /// The subgoal, from 1.
     pub subgoal: u32,

@@ -5,36 +5,13 @@
 //! numbers use and which alone decides a goal, and by the true one.
 
 use super::{Job, RunError};
+use crate::record::{CoverageSource, Measures};
 use crate::scene::Scene;
 use fab_picture::Mask;
 use fab_picture::observation::Observation;
 use fab_program::{Goal, Metric};
 use fab_world::World;
 use fab_world::metrics;
-use serde::{Deserialize, Serialize};
-
-/// How much the cloth covers at one moment (protocol, section 5); null where the world does not know.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Measures {
-    /// Covered share of the flat cloth's area by the source measure: SoftGym's, or that of pictures.
-    pub coverage: Option<f64>,
-    /// The same, measured truly; null of pictures.
-    pub coverage_true: Option<f64>,
-    /// Share of the coverage missing at first that was gained, by the source measure.
-    pub normalized_improvement: Option<f64>,
-    /// The same, measured truly; null of pictures.
-    pub normalized_improvement_true: Option<f64>,
-}
-
-/// What coverage is measured on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CoverageSource {
-    /// The particles of a simulated cloth, by SoftGym's measure and by the true one.
-    Particles,
-    /// The cloth's pixels, over those in a picture of the flat cloth.
-    Picture,
-}
 
 /// The measures of a rollout's start and of the cloth as it lies now.
 #[derive(Debug, Default)]

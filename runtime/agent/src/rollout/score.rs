@@ -1,7 +1,6 @@
 //! The score of a rollout: how far its cloth is from the expert results, and how much it covers.
 
-use super::record::Keeper;
-use super::report::Score;
+use super::writer::Keeper;
 use super::{Event, Job, RunError};
 use fab_program::{Goal, Metric};
 use fab_world::expert;
@@ -9,6 +8,19 @@ use fab_world::expert::ExpertEnds;
 use fab_world::metrics;
 use fab_world::{World, WorldError};
 use std::time::Instant;
+
+/// A final state's distances to the expert results.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Score {
+    /// Index of the nearest sequence in the program.
+    pub sequence: usize,
+    /// Distance to it, metres.
+    pub distance_m: f64,
+    /// All of them: sequence, distance in metres, file in the run folder.
+    pub distances: Vec<(usize, f64, String)>,
+    /// How many expert results had to be simulated.
+    pub simulated: usize,
+}
 
 /// What came of scoring.
 pub(super) enum Scored {

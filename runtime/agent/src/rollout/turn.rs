@@ -2,14 +2,14 @@
 //!
 //! In: the job and what the step before left. Out: the step's line, and an outcome where the rollout ends with it.
 
-use super::record::Keeper;
 use super::timer::Timer;
+use super::writer::Keeper;
 use super::{Event, Job, RunError};
 use crate::action::Action;
 use crate::agent::{self, Attempt, Decision, Situation};
-use crate::journal::StepLine;
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
+use crate::record;
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
@@ -35,7 +35,7 @@ pub(super) struct Turn<'j> {
     step: u32,
     /// What the action before came to, where it was for the same step.
     before: Option<StepResult>,
-    pub line: StepLine,
+    pub line: record::Step,
     /// What the camera saw when the action was done; none where nothing was done.
     pub after: Option<Observation>,
     pub timer: Timer,
@@ -58,9 +58,9 @@ impl<'j> Turn<'j> {
             number,
             step,
             before,
-            line: StepLine {
+            line: record::Step {
                 step: number,
-                ..StepLine::default()
+                ..record::Step::default()
             },
             after: None,
             timer: Timer::default(),
@@ -92,7 +92,7 @@ impl<'j> Turn<'j> {
             Ok(observation) => observation,
             Err(error) => return Ok(self.stop_for(&error)),
         };
-        keeper.keep_picture(&mut self.line, "before", &observation.rgb)?;
+        self.line.files.before = Some(keeper.keep_picture(number, "before", &observation.rgb)?);
         // What is seen first is kept whole: how far the arm reaches is no property of the cloth.
         let first = &mut memory.first_scene;
         let reach = |point: &WorldPoint| world.out_of_reach(point);
@@ -204,7 +204,7 @@ impl<'j> Turn<'j> {
             Ok(after) => after,
             Err(error) => return Ok(self.stop_for(&error)),
         };
-        keeper.keep_picture(&mut self.line, "after", &after.rgb)?;
+        self.line.files.after = Some(keeper.keep_picture(number, "after", &after.rgb)?);
         keeper.keep_positions(&mut self.line, world)?;
         if let Some(first) = &memory.first_scene {
             let result = StepResult::of(job.program, job.subgoals, step, first, &after);

@@ -1,12 +1,11 @@
-//! How well points fit, and whether that is enough.
+//! How well points fit.
 //!
-//! In: points and terms. Out: the fit with the error of each point, that of each point by the others, and what the
-//! points' spread does to errors; or a refusal. The first fault ends it, since the next ones would follow from it.
+//! In: a fit and its points. Out: the error of each point, that of each point by the others, and what they come to.
 
-use super::fit::{Fit, Sighting, Solver};
-use super::refusal::{Fault, MAX_GAIN, MAX_SCALE_OFF, MAX_TILT_DEG};
-use super::spread::{self, Spread};
-use super::{LEFT_OUT_SHARE, Pair, Refusal, Terms, rigid, slips};
+use super::fault::Fault;
+use super::fit::{Fit, Solver};
+use super::sighting::Sighting;
+use super::spread::Spread;
 
 /// How well points fit. Errors are distances in space between the tool and where the fit puts the pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,96 +40,6 @@ impl Accuracy {
     }
 }
 
-/// Fits points and judges the fit.
-pub(super) fn judge(terms: &Terms, pairs: &[Pair]) -> Result<(Fit, Accuracy), Refusal> {
-    slips::check(terms, pairs)?;
-    let solver = Solver::of(terms)?;
-    let points = solver.sightings(pairs)?;
-    let fit = solver.fit(&points);
-    let residual_mm = fit.as_ref().and_then(|fit| errors_mm(fit, &points));
-    let fits = |errors: &Vec<f64>| root_mean_square(errors) <= terms.limit_mm;
-    if !residual_mm.as_ref().is_some_and(fits)
-        && let Some(refusal) = slips::find(terms, &solver, pairs)
-    {
-        return Err(refusal);
-    }
-    let covered = spread::extent_m(&points);
-    let (Some(fit), Some(residual_mm)) = (fit, residual_mm) else {
-        let [length_mm, width_mm] = covered.map(|side| side * 1000.0);
-        return Err(Fault::OnALine {
-            length_mm,
-            width_mm,
-        }
-        .into());
-    };
-    let against = |fault: Fault| Refusal {
-        faults: vec![fault],
-        fit: Some(Box::new(fit.clone())),
-    };
-    let is_mirrored = match fit {
-        Fit::Plane { .. } => false,
-        // Points of a table lie in a plane, which a pose fits mirrored or not; there the side it sees from decides.
-        Fit::Rigid { .. } => !fits(&residual_mm) && rigid::fits_mirrored(&points),
-    };
-    if is_mirrored || !fit.sees_from_above(terms.window.middle_px()) {
-        let hint = slips::why_mirrored(terms, pairs);
-        return Err(against(Fault::Mirrored { hint }));
-    }
-    let spread = spread::measure(terms, &fit, &points).map_err(against)?;
-    if !(spread.plane_gain <= MAX_GAIN && spread.height_gain <= MAX_GAIN) {
-        return Err(against(Fault::Spread {
-            length_mm: spread.length_m * 1000.0,
-            width_mm: spread.width_m * 1000.0,
-            plane_gain: spread.plane_gain,
-            height_gain: spread.height_gain,
-        }));
-    }
-    let left_out_mm = left_out(&solver, &points).map_err(against)?;
-    let accuracy = Accuracy {
-        rms_mm: root_mean_square(&residual_mm),
-        left_out_rms_mm: root_mean_square(&left_out_mm),
-        residual_mm,
-        left_out_mm,
-        spread,
-    };
-    if let Some(fault) = too_large(terms, &accuracy, &fit) {
-        return Err(against(fault));
-    }
-    if fit.tilt_deg() > MAX_TILT_DEG {
-        let tilt_deg = fit.tilt_deg();
-        return Err(against(Fault::Tilted { tilt_deg }));
-    }
-    match fit {
-        Fit::Rigid { scale, .. } if (scale - 1.0).abs() > MAX_SCALE_OFF => {
-            Err(against(Fault::Scale { scale }))
-        }
-        _ => Ok((fit, accuracy)),
-    }
-}
-
-fn too_large(terms: &Terms, accuracy: &Accuracy, fit: &Fit) -> Option<Fault> {
-    let left_out_limit_mm = terms.limit_mm * LEFT_OUT_SHARE;
-    let is_enough =
-        accuracy.rms_mm <= terms.limit_mm && accuracy.left_out_rms_mm <= left_out_limit_mm;
-    let numbered = accuracy.left_out_mm.iter().copied().zip(1..);
-    let (worst_mm, worst) = numbered.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let hint = match fit {
-        Fit::Rigid { scale, .. } if (scale - 1.0).abs() > MAX_SCALE_OFF => {
-            format!(", and by depth the table is {scale:.3} times as large as by the arm")
-        }
-        _ => String::new(),
-    };
-    (!is_enough).then_some(Fault::Inaccurate {
-        rms_mm: accuracy.rms_mm,
-        left_out_mm: accuracy.left_out_rms_mm,
-        limit_mm: terms.limit_mm,
-        left_out_limit_mm,
-        worst,
-        worst_mm,
-        hint,
-    })
-}
-
 /// Returns the error of each point, millimetres; `None` where the fit puts one nowhere.
 pub(super) fn errors_mm(fit: &Fit, points: &[Sighting]) -> Option<Vec<f64>> {
     let error = |point| Some(fit.error(point)?.norm() * 1000.0);
@@ -138,7 +47,7 @@ pub(super) fn errors_mm(fit: &Fit, points: &[Sighting]) -> Option<Vec<f64>> {
 }
 
 /// Returns the error of each point by the fit of the others, millimetres.
-fn left_out(solver: &Solver, points: &[Sighting]) -> Result<Vec<f64>, Fault> {
+pub(super) fn left_out(solver: &Solver, points: &[Sighting]) -> Result<Vec<f64>, Fault> {
     let error = |out: usize| {
         let others: Vec<Sighting> = points[..out]
             .iter()

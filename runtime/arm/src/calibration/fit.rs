@@ -3,7 +3,8 @@
 //! In: pixels whose distortion was taken out, with depth where there is one. Out: points of the base frame, metres, and
 //! back. How a fit is found is left to `plane` and `rigid`.
 
-use super::refusal::Fault;
+use super::fault::Fault;
+use super::sighting::Sighting;
 use super::{Method, Pair, Terms, plane, rigid};
 use crate::rgbd::Intrinsics;
 use fab_picture::camera::{Lens, Plane, through};
@@ -33,17 +34,6 @@ pub enum Fit {
         /// The size that the depth readings give the table, over the size that the arm gives it; 1 is right.
         scale: f64,
     },
-}
-
-/// A point as the solvers take it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sighting {
-    /// Its pixel with the lens's distortion taken out.
-    pub pixel: [f64; 2],
-    /// Where it is in the camera's frame, metres, where depth and lens are known.
-    pub seen: Option<Point3<f64>>,
-    /// Where the tool touched it, metres, base frame.
-    pub base: Point3<f64>,
 }
 
 /// Returns a lens for intrinsics; says what is wrong with them otherwise.

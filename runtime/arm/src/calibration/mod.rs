@@ -7,14 +7,17 @@
 //! to which a person brought it (`touch`).
 
 mod accuracy;
+mod fault;
 mod file;
 mod fit;
+mod judge;
 mod moved;
 mod pairs;
 mod plane;
 mod refusal;
 mod rigid;
 mod session;
+mod sighting;
 mod slips;
 mod spread;
 #[cfg(test)]
@@ -23,11 +26,12 @@ mod touch;
 mod view;
 
 pub use accuracy::Accuracy;
+pub use fault::Fault;
 pub use file::FileError;
 pub use fit::Fit;
 pub use moved::Moved;
 pub use pairs::{MAX_PAIRS, PairError, csv_line, parse_pairs, read_pairs};
-pub use refusal::{Fault, Refusal};
+pub use refusal::Refusal;
 pub use session::{Said, Session, ToolReader, grid};
 pub use spread::Spread;
 pub use touch::place_at_rest;
@@ -158,7 +162,7 @@ impl Calibration {
         made_on: &str,
         reference: Option<GrayImage>,
     ) -> Result<Calibration, Refusal> {
-        let (fit, accuracy) = accuracy::judge(&terms, &pairs)?;
+        let (fit, accuracy) = judge::judge(&terms, &pairs)?;
         if let Some(picture) = &reference {
             let found = [picture.width(), picture.height()];
             if found != terms.size_px {
@@ -186,7 +190,7 @@ impl Calibration {
         } = self.terms;
         let mut terms = Terms::of(settings, method, size_px, limit_mm);
         terms.intrinsics.clone_from(&self.terms.intrinsics);
-        accuracy::judge(&terms, &self.pairs).map(|_| ())
+        judge::judge(&terms, &self.pairs).map(|_| ())
     }
 }
 

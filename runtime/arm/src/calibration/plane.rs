@@ -4,7 +4,7 @@
 //! transform (Hartley 1997) gives a start, which Gauss-Newton steps then move to the least sum of squared distances on
 //! the table: the first alone weighs each point by its distance from the horizon.
 
-use super::fit::Sighting;
+use super::sighting::Sighting;
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// How many numbers a homography has, up to its factor.

@@ -4,7 +4,7 @@
 //! without his scale, which is computed as a check of the depth readings), and what an error of the points comes to
 //! elsewhere.
 
-use super::fit::Sighting;
+use super::sighting::Sighting;
 use nalgebra::{
     Isometry3, Matrix3, Matrix6, Point3, Rotation3, SMatrix, SymmetricEigen, Translation3,
     UnitQuaternion, Vector3,

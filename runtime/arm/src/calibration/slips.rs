@@ -4,8 +4,9 @@
 //! point that is wrong was perhaps touched wrong as well.
 
 use super::accuracy::{errors_mm, root_mean_square};
-use super::fit::{Fit, Sighting, Solver};
-use super::refusal::{Fault, MAX_DEPTH_M, MAX_LIMIT_MM};
+use super::fault::{Fault, MAX_DEPTH_M, MAX_LIMIT_MM};
+use super::fit::{Fit, Solver};
+use super::sighting::Sighting;
 use super::{MIN_PAIRS, Method, Pair, Refusal, Terms};
 
 /// Farther than this no arm on a table reaches, metres: twice the largest of the supported ones.

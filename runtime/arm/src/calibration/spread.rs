@@ -3,8 +3,9 @@
 //! In: points and their fit. Out: a [`Spread`]. Two rows that lie close together fit as well as a grid does; but what
 //! tilts the table about them is hardly measured, so that a millimetre becomes centimetres at the table's rim.
 
-use super::fit::{Fit, Sighting, straightened};
-use super::refusal::Fault;
+use super::fault::Fault;
+use super::fit::{Fit, straightened};
+use super::sighting::Sighting;
 use super::{Terms, plane, rigid};
 use nalgebra::Point3;
 

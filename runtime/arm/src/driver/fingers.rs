@@ -4,7 +4,8 @@
 //! is stopped is none. Both may come with the same word, so that positions decide, and whether the arm is stopped is
 //! looked at by whoever calls.
 
-use super::carry::{LOOK_S, Word, carry_out, looked_at};
+use super::carry::{Word, carry_out};
+use super::look::{LOOK_S, looked_at};
 use super::{ArmError, Between, Opening, Watch};
 use crate::port::{Ending, Goal, Port};
 use crate::settings::{FingerSettings, Tolerance};

@@ -7,6 +7,7 @@
 mod carry;
 mod error;
 mod fingers;
+mod look;
 mod pause;
 pub mod resting;
 mod tool;

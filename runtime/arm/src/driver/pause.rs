@@ -6,7 +6,7 @@
 //! cancellation was sent. Where it came to rest before, the arm is taken for stopped. A stop that is pressed while the
 //! cancellation is on its way cannot be told from it; the arm is at rest then until a person lets it go on.
 
-use super::carry::{LOOK_S, come_to_rest, looked_at};
+use super::look::{LOOK_S, come_to_rest, looked_at};
 use super::{ArmError, ArmState, Off, Watch};
 use crate::port::{Ending, Goal, GoalId, GoalState, Port};
 use crate::settings::Tolerance;

@@ -6,8 +6,9 @@
 //! After a stop nothing is cancelled and nothing else sent: the node takes either as a reason to enable the arm. Only its
 //! controller of trajectories knows no stop and would go on where the arm is let go, so that it is emptied.
 
-use super::carry::{Word, carry_out, come_to_rest, is_at_rest, state, state_with_joints};
+use super::carry::{Word, carry_out};
 use super::fingers::move_fingers;
+use super::look::{come_to_rest, is_at_rest, state, state_with_joints};
 use super::way::{Way, hold, lasts_s};
 use super::{Arm, ArmError, ArmState, Between, Halt, Off, Opening, Watch};
 use crate::kinematics::chain::Chain;

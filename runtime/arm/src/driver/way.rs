@@ -3,7 +3,7 @@
 //! In: where the arm is, where its tool is to go and how fast. Out: the goal. By poses the node itself finds the joints, so
 //! that nothing is known of the way of elbow and wrist; by trajectories every joint's place on the way is checked here.
 
-use super::carry::LOOK_S;
+use super::look::LOOK_S;
 use super::{ArmError, ArmState, Off};
 use crate::kinematics::chain::{Chain, JOINTS};
 use crate::port::{Goal, Waypoint};

@@ -5,6 +5,7 @@
 //! takes any angle, since an arm may report one that lies past its limit.
 
 use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector3, Vector6};
+use std::f64::consts::TAU;
 
 /// How many joints each arm has that is known.
 pub const JOINTS: usize = 6;
@@ -12,6 +13,9 @@ pub const JOINTS: usize = 6;
 /// The largest angle that is taken for one, radians: a joint that reports more than a thousand turns is broken, and
 /// the sine of far larger numbers says nothing.
 const MAX_ANGLE_RAD: f64 = 6300.0;
+
+/// Length that weighs as much as a radian, metres: about the arm's reach halved.
+pub(super) const METRES_PER_RAD: f64 = 0.3;
 
 /// A joint that turns about the z axis of its frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -187,4 +191,9 @@ impl Chain {
 
 pub(super) fn about_z(angle_rad: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle_rad)
+}
+
+/// Returns the angle plus as many full turns as bring it nearest to `near`.
+pub(super) fn nearest_turn(angle_rad: f64, near_rad: f64) -> f64 {
+    angle_rad + TAU * ((near_rad - angle_rad) / TAU).round()
 }

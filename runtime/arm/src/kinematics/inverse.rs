@@ -6,10 +6,9 @@
 //! grows with the error that is left, so that no step needs to be taken back. Equal input gives equal angles. Whether
 //! the arm hits itself or anything else on its way is not looked at.
 
-use super::chain::{BadAngles, Chain, JOINTS};
+use super::chain::{BadAngles, Chain, JOINTS, METRES_PER_RAD, nearest_turn};
 use super::starts;
 use nalgebra::{Isometry3, Matrix6, Vector6};
-use std::f64::consts::TAU;
 
 /// How far the tool may be from the pose that was asked for, metres.
 pub const POSITION_TOLERANCE_M: f64 = 1e-4;
@@ -29,9 +28,6 @@ const MAX_ATTEMPTS: usize = 64;
 
 /// The most that a joint turns in a step, radians; the linear model says nothing about farther away.
 const MAX_TURN_RAD: f64 = 0.6;
-
-/// Length that weighs as much as a radian, metres: about the arm's reach halved.
-pub(super) const METRES_PER_RAD: f64 = 0.3;
 
 /// Damping that is left where the error vanishes; keeps the equations solvable in a singular posture.
 const LEAST_DAMPING: f64 = 1e-9;
@@ -317,9 +313,4 @@ fn damped(jacobian: &Matrix6<f64>, error: &Vector6<f64>) -> Vector6<f64> {
     normal
         .cholesky()
         .map_or_else(Vector6::zeros, |factors| factors.solve(&gradient))
-}
-
-/// Returns the angle plus as many full turns as bring it nearest to `near`.
-pub(super) fn nearest_turn(angle_rad: f64, near_rad: f64) -> f64 {
-    angle_rad + TAU * ((near_rad - angle_rad) / TAU).round()
 }

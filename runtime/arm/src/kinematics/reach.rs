@@ -10,8 +10,7 @@
 //! At the height of the base, the tool comes to within 0.18 m of the first axis and 0.70 m away from it (`j2n6s200`,
 //! `j2n6s300`), or 0.16 m and 0.72 m (`j2s6s200`).
 
-use super::chain::{Chain, JOINTS};
-use super::inverse::nearest_turn;
+use super::chain::{Chain, JOINTS, nearest_turn};
 use super::tool_down::{Downwards, tool_down};
 use nalgebra::{Isometry3, Point3, Translation3};
 use std::collections::BTreeMap;

@@ -4,8 +4,7 @@
 //! evenly over the angles by a Kronecker sequence, so that the list is the same each time; the first and the last joint
 //! turn about known axes and are chosen for the pose.
 
-use super::chain::{Chain, JOINTS, about_z};
-use super::inverse::{METRES_PER_RAD, nearest_turn};
+use super::chain::{Chain, JOINTS, METRES_PER_RAD, about_z, nearest_turn};
 use nalgebra::Isometry3;
 use std::f64::consts::TAU;
 

@@ -13,8 +13,7 @@
 //! This needs what all known arms share: the first axis is the base's vertical, the second and the third are horizontal
 //! and parallel, and the fourth lies along the plane in which those two move the arm. A test holds each model to it.
 
-use super::chain::{Chain, JOINTS, about_z};
-use super::inverse::nearest_turn;
+use super::chain::{Chain, JOINTS, about_z, nearest_turn};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
+use fab_agent::record::{RECORD_FILE, SPENT_FILE};
 use fab_program::Comparison;
 use serde_json::json;
 
@@ -13,26 +14,38 @@ fn goal() -> Goal {
     }
 }
 
+fn report(outcome: &str) -> Value {
+    json!({
+        "task": "t", "outcome": outcome, "goal_reached": false, "coverage_source": "particles", "progress": [],
+        "steps": 1, "skipped_steps": 0, "skipped": {}, "retries": 0, "queries": 2, "refusals": {},
+        "malformed_replies": 0, "model": "m", "model_is_stand_in": true, "program": "p", "params": "w",
+    })
+}
+
+fn step(improvement: Option<f64>) -> Value {
+    let point = [0.0, 0.0, 0.0];
+    let motion = json!({ "pick": point, "place": point });
+    let executed = json!({ "motion": motion, "grasp": "missed", "duration_s": 1.0 });
+    json!({
+        "type": "step", "step": 1, "scene": null, "attempts": [], "executed": improvement.map(|_| executed),
+        "normalized_improvement": improvement, "files": {},
+    })
+}
+
 /// A rollout of these improvements; the last step ended it where `outcome` is a failure.
-fn record(improvements: &[f64], outcome: Outcome) -> Record {
+fn rollout(improvements: &[f64], outcome: Outcome) -> Rollout {
     let failed = !matches!(outcome, Outcome::GoalReached | Outcome::HorizonReached);
-    let mut steps: Vec<Step> = improvements
-        .iter()
-        .map(|improvement| Step {
-            is_taken: true,
-            improvement: Some(*improvement),
-            ..Step::default()
-        })
-        .collect();
+    let mut lines: Vec<Value> = improvements.iter().map(|it| step(Some(*it))).collect();
     if failed {
-        steps.push(Step::default());
+        lines.push(step(None));
     }
-    Record {
-        coverage_source: Some(CoverageSource::Particles),
-        is_goal_judged: true,
-        operator: None,
-        outcome,
-        steps,
+    let steps = lines.into_iter().map(|line| Step {
+        line: serde_json::from_value(line).unwrap(),
+        ..Step::default()
+    });
+    Rollout {
+        report: serde_json::from_value(report(outcome.name())).unwrap(),
+        steps: steps.collect(),
         last: None,
     }
 }
@@ -67,12 +80,12 @@ fn rollouts_stop_at_the_first_step_that_meets_the_goal() {
     ];
     let goal = goal();
     for (improvements, ended, horizon, stops, n_steps, outcome) in cases {
-        let record = record(improvements, ended);
+        let rollout = rollout(improvements, ended);
         let stop = stops.then_some(&goal);
         let what = format!("{improvements:?} after {horizon}, stop {stops}");
-        assert_eq!(record.steps_to(horizon, stop).len(), n_steps, "{what}");
+        assert_eq!(rollout.steps_to(horizon, stop).len(), n_steps, "{what}");
         assert_eq!(
-            record.outcome_at(horizon, Some(&goal), stop),
+            rollout.outcome_at(horizon, Some(&goal), stop),
             outcome,
             "{what}"
         );
@@ -86,10 +99,16 @@ fn a_goal_that_is_judged_in_the_end_stops_nothing() {
         is: Comparison::Less,
         limit: 0.04,
     };
-    let record = record(&[0.99, 0.99], Outcome::HorizonReached);
-    assert_eq!(record.steps_to(u32::MAX, Some(&distance)).len(), 2);
-    let outcome = record.outcome_at(u32::MAX, Some(&distance), Some(&distance));
+    let rollout = rollout(&[0.99, 0.99], Outcome::HorizonReached);
+    assert_eq!(rollout.steps_to(u32::MAX, Some(&distance)).len(), 2);
+    let outcome = rollout.outcome_at(u32::MAX, Some(&distance), Some(&distance));
     assert_eq!(outcome, Outcome::HorizonReached);
+}
+
+fn model() -> Value {
+    let lowering =
+        json!({ "points": "coordinates", "unit": "pixels", "order": "xy", "resize": "never" });
+    json!({ "name": "m", "nature": "stand_in", "lowering": lowering, "omits": [] })
 }
 
 fn identity() -> Identity {
@@ -98,7 +117,7 @@ fn identity() -> Identity {
         params: "w".to_owned(),
         code: "c".to_owned(),
         start: "s".to_owned(),
-        models: ["m", "m"].map(|name| json!(name)),
+        models: [(); 2].map(|()| serde_json::from_value(model()).unwrap()),
         horizon: 3,
         early_stop: true,
         repetition: 1,
@@ -107,33 +126,36 @@ fn identity() -> Identity {
 
 fn header() -> Value {
     json!({
-        "type": "header", "program": "p", "params": "w", "code": "c", "start": { "digest": "s" },
-        "models": { "vision": "m", "text": "m" },
-        "horizon": 3, "early_stop": true, "repetition": 1,
+        "type": "header", "schema": 1, "fabc": "0", "task": "t", "program": "p", "program_file": "program.json",
+        "world": "sim", "params": "w", "code": "c", "models": { "vision": model(), "text": model() },
+        "start": {
+            "name": "flat", "file": "start.npy", "digest": "s", "up": "z",
+            "grid": { "dimx": 2, "dimy": 2, "spacing_m": 0.01 },
+        },
+        "subgoals": "drawn", "subgoal_pictures": "d", "horizon": 3, "early_stop": true, "repetition": 1, "attempts": 3,
     })
 }
 
 #[test]
 fn every_part_of_an_identity_tells_rollouts_apart() {
-    assert_eq!(identity().difference(&header()), None);
-    for (pointer, name) in [
-        ("/program", "program"),
-        ("/params", "params"),
-        ("/code", "code"),
-        ("/start/digest", "start"),
-        ("/models/vision", "vision model"),
-        ("/models/text", "text model"),
-        ("/horizon", "horizon"),
-        ("/early_stop", "early_stop"),
-        ("/repetition", "repetition"),
+    let difference =
+        |header: Value| identity().difference(&serde_json::from_value(header).unwrap());
+    assert_eq!(difference(header()), None);
+    for (pointer, other, name) in [
+        ("/program", json!("other"), "program"),
+        ("/params", json!("other"), "params"),
+        ("/code", json!("other"), "code"),
+        ("/start/digest", json!("other"), "start"),
+        ("/models/vision/name", json!("other"), "vision model"),
+        ("/models/text/nature", json!("model"), "text model"),
+        ("/horizon", json!(9), "horizon"),
+        ("/early_stop", json!(false), "early_stop"),
+        ("/repetition", json!(9), "repetition"),
     ] {
-        let mut other = header();
-        *other.pointer_mut(pointer).unwrap() = json!("other");
-        let said = identity().difference(&other).unwrap();
-        assert!(
-            said.starts_with(&format!("its {name} is `other`")),
-            "{said}"
-        );
+        let mut changed = header();
+        *changed.pointer_mut(pointer).unwrap() = other;
+        let why = difference(changed).unwrap();
+        assert!(why.starts_with(&format!("its {name} is `")), "{why}");
     }
 }
 
@@ -142,44 +164,47 @@ fn folders_are_read_for_what_they_hold() {
     let folder = tempfile::tempdir().unwrap();
     let find = |lines: &[Value]| {
         let text: Vec<String> = lines.iter().map(|line| format!("{line}\n")).collect();
-        std::fs::write(folder.path().join(JOURNAL_FILE), text.concat()).unwrap();
+        std::fs::write(folder.path().join(RECORD_FILE), text.concat()).unwrap();
         super::find(folder.path(), &identity())
     };
-    let step = json!({
-        "type": "step", "step": 1, "attempts": [{}, {}], "executed": {}, "normalized_improvement": 0.25,
-        "normalized_improvement_true": 0.5, "coverage": 0.7,
-    });
     // Of a step that was done again when the rollout was gone on with, the first time counts.
     let spent = "{\"type\":\"begin\",\"run_id\":\"r\"}\n\
         {\"type\":\"step\",\"step\":1,\"seconds\":{\"act\":0.5,\"observe\":0.25},\"planning_s\":0.125,\"cost_usd_so_far\":0.5}\n\
         {\"type\":\"step\",\"step\":1,\"seconds\":{\"act\":9.0},\"planning_s\":9.0,\"cost_usd_so_far\":0.75}\n";
     std::fs::write(folder.path().join(SPENT_FILE), spent).unwrap();
-    let end = json!({ "type": "end", "report": { "outcome": "horizon_reached" }, "final": null });
+    let end = |outcome: &str, file: Option<&str>| json!({ "type": "end", "report": report(outcome), "final": file });
+    let step = step(Some(0.25));
     assert_eq!(
         super::find(&folder.path().join("none"), &identity()),
         Found::Unfinished
     );
     assert_eq!(find(&[]), Found::Unfinished);
     assert_eq!(find(&[header(), step.clone()]), Found::Unfinished);
-    let Found::Finished(record) = find(&[header(), step.clone(), end.clone()]) else {
-        panic!("a rollout with an end line has ended");
+    let found = find(&[header(), step.clone(), end("horizon_reached", None)]);
+    let Found::Finished(rollout) = found else {
+        panic!("a rollout with an end line has ended: {found:?}");
     };
-    let expected = Step {
-        is_taken: true,
-        queries: 2,
-        coverage: Some(0.7),
-        improvement: Some(0.25),
-        improvement_true: Some(0.5),
-        seconds: 0.75,
-        planning_s: Some(0.125),
-        cost_usd: Some(0.5),
-    };
-    assert_eq!((record.steps, record.last), (vec![expected], None));
+    assert_eq!((rollout.steps.len(), rollout.last), (1, None));
+    let first = &rollout.steps[0];
+    assert_eq!(first.line.measures.normalized_improvement, Some(0.25));
+    assert_eq!((first.seconds(), first.cost_usd), (0.75, Some(0.5)));
+    assert_eq!(first.spent.planning_s, Some(0.125));
     for stopped in ["interrupted", "budget_exhausted"] {
-        let end = json!({ "type": "end", "report": { "outcome": stopped }, "final": null });
-        assert_eq!(find(&[header(), end]), Found::Unfinished, "{stopped}");
+        assert_eq!(
+            find(&[header(), end(stopped, None)]),
+            Found::Unfinished,
+            "{stopped}"
+        );
     }
-    let lost =
-        json!({ "type": "end", "report": { "outcome": "horizon_reached" }, "final": "gone.npy" });
+    let lost = end("horizon_reached", Some("gone.npy"));
     assert_eq!(find(&[header(), step, lost]), Found::Unfinished);
+    let mut newer = header();
+    newer["schema"] = json!(2);
+    let Found::Other(why) = find(&[newer]) else {
+        panic!("lines of another version are not written over");
+    };
+    assert_eq!(
+        why,
+        "its lines have version 2, and this program reads version 1"
+    );
 }

@@ -5,6 +5,7 @@
 
 use super::date::Date;
 use super::price::Price;
+use super::tokens::ImageTokens;
 use fab_model::lowering::{Lowering, Resize};
 use fab_program::pointing::{CoordinateUnit, Order};
 use serde::{Deserialize, Serialize};
@@ -93,57 +94,6 @@ pub enum MaxTokensField {
     MaxTokens,
     /// `max_completion_tokens`.
     MaxCompletionTokens,
-}
-
-/// How the tokens of a picture are counted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ImageTokens {
-    /// So many squares as cover the picture, each `percent` of a token, rounded up in all.
-    Patches(Patches),
-    /// So many squares as cover the picture once its short side fits, each `each` tokens, and `base` in all.
-    Tiles(Tiles),
-    /// Whatever the size.
-    Flat(Flat),
-}
-
-/// Squares that cover a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Patches {
-    /// Side of a square, pixels.
-    pub side_px: u32,
-    /// Tokens per hundred squares.
-    #[serde(default = "hundred")]
-    pub percent: u32,
-}
-
-/// Squares that cover a picture which was made to fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Tiles {
-    /// Side of a square, pixels.
-    pub side_px: u32,
-    /// What the picture's short side becomes, pixels.
-    pub short_side_px: u32,
-    /// Tokens of any picture.
-    pub base: u32,
-    /// Tokens of a square.
-    pub each: u32,
-}
-
-/// A number of tokens that the size does not change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Flat {
-    /// The fewest that were seen.
-    pub at_least: u32,
-    /// The most.
-    pub at_most: u32,
-}
-
-fn hundred() -> u32 {
-    100
 }
 
 impl Facts {

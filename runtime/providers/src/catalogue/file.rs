@@ -4,9 +4,10 @@
 //! over another is [`super::Catalogue::overlaid`].
 
 use super::date::Date;
-use super::facts::{Accepted, Facts, Habit, ImageTokens, MaxTokensField};
+use super::facts::{Accepted, Facts, Habit, MaxTokensField};
 use super::price::Price;
 use super::provider::is_key_name;
+use super::tokens::ImageTokens;
 use super::{CatalogueError, KeyNeed, RunsOn, Source, Wire};
 use fab_base::files::line_of;
 use serde::Deserialize;

@@ -18,12 +18,12 @@ pub mod tokens;
 
 pub use date::{Date, NoDate};
 pub use error::CatalogueError;
-pub use facts::{Accepted, Facts, Flat, Habit, ImageTokens, MaxTokensField, Patches, Tiles};
+pub use facts::{Accepted, Facts, Habit, MaxTokensField};
 pub use notice::Notice;
 pub use price::{Price, Priced, SAFETY};
 pub(crate) use provider::is_key_name;
 pub use provider::{KeyNeed, Provider, RunsOn, Source, Wire};
-pub use tokens::Tokens;
+pub use tokens::{Flat, ImageTokens, Patches, Tiles, Tokens};
 
 use fab_base::files;
 use fab_compiler::diag::{among, nearest};

@@ -1,25 +1,30 @@
 //! What a rollout writes down, and the report it ends with.
 
-use super::covered::{Covered, Measures};
-use super::report::{Progress, Report, Score};
+use super::covered::Covered;
+use super::score::Score;
 use super::tally::Tally;
 use super::timer::Timer;
 use super::turn::Turn;
-use super::{Job, RunError};
+use super::{Ended, Job, RunError};
 use crate::action::Action;
 use crate::agent::Asking;
-use crate::journal::{JOURNAL_SCHEMA, JournalError, Line, RunFolder, StepLine};
+use crate::journal::{JournalError, RunFolder};
 use crate::outcome::Outcome;
+use crate::record::{
+    self, End, ExpertDistance, Header, Line, Measures, Progress, Report, RoleModels, Spent,
+    StartFile, StepSpent, Took,
+};
 use crate::sheet::Sheet;
-use fab_model::{ModelRole, Nature, described};
+use fab_model::{Description, ModelRole, Nature};
 use fab_world::expert::ExpertEnd;
+use fab_world::start::Up;
 
 use crate::operator;
 use fab_base::{digest, npy};
 use fab_picture::png;
 use fab_world::World;
 use image::RgbImage;
-use serde_json::{Map, json};
+use serde_json::Map;
 use sha2::{Digest, Sha256};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -51,36 +56,41 @@ impl<'j> Keeper<'j> {
         let program_file = folder.keep("program.json", &program)?;
         let start_file = folder.keep("start.npy", &npy::encode(&job.start.positions))?;
         let run_id = folder.run_id().unwrap_or_else(|| new_run_id(job, &folder));
-        let model = |role| described(job.models.of(role));
-        let header = json!({
-            "schema": JOURNAL_SCHEMA,
-            "fabc": env!("CARGO_PKG_VERSION"),
-            "task": job.program.task,
-            "variant": job.program.variant,
-            "program": job.program.hash(),
-            "program_file": program_file,
-            "world": world.name(),
-            "params": world.parameters(),
-            "code": world.code(),
-            "models": { "vision": model(ModelRole::Vision), "text": model(ModelRole::Text) },
-            "start": {
-                "name": job.start.name,
-                "seed": job.start.seed,
-                "file": start_file,
-                "digest": job.start.digest(),
-                "grid": job.start.grid,
-                "up": "z",
+        let model = |role| Description::of(job.models.of(role));
+        let header = Header {
+            schema: record::VERSION,
+            fabc: env!("CARGO_PKG_VERSION").to_owned(),
+            task: job.program.task.clone(),
+            variant: job.program.variant.clone(),
+            program: job.program.hash(),
+            program_file,
+            world: world.name().to_owned(),
+            params: world.parameters(),
+            code: world.code(),
+            models: RoleModels {
+                vision: model(ModelRole::Vision),
+                text: model(ModelRole::Text),
             },
-            "subgoals": job.subgoals.origin,
-            "subgoal_pictures": job.subgoals.digest(),
-            "horizon": job.horizon(),
-            "early_stop": job.early_stop,
-            "repetition": job.repetition,
-            "attempts": job.program.verify.attempts,
-            "goal": job.program.goal,
-        });
-        folder.append(&Line::Header(&header))?;
-        folder.spend(&json!({ "type": "begin", "run_id": run_id }))?;
+            start: StartFile {
+                name: job.start.name.clone(),
+                seed: job.start.seed,
+                file: start_file,
+                digest: job.start.digest(),
+                grid: job.start.grid,
+                up: Up::Z,
+            },
+            subgoals: job.subgoals.origin,
+            subgoal_pictures: job.subgoals.digest(),
+            horizon: job.horizon(),
+            early_stop: job.early_stop,
+            repetition: job.repetition,
+            attempts: job.program.verify.attempts,
+            goal: job.program.goal.clone(),
+        };
+        folder.append(&Line::Header(Box::new(header)))?;
+        folder.spend(&Spent::Begin {
+            run_id: run_id.clone(),
+        })?;
         Ok(Keeper {
             folder,
             asking,
@@ -96,36 +106,33 @@ impl<'j> Keeper<'j> {
         })
     }
 
+    /// Keeps a picture of an action, and returns its name.
     pub(super) fn keep_picture(
         &self,
-        line: &mut StepLine,
+        number: u32,
         what: &str,
         picture: &RgbImage,
-    ) -> Result<(), JournalError> {
-        let name = self.folder.keep(
-            &format!("step_{}/{what}.png", line.step),
-            &png::encode(picture),
-        )?;
-        line.files.insert(what.to_owned(), json!(name));
-        Ok(())
+    ) -> Result<String, JournalError> {
+        let name = format!("step_{number}/{what}.png");
+        self.folder.keep(&name, &png::encode(picture))
     }
 
     /// Keeps the picture before the step with the action drawn on it, and returns that picture.
     pub(super) fn keep_action(
         &self,
-        line: &mut StepLine,
+        line: &mut record::Step,
         before: &RgbImage,
         action: &Action,
     ) -> Result<RgbImage, RunError> {
         let mut drawn = before.clone();
         fab_vision::draw_action(&mut drawn, action.pick_on_cloth_px, action.place_px)?;
-        self.keep_picture(line, "action", &drawn)?;
+        line.files.action = Some(self.keep_picture(line.step, "action", &drawn)?);
         Ok(drawn)
     }
 
     pub(super) fn keep_positions(
         &mut self,
-        line: &mut StepLine,
+        line: &mut record::Step,
         world: &dyn World,
     ) -> Result<(), JournalError> {
         if let Some(positions) = world.particles() {
@@ -133,7 +140,7 @@ impl<'j> Keeper<'j> {
                 &format!("step_{}/positions.npy", line.step),
                 &npy::encode(&positions),
             )?;
-            line.files.insert("positions".to_owned(), json!(name));
+            line.files.positions = Some(name.clone());
             line.digest = Some(digest::of_positions(&positions));
             self.final_positions = Some(name);
         }
@@ -153,12 +160,11 @@ impl<'j> Keeper<'j> {
         let mut seconds = Map::new();
         turn.timer.write(&mut seconds);
         let spent = self.asking.spent();
-        self.folder.spend(&json!({
-            "type": "step",
-            "step": line.step,
-            "planning_s": turn.planning_s(),
-            "seconds": seconds,
-            "cost_usd_so_far": (spent.unpriced == 0).then(|| spent.cost.dollars()),
+        self.folder.spend(&Spent::Step(StepSpent {
+            step: line.step,
+            planning_s: turn.planning_s(),
+            seconds,
+            cost_usd_so_far: (spent.unpriced == 0).then(|| spent.cost.dollars()),
         }))?;
         self.steps += u32::from(line.executed.is_some());
         if let Some(skipped) = line.skipped {
@@ -199,7 +205,7 @@ impl<'j> Keeper<'j> {
         covered: Covered,
         sheet: &Sheet,
         wall: Duration,
-    ) -> Result<Report, RunError> {
+    ) -> Result<Ended, RunError> {
         let mut seconds = Map::new();
         self.timer.write(&mut seconds);
         let spent = self.asking.spent();
@@ -237,6 +243,13 @@ impl<'j> Keeper<'j> {
             queries: self.tally.queries,
             refusals: self.tally.refusals.clone(),
             malformed_replies: self.tally.malformed,
+            model: job.models.name(),
+            model_is_stand_in: job.models.nature() == Nature::StandIn,
+            seed: job.start.seed,
+            program: job.program.hash(),
+            params: self.params.clone(),
+        };
+        let took = Took {
             planning_s: self.tally.planning_s(),
             spent,
             calls: spent.calls,
@@ -245,11 +258,6 @@ impl<'j> Keeper<'j> {
             usage: spent.usage,
             cost_usd: (spent.unpriced == 0).then(|| spent.cost.dollars()),
             cost_usd_at_most: (spent.unpriced == 0).then(|| spent.at_most().dollars()),
-            model: job.models.name(),
-            model_is_stand_in: job.models.nature() == Nature::StandIn,
-            seed: job.start.seed,
-            program: job.program.hash(),
-            params: self.params.clone(),
             run_dir: self.folder.path().display().to_string(),
             run_id: self.run_id.clone(),
             experts_simulated: score.map_or(0, |score| score.simulated),
@@ -257,7 +265,7 @@ impl<'j> Keeper<'j> {
             wall_s: wall.as_secs_f64(),
         };
         if let Some(operator) = job.operator.filter(|_| operator::is_judged(outcome)) {
-            report.operator = operator.judge(&report);
+            report.operator = operator.judge(&report, self.folder.path());
         }
         // A rollout that is done is not lost for want of a picture of it.
         let sheet = match sheet.picture(&report).unwrap_or_default() {
@@ -265,22 +273,26 @@ impl<'j> Keeper<'j> {
             None => None,
         };
         let experts = score.map(|score| {
-            let entry = |(sequence, distance_m, file): &(usize, f64, String)| {
-                json!({ "sequence": sequence + 1, "file": file, "distance_mm": distance_m * 1000.0, "folds": job.program.experts[*sequence].folds })
+            let entry = |(sequence, distance_m, file): &(usize, f64, String)| ExpertDistance {
+                sequence: sequence + 1,
+                file: file.clone(),
+                distance_mm: distance_m * 1000.0,
+                folds: job.program.experts[*sequence].folds.clone(),
             };
-            score.distances.iter().map(entry).collect::<Vec<_>>()
+            score.distances.iter().map(entry).collect()
         });
-        let end = json!({
-            "report": report.lasting(),
-            "final": self.final_positions,
-            "nearest_expert": score.map(|score| score.sequence + 1),
-            "experts": experts,
-            "sheet": sheet,
-        });
-        self.folder.append(&Line::End(&end))?;
-        self.folder
-            .spend(&json!({ "type": "end", "report": report.passing() }))?;
-        Ok(report)
+        let end = End {
+            report: report.clone(),
+            final_positions: self.final_positions,
+            nearest_expert: score.map(|score| score.sequence + 1),
+            experts,
+            sheet,
+        };
+        self.folder.append(&Line::End(Box::new(end)))?;
+        self.folder.spend(&Spent::End {
+            report: Box::new(took.clone()),
+        })?;
+        Ok(Ended { report, took })
     }
 }
 

@@ -1,0 +1,76 @@
+//! The example of `docs/records.md` is read by the types that rollouts write.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+use fab_agent::outcome::Outcome;
+use fab_agent::record::{Line, RECORD_FILE, Record, RecordError, SPENT_FILE, Spent};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use std::path::Path;
+
+/// The blocks of the page, each on one line.
+fn examples() -> Vec<String> {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/records.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let blocks = page.split("```json\n").skip(1);
+    let texts = blocks.map(|block| block.split("```").next().unwrap());
+    let values = texts.map(|text| serde_json::from_str::<Value>(text).unwrap());
+    values.map(|value| value.to_string()).collect()
+}
+
+/// Reads a line and writes it again: nothing in it is unknown, and nothing is added.
+fn read_and_written<T: DeserializeOwned + Serialize>(line: &str) {
+    let read: T = serde_json::from_str(line).unwrap();
+    assert_eq!(serde_json::to_string(&read).unwrap(), line);
+}
+
+#[test]
+fn the_example_of_the_page_is_a_record() {
+    let examples = examples();
+    let (lines, spent) = examples.split_at(3);
+    lines.iter().for_each(|line| read_and_written::<Line>(line));
+    spent
+        .iter()
+        .for_each(|line| read_and_written::<Spent>(line));
+
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join(RECORD_FILE);
+    std::fs::write(&file, lines.join("\n") + "\n").unwrap();
+    std::fs::write(folder.path().join(SPENT_FILE), spent.join("\n") + "\n").unwrap();
+    let record = Record::read(folder.path()).unwrap();
+    assert_eq!(record.header.world, "sim");
+    assert_eq!((record.steps.len(), record.spent.len()), (1, 1));
+    assert!(record.steps[0].is_taken());
+    let report = record.end.unwrap().report;
+    assert_eq!((report.outcome, report.steps), (Outcome::HorizonReached, 1));
+    assert_eq!(record.took.unwrap().calls, 0);
+}
+
+#[test]
+fn a_record_that_cannot_be_read_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join(RECORD_FILE);
+    let read = || Record::read(folder.path());
+    assert!(matches!(read(), Err(RecordError::Absent(_))));
+    let examples = examples();
+    let (header, step) = (&examples[0], &examples[1]);
+
+    // A line that was cut off was not written.
+    std::fs::write(&file, format!("{header}\n{step}\n{{\"type\":\"st")).unwrap();
+    let record = read().unwrap();
+    assert_eq!((record.steps.len(), record.end), (1, None));
+
+    for (text, why) in [
+        (format!("{step}\n"), "it does not begin with a header"),
+        (format!("{header}\n{header}\n"), "it has two headers"),
+        (format!("{header}\n{{}}\n{step}\n"), "line 2 is damaged"),
+        (
+            header.replace("\"schema\":1", "\"schema\":9") + "\n",
+            "its lines have version 9, and this program reads version 1",
+        ),
+    ] {
+        std::fs::write(&file, text).unwrap();
+        let error = read().unwrap_err().to_string();
+        assert!(error.contains(why), "{error}");
+    }
+}
