@@ -10,9 +10,11 @@
 
 use super::play::Played;
 use super::record::Step;
+use fab_agent::agent::Finding;
 use fab_agent::outcome::Outcome;
-use fab_agent::record::CoverageSource;
+use fab_agent::record::{Asked, CoverageSource};
 use fab_program::Goal;
+use fab_program::verify::Verdict;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 
@@ -194,6 +196,18 @@ pub const METRICS: &[Row] = &[
         ..SHARE
     },
     Row {
+        name: "picks_refused",
+        heading: "refused",
+        unit: Unit::PerAction,
+        better: Better::Lower,
+        read: |_, reading| {
+            let refused = reading.steps.iter().map(refused).sum::<usize>();
+            (!reading.steps.is_empty()).then(|| refused as f64 / reading.steps.len() as f64)
+        },
+        about: "answers that a check refused, per step",
+        ..PLAIN
+    },
+    Row {
         name: "goal_reached",
         heading: "goal reached",
         read: |_, reading| {
@@ -242,6 +256,20 @@ const SHARE: Row = Row {
 };
 
 const COVERS: &str = "Covers 0.85: share of the rollouts in which the cloth covers at least 0.85 of its flat area in the end [Wilson's 95 % interval].";
+
+/// Returns how many answers of a step a check refused.
+fn refused(step: &Step) -> usize {
+    let is_refused = |asked: &&Asked| {
+        matches!(
+            asked.result,
+            Finding::Action {
+                verdict: Verdict::Reject { .. },
+                ..
+            }
+        )
+    };
+    step.line.attempts.iter().filter(is_refused).count()
+}
 
 fn share(holds: bool) -> f64 {
     f64::from(u8::from(holds))

@@ -78,6 +78,7 @@ fn values_are_read_as_the_rows_say() {
         ("normalized_improvement_picture", None, None),
         ("covered_0.85_source", Some(0.0), Some(1.0)),
         ("covered_0.85_picture", None, None),
+        ("picks_refused", Some(1.0), Some(0.5)),
         ("goal_reached", Some(0.0), Some(0.0)),
         ("reached_by_operator", Some(1.0), Some(1.0)),
     ] {
