@@ -100,7 +100,7 @@ fn wrong_suites_are_named_with_the_line() {
             "\"goal_reached\"",
             "\"success\"",
             2,
-            "unknown variant `success`",
+            "there is no metric `success`",
         ),
         ("../tiny.fab", "../none.fab", 2, "cannot read"),
         (
