@@ -1,7 +1,7 @@
 //! `fabc run`: one rollout, with a line of progress per step.
 
 mod planned;
-mod told;
+mod report;
 
 use crate::cli::RunArguments;
 use crate::estimate::{self, Asking};
@@ -188,7 +188,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     if let Into::Again(_) = into {
         output::talk(&again(earlier, &spent));
     }
-    let done = rollout::run(&job, folder, &mut |event| told::show(event, earlier));
+    let done = rollout::run(&job, folder, &mut |event| report::show(event, earlier));
     if let (Some(_), Some(run)) = (&arm, journal.get()) {
         standing::say_left(run);
     }
@@ -206,7 +206,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
             &serde_json::to_value(&report).expect("a report has string keys and finite numbers"),
         );
     } else {
-        output::data(&told::summary(&report, program.goal.as_ref()));
+        output::data(&report::summary(&report, program.goal.as_ref()));
     }
     let judged = report.operator.as_ref().map(|judgement| judgement.reached);
     Ok(exit_of(report.outcome, report.goal_reached, judged))

@@ -6,12 +6,12 @@
 #[cfg_attr(feature = "runtime", path = "snap/with_camera.rs")]
 #[cfg_attr(not(feature = "runtime"), path = "snap/without_camera.rs")]
 mod camera;
+mod expected;
 mod files;
 mod origins;
 mod pinned;
 mod plan;
 mod scene;
-mod wanted;
 
 use crate::cli::snap::SnapArguments;
 use crate::exit::{Exit, Failure};

@@ -4,7 +4,7 @@
 //! a drawing of the errors, and what they come to. Nothing that was there is lost: it is kept under another name.
 
 mod kept;
-mod told;
+mod report;
 mod typing;
 
 use crate::cli::calibrate::CalibrateArguments;
@@ -89,8 +89,8 @@ fn run_with(
     let earlier = kept::keep(&path)?;
     kept::keep(&Calibration::picture_beside(&path))?;
     calibration.save(&path).map_err(Failure::environment)?;
-    told::say_doubts(&calibration, &settings);
-    let written = told::Written {
+    report::say_doubts(&calibration, &settings);
+    let written = report::Written {
         file: &path,
         reference: calibration
             .reference
@@ -100,8 +100,8 @@ fn run_with(
         earlier: earlier.as_deref(),
     };
     match arguments.json {
-        true => output::json(&told::as_json(&calibration, &settings, &written)),
-        false => output::data(&told::as_text(&calibration, &settings, &written)),
+        true => output::json(&report::as_json(&calibration, &settings, &written)),
+        false => output::data(&report::as_text(&calibration, &settings, &written)),
     }
     Ok(Exit::Done)
 }

@@ -1,7 +1,7 @@
 //! Looks at files side by side, a thread for each core, and says to a plan what their snapshots should be.
 
+use super::expected::{Task, Want};
 use super::plan::Plan;
-use super::wanted::{Task, Want};
 use super::{Declared, SnapArguments};
 use crate::exit::Failure;
 use std::collections::BTreeMap;

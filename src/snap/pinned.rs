@@ -1,8 +1,8 @@
 //! Which scenes are pinned, under which names.
 
+use super::expected::name;
 use super::plan::{Plan, Readable};
 use super::scene::{Moment, PinnedScene};
-use super::wanted::name;
 use crate::exit::Failure;
 use crate::snapshots::{Contents, Name};
 use fab_program::Program;

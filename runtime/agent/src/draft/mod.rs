@@ -9,7 +9,7 @@
 
 mod fault;
 mod measures;
-mod shown;
+mod outline;
 mod symmetry;
 mod tries;
 
@@ -26,7 +26,7 @@ use fab_program::{self as program, Cloth, Fold};
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
 use image::RgbImage;
-use shown::{Pose, Shown};
+use outline::{Pose, Shown};
 use std::ops::RangeInclusive;
 use tries::{State, Step};
 

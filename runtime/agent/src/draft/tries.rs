@@ -4,7 +4,7 @@
 //! outline would be quicker and often wrong: a cloth that is held down by its other corner does not fold along the line
 //! between the two points, so each fold is carried out.
 
-use super::shown::Outline;
+use super::outline::Outline;
 use super::{DraftError, FOUND};
 use crate::subgoals::ArrowPx;
 use fab_picture::camera::Camera;
