@@ -289,7 +289,7 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
     let (rollout, was_found) = match record::find(&folder, &identity) {
         // What a model could not be had for is tried again, unless an arm has moved the cloth since.
         Found::Finished(rollout) if is_on_arm || rollout.report.outcome != Outcome::ModelFailed => {
-            (rollout, true)
+            (*rollout, true)
         }
         Found::Other(why) => return Err(BenchError::Other { folder, why }),
         Found::Unfinished if is_on_arm && on_arm::has_begun(&folder) => return Ok(Ended::CutOff),
@@ -366,7 +366,7 @@ fn run(
         });
     }
     match record::find(folder, identity) {
-        Found::Finished(rollout) => Ok(Ok(rollout)),
+        Found::Finished(rollout) => Ok(Ok(*rollout)),
         Found::Other(why) => Err(BenchError::Other {
             folder: folder.to_owned(),
             why,

@@ -69,7 +69,7 @@ pub enum Found {
     /// A rollout of something else; the text says what differs.
     Other(String),
     /// The rollout.
-    Finished(Rollout),
+    Finished(Box<Rollout>),
 }
 
 /// Reads a run folder.
@@ -113,11 +113,11 @@ pub fn find(folder: &Path, wanted: &Identity) -> Found {
             cost_usd,
         }
     });
-    Found::Finished(Rollout {
+    Found::Finished(Box::new(Rollout {
         report: end.report,
         steps: steps.collect(),
         last,
-    })
+    }))
 }
 
 fn positions(file: &Path) -> Option<Vec<[f32; 3]>> {
