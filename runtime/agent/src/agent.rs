@@ -4,7 +4,6 @@
 //! a [`Decision`]. The number of questions is bounded by the program's `attempts` per stage. Nothing
 //! here moves anything.
 
-use fab_model::Models;
 mod asking;
 mod conversation;
 mod judge;
@@ -20,7 +19,7 @@ use crate::scene::Scene;
 pub use asking::{Asking, Step};
 pub use conversation::{Conversation, PromptError, Spoken, SpokenPart, conversation, opening};
 use fab_model::calls::{CallRefused, Fault};
-use fab_model::{Reply, Request};
+use fab_model::{Models, Reply, Request};
 use fab_picture::observation::Observation;
 use fab_program::Proposal;
 use fab_program::facts::{ExecutedAction, Facts};

@@ -16,8 +16,7 @@ use fab_base::jsonl::{self, Appender, Reader};
 use fab_model::calls::LedgerError;
 use fab_model::{Part, Request, Speaker};
 use std::collections::BTreeSet;
-use std::fs::{self, OpenOptions};
-use std::io::Write;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A run folder that is being written.
@@ -25,6 +24,7 @@ use std::path::{Path, PathBuf};
 pub struct RunFolder {
     path: PathBuf,
     journal: Appender,
+    spent: Appender,
     images: BTreeSet<String>,
     /// What an earlier part of the rollout wrote.
     earlier: Earlier,
@@ -93,9 +93,12 @@ impl RunFolder {
         let file = path.join(RECORD_FILE);
         let journal = Appender::open(&file).map_err(|error| unwritable(&file, error))?;
         locked(&journal, path)?;
+        let file = path.join(SPENT_FILE);
+        let spent = Appender::open(&file).map_err(|error| unwritable(&file, error))?;
         Ok(RunFolder {
             path: path.to_owned(),
             journal,
+            spent,
             images: BTreeSet::new(),
             earlier: Earlier::default(),
         })
@@ -115,9 +118,11 @@ impl RunFolder {
         locked(&journal, path)?;
         let earlier = Earlier::read(&file)?;
         journal.keep(earlier.bytes());
+        let spent = after_whole_lines(&path.join(SPENT_FILE))?;
         Ok(RunFolder {
             path: path.to_owned(),
             journal,
+            spent,
             images: BTreeSet::new(),
             earlier,
         })
@@ -175,12 +180,9 @@ impl RunFolder {
         written.map_err(|error| self.unwritable(RECORD_FILE, &error))
     }
 
-    /// Adds a line to what the rollout took; it is for information, and not waited for.
-    pub fn spend(&self, line: &Spent) -> Result<(), JournalError> {
-        let path = self.path.join(SPENT_FILE);
-        let file = OpenOptions::new().create(true).append(true).open(path);
-        let text = jsonl::text(line).expect("what was spent has string keys");
-        let written = file.and_then(|mut file| file.write_all(format!("{text}\n").as_bytes()));
+    /// Adds a line to what the rollout took.
+    pub fn spend(&mut self, line: &Spent) -> Result<(), JournalError> {
+        let written = self.spent.append(line);
         written.map_err(|error| self.unwritable(SPENT_FILE, &error))
     }
 
@@ -247,6 +249,19 @@ impl RunFolder {
             why: error.to_string(),
         }
     }
+}
+
+/// Opens a file of lines so that the next one stands after the last whole one.
+fn after_whole_lines(path: &Path) -> Result<Appender, JournalError> {
+    let unreadable = |why: String| JournalError::Unreadable {
+        path: path.to_owned(),
+        why,
+    };
+    let mut appender = Appender::open(path).map_err(|error| unreadable(error.to_string()))?;
+    let mut lines = Reader::open(path, MAX_SPENT_BYTES).map_err(unreadable)?;
+    while lines.next_line().map_err(unreadable)?.is_some() {}
+    appender.keep(lines.whole_bytes());
+    Ok(appender)
 }
 
 /// Makes sure that no other process writes the journal.

@@ -1,6 +1,7 @@
 //! The example of `docs/records.md` is read by the types that rollouts write.
 #![allow(clippy::unwrap_used, missing_docs)]
 
+use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
 use fab_agent::record::{Line, RECORD_FILE, Record, RecordError, SPENT_FILE, Spent};
 use serde::Serialize;
@@ -73,4 +74,40 @@ fn a_record_that_cannot_be_read_says_why() {
         let error = read().unwrap_err().to_string();
         assert!(error.contains(why), "{error}");
     }
+}
+
+#[test]
+fn a_torn_record_is_gone_on_with_and_another_version_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, spent_file] = [RECORD_FILE, SPENT_FILE].map(|name| folder.path().join(name));
+    let examples = examples();
+    let (lines, spent) = examples.split_at(3);
+    let [header, step, end] = [0, 1, 2].map(|at| serde_json::from_str::<Line>(&lines[at]).unwrap());
+
+    // Both files cut in the middle of a line: what goes on follows their whole lines.
+    std::fs::write(&file, format!("{}\n{{\"type\":\"st", lines[0])).unwrap();
+    std::fs::write(&spent_file, format!("{}\n{{\"type\":\"st", spent[0])).unwrap();
+    let mut run = RunFolder::reopen(folder.path()).unwrap();
+    [header, step, end]
+        .iter()
+        .for_each(|line| run.append(line).unwrap());
+    let took = spent[1..]
+        .iter()
+        .map(|line| serde_json::from_str::<Spent>(line).unwrap());
+    took.for_each(|line| run.spend(&line).unwrap());
+    drop(run);
+    let record = Record::read(folder.path()).unwrap();
+    assert_eq!((record.steps.len(), record.spent.len()), (1, 1));
+    assert!(record.end.is_some() && record.took.is_some());
+
+    // A line of JSON that this version does not write.
+    let foreign = format!(
+        "{}\n",
+        lines[0].replace("\"repetition\":0", "\"repetition\":\"first\"")
+    );
+    std::fs::write(&file, &foreign).unwrap();
+    let error = RunFolder::reopen(folder.path()).unwrap_err().to_string();
+    let why = "line 1 is not as this version of fabc writes it: invalid type: string";
+    assert!(error.contains(why), "{error}");
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), foreign);
 }

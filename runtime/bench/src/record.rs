@@ -76,9 +76,9 @@ pub enum Found {
 pub fn find(folder: &Path, wanted: &Identity) -> Found {
     let read = match Record::read(folder) {
         Ok(read) => read,
-        Err(error @ RecordError::Version { .. }) => return Found::Other(error.to_string()),
-        // What is damaged is done again, from its whole lines on.
-        Err(RecordError::Absent(_) | RecordError::Damaged { .. }) => return Found::Unfinished,
+        Err(RecordError::Absent(_)) => return Found::Unfinished,
+        // Done again, it would be read again as it is now.
+        Err(error) => return Found::Other(error.to_string()),
     };
     if let Some(difference) = wanted.difference(&read.header) {
         return Found::Other(difference);

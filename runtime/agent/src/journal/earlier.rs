@@ -30,11 +30,11 @@ impl Earlier {
         let mut reader = Reader::open(path, MAX_BYTES).map_err(unreadable)?;
         let mut earlier = Earlier::default();
         while let Some(line) = reader.next_line().map_err(unreadable)? {
-            let text = std::str::from_utf8(line).ok();
-            let Some(text) = text.filter(|text| is_taken(text, earlier.count)) else {
+            let text = String::from_utf8_lossy(line).into_owned();
+            if !is_taken(&text, earlier.count).map_err(unreadable)? {
                 break;
-            };
-            earlier.lines.push_back(text.to_owned());
+            }
+            earlier.lines.push_back(text);
             earlier.count += 1;
             earlier.bytes = reader.whole_bytes();
         }
@@ -72,11 +72,18 @@ impl Earlier {
 }
 
 /// Returns whether a line stays: the first if it is a header, others if they are steps that did not end the rollout.
-fn is_taken(line: &str, number: usize) -> bool {
+///
+/// Fails for a line of JSON that this program does not write: it is another version's, and not to be written over.
+fn is_taken(line: &str, number: usize) -> Result<bool, String> {
     match serde_json::from_str(line) {
-        Ok(Line::Header(_)) => number == 0,
-        Ok(Line::Step(step)) => number > 0 && step.stopped.is_none(),
-        Ok(Line::End(_)) | Err(_) => false,
+        Ok(Line::Header(_)) => Ok(number == 0),
+        Ok(Line::Step(step)) => Ok(number > 0 && step.stopped.is_none()),
+        Ok(Line::End(_)) => Ok(false),
+        Err(error) if error.is_data() => Err(format!(
+            "line {} is not as this version of fabc writes it: {error}",
+            number + 1
+        )),
+        Err(_) => Ok(false),
     }
 }
 

@@ -9,20 +9,19 @@ use super::{Ended, Job, RunError};
 use crate::action::Action;
 use crate::agent::Asking;
 use crate::journal::{JournalError, RunFolder};
+use crate::operator;
 use crate::outcome::Outcome;
 use crate::record::{
     self, End, ExpertDistance, Header, Line, Measures, Progress, Report, RoleModels, Spent,
     StartFile, StepSpent, Took,
 };
 use crate::sheet::Sheet;
-use fab_model::{Description, ModelRole, Nature};
-use fab_world::expert::ExpertEnd;
-use fab_world::start::Up;
-
-use crate::operator;
 use fab_base::{digest, npy};
+use fab_model::{Description, ModelRole, Nature};
 use fab_picture::png;
 use fab_world::World;
+use fab_world::expert::ExpertEnd;
+use fab_world::start::Up;
 use image::RgbImage;
 use serde_json::Map;
 use sha2::{Digest, Sha256};
