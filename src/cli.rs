@@ -21,7 +21,7 @@ pub mod sim;
 pub mod snap;
 
 #[cfg(feature = "runtime")]
-use asked::{ModelArguments, SpendArguments, dollars};
+use asked::{ModelArguments, PolicyArguments, SpendArguments, dollars};
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 #[cfg(feature = "runtime")]
 use fab_model::calls::Usd;
@@ -336,6 +336,9 @@ pub struct DemosArguments {
 pub struct RunArguments {
     #[command(flatten)]
     pub task: TaskArguments,
+    #[command(flatten)]
+    #[serde(default)]
+    pub policy: PolicyArguments,
     #[command(flatten)]
     pub model: ModelArguments,
     #[command(flatten)]

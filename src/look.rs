@@ -6,10 +6,9 @@
 use crate::exit::Failure;
 use crate::output;
 use fab_agent::action::Action;
-use fab_agent::agent;
-use fab_agent::agent::{Asking, Decision, Situation};
 use fab_agent::examples::Examples;
 use fab_agent::pictures::Pictures;
+use fab_agent::policy::{Asking, Decision, Exchange, Policy, Prompted, StepView};
 use fab_agent::scene::Scene;
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
@@ -22,8 +21,7 @@ use fab_program::{Fold, PixelPoint, Program, Subgoals, Value};
 use fab_standins::Geometric;
 use fab_world::expert;
 use fab_world::start::Start;
-use fab_world::{Motion, World, everywhere};
-use std::convert::Infallible;
+use fab_world::{Motion, World};
 
 /// What the camera sees at a step, and the action before it.
 pub struct Seen {
@@ -131,30 +129,23 @@ fn decided(
     let examples = Examples::default();
     let pictures = Pictures::of(program, scene, observation, last, subgoals, examples)
         .map_err(Failure::environment)?;
-    let situation = Situation {
-        program,
-        scene,
-        observation,
-        number: step,
-        step,
-        before: None,
-        last,
-        pictures: &pictures,
-        reach: &everywhere,
-        repetition: 0,
-    };
+    let view = StepView::outside(program, scene, observation, step, last, &pictures);
     let models = Models {
         vision: &Geometric,
         text: &Geometric,
     };
-    let mut ignore = |_: &_| Ok::<_, Infallible>(());
-    let decision = agent::decide(situation, models, &mut Asking::unkept(), &mut ignore);
+    let mut exchange = Exchange {
+        asking: &mut Asking::unkept(),
+        record: &mut |_| Ok(()),
+        interrupt: &Interrupt::default(),
+    };
+    let decision = Prompted { models }.decide(&view, &mut exchange);
     let action = match decision.map_err(Failure::environment)? {
-        Decision::Act { proposal, .. } => {
+        Decision::Act { mut grips, .. } => grips.pop().and_then(|proposal| {
             let action = Action::lower(program, &proposal, scene, observation);
             action.map(|action| (action, proposal))
-        }
-        Decision::Skip(_) | Decision::Stop(_) => None,
+        }),
+        Decision::Skip(_) | Decision::Stop { .. } => None,
     };
     let Some((action, proposal)) = action else {
         return Err(Failure::environment(format!(

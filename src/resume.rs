@@ -69,7 +69,10 @@ fn ended(folder: &Path) -> Option<(Report, Option<Took>)> {
     let record = Record::read(folder).ok()?;
     let report = record.end?.report;
     match report.outcome {
-        Outcome::Interrupted | Outcome::BudgetExhausted | Outcome::ModelFailed => None,
+        Outcome::Interrupted
+        | Outcome::BudgetExhausted
+        | Outcome::ModelFailed
+        | Outcome::PolicyFailed => None,
         _ => Some((report, record.took)),
     }
 }

@@ -10,16 +10,17 @@ use crate::operator::Terminal;
 use crate::robot::standing;
 use crate::setting::arm::Moving;
 use crate::setting::models;
+use crate::setting::policies::Deciding;
 use crate::{output, setting, sources};
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
+use fab_agent::policy::MakePolicy;
 use fab_agent::rollout;
 use fab_agent::rollout::{Job, RunError};
 use fab_agent::subgoals::{Origin, SubgoalError, SubgoalSet};
 use fab_arm::settings::DriverKind;
 use fab_base::interrupt::Interrupt;
-use fab_model::Nature;
 use fab_model::calls::{Spent, ledger};
 use fab_program::Program;
 use fab_world::WorldError;
@@ -60,7 +61,8 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     let beside = sources::folder_of(&arguments.task.file);
     let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
     let interrupt = setting::interrupt()?;
-    let answering = models::models(&arguments.model, arguments.spend.purpose(), &interrupt)?;
+    let purpose = arguments.spend.purpose();
+    let deciding = Deciding::of(&arguments.policy, &arguments.model, purpose, &interrupt)?;
     let moving = match arguments.plan_only {
         true => Moving::Planned,
         false => Moving::Carried,
@@ -114,16 +116,19 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
             .is_some_and(|settings| setting::arm::has_operator(&arguments.arm, settings));
     let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
     say_origin(subgoals.origin, &arguments.task.file);
-    let asked = answering.models();
-    let stand_in = match asked.nature() {
-        Nature::StandIn => " (a stand-in, no vision-language model)",
-        Nature::Model => "",
+    let who = deciding.make().description();
+    let stand_in = match who.is_stand_in() {
+        true => " (a stand-in, no vision-language model)",
+        false => "",
+    };
+    let asked = match who.models {
+        Some(_) => format!("model {}{stand_in}", who.name),
+        None => who.title(),
     };
     output::talk(&format!(
-        "{}: start {}, model {}{stand_in}",
+        "{}: start {}, {asked}",
         program.title(),
-        start.name,
-        asked.name()
+        start.name
     ));
     let budget = models::budget(&arguments.spend);
     let recorder = match arguments.spend.estimate {
@@ -135,7 +140,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         start: &start,
         subgoals: &subgoals,
         examples: &examples,
-        models: asked,
+        make_policy: &deciding,
         budget: &budget,
         recorder: recorder.as_ref(),
         make_world: &make_world,
@@ -147,28 +152,34 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         operator: has_operator.then_some(&Terminal),
         repetition: 0,
     };
-    let asks = answering.asks_a_provider() || arguments.spend.estimate;
-    let questions = match asks {
-        // Nobody lays a cloth, and nothing is connected, for the sake of an estimate.
-        true => rollout::first_questions(&Job {
-            make_world: &make_look,
-            ..job
-        })
-        .map_err(Failure::environment)?,
-        false => Vec::new(),
-    };
-    answering.check(&questions)?;
-    if arguments.spend.estimate {
-        let asking = Asking {
-            program: &program,
-            questions: &questions,
-            answering: &answering,
-            horizon: job.horizon(),
-            rollouts: 1,
+    if let Some(answering) = deciding.answering() {
+        let asks = answering.asks_a_provider() || arguments.spend.estimate;
+        let questions = match asks {
+            // Nobody lays a cloth, and nothing is connected, for the sake of an estimate.
+            true => {
+                let look = Job {
+                    make_world: &make_look,
+                    ..job
+                };
+                rollout::first_questions(&look, answering.models()).map_err(Failure::environment)?
+            }
+            false => Vec::new(),
         };
-        estimate::say(&estimate::estimate(&asking), arguments.json);
-        return Ok(Exit::Done);
+        answering.check(&questions)?;
+        if arguments.spend.estimate {
+            let asking = Asking {
+                program: &program,
+                questions: &questions,
+                answering,
+                horizon: job.horizon(),
+                rollouts: 1,
+            };
+            estimate::say(&estimate::estimate(&asking), arguments.json);
+            return Ok(Exit::Done);
+        }
     }
+    let prepared = deciding.make().prepare(&program);
+    prepared.map_err(Failure::environment)?;
     let folder = match (&into, &arguments.out) {
         (Into::Again(path), _) => RunFolder::reopen(path),
         (Into::New, Some(path)) => RunFolder::create(path),
@@ -283,13 +294,14 @@ pub fn exit_of(outcome: Outcome, goal_reached: Option<bool>, judged: Option<bool
         Outcome::GoalReached | Outcome::HorizonReached if judged == Some(false) => Exit::Unreached,
         Outcome::GoalReached | Outcome::Planned => Exit::Done,
         Outcome::HorizonReached if goal_reached.is_none() => Exit::Done,
-        Outcome::ModelFailed | Outcome::WorldFailed => Exit::Environment,
+        Outcome::ModelFailed | Outcome::PolicyFailed | Outcome::WorldFailed => Exit::Environment,
         Outcome::Interrupted => Exit::Interrupted,
         Outcome::HorizonReached
         | Outcome::AttemptsExhausted
         | Outcome::MalformedReply
         | Outcome::NoCandidates
         | Outcome::ClothOutOfView
+        | Outcome::PolicyStopped
         | Outcome::BudgetExhausted => Exit::Unreached,
     }
 }

@@ -3,6 +3,7 @@
 pub mod arm;
 pub mod known;
 pub mod models;
+pub mod policies;
 pub mod remote;
 
 use crate::cli::{FrameArguments, StartArguments, TaskArguments};

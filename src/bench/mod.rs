@@ -14,6 +14,7 @@ use crate::exit::{Exit, Failure};
 use crate::operator::Terminal;
 use crate::setting::arm::Moving;
 use crate::setting::models::{self, Answering};
+use crate::setting::policies::Deciding;
 use crate::{output, setting};
 use fab_agent::outcome::Outcome;
 use fab_agent::rollout::FirstQuestion;
@@ -21,11 +22,11 @@ use fab_base::cache::Cache;
 use fab_bench::on_arm::OnArm;
 use fab_bench::play;
 use fab_bench::play::{Phase, Results, Stop};
-use fab_bench::{Bench, BenchError, first_questions_of, rows};
+use fab_bench::{Bench, BenchError, Entry, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_providers::estimate::Estimate;
-use prepare::AnsweringBy;
+use prepare::{DecidingBy, named_by};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -42,8 +43,9 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
             .as_ref()
             .is_some_and(|arm| setting::arm::has_operator(&arguments.arm, &arm.settings));
     let interrupt = setting::interrupt()?;
-    let answering = prepare::answering(
+    let deciding = prepare::deciding(
         &suite,
+        &arguments.policy,
         &arguments.model,
         arguments.spend.purpose(),
         &interrupt,
@@ -56,7 +58,7 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
     let threads = match arguments.jobs {
         _ if arguments.operator => 1,
         Some(jobs) => usize::from(jobs),
-        None => usual_jobs(&answering),
+        None => usual_jobs(&deciding),
     };
     let prepared = prepare::prepare(&suite, &found.folder, arguments, threads)?;
     let out = match arguments.spend.estimate {
@@ -64,7 +66,7 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         false => out_folder(arguments.out.as_deref(), &found.name)?,
     };
     let cache = cache(&out);
-    let Some(entries) = prepare::entries(&suite, &prepared, &answering, arguments, &interrupt)?
+    let Some(entries) = prepare::entries(&suite, &prepared, &deciding, arguments, &interrupt)?
     else {
         return Err(Failure::interrupted());
     };
@@ -96,20 +98,23 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         operator: has_operator.then_some(&Terminal),
         interrupt: &interrupt,
     };
-    let asks = answering.values().any(Answering::asks_a_provider) || arguments.spend.estimate;
+    let asks = asks_a_provider(&deciding) || arguments.spend.estimate;
     let questions = match asks {
         true => first_questions_of(&bench).map_err(failure)?,
         false => Vec::new(),
     };
     for (entry, questions) in bench.entries.iter().zip(&questions) {
-        if let Some(answering) = answering.get(&entry.method.model) {
+        if let Some(answering) = answering_of(&deciding, entry) {
             answering.check(questions)?;
         }
     }
     if arguments.spend.estimate {
-        return Ok(foresee(&bench, &questions, &answering, arguments.json));
+        return Ok(foresee(&bench, &questions, &deciding, arguments.json));
     }
     output::talk(&report::plan(&found.name, &bench, arguments.shard));
+    for command in deciding.values().filter_map(Deciding::command) {
+        output::talk(&format!("each of its rollouts starts `{command}`"));
+    }
     let results = play::play(&bench, &|phase, done, of| show(phase, done, of, &budget));
     output::progress("");
     let results = results.map_err(failure)?;
@@ -133,21 +138,30 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
 
 /// Returns how many rollouts run side by side by default: one per core, and more where most of the time is a
 /// provider's.
-fn usual_jobs(answering: &AnsweringBy) -> usize {
+fn usual_jobs(deciding: &DecidingBy) -> usize {
     const WITH_PROVIDERS: usize = 8;
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
-    let mut all = answering.values();
-    match all.any(Answering::asks_a_provider) {
+    match asks_a_provider(deciding) {
         true => cores.max(WITH_PROVIDERS),
         false => cores,
     }
+}
+
+fn asks_a_provider(deciding: &DecidingBy) -> bool {
+    let mut answering = deciding.values().filter_map(Deciding::answering);
+    answering.any(Answering::asks_a_provider)
+}
+
+/// Returns the models of an entry's policy, where it asks any.
+fn answering_of<'d>(deciding: &'d DecidingBy, entry: &Entry<'_>) -> Option<&'d Answering> {
+    deciding.get(&named_by(entry.method))?.answering()
 }
 
 /// Says what the suite would ask and cost.
 fn foresee(
     bench: &Bench<'_>,
     questions: &[Vec<FirstQuestion>],
-    answering: &AnsweringBy,
+    deciding: &DecidingBy,
     json: bool,
 ) -> Exit {
     let entries = bench.entries.iter().zip(questions);
@@ -157,7 +171,7 @@ fn foresee(
         Some(estimate::estimate(&Asking {
             program,
             questions,
-            answering: answering.get(&entry.method.model)?,
+            answering: answering_of(deciding, entry)?,
             horizon: bench
                 .suite
                 .horizons
@@ -228,7 +242,12 @@ fn show(phase: Phase, done: usize, of: usize, budget: &Budget) {
 /// A suite is done when its rollouts have ended, however they did; only where none could even be played has
 /// the environment failed.
 fn exit_of(results: &Results) -> Exit {
-    let failed = |outcome: Outcome| matches!(outcome, Outcome::ModelFailed | Outcome::WorldFailed);
+    let failed = |outcome: Outcome| {
+        matches!(
+            outcome,
+            Outcome::ModelFailed | Outcome::PolicyFailed | Outcome::WorldFailed
+        )
+    };
     match results.stopped {
         Some(Stop::Interrupted) => return Exit::Interrupted,
         Some(Stop::Capped) => return Exit::Unreached,

@@ -1,11 +1,13 @@
 //! Compiles a suite's tasks, finds its starts and models.
 
-use crate::cli::asked::{ModelArguments, Purpose};
+use crate::cli::asked::{ModelArguments, PolicyArguments, Purpose};
 use crate::cli::bench::{BenchArguments, Shard};
 use crate::exit::Failure;
-use crate::setting::models::{self, Answering};
+use crate::setting::models::Answering;
+use crate::setting::policies::Deciding;
 use crate::{output, setting, sources};
 use fab_agent::examples::Examples;
+use fab_agent::policy::MakePolicy;
 use fab_agent::subgoals::{SubgoalError, SubgoalSet};
 use fab_base::interrupt::Interrupt;
 use fab_base::parallel::in_parallel;
@@ -28,36 +30,44 @@ pub struct Prepared {
     by_grid: BTreeMap<[u32; 2], Vec<Program>>,
 }
 
-/// Who answers for each method, by the model that the method names; none: those of the command line.
-pub type AnsweringBy = BTreeMap<Option<String>, Answering>;
+/// Who decides for each method, by the policy and the model that the method names; none: those of the command line.
+pub type DecidingBy = BTreeMap<[Option<String>; 2], Deciding>;
 
-/// Finds every model that a suite asks for.
-pub fn answering(
+/// Returns under what the policy of a method is found.
+pub fn named_by(method: &Method) -> [Option<String>; 2] {
+    [method.policy.clone(), method.model.clone()]
+}
+
+/// Finds every policy and model that a suite asks for.
+pub fn deciding(
     suite: &Suite,
-    named: &ModelArguments,
+    policy: &PolicyArguments,
+    models: &ModelArguments,
     purpose: Purpose,
     interrupt: &Interrupt,
-) -> Result<AnsweringBy, Failure> {
-    let mut answering = AnsweringBy::new();
+) -> Result<DecidingBy, Failure> {
+    let mut deciding = DecidingBy::new();
     for method in &suite.methods {
-        if !answering.contains_key(&method.model) {
-            let own = method.model.iter().cloned().collect::<Vec<_>>();
-            let model = if own.is_empty() {
-                named.model.clone()
-            } else {
-                own
-            };
-            let arguments = ModelArguments {
-                model,
-                ..named.clone()
-            };
-            answering.insert(
-                method.model.clone(),
-                models::models(&arguments, purpose, interrupt)?,
-            );
+        let key = named_by(method);
+        if deciding.contains_key(&key) {
+            continue;
         }
+        // A method that names a model is one that asks it, and one that names a policy is not meant by `--model`.
+        let (policy, model) = match &key {
+            [None, None] => (policy.clone(), models.model.clone()),
+            [None, Some(model)] => (policy.named("prompted".to_owned()), vec![model.clone()]),
+            [Some(own), None] if own == "prompted" => {
+                (policy.named(own.clone()), models.model.clone())
+            }
+            [Some(own), model] => (policy.named(own.clone()), model.iter().cloned().collect()),
+        };
+        let models = ModelArguments {
+            model,
+            ..models.clone()
+        };
+        deciding.insert(key, Deciding::of(&policy, &models, purpose, interrupt)?);
     }
-    Ok(answering)
+    Ok(deciding)
 }
 
 /// Compiles the tasks and lists their starts; tasks without recorded starts are left out aloud.
@@ -169,7 +179,7 @@ fn programs_for(prepared: &Prepared, grid: [u32; 2]) -> Result<Vec<Program>, Fai
 pub fn entries<'a>(
     suite: &'a Suite,
     prepared: &[Prepared],
-    answering: &'a AnsweringBy,
+    deciding: &'a DecidingBy,
     arguments: &BenchArguments,
     interrupt: &Interrupt,
 ) -> Result<Option<Vec<Entry<'a>>>, Failure> {
@@ -186,19 +196,28 @@ pub fn entries<'a>(
             let programs = prepared.by_grid.iter().filter_map(|(grid, programs)| {
                 Some((*grid, variant_of(programs, method)?.clone()))
             });
-            let Some(answering) = answering.get(&method.model) else {
+            let Some(deciding) = deciding.get(&named_by(method)) else {
                 continue;
             };
-            let models = answering.models();
+            let policy = deciding.make();
+            if let Err(error) = policy.prepare(shown) {
+                if !method.optional {
+                    return Err(Failure::environment(error));
+                }
+                output::talk(&format!("{error}: its row `{}` is left out", method.name));
+                continue;
+            }
             let examples = Examples::load(shown, &prepared.folder);
             entries.push(Entry {
                 task: number,
                 method,
-                models,
+                make_policy: deciding,
+                policy: policy.description(),
+                models: deciding.answering().map(Answering::models),
                 programs: programs.collect(),
                 subgoals,
                 examples: examples.map_err(Failure::environment)?,
-                repeats: match models.varies() {
+                repeats: match policy.varies() {
                     true => arguments
                         .repeats
                         .or(method.repeats)

@@ -7,7 +7,6 @@ use fab_bench::Bench;
 use fab_bench::play::{Results, Stop};
 use fab_bench::rows::Row;
 use fab_bench::{statistics, table};
-use fab_model::Nature;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -33,27 +32,28 @@ pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
         .iter()
         .map(|entry| bench.tasks[entry.task].starts.len() * entry.repeats as usize)
         .sum();
-    let models: BTreeSet<String> = bench
+    let policies: BTreeSet<String> = bench
         .entries
         .iter()
-        .map(|entry| match entry.models.nature() {
-            Nature::StandIn => format!(
-                "{} (a stand-in, no vision-language model)",
-                entry.models.name()
+        .map(|entry| match (entry.policy.is_stand_in(), &entry.models) {
+            (true, _) => format!(
+                "model {} (a stand-in, no vision-language model)",
+                entry.policy.name
             ),
-            Nature::Model => entry.models.name(),
+            (false, Some(_)) => format!("model {}", entry.policy.name),
+            (false, None) => entry.policy.title(),
         })
         .collect();
-    let models: Vec<String> = models.into_iter().collect();
+    let policies: Vec<String> = policies.into_iter().collect();
     let part = shard.map_or(String::new(), |Shard { part, of }| {
         format!(", part {part} of {of} of the starts")
     });
     format!(
-        "{name}: {} in `{}`{part}, {} at a time; model {}",
+        "{name}: {} in `{}`{part}, {} at a time; {}",
         counted(rollouts, "rollout"),
         bench.out.display(),
         bench.side_by_side(),
-        models.join(", ")
+        policies.join(", ")
     )
 }
 

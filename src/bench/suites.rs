@@ -82,6 +82,7 @@ pub fn narrowed(mut suite: Suite, variant: Option<&str>) -> Suite {
         suite.methods.push(Method {
             name: variant.to_owned(),
             variant: Some(variant.to_owned()),
+            policy: None,
             model: None,
             repeats: None,
             optional: false,

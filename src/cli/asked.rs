@@ -5,16 +5,51 @@ use clap::{Args, ValueEnum, ValueHint};
 use fab_model::calls::Usd;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Who answers.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 pub struct ModelArguments {
     /// Who answers: `geometric` (an embedded stand-in without key and network), `random[:SEED]`, `imperfect:RATE[:SEED]`,
     /// `replay:FILE`, or `PROVIDER:NAME` (see `fabc models`); `vision=MODEL` and `text=MODEL` name one for a role.
-    #[arg(long, value_name = "[ROLE=]MODEL", default_value = "geometric")]
+    /// Default: `geometric`.
+    #[arg(long, value_name = "[ROLE=]MODEL")]
     pub model: Vec<String>,
     #[command(flatten)]
     pub reach: ReachArguments,
+}
+
+/// Who decides.
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+pub struct PolicyArguments {
+    /// Who decides: `prompted` asks `--model`; `random[:SEED]` draws from the action space; `expert` follows the task's
+    /// demonstration; `exec:"CMD ARG..."` is a program of yours, `exec+particles:` one that looks at true particles.
+    /// Default: `prompted`.
+    #[arg(long, value_name = "POLICY")]
+    policy: Option<String>,
+    /// How long one answer of a program may take, seconds. Default: 120.
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=3600))]
+    policy_timeout: Option<u32>,
+}
+
+impl PolicyArguments {
+    /// Returns the policy's name.
+    pub fn name(&self) -> &str {
+        self.policy.as_deref().unwrap_or("prompted")
+    }
+
+    /// Returns the same limits for a policy of another name.
+    pub fn named(&self, policy: String) -> PolicyArguments {
+        PolicyArguments {
+            policy: Some(policy),
+            ..self.clone()
+        }
+    }
+
+    /// Returns how long one answer of a program may take.
+    pub fn limit(&self) -> Duration {
+        Duration::from_secs(self.policy_timeout.unwrap_or(120).into())
+    }
 }
 
 /// How providers are reached, and what is known of their models.

@@ -1,6 +1,6 @@
 //! The command line of `fabc bench`.
 
-use super::asked::{ModelArguments, SpendArguments};
+use super::asked::{ModelArguments, PolicyArguments, SpendArguments};
 use super::robot::ArmArguments;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
@@ -14,6 +14,9 @@ pub struct BenchArguments {
     /// A suite of tasks/suites by its name, or the path of a .toml file.
     #[arg(value_name = "SUITE")]
     pub suite: String,
+    /// Who decides, where a method of the suite does not say itself.
+    #[command(flatten)]
+    pub policy: PolicyArguments,
     /// Who answers, where a method of the suite does not say itself.
     #[command(flatten)]
     pub model: ModelArguments,

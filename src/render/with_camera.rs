@@ -11,10 +11,10 @@ use crate::run::say_origin;
 use crate::setting::known;
 use crate::setting::models::Told;
 use crate::{setting, sources};
-use fab_agent::agent;
-use fab_agent::agent::{Conversation, Finding, Rehearsed, Situation, Spoken, SpokenPart};
 use fab_agent::examples::Examples;
 use fab_agent::pictures::Pictures;
+use fab_agent::policy;
+use fab_agent::policy::{Conversation, Finding, Rehearsed, Spoken, SpokenPart, StepView};
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_model::calls::Usage;
@@ -26,7 +26,6 @@ use fab_program::scene::SceneView;
 use fab_program::verify::Verdict;
 use fab_program::{ClothStart, Program, Stage};
 use fab_providers::catalogue::Profile;
-use fab_world::everywhere;
 use std::collections::BTreeMap;
 
 /// Returns the task for the cloth of the start file that is named, where one is; else the task as it is.
@@ -169,20 +168,16 @@ impl View {
         stages: &[&Stage],
         answers: Vec<String>,
     ) -> Result<Vec<Rehearsed>, Failure> {
-        let situation = Situation {
+        let view = StepView::outside(
             program,
-            scene: &self.seen.scene,
-            observation: &self.seen.observation,
-            number: self.step,
-            step: self.step,
-            before: None,
-            last: self.seen.last.as_ref(),
-            pictures: &self.pictures,
-            reach: &everywhere,
-            repetition: 0,
-        };
+            &self.seen.scene,
+            &self.seen.observation,
+            self.step,
+            self.seen.last.as_ref(),
+            &self.pictures,
+        );
         let lowering = |_| self.told.lowering;
-        let rehearsed = agent::rehearse(situation, stages, &lowering, answers);
+        let rehearsed = policy::rehearse(view, stages, &lowering, answers);
         let (rehearsed, left) = rehearsed.map_err(Failure::environment)?;
         match left.len() {
             0 => Ok(rehearsed),
@@ -203,7 +198,7 @@ impl View {
         let lowering = &self.told.lowering;
         let stages = stages.iter().map(|stage| {
             let conversation =
-                agent::conversation(program, stage, values, &self.pictures, self.step, lowering);
+                policy::conversation(program, stage, values, &self.pictures, self.step, lowering);
             let conversation = conversation.map_err(Failure::environment)?;
             Ok(Rehearsed {
                 stage: stage.name.clone(),

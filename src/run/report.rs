@@ -1,8 +1,9 @@
 //! What `fabc run` says: a line per step while it runs, and a summary.
 
 use crate::output;
-use fab_agent::agent::{Attempt, Finding};
 use fab_agent::judgement::Judgement;
+use fab_agent::outcome::Outcome;
+use fab_agent::policy::{Attempt, Finding};
 use fab_agent::record::CoverageSource;
 use fab_agent::rollout::{Ended, Event};
 use fab_model::calls::Spent;
@@ -19,12 +20,16 @@ pub fn show(event: Event<'_>, earlier: u32) {
             output::talk(&format!("step {step}/{horizon}: ended: {why}"));
         }
         Event::Asked { step, attempt } => {
-            if let Some(refusal) = refusal(attempt) {
-                output::talk(&format!(
-                    "  step {step}, {} attempt {}: {refusal}",
-                    attempt.stage, attempt.number
-                ));
-            }
+            let words = match (&attempt.note, refusal(attempt)) {
+                (Some(note), Some(refusal)) => format!("{note}; {refusal}"),
+                (Some(note), None) => format!("{note}; accepted"),
+                (None, Some(refusal)) => refusal,
+                (None, None) => return,
+            };
+            output::talk(&format!(
+                "  step {step}, {} attempt {}: {words}",
+                attempt.stage, attempt.number
+            ));
         }
         Event::Stepped {
             step,
@@ -80,6 +85,11 @@ fn refusal(attempt: &Attempt) -> Option<String> {
             ..
         } => Some(format!("refused by `{check}`: {message}")),
         Finding::Malformed { message, .. } => Some(format!("not readable: {message}")),
+        // The end of the step says it.
+        Finding::Failed {
+            outcome: Outcome::PolicyFailed | Outcome::PolicyStopped,
+            ..
+        } => None,
         Finding::Failed { why, .. } => Some(why.clone()),
         Finding::Text { .. }
         | Finding::Action {
@@ -130,12 +140,13 @@ pub fn summary(report: &Ended, goal: Option<&Goal>) -> String {
         ));
     }
     lines.extend(report.operator.as_ref().map(judged));
-    let stand_in = if report.model_is_stand_in {
-        ", a stand-in and no vision-language model"
-    } else {
-        ""
-    };
-    lines.push(format!("model: {}{stand_in}", report.model));
+    lines.push(match &report.model {
+        Some(model) if report.model_is_stand_in => {
+            format!("model: {model}, a stand-in and no vision-language model")
+        }
+        Some(model) => format!("model: {model}"),
+        None => format!("policy: {}", report.policy),
+    });
     lines.push(questions(report));
     lines.extend(spent(report));
     let seconds = report

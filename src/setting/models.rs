@@ -24,6 +24,9 @@ const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SE
 /// What the name of a recording begins with.
 const REPLAY: &str = "replay:";
 
+/// Who answers where the command line names nobody.
+const DEFAULT_MODEL: &str = "geometric";
+
 /// The seed of a model where the command line names none.
 const DEFAULT_SEED: u64 = 0;
 
@@ -119,7 +122,10 @@ pub fn models(
         interrupt,
         providers: None,
     };
-    let models = by_role("--model", &arguments.model)?;
+    let models = match arguments.model.is_empty() {
+        true => ByRole::Both(DEFAULT_MODEL.to_owned()),
+        false => by_role("--model", &arguments.model)?,
+    };
     let urls = match arguments.reach.base_url.is_empty() {
         true => None,
         false => Some(by_role("--base-url", &arguments.reach.base_url)?),

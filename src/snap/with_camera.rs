@@ -9,8 +9,8 @@ use crate::look::{self, Seen};
 use crate::render::page::Shown;
 use crate::render::shown_without_drawing;
 use crate::{setting, sources};
-use fab_agent::agent;
 use fab_agent::examples::Examples;
+use fab_agent::policy;
 use fab_agent::subgoals::SubgoalSet;
 use fab_base::interrupt::Interrupt;
 use fab_picture::png;
@@ -119,7 +119,7 @@ impl<'p> Camera<'p> {
                 self.examples.get_or_init(|| examples)
             }
         };
-        let spoken = agent::opening(self.program, stage, values, examples, step);
+        let spoken = policy::opening(self.program, stage, values, examples, step);
         let spoken = spoken.map_err(Failure::environment)?;
         Ok(Some(shown_without_drawing(&spoken, step)))
     }

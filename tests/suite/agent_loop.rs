@@ -1,8 +1,8 @@
 //! The agent loop under scripted models: what ends it, what it asks again, what it never does.
 
 use super::support::{self, Scripted, Trial};
-use fab_agent::agent::Finding;
 use fab_agent::outcome::Outcome;
+use fab_agent::policy::Finding;
 use fab_agent::rollout::{Ended, Event};
 use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_base::cache::Cache;

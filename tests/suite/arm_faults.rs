@@ -5,6 +5,7 @@ use super::support::{self, Trial, root, task};
 use fab_agent::arm_sight::SIGHT;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
+use fab_agent::policy::Prompted;
 use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout::{self, Job};
 use fab_arm::calibration::{Calibration, Method, Pair, Terms};
@@ -201,7 +202,7 @@ fn run(trial: &Trial<'_>, trouble: &Trouble, folder: &Path) -> Ended {
         start: &trial.start,
         subgoals: &trial.subgoals,
         examples: &trial.examples,
-        models,
+        make_policy: &Prompted { models },
         budget: &Budget::default(),
         recorder: None,
         make_world: &make_world,

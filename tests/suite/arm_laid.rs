@@ -3,6 +3,7 @@
 use super::physical::{SUITE, smoothing};
 use super::seen_coverage::{Blind, flat};
 use fab_agent::examples::Examples;
+use fab_agent::policy::{Policy, Prompted};
 use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_arm::world::About;
 use fab_base::cache::Cache;
@@ -43,6 +44,12 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
         }))
     };
     let random = Random::seeded(5);
+    let prompted = Prompted {
+        models: Models {
+            vision: &random,
+            text: &random,
+        },
+    };
     let folder = tempfile::tempdir().unwrap();
     let bench = Bench {
         suite: &suite,
@@ -54,10 +61,9 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
         entries: vec![Entry {
             task: 0,
             method: &suite.methods[0],
-            models: Models {
-                vision: &random,
-                text: &random,
-            },
+            make_policy: &prompted,
+            policy: prompted.description(),
+            models: Some(prompted.models),
             programs: BTreeMap::from([([28, 28], program.clone())]),
             subgoals: SubgoalSet {
                 pictures: Vec::new(),

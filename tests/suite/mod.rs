@@ -41,6 +41,7 @@ mod peers;
 mod physical;
 mod pointing;
 mod pointing_told;
+mod policies;
 mod provider;
 mod reach;
 mod recorded_starts;

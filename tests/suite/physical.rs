@@ -4,6 +4,7 @@ use super::bench::project;
 use super::seen_coverage::{Blind, flat};
 use super::support::{self, ProjectFiles, fabc};
 use fab_agent::examples::Examples;
+use fab_agent::policy::{Policy, Prompted};
 use fab_agent::record::Report;
 use fab_agent::subgoals::{Origin, SubgoalSet};
 use fab_agent::{
@@ -221,6 +222,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
         vision: &random,
         text: &random,
     };
+    let prompted = Prompted { models };
     let failed = Judgement {
         reached: false,
         why: Some(Cause::Hardware),
@@ -238,7 +240,9 @@ fn coverage_by_pictures_has_columns_of_its_own() {
         entries: vec![Entry {
             task: 0,
             method: &suite.methods[0],
-            models,
+            make_policy: &prompted,
+            policy: prompted.description(),
+            models: Some(models),
             programs: BTreeMap::from([([28, 28], program.clone())]),
             subgoals: SubgoalSet {
                 pictures: Vec::new(),
@@ -292,7 +296,9 @@ fn coverage_by_pictures_has_columns_of_its_own() {
     let entry = Entry {
         task: 0,
         method: &suite.methods[0],
-        models,
+        make_policy: &prompted,
+        policy: prompted.description(),
+        models: Some(models),
         programs: BTreeMap::from([([28, 28], fold.clone())]),
         subgoals: SubgoalSet {
             pictures: Vec::new(),

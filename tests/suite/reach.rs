@@ -5,6 +5,7 @@ use super::support::{self, ProjectFiles, words_of};
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
+use fab_agent::policy::Prompted;
 use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout;
 use fab_agent::rollout::{Ended, Job, first_questions};
@@ -132,9 +133,11 @@ fn with_job<T>(
             origin: Origin::Author,
         },
         examples: &Examples::default(),
-        models: Models {
-            vision: model,
-            text: model,
+        make_policy: &Prompted {
+            models: Models {
+                vision: model,
+                text: model,
+            },
         },
         budget: &Budget::default(),
         recorder: None,
@@ -217,7 +220,14 @@ fn an_estimate_shows_the_same_questions() {
         answer: &folds,
         asked: Mutex::default(),
     };
-    let questions = with_job(&program, 0.05, &model, first_questions).unwrap();
+    let questions = with_job(&program, 0.05, &model, |job| {
+        let models = Models {
+            vision: &model,
+            text: &model,
+        };
+        first_questions(job, models)
+    })
+    .unwrap();
     assert!(words_of(&questions[1].request).contains("Some points cannot be reached"));
 }
 

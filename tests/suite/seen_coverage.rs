@@ -4,6 +4,7 @@ use super::support;
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
+use fab_agent::policy::Prompted;
 use fab_agent::record::CoverageSource;
 use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout;
@@ -92,9 +93,11 @@ fn play(program: &Program, flat: Option<Observation>) -> Result<(Ended, String),
             origin: Origin::Author,
         }),
         examples: &Examples::default(),
-        models: Models {
-            vision: &Geometric,
-            text: &Geometric,
+        make_policy: &Prompted {
+            models: Models {
+                vision: &Geometric,
+                text: &Geometric,
+            },
         },
         budget: &Budget::default(),
         recorder: None,

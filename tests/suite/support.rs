@@ -2,6 +2,7 @@
 
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
+use fab_agent::policy::{MakePolicy, Prompted};
 use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout;
 use fab_agent::rollout::{Ended, Event, Job, RunError};
@@ -191,6 +192,16 @@ impl<'p> Trial<'p> {
         run: &Path,
         watch: &mut dyn FnMut(Event<'_>),
     ) -> Result<Ended, RunError> {
+        self.decided(&Prompted { models }, run, watch)
+    }
+
+    /// Does the same with another policy than one that asks models.
+    pub fn decided(
+        &self,
+        make_policy: &dyn MakePolicy,
+        run: &Path,
+        watch: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Ended, RunError> {
         let make_world = || -> Result<Box<dyn World>, WorldError> {
             let world = SimulatedWorld::new(&self.program.camera, self.program.picker)?;
             Ok(Box::new(world.with_look(self.look.clone())))
@@ -200,7 +211,7 @@ impl<'p> Trial<'p> {
             start: &self.start,
             subgoals: &self.subgoals,
             examples: &self.examples,
-            models,
+            make_policy,
             budget: &self.budget,
             recorder: self.recorder.as_ref(),
             make_world: &make_world,

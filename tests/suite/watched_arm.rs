@@ -9,6 +9,7 @@ use fab_agent::arm_sight::SIGHT;
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
 use fab_agent::outcome::Outcome;
+use fab_agent::policy::Prompted;
 use fab_agent::rollout;
 use fab_agent::rollout::Job;
 use fab_agent::subgoals::SubgoalSet;
@@ -307,9 +308,11 @@ fn a_panic_while_the_arm_moves_is_told_with_what_is_verified() {
             start: &Start::flat(&program.cloth),
             subgoals: &SubgoalSet::obtain(&program, &beside, drawn.as_mut(), &interrupt).unwrap(),
             examples: &Examples::load(&program, &beside).unwrap(),
-            models: Models {
-                vision: &Geometric,
-                text: &Geometric,
+            make_policy: &Prompted {
+                models: Models {
+                    vision: &Geometric,
+                    text: &Geometric,
+                },
             },
             budget: &Budget::default(),
             recorder: None,

@@ -8,10 +8,9 @@
 //! of its own, so that states come up that it would not reach by itself. `scripts/fit-pulls.py` fits the estimate.
 
 use fab_agent::action::Action;
-use fab_agent::agent;
-use fab_agent::agent::{Asking, Decision, Situation};
 use fab_agent::examples::Examples;
 use fab_agent::pictures::Pictures;
+use fab_agent::policy::{Asking, Decision, Exchange, Policy, Prompted, StepView};
 use fab_agent::scene::Scene;
 use fab_base::cache::Cache;
 use fab_base::chance::Chance;
@@ -28,7 +27,7 @@ use fab_standins::geometric::{FEATURES, Geometric, Offer, offers};
 use fab_world::crumple;
 use fab_world::metrics;
 use fab_world::start::Start;
-use fab_world::{SimulatedWorld, World, everywhere};
+use fab_world::{SimulatedWorld, World};
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -138,31 +137,33 @@ fn smooth(seed: u64, actions: usize) -> Result<String, Failure> {
             None,
             examples,
         )?;
-        let situation = Situation {
-            program: &program,
-            scene: &scene,
-            observation: &observation,
-            number: step,
+        let view = StepView::outside(
+            &program,
+            &scene,
+            &observation,
             step,
-            before: None,
-            last: last.as_ref(),
-            pictures: &pictures,
-            reach: &everywhere,
-            repetition: 0,
-        };
+            last.as_ref(),
+            &pictures,
+        );
         let heard = Overheard::default();
         let models = Models {
             vision: &heard,
             text: &heard,
         };
-        let decision = agent::decide(situation, models, &mut Asking::unkept(), &mut |_| {
-            Ok::<_, std::io::Error>(())
-        })?;
-        let Decision::Act { proposal: own, .. } = decision else {
+        let mut exchange = Exchange {
+            asking: &mut Asking::unkept(),
+            record: &mut |_| Ok(()),
+            interrupt: &interrupt,
+        };
+        let decision = Prompted { models }.decide(&view, &mut exchange)?;
+        let Decision::Act { grips, .. } = decision else {
+            break;
+        };
+        let [own] = grips.as_slice() else {
             break;
         };
         let mut offered = offers(&heard.question())?;
-        let picked: Vec<Offer> = picked(&mut offered, &own, &mut chance);
+        let picked: Vec<Offer> = picked(&mut offered, own, &mut chance);
         let mut tried: Vec<Tried> = Vec::new();
         for offer in picked {
             let proposal = proposal(&program, &offer);

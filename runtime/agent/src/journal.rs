@@ -8,7 +8,7 @@
 
 mod earlier;
 
-use crate::agent::Attempt;
+use crate::policy::{Attempt, Question};
 use crate::record::{Asked, Line, MAX_SPENT_BYTES, RECORD_FILE, SPENT_FILE, Spent};
 use earlier::Earlier;
 use fab_base::files;
@@ -206,15 +206,23 @@ impl RunFolder {
 
     /// Writes the exact prompt and reply of one attempt and returns its entry for the step's line.
     pub fn keep_attempt(&mut self, step: u32, attempt: &Attempt) -> Result<Asked, JournalError> {
-        self.keep_images(&attempt.request)?;
         let stem = format!("step_{step}/{}_{}", attempt.stage, attempt.number);
-        let request = serde_json::to_vec_pretty(&attempt.request)
-            .expect("a request holds strings and finite numbers");
-        let request_file = self.keep(&format!("{stem}.request.json"), &request)?;
-        let prompt_file = self.keep(
-            &format!("{stem}.prompt.txt"),
-            transcript(&attempt.request).as_bytes(),
-        )?;
+        let (request, prompt) = match &attempt.question {
+            None => (None, None),
+            Some(Question::Line { text, .. }) => {
+                let name = format!("{stem}.request.json");
+                (Some(self.keep(&name, text.as_bytes())?), None)
+            }
+            Some(Question::Prompt(request)) => {
+                self.keep_images(request)?;
+                let text = serde_json::to_vec_pretty(request)
+                    .expect("a request holds strings and finite numbers");
+                let file = self.keep(&format!("{stem}.request.json"), &text)?;
+                let words = transcript(request);
+                let prompt = self.keep(&format!("{stem}.prompt.txt"), words.as_bytes())?;
+                (Some(file), Some(prompt))
+            }
+        };
         let reply_file = match &attempt.reply {
             Some(reply) => Some(self.keep(&format!("{stem}.reply.txt"), reply.text.as_bytes())?),
             None => None,
@@ -222,9 +230,10 @@ impl RunFolder {
         Ok(Asked {
             stage: attempt.stage.clone(),
             attempt: attempt.number,
-            request_key: attempt.request.key(),
-            request: request_file,
-            prompt: prompt_file,
+            request_key: attempt.question.as_ref().map(Question::key),
+            request,
+            prompt,
+            note: attempt.note.clone(),
             reply: reply_file,
             result: attempt.finding.clone(),
             usage: attempt.reply.as_ref().and_then(|reply| reply.usage),

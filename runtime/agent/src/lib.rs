@@ -7,8 +7,9 @@
 //! accept → Action → World.act → Executed → step line → Report
 //! ```
 //!
-//! [`rollout::run`] is that pipeline. Two traits open it: [`fab_world::World`], which is a simulated cloth or a robot arm,
-//! and [`fab_model::Model`], which is a provider's model or a stand-in.
+//! [`rollout::run`] is that pipeline. Three traits open it: [`fab_world::World`], which is a simulated cloth or a robot arm,
+//! [`policy::Policy`], which decides the actions, and [`fab_model::Model`], which is a provider's model or a stand-in and
+//! answers the policy that asks models.
 //!
 //! This program compiles a task from memory and runs it on a small simulated cloth. `fab_standins::Geometric` answers:
 //! a stand-in that needs no key and no network.
@@ -16,6 +17,7 @@
 //! ```
 //! use fab_compiler::{LoadError, Loader};
 //! use fab_model::Models;
+//! use fab_agent::policy::Prompted;
 //! use fab_base::cache::Cache;
 //! use fab_model::calls::Budget;
 //! use fab_agent::examples::Examples;
@@ -92,7 +94,7 @@
 //!     start: &Start::flat(&program.cloth),
 //!     subgoals: &subgoals,
 //!     examples: &Examples::default(),
-//!     models: Models { vision: &Geometric, text: &Geometric },
+//!     make_policy: &Prompted { models: Models { vision: &Geometric, text: &Geometric } },
 //!     budget: &Budget::default(), // no cap
 //!     recorder: None,
 //!     make_world: &make_world,
@@ -120,7 +122,7 @@
 pub mod rollout;
 
 pub mod action;
-pub mod agent;
+pub mod policy;
 pub mod scene;
 
 pub mod arm_sight;

@@ -20,6 +20,10 @@ pub enum Outcome {
     ClothOutOfView,
     /// The model gave no answer.
     ModelFailed,
+    /// The policy failed: its program hung, ended, or answered what is no answer.
+    PolicyFailed,
+    /// The policy proposed nothing further, and said why.
+    PolicyStopped,
     /// A cap on calls or cost stopped the rollout.
     BudgetExhausted,
     /// The world could not be observed or moved.
@@ -41,6 +45,8 @@ impl Outcome {
             Outcome::NoCandidates => "no_candidates",
             Outcome::ClothOutOfView => "cloth_out_of_view",
             Outcome::ModelFailed => "model_failed",
+            Outcome::PolicyFailed => "policy_failed",
+            Outcome::PolicyStopped => "policy_stopped",
             Outcome::BudgetExhausted => "budget_exhausted",
             Outcome::WorldFailed => "world_failed",
             Outcome::Interrupted => "interrupted",
@@ -63,6 +69,8 @@ mod tests {
             Outcome::NoCandidates,
             Outcome::ClothOutOfView,
             Outcome::ModelFailed,
+            Outcome::PolicyFailed,
+            Outcome::PolicyStopped,
             Outcome::BudgetExhausted,
             Outcome::WorldFailed,
             Outcome::Interrupted,

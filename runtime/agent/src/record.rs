@@ -5,13 +5,12 @@
 //! format.
 
 use crate::action::Action;
-use crate::agent::{Accepted, Finding};
 use crate::judgement::Judgement;
 use crate::outcome::Outcome;
+use crate::policy::{self, Accepted, Finding};
 use crate::result::StepResult;
 use crate::subgoals::Origin;
 use fab_base::jsonl::Reader;
-use fab_model::Description;
 use fab_model::calls::{self, Usage};
 use fab_program::{Fold, Goal};
 use fab_world::Executed;
@@ -22,7 +21,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Version of the lines.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 /// Name of the file of lines in a run folder.
 pub const RECORD_FILE: &str = "rollout.jsonl";
 /// Name of the file beside it that says what the rollout took.
@@ -65,8 +64,8 @@ pub struct Header {
     pub params: String,
     /// Digest of the world's code.
     pub code: String,
-    /// Who answers.
-    pub models: RoleModels,
+    /// Who decides.
+    pub policy: policy::Description,
     /// Where the cloth lies at first.
     pub start: StartFile,
     /// Where the subgoal pictures come from.
@@ -83,15 +82,6 @@ pub struct Header {
     pub attempts: u32,
     /// The task's goal.
     pub goal: Option<Goal>,
-}
-
-/// The models of a rollout, by role.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RoleModels {
-    /// Answers stages that show pictures.
-    pub vision: Description,
-    /// Answers stages of words alone.
-    pub text: Description,
 }
 
 /// The start of a rollout, as the run folder keeps it.
@@ -167,19 +157,22 @@ pub struct StepFiles {
     pub positions: Option<String>,
 }
 
-/// One question of a step, and what came of it.
+/// One answer of a step, and what came of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Asked {
-    /// The stage that asked.
+    /// The stage that asked; `policy` where the policy has no stages.
     pub stage: String,
-    /// Which question of this stage and step it was, from 1.
+    /// Which one of this stage and step it was, from 1.
     pub attempt: u32,
-    /// Content address of the request.
-    pub request_key: String,
-    /// The request, in the run folder.
-    pub request: String,
-    /// The same as people read it.
-    pub prompt: String,
+    /// Content address of the question; null where nobody was asked.
+    pub request_key: Option<String>,
+    /// The question as it was sent, in the run folder.
+    pub request: Option<String>,
+    /// The same as people read it, where it is a prompt.
+    pub prompt: Option<String>,
+    /// What the policy says of it, for people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
     /// The answer, where one came.
     pub reply: Option<String>,
     /// What it meant.
@@ -318,8 +311,12 @@ pub struct Report {
     pub refusals: BTreeMap<String, u32>,
     /// Answers that could not be read.
     pub malformed_replies: u32,
-    /// The model that answered; both names where the roles differ.
-    pub model: String,
+    /// Who decided, with what a reader of the figures must know.
+    pub policy: String,
+    /// Whether the policy looked at the true places of particles, which no camera shows.
+    pub sees_particles: bool,
+    /// The model that answered; both names where the roles differ, null where no model was asked.
+    pub model: Option<String>,
     /// Whether that model is an embedded stand-in and no vision-language model.
     pub model_is_stand_in: bool,
     /// The seed of the start, where one was given.
@@ -373,6 +370,12 @@ pub struct Progress {
     pub measures: Measures,
 }
 
+/// What the first lines of all versions have in common.
+#[derive(Deserialize)]
+struct Versioned {
+    schema: u32,
+}
+
 /// A run folder, read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
@@ -419,16 +422,19 @@ impl Record {
         };
         let lines = Reader::open(&folder.join(RECORD_FILE), MAX_BYTES);
         let mut lines = lines.map_err(RecordError::Absent)?;
-        let header = match lines.read().map_err(damaged)? {
-            Some(Line::Header(header)) => *header,
-            Some(_) => return Err(damaged("it does not begin with a header".to_owned())),
-            None => return Err(RecordError::Absent(format!("{RECORD_FILE} has no line"))),
+        let first = lines.next_line().map_err(damaged)?;
+        let Some(first) = first else {
+            return Err(RecordError::Absent(format!("{RECORD_FILE} has no line")));
         };
-        if header.schema != VERSION {
-            return Err(RecordError::Version {
-                found: header.schema,
-            });
+        let version = serde_json::from_slice(first).ok();
+        if let Some(Versioned { schema }) = version.filter(|it: &Versioned| it.schema != VERSION) {
+            return Err(RecordError::Version { found: schema });
         }
+        let header = match serde_json::from_slice(first) {
+            Ok(Line::Header(header)) => *header,
+            Ok(_) => return Err(damaged("it does not begin with a header".to_owned())),
+            Err(error) => return Err(damaged(format!("line 1 is damaged: {error}"))),
+        };
         let (mut steps, mut end) = (Vec::new(), None);
         while let Some(line) = lines.read().map_err(damaged)? {
             match line {

@@ -13,12 +13,12 @@ mod turn;
 mod writer;
 
 use crate::action::Action;
-use crate::agent::{AgentError, Asking, Attempt, PromptError, Step};
 use crate::demos::DemosError;
 use crate::examples::Examples;
 use crate::journal::{JournalError, RunFolder};
 use crate::operator::Operator;
 use crate::outcome::Outcome;
+use crate::policy::{Asking, Attempt, MakePolicy, PolicyError, PromptError, Step};
 use crate::record::{Line, Report, Took};
 use crate::result::StepResult;
 use crate::scene::SceneError;
@@ -27,9 +27,7 @@ use crate::subgoals::SubgoalSet;
 use covered::Covered;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
-use fab_model::Models;
 use fab_model::calls::{Budget, CallRefused, Spent};
-use fab_model::lowering;
 use fab_model::recording::Recorder;
 use fab_program::Program;
 use fab_program::render::RenderError;
@@ -57,9 +55,9 @@ pub struct Job<'a> {
     pub subgoals: &'a SubgoalSet,
     /// What the stages are told as examples.
     pub examples: &'a Examples,
-    /// Who answers.
-    pub models: Models<'a>,
-    /// Caps on what the models may be asked, shared with other rollouts of the same run.
+    /// Makes who decides.
+    pub make_policy: &'a dyn MakePolicy,
+    /// Caps on what models may be asked, shared with other rollouts of the same run.
     pub budget: &'a Budget,
     /// Where questions and answers are recorded, where that is wanted.
     pub recorder: Option<&'a Recorder>,
@@ -170,6 +168,9 @@ pub enum RunError {
     /// The world cannot be set up.
     #[error(transparent)]
     World(#[from] WorldError),
+    /// The policy cannot do this task in this world.
+    #[error("{0}")]
+    Unfit(String),
     /// The task cannot be asked of a model that is told of points in its own way, or the program does not fit itself.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -201,20 +202,21 @@ pub enum RunError {
     Vision(#[from] VisionError),
 }
 
-impl From<AgentError<JournalError>> for RunError {
-    fn from(error: AgentError<JournalError>) -> Self {
+impl From<PolicyError> for RunError {
+    fn from(error: PolicyError) -> Self {
         match error {
-            AgentError::Render(error) => RunError::Render(error),
-            AgentError::Demos(error) => RunError::Demos(error),
-            AgentError::Calls(error) => RunError::Calls(error),
-            AgentError::Record(error) => RunError::Journal(error),
+            PolicyError::Unfit(why) => RunError::Unfit(why),
+            PolicyError::Render(error) => RunError::Render(error),
+            PolicyError::Demos(error) => RunError::Demos(error),
+            PolicyError::Calls(error) => RunError::Calls(error),
+            PolicyError::Record(error) => RunError::Journal(error),
         }
     }
 }
 
 impl From<PromptError> for RunError {
     fn from(error: PromptError) -> Self {
-        RunError::from(AgentError::from(error))
+        RunError::from(PolicyError::from(error))
     }
 }
 
@@ -228,17 +230,25 @@ pub fn run(
     progress: &mut dyn FnMut(Event<'_>),
 ) -> Result<Ended, RunError> {
     let begun = Instant::now();
-    lowering::check(job.program, job.models).map_err(RenderError::from)?;
-    if let Some(note) = lowering::note(job.program, job.models) {
+    let mut policy = job.make_policy.make();
+    if let Some(note) = policy.prepare(job.program)? {
         progress(Event::Note(note));
     }
+    let who = policy.description();
     let mut world = (job.make_world)()?;
     world.reset(job.start)?;
+    if who.sees_particles && world.particles().is_none() {
+        return Err(RunError::Unfit(format!(
+            "`{}` looks at true particles, and the world `{}` does not know where they are",
+            who.name,
+            world.name()
+        )));
+    }
     let asking = Asking::in_folder(folder.path(), job.budget, job.recorder);
     let asking = asking.map_err(JournalError::from)?;
-    let mut keeper = Keeper::open(job, folder, asking, world.as_ref())?;
+    let mut keeper = Keeper::open(job, folder, asking, who.clone(), world.as_ref())?;
     let mut sheet = Sheet::new();
-    let mut memory = Memory::default();
+    let mut memory = Memory::new(job.start.digest());
     let mut covered = Covered::at_start(job, world.as_mut())?;
     let mut end = Outcome::HorizonReached;
     let mut tries = Tries::default();
@@ -250,6 +260,7 @@ pub fn run(
         });
         let mut turn = Turn::new(job, tries.number, step, tries.before);
         let mut stopped = turn.take(
+            policy.as_mut(),
             world.as_mut(),
             &mut memory,
             &mut keeper,

@@ -59,14 +59,9 @@ impl Sheet {
         let width = 3 * cell + 4 * MARGIN_PX;
         let height = HEADLINE_PX + rows * (CAPTION_PX + cell + MARGIN_PX);
         let mut sheet = RgbImage::from_pixel(width, height, PAPER);
-        let stand_in = if report.model_is_stand_in {
-            " (stand-in)"
-        } else {
-            ""
-        };
         fab_vision::draw_label(
             &mut sheet,
-            &format!("{}   model: {}{stand_in}", report.task, report.model),
+            &format!("{}   policy: {}", report.task, report.policy),
             PixelPoint::new(MARGIN_PX as i32, 22),
             INK,
             10,

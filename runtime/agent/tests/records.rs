@@ -66,8 +66,8 @@ fn a_record_that_cannot_be_read_says_why() {
         (format!("{header}\n{header}\n"), "it has two headers"),
         (format!("{header}\n{{}}\n{step}\n"), "line 2 is damaged"),
         (
-            header.replace("\"schema\":1", "\"schema\":9") + "\n",
-            "its lines have version 9, and this program reads version 1",
+            header.replace("\"schema\":2", "\"schema\":9") + "\n",
+            "its lines have version 9, and this program reads version 2",
         ),
     ] {
         std::fs::write(&file, text).unwrap();
@@ -99,6 +99,12 @@ fn a_torn_record_is_gone_on_with_and_another_version_is_left_alone() {
     let record = Record::read(folder.path()).unwrap();
     assert_eq!((record.steps.len(), record.spent.len()), (1, 1));
     assert!(record.end.is_some() && record.took.is_some());
+
+    // Another version is named, whatever its lines hold.
+    let foreign = "{\"type\":\"header\",\"schema\":1,\"models\":[]}\n";
+    std::fs::write(&file, foreign).unwrap();
+    let version = RecordError::Version { found: 1 };
+    assert_eq!(Record::read(folder.path()), Err(version));
 
     // A line of JSON that this version does not write.
     let foreign = format!(

@@ -1,4 +1,5 @@
-//! What every part of the runtime rests on: journals, files, particle positions, a cache, hashes, threads.
+//! What every part of the runtime rests on: journals, files, particle positions, a cache, hashes, threads,
+//! programs that answer lines.
 //!
 //! Nothing here knows of tasks, models, cloths or arms.
 //!
@@ -27,6 +28,7 @@
 
 pub mod cache;
 pub mod chance;
+pub mod child;
 pub mod digest;
 pub mod files;
 pub mod interrupt;

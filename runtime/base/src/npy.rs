@@ -4,17 +4,23 @@ use npyz::WriterBuilder;
 
 /// Encodes positions as a little-endian float32 array of shape `[particles, 3]`.
 pub fn encode(positions: &[[f32; 3]]) -> Vec<u8> {
+    let numbers = positions.iter().flatten().copied();
+    encode_floats(&[positions.len() as u64, 3], numbers)
+}
+
+/// Encodes numbers as a little-endian float32 array, row by row.
+///
+/// - `shape`: its product is the count of the numbers.
+pub fn encode_floats(shape: &[u64], numbers: impl IntoIterator<Item = f32>) -> Vec<u8> {
     const INVARIANT: &str = "writing to memory does not fail";
     let mut bytes = Vec::new();
     let mut writer = npyz::WriteOptions::new()
         .default_dtype()
-        .shape(&[positions.len() as u64, 3])
+        .shape(shape)
         .writer(&mut bytes)
         .begin_nd()
         .expect(INVARIANT);
-    writer
-        .extend(positions.iter().flatten().copied())
-        .expect(INVARIANT);
+    writer.extend(numbers).expect(INVARIANT);
     writer.finish().expect(INVARIANT);
     bytes
 }

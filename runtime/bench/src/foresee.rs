@@ -26,7 +26,7 @@ pub fn first_questions_of(bench: &Bench<'_>) -> Result<Vec<Vec<FirstQuestion>>, 
             start: &start,
             subgoals: &entry.subgoals,
             examples: &entry.examples,
-            models: entry.models,
+            make_policy: entry.make_policy,
             budget: bench.budget,
             recorder: None,
             make_world: &make_world,
@@ -38,8 +38,12 @@ pub fn first_questions_of(bench: &Bench<'_>) -> Result<Vec<Vec<FirstQuestion>>, 
             operator: None,
             repetition: 0,
         };
-        let questions = first_questions(&job);
-        all.push(questions.map_err(|error| BenchError::Run { place, error })?);
+        all.push(match entry.models {
+            Some(models) => {
+                first_questions(&job, models).map_err(|error| BenchError::Run { place, error })?
+            }
+            None => Vec::new(),
+        });
     }
     Ok(all)
 }

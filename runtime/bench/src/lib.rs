@@ -27,13 +27,13 @@ pub use foresee::first_questions_of;
 
 use fab_agent::examples::Examples;
 use fab_agent::operator::Operator;
+use fab_agent::policy::{self, MakePolicy};
 use fab_agent::rollout::RunError;
 use fab_agent::subgoals::SubgoalSet;
 use fab_arm::log::LogError;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_model::Models;
-use fab_model::Nature;
 use fab_model::calls::{Budget, LedgerError};
 use fab_model::recording::Recorder;
 use fab_program::Program;
@@ -93,8 +93,12 @@ pub struct Entry<'a> {
     pub task: usize,
     /// The method.
     pub method: &'a Method,
-    /// Who answers.
-    pub models: Models<'a>,
+    /// Makes who decides in a rollout.
+    pub make_policy: &'a dyn MakePolicy,
+    /// Who that is.
+    pub policy: policy::Description,
+    /// The models that it asks, where it asks any.
+    pub models: Option<Models<'a>>,
     /// The variant's program for every grid that a start has.
     pub programs: BTreeMap<[u32; 2], Program>,
     /// The subgoal pictures, those of the declared cloth.
@@ -207,7 +211,7 @@ impl Entry<'_> {
     /// Returns whether rollouts end at their goal: a free model goes on where a column needs that, and the figures
     /// with the stop are taken from the same rollouts.
     pub fn stops_early(&self, metrics: &[Metric]) -> bool {
-        let is_free = self.models.nature() == Nature::StandIn;
+        let is_free = self.policy.models.is_none() || self.policy.is_stand_in();
         !(is_free && metrics.iter().any(|metric| metric.row().is_without_stop))
     }
 

@@ -10,8 +10,8 @@
 
 use super::play::Played;
 use super::record::Step;
-use fab_agent::agent::Finding;
 use fab_agent::outcome::Outcome;
+use fab_agent::policy::Finding;
 use fab_agent::record::{Asked, CoverageSource};
 use fab_program::Goal;
 use fab_program::verify::Verdict;

@@ -15,7 +15,6 @@ use fab_agent::rollout;
 use fab_agent::rollout::{Job, RunError};
 use fab_arm::world::About;
 use fab_base::parallel::in_parallel;
-use fab_model::Description;
 use fab_model::calls::{Fault, ledger};
 use fab_program::Program;
 use fab_world::WorldError;
@@ -271,7 +270,7 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
         start: start_at,
         subgoals: &entry.subgoals,
         examples: &entry.examples,
-        models: entry.models,
+        make_policy: entry.make_policy,
         budget: bench.budget,
         recorder: bench.recorder,
         make_world: &make_world,
@@ -284,11 +283,17 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
         repetition,
     };
     let about = about(bench, program).map_err(|error| at(&place(bench, entry, start), error))?;
-    let identity = identity(&job, about);
+    let identity = identity(&job, entry, about);
     let is_on_arm = bench.arm.is_some();
     let (rollout, was_found) = match record::find(&folder, &identity) {
-        // What a model could not be had for is tried again, unless an arm has moved the cloth since.
-        Found::Finished(rollout) if is_on_arm || rollout.report.outcome != Outcome::ModelFailed => {
+        // What a model or a program failed in is tried again, unless an arm has moved the cloth since.
+        Found::Finished(rollout)
+            if is_on_arm
+                || !matches!(
+                    rollout.report.outcome,
+                    Outcome::ModelFailed | Outcome::PolicyFailed
+                ) =>
+        {
             (*rollout, true)
         }
         Found::Other(why) => return Err(BenchError::Other { folder, why }),
@@ -312,13 +317,13 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
     Ok(Ended::Played(Box::new(played), was_found))
 }
 
-fn identity(job: &Job<'_>, about: About) -> Identity {
+fn identity(job: &Job<'_>, entry: &Entry<'_>, about: About) -> Identity {
     Identity {
         program: job.program.hash(),
         params: about.parameters,
         code: about.code,
         start: job.start.digest(),
-        models: [job.models.vision, job.models.text].map(Description::of),
+        policy: entry.policy.clone(),
         horizon: job.horizon(),
         early_stop: job.early_stop,
         repetition: job.repetition,

@@ -4,9 +4,9 @@
 //! whether a rollout was run just now or found finished, so that both give the same figures.
 
 use fab_agent::outcome::Outcome;
+use fab_agent::policy;
 use fab_agent::record::{self, Header, MAX_BYTES, Record, RecordError, Report, StepSpent};
 use fab_base::{files, npy};
-use fab_model::Description;
 use fab_program::{Goal, Metric as GoalMetric};
 use serde_json::Value;
 use std::path::Path;
@@ -51,8 +51,8 @@ pub struct Identity {
     pub code: String,
     /// Digest of the start.
     pub start: String,
-    /// The models of vision and of text, as the header describes them.
-    pub models: [Description; 2],
+    /// Who decides.
+    pub policy: policy::Description,
     /// The most actions.
     pub horizon: u32,
     /// Whether a goal that is judged after each step ends it.
@@ -137,18 +137,21 @@ pub(super) fn last_words(folder: &Path) -> Option<String> {
 impl Identity {
     /// Says in what a record's header is of another rollout.
     fn difference(&self, header: &Header) -> Option<String> {
-        let model = |model: &Description| {
-            serde_json::to_string(model).expect("a description has string keys")
+        let policy = |policy: &policy::Description| {
+            serde_json::to_string(policy).expect("a description has string keys")
         };
-        let of = [&header.models.vision, &header.models.text].map(model);
-        let [vision, text] = [&self.models[0], &self.models[1]].map(model);
         let pairs = [
             ("program", header.program.clone(), self.program.clone()),
             ("params", header.params.clone(), self.params.clone()),
             ("code", header.code.clone(), self.code.clone()),
             ("start", header.start.digest.clone(), self.start.clone()),
-            ("vision model", of[0].clone(), vision),
-            ("text model", of[1].clone(), text),
+            (
+                "policy",
+                header.policy.name.clone(),
+                self.policy.name.clone(),
+            ),
+            // The same name, and another model, program or sight behind it.
+            ("policy", policy(&header.policy), policy(&self.policy)),
             (
                 "horizon",
                 header.horizon.to_string(),

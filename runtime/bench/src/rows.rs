@@ -10,7 +10,6 @@ use super::statistics::{self, Statistic, Summary};
 use super::suite::Quote;
 use super::{Bench, Entry};
 use fab_agent::outcome::Outcome;
-use fab_model::Nature;
 use fab_program::{Goal, Program};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -94,7 +93,11 @@ pub struct Row {
     pub causes: BTreeMap<&'static str, usize>,
     /// Wall time of render, vision, prompt, parse and verify per action, seconds.
     pub planning_s: Option<f64>,
-    /// The model.
+    /// Who decided, with what a reader of the figures must know.
+    pub policy: Option<String>,
+    /// Whether that looked at the true places of particles.
+    pub sees_particles: bool,
+    /// The model, where one was asked.
     pub model: Option<String>,
     /// Whether that is a stand-in and no vision-language model.
     pub model_is_stand_in: bool,
@@ -302,7 +305,8 @@ impl<'b> Shown<'b> {
             .iter()
             .filter_map(|step| step.spent.planning_s)
             .collect();
-        let is_stand_in = self.entry.models.nature() == Nature::StandIn;
+        let policy = &self.entry.policy;
+        let is_stand_in = policy.is_stand_in();
         let own = self
             .entry
             .method
@@ -331,15 +335,18 @@ impl<'b> Shown<'b> {
             queries: per_action(
                 steps
                     .iter()
-                    .map(|step| step.line.attempts.len() as f64)
-                    .sum(),
+                    .flat_map(|step| &step.line.attempts)
+                    .filter(|attempt| attempt.request.is_some())
+                    .count() as f64,
             ),
             s_per_action: per_action(steps.iter().map(|step| step.seconds()).sum()),
             cost: cost.and_then(per_action),
             outcomes,
             causes,
             planning_s: statistics::mean(&planning),
-            model: Some(self.entry.models.name()),
+            policy: Some(policy.title()),
+            sees_particles: policy.sees_particles,
+            model: policy.models.is_some().then(|| policy.name.clone()),
             model_is_stand_in: is_stand_in,
             note: (!notes.is_empty()).then(|| notes.join("; ")),
         }
@@ -370,6 +377,8 @@ fn quoted(quote: &Quote) -> Row {
         outcomes: BTreeMap::new(),
         causes: BTreeMap::new(),
         planning_s: None,
+        policy: None,
+        sees_particles: false,
         model: None,
         model_is_stand_in: false,
         note: None,

@@ -86,6 +86,8 @@ pub struct Method {
     pub name: String,
     /// The variant of the task; none: the task itself.
     pub variant: Option<String>,
+    /// Who decides; none: the policy of the command line.
+    pub policy: Option<String>,
     /// The only model that it is for; none: the one of the command line.
     pub model: Option<String>,
     /// Rollouts per start, where they are not the suite's.
@@ -176,6 +178,16 @@ impl Suite {
             method
                 .repeats
                 .map_or(Ok(()), |it| within("method.repeats", it))?;
+            if let (Some(policy), Some(model)) = (&method.policy, &method.model)
+                && policy != "prompted"
+            {
+                return wrong(
+                    "method.policy",
+                    format!(
+                        "`{policy}` asks no model, and `model` is `{model}`: state one of them"
+                    ),
+                );
+            }
         }
         unique(
             "method.name",

@@ -38,7 +38,7 @@ pub fn markdown(title: &str, suite: &Suite, rows: &[Row]) -> String {
 pub fn csv(rows: &[Row]) -> String {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     let mut lines = vec![
-        "task,method,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note,causes"
+        "task,method,policy,sees_particles,model,metric,horizon,n,repeats,statistic,value,spread,ci95_low,ci95_high,quoted,source,data_size,queries,s_per_action,planning_s,cost,outcomes,note,causes"
             .to_owned(),
     ];
     for row in rows {
@@ -46,6 +46,8 @@ pub fn csv(rows: &[Row]) -> String {
         let cells = [
             row.task.clone(),
             row.method.clone(),
+            row.policy.clone().unwrap_or_default(),
+            row.sees_particles.to_string(),
             row.model.clone().unwrap_or_default(),
             row.metric.row().name.to_owned(),
             count(row.horizon.map(|it| it as usize)),
@@ -113,7 +115,7 @@ fn lines<'r>(rows: impl Iterator<Item = &'r Row>) -> Vec<Vec<&'r Row>> {
 fn figures(suite: &Suite, lines: &[Vec<&Row>]) -> Lines {
     let there = |metric: &&Metric| lines.iter().flatten().any(|row| row.metric == **metric);
     let metrics: Vec<Metric> = suite.metrics.iter().filter(there).copied().collect();
-    let mut head: Vec<String> = ["method", "model", "actions", "starts"]
+    let mut head: Vec<String> = ["method", "policy", "actions", "starts"]
         .map(str::to_owned)
         .to_vec();
     head.extend(metrics.iter().map(|metric| metric.row().heading.to_owned()));
@@ -133,7 +135,7 @@ fn figures(suite: &Suite, lines: &[Vec<&Row>]) -> Lines {
 fn effort(lines: &[Vec<&Row>]) -> Lines {
     let head = [
         "method",
-        "model",
+        "policy",
         "actions",
         "starts",
         "examples",
@@ -174,14 +176,8 @@ fn effort(lines: &[Vec<&Row>]) -> Lines {
     table
 }
 
-/// Writes the first cells of a line: method, model, actions, starts.
+/// Writes the first cells of a line: method, policy, actions, starts.
 fn names(row: &Row) -> Vec<String> {
-    let stand_in = if row.model_is_stand_in {
-        " (stand-in)"
-    } else {
-        ""
-    };
-    let model = row.model.as_ref().map(|model| format!("{model}{stand_in}"));
     let starts = row.n.map(|n| match row.repeats {
         Some(repeats) if repeats > 1 => format!("{n} x {repeats}"),
         _ => n.to_string(),
@@ -191,7 +187,7 @@ fn names(row: &Row) -> Vec<String> {
             true => format!("quoted: {}", row.method),
             false => row.method.clone(),
         },
-        model.unwrap_or_default(),
+        row.policy.clone().unwrap_or_default(),
         row.horizon
             .map_or(String::new(), |horizon| horizon.to_string()),
         starts.unwrap_or_default(),
@@ -229,7 +225,7 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
             let line = format!(
                 "{} with {}: {note}.",
                 row.method,
-                row.model.as_deref().unwrap_or("no model")
+                row.policy.as_deref().unwrap_or("nobody")
             );
             if !lines.contains(&line) {
                 lines.push(line);
@@ -268,6 +264,9 @@ fn captions(suite: &Suite, rows: &[Row]) -> Vec<String> {
     );
     if rows.iter().any(|row| row.model_is_stand_in) {
         lines.push("Figures of a stand-in say that the pipeline works, and nothing of any vision-language model.".to_owned());
+    }
+    if rows.iter().any(|row| row.sees_particles) {
+        lines.push("A policy that sees true particles knows what no camera shows: its figures say what is possible, and it is no player.".to_owned());
     }
     if rows.iter().any(|row| !row.quoted && row.repeats == Some(1)) {
         lines.push("One rollout per start where `starts` names no repeats: a model that does not vary would only repeat itself.".to_owned());

@@ -2,7 +2,7 @@
 //!
 //! In: a [`Request`], complete in itself: a model gets nothing else, neither the task's name nor the
 //! simulator's state. Out: a [`Reply`]. Reading the answer is `fab_program::reply`, judging it
-//! `fab_program::verify`, asking again `fab_agent::agent`.
+//! `fab_program::verify`, asking again `fab_agent::policy`.
 
 pub mod calls;
 pub mod lowering;

@@ -6,11 +6,13 @@
 //! place of a real camera is measured that of `fab_arm::calibration`.
 
 mod lens;
+mod pinhole;
 mod plane;
 #[cfg(test)]
 mod tests;
 
 pub use lens::Lens;
+pub use pinhole::Pinhole;
 pub use plane::Plane;
 pub use plane::through;
 

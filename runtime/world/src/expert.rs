@@ -145,28 +145,29 @@ fn end_of(
     world.particles().ok_or_else(no_particles)
 }
 
-/// Returns where a fold picks and places, given where the cloth's particles are now.
-///
-/// `place = pick + fraction * (target - pick)`; the centre is that of the start, on the table.
-/// Fails in a world that does not know its particles.
+/// Returns where a fold picks and places in a world; fails in one that does not know its particles.
 pub fn motion(fold: &Fold, start: &Start, world: &dyn World) -> Result<Motion, WorldError> {
     let particles = world.particles().ok_or_else(no_particles)?;
-    let locate = |point: &ClothPoint| -> Result<WorldPoint, WorldError> {
-        match *point {
-            ClothPoint::Particle { right, front } => {
-                let index = particle_index(start.grid, right, front);
-                let [x, y, z] = *particles.get(index).ok_or_else(no_particles)?;
-                Ok(WorldPoint::new(f64::from(x), f64::from(y), f64::from(z)))
-            }
-            ClothPoint::Center => {
-                let [x, y] = start.center_m();
-                Ok(WorldPoint::new(x, y, RESTING_HEIGHT_M))
-            }
+    motion_of(fold, start, &particles).ok_or_else(no_particles)
+}
+
+/// Returns where a fold picks and places, given where the cloth's particles are now; none where one is missing.
+///
+/// `place = pick + fraction * (target - pick)`; the centre is that of the start, on the table.
+pub fn motion_of(fold: &Fold, start: &Start, particles: &[[f32; 3]]) -> Option<Motion> {
+    let locate = |point: &ClothPoint| match *point {
+        ClothPoint::Particle { right, front } => {
+            let [x, y, z] = *particles.get(particle_index(start.grid, right, front))?;
+            Some(WorldPoint::new(f64::from(x), f64::from(y), f64::from(z)))
+        }
+        ClothPoint::Center => {
+            let [x, y] = start.center_m();
+            Some(WorldPoint::new(x, y, RESTING_HEIGHT_M))
         }
     };
     let pick = locate(&fold.pick)?;
     let target = locate(&fold.place)?;
-    Ok(Motion {
+    Some(Motion {
         pick,
         place: pick + (target - pick) * fold.fraction,
     })

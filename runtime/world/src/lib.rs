@@ -3,8 +3,10 @@
 //! In: a [`Start`] and [`Motion`]s in metres. Out: [`Observation`]s and what really happened. A world
 //! knows nothing of prompts, models or checks.
 
+pub mod conformance;
 pub mod crumple;
 pub mod expert;
+pub mod external;
 pub mod metrics;
 pub mod simulated;
 pub mod start;
@@ -21,6 +23,7 @@ use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
 pub use around::Around;
+pub use external::ExternalWorld;
 pub use simulated::{Look, SimulatedWorld};
 
 /// A point in the world frame: right-handed, z up, origin at the table's centre, metres.
@@ -28,7 +31,7 @@ pub type WorldPoint = Point3<f64>;
 
 /// A cloth on a table under a camera, and something that picks and places.
 ///
-/// Every implementation passes the conformance suite in `tests/suite/world_conformance.rs`.
+/// Every implementation keeps the promises of [`conformance`].
 pub trait World {
     /// Returns the world's name as reports print it, e.g. `sim`.
     fn name(&self) -> &str;
@@ -38,6 +41,13 @@ pub trait World {
 
     /// Returns a digest of the code that makes the results: it changes whenever equal actions might end otherwise.
     fn code(&self) -> String;
+
+    /// Returns whether a reset lays the cloth as it lay before, and equal actions from there have equal ends.
+    ///
+    /// A rollout that was cut off is gone on with only in such a world.
+    fn repeats(&self) -> bool {
+        true
+    }
 
     /// Lays the cloth as `start` says and sets the clock to zero.
     fn reset(&mut self, start: &Start) -> Result<(), WorldError>;
@@ -154,6 +164,12 @@ pub enum WorldError {
     #[error("the motion failed: {why}")]
     Motion {
         /// What went wrong.
+        why: String,
+    },
+    /// The program of the user's that is the world failed, or answered what cannot be.
+    #[error("{why}")]
+    Program {
+        /// What went wrong, with the program's name or command line.
         why: String,
     },
     /// Somebody asked to stop.

@@ -3,10 +3,10 @@
 //! In: a [`Job`]. Out: what each stage would be sent, with words in angle brackets for what only a model can say.
 
 use super::{Job, RunError};
-use crate::agent;
 use crate::pictures::Pictures;
+use crate::policy;
 use crate::scene::{Scene, SceneError};
-use fab_model::Request;
+use fab_model::{Models, Request};
 use fab_program::Read;
 use fab_program::facts::Facts;
 use fab_program::render::Values;
@@ -26,7 +26,7 @@ pub struct FirstQuestion {
 /// Lays the cloth, looks, and renders what each stage would be sent.
 ///
 /// Fails where the start cannot be taken, or nothing is found in the picture.
-pub fn first_questions(job: &Job<'_>) -> Result<Vec<FirstQuestion>, RunError> {
+pub fn first_questions(job: &Job<'_>, models: Models<'_>) -> Result<Vec<FirstQuestion>, RunError> {
     let program = job.program;
     let mut world = (job.make_world)()?;
     world.reset(job.start)?;
@@ -39,7 +39,7 @@ pub fn first_questions(job: &Job<'_>) -> Result<Vec<FirstQuestion>, RunError> {
     let pictures = Pictures::of(program, &scene, &observation, None, subgoals, examples)?;
     let texts = BTreeMap::new();
     let question = |stage: &fab_program::Stage| {
-        let lowering = job.models.of(stage.model).lowering();
+        let lowering = models.of(stage.model).lowering();
         let values = Values::Partly(Facts {
             scene: &scene,
             texts: &texts,
@@ -48,7 +48,7 @@ pub fn first_questions(job: &Job<'_>) -> Result<Vec<FirstQuestion>, RunError> {
             proposal: None,
             pointing: lowering.pointing(pictures.size()),
         });
-        let asked = agent::conversation(program, stage, values, &pictures, 1, &lowering)?;
+        let asked = policy::conversation(program, stage, values, &pictures, 1, &lowering)?;
         Ok(FirstQuestion {
             stage: stage.name.clone(),
             request: Request {

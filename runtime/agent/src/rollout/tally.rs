@@ -1,7 +1,7 @@
 //! What a rollout's questions came to: how many there were, what was refused and skipped, what planning took.
 
-use crate::agent::{Attempt, Finding};
 use crate::outcome::Outcome;
+use crate::policy::{Attempt, Finding};
 use fab_program::verify::Verdict;
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ pub(super) struct Tally {
 
 impl Tally {
     pub(super) fn attempt(&mut self, attempt: &Attempt) {
-        self.queries += 1;
+        self.queries += u32::from(attempt.question.is_some());
         match &attempt.finding {
             Finding::Action {
                 verdict: Verdict::Reject { check, .. },

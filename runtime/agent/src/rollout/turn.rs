@@ -6,24 +6,35 @@ use super::timer::Timer;
 use super::writer::Keeper;
 use super::{Event, Job, RunError};
 use crate::action::Action;
-use crate::agent::{self, Attempt, Decision, Situation};
 use crate::outcome::Outcome;
 use crate::pictures::Pictures;
+use crate::policy::{self, Attempt, Decision, Exchange, Policy, StepView, Truth};
 use crate::record;
 use crate::result::StepResult;
 use crate::scene::{Scene, SceneError};
 use crate::sheet::Sheet;
 use fab_picture::observation::Observation;
 use fab_program::facts::ExecutedAction;
-use fab_program::{Arrow, SubgoalStep};
+use fab_program::{Arrow, Proposal, SubgoalStep};
 use fab_world::{World, WorldError, WorldPoint};
 use std::time::{Duration, Instant};
 
 /// What one step leaves to the next.
-#[derive(Default)]
 pub(super) struct Memory {
+    /// Digest of the start.
+    start: String,
     first_scene: Option<Scene>,
     last: Option<ExecutedAction>,
+}
+
+impl Memory {
+    pub(super) fn new(start: String) -> Memory {
+        Memory {
+            start,
+            first_scene: None,
+            last: None,
+        }
+    }
 }
 
 /// One step under way.
@@ -77,6 +88,7 @@ impl<'j> Turn<'j> {
     /// Takes the step; returns an outcome where the rollout ends with it.
     pub(super) fn take(
         &mut self,
+        policy: &mut dyn Policy,
         world: &mut dyn World,
         memory: &mut Memory,
         keeper: &mut Keeper,
@@ -126,7 +138,12 @@ impl<'j> Turn<'j> {
             Ok(pictures) => pictures,
             Err(error) => return Ok(self.stop(Outcome::WorldFailed, &error.to_string())),
         };
+        let particles = match policy.description().sees_particles {
+            true => world.particles(),
+            false => None,
+        };
         let asking = Instant::now();
+        let run = keeper.folder.path().to_owned();
         let mut aside = Duration::ZERO;
         let Keeper {
             folder,
@@ -148,25 +165,48 @@ impl<'j> Turn<'j> {
             aside += attempt.took + keeping.elapsed();
             Ok(())
         };
-        let situation = Situation {
+        let view = StepView {
             before: self.before,
             program: job.program,
             scene: &scene,
             observation: &observation,
             number,
             step,
+            horizon: job.horizon(),
             last,
             pictures: &pictures,
             reach: &reach,
             repetition: job.repetition,
+            start: &memory.start,
+            folder: Some(&run),
+            truth: particles.as_ref().map(|particles| Truth {
+                start: job.start,
+                particles,
+            }),
         };
-        let decision = agent::decide(situation, job.models, line, &mut record)?;
+        let mut exchange = Exchange {
+            asking: line,
+            record: &mut record,
+            interrupt: job.interrupt,
+        };
+        let decision = policy.decide(&view, &mut exchange)?;
         let deciding = asking.elapsed().saturating_sub(aside);
         self.timer.add("prompt and verify", deciding);
         self.planning += deciding;
         self.is_planned = true;
         let proposal = match decision {
-            Decision::Act { proposal, accepted } => {
+            Decision::Act { grips, accepted } => {
+                let [proposal] = <[Proposal; 1]>::try_from(grips).map_err(|grips| {
+                    RunError::Unfit(format!(
+                        "the policy decided {} grips, and the world has one gripper",
+                        grips.len()
+                    ))
+                })?;
+                // Whoever decided: what a check refuses is not carried out.
+                if !policy::is_accepted(view, &proposal, &accepted)? {
+                    let why = "the policy decided an action that the task's checks refuse";
+                    return Ok(self.stop(Outcome::PolicyFailed, why));
+                }
                 self.line.accepted = Some(accepted);
                 proposal
             }
@@ -179,9 +219,7 @@ impl<'j> Turn<'j> {
                 });
                 return Ok(None);
             }
-            Decision::Stop(outcome) => {
-                return Ok(self.stop(outcome, "no answer could be executed; the attempts say why"));
-            }
+            Decision::Stop { outcome, why } => return Ok(self.stop(outcome, &why)),
         };
         let Some(action) = Action::lower(job.program, &proposal, &scene, &observation) else {
             return Ok(self.stop(

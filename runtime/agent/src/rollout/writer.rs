@@ -7,17 +7,16 @@ use super::timer::Timer;
 use super::turn::Turn;
 use super::{Ended, Job, RunError};
 use crate::action::Action;
-use crate::agent::Asking;
 use crate::journal::{JournalError, RunFolder};
 use crate::operator;
 use crate::outcome::Outcome;
+use crate::policy::{self, Asking};
 use crate::record::{
-    self, End, ExpertDistance, Header, Line, Measures, Progress, Report, RoleModels, Spent,
-    StartFile, StepSpent, Took,
+    self, End, ExpertDistance, Header, Line, Measures, Progress, Report, Spent, StartFile,
+    StepSpent, Took,
 };
 use crate::sheet::Sheet;
 use fab_base::{digest, npy};
-use fab_model::{Description, ModelRole, Nature};
 use fab_picture::png;
 use fab_world::World;
 use fab_world::expert::ExpertEnd;
@@ -34,6 +33,7 @@ pub(super) struct Keeper<'j> {
     pub(super) asking: Asking<'j>,
     run_id: String,
     params: String,
+    policy: policy::Description,
     pub(super) tally: Tally,
     steps: u32,
     last_skip: Option<Outcome>,
@@ -48,6 +48,7 @@ impl<'j> Keeper<'j> {
         job: &Job<'_>,
         mut folder: RunFolder,
         asking: Asking<'j>,
+        policy: policy::Description,
         world: &dyn World,
     ) -> Result<Keeper<'j>, RunError> {
         let program = serde_json::to_vec_pretty(job.program)
@@ -55,7 +56,6 @@ impl<'j> Keeper<'j> {
         let program_file = folder.keep("program.json", &program)?;
         let start_file = folder.keep("start.npy", &npy::encode(&job.start.positions))?;
         let run_id = folder.run_id().unwrap_or_else(|| new_run_id(job, &folder));
-        let model = |role| Description::of(job.models.of(role));
         let header = Header {
             schema: record::VERSION,
             fabc: env!("CARGO_PKG_VERSION").to_owned(),
@@ -66,10 +66,7 @@ impl<'j> Keeper<'j> {
             world: world.name().to_owned(),
             params: world.parameters(),
             code: world.code(),
-            models: RoleModels {
-                vision: model(ModelRole::Vision),
-                text: model(ModelRole::Text),
-            },
+            policy: policy.clone(),
             start: StartFile {
                 name: job.start.name.clone(),
                 seed: job.start.seed,
@@ -96,6 +93,7 @@ impl<'j> Keeper<'j> {
             timer: Timer::default(),
             run_id,
             params: world.parameters(),
+            policy,
             tally: Tally::default(),
             steps: 0,
             last_skip: None,
@@ -242,8 +240,14 @@ impl<'j> Keeper<'j> {
             queries: self.tally.queries,
             refusals: self.tally.refusals.clone(),
             malformed_replies: self.tally.malformed,
-            model: job.models.name(),
-            model_is_stand_in: job.models.nature() == Nature::StandIn,
+            policy: self.policy.title(),
+            sees_particles: self.policy.sees_particles,
+            model: self
+                .policy
+                .models
+                .is_some()
+                .then(|| self.policy.name.clone()),
+            model_is_stand_in: self.policy.is_stand_in(),
             seed: job.start.seed,
             program: job.program.hash(),
             params: self.params.clone(),

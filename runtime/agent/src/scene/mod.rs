@@ -206,6 +206,11 @@ impl Scene {
         self.mask(self.cloth.as_deref()?).ok()
     }
 
+    /// Returns the pixel of a mask that is nearest to another; none for another keypoint, and for an empty mask.
+    pub(crate) fn nearest_in(&self, mask: &str, pixel: PixelPoint) -> Option<PixelPoint> {
+        self.mask(mask).ok()?.nearest(pixel)
+    }
+
     /// Returns where the found point lies that a pixel stands for, `[column, row]`, pixels.
     ///
     /// Prompts name a point by its whole pixel; an answer that names it means the point. Of several points that

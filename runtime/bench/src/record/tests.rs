@@ -18,7 +18,7 @@ fn report(outcome: &str) -> Value {
     json!({
         "task": "t", "outcome": outcome, "goal_reached": false, "coverage_source": "particles", "progress": [],
         "steps": 1, "skipped_steps": 0, "skipped": {}, "retries": 0, "queries": 2, "refusals": {},
-        "malformed_replies": 0, "model": "m", "model_is_stand_in": true, "program": "p", "params": "w",
+        "malformed_replies": 0, "policy": "m (stand-in)", "sees_particles": false, "model": "m", "model_is_stand_in": true, "program": "p", "params": "w",
     })
 }
 
@@ -111,13 +111,18 @@ fn model() -> Value {
     json!({ "name": "m", "nature": "stand_in", "lowering": lowering, "omits": [] })
 }
 
+fn policy() -> Value {
+    let models = json!({ "vision": model(), "text": model() });
+    json!({ "kind": "prompted", "name": "m", "sees_particles": false, "models": models, "code": null })
+}
+
 fn identity() -> Identity {
     Identity {
         program: "p".to_owned(),
         params: "w".to_owned(),
         code: "c".to_owned(),
         start: "s".to_owned(),
-        models: [(); 2].map(|()| serde_json::from_value(model()).unwrap()),
+        policy: serde_json::from_value(policy()).unwrap(),
         horizon: 3,
         early_stop: true,
         repetition: 1,
@@ -126,8 +131,8 @@ fn identity() -> Identity {
 
 fn header() -> Value {
     json!({
-        "type": "header", "schema": 1, "fabc": "0", "task": "t", "program": "p", "program_file": "program.json",
-        "world": "sim", "params": "w", "code": "c", "models": { "vision": model(), "text": model() },
+        "type": "header", "schema": 2, "fabc": "0", "task": "t", "program": "p", "program_file": "program.json",
+        "world": "sim", "params": "w", "code": "c", "policy": policy(),
         "start": {
             "name": "flat", "file": "start.npy", "digest": "s", "up": "z",
             "grid": { "dimx": 2, "dimy": 2, "spacing_m": 0.01 },
@@ -146,8 +151,9 @@ fn every_part_of_an_identity_tells_rollouts_apart() {
         ("/params", json!("other"), "params"),
         ("/code", json!("other"), "code"),
         ("/start/digest", json!("other"), "start"),
-        ("/models/vision/name", json!("other"), "vision model"),
-        ("/models/text/nature", json!("model"), "text model"),
+        ("/policy/name", json!("other"), "policy"),
+        ("/policy/models/vision/name", json!("other"), "policy"),
+        ("/policy/sees_particles", json!(true), "policy"),
         ("/horizon", json!(9), "horizon"),
         ("/early_stop", json!(false), "early_stop"),
         ("/repetition", json!(9), "repetition"),
@@ -199,12 +205,12 @@ fn folders_are_read_for_what_they_hold() {
     let lost = end("horizon_reached", Some("gone.npy"));
     assert_eq!(find(&[header(), step, lost]), Found::Unfinished);
     let mut newer = header();
-    newer["schema"] = json!(2);
+    newer["schema"] = json!(3);
     let Found::Other(why) = find(&[newer]) else {
         panic!("lines of another version are not written over");
     };
     assert_eq!(
         why,
-        "its lines have version 2, and this program reads version 1"
+        "its lines have version 3, and this program reads version 2"
     );
 }

@@ -110,7 +110,7 @@ impl Lens {
         ])))
     }
 
-    fn is_distorted(&self) -> bool {
+    pub(super) fn is_distorted(&self) -> bool {
         self.distortion
             .iter()
             .any(|coefficient| *coefficient != 0.0)

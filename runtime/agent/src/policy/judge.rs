@@ -1,17 +1,20 @@
 //! What an answer means: a text, an action with its verdict, or nothing that can be read.
+//!
+//! Every policy's action is judged here, and once more by the rollout before it is carried out.
 
 use super::reach::out_of_reach;
-use super::{Finding, Situation};
+use super::{Accepted, Finding, StepView};
 use fab_program::Proposal;
 use fab_program::facts::Facts;
 use fab_program::render::RenderError;
 use fab_program::reply::{self, Malformed, Reading};
 use fab_program::verify::{self, Strictness, Verdict};
 use fab_program::{Read, Stage};
+use std::collections::BTreeMap;
 
 /// Reads an answer and, where it proposes an action, lets the verifier judge it.
 pub(super) fn judge(
-    situation: Situation<'_>,
+    view: StepView<'_>,
     stage: &Stage,
     facts: Facts<'_>,
     text: &str,
@@ -31,10 +34,9 @@ pub(super) fn judge(
             Err(error) => malformed(error),
         }),
         Read::Action => {
-            match reply::read_action_in(situation.program, &facts.notation(situation.program), text)
-            {
+            match reply::read_action_in(view.program, &facts.notation(view.program), text) {
                 Ok(Reading { value, repairs }) => {
-                    let verdict = verdict(situation, facts, &value, Strictness::Full)?;
+                    let verdict = verdict(view, facts, &value, Strictness::Full)?;
                     Ok(Finding::Action {
                         fields: value.fields,
                         repairs,
@@ -49,17 +51,52 @@ pub(super) fn judge(
 
 /// Judges an action by the task's checks, and then by what the world can reach.
 pub(super) fn verdict(
-    situation: Situation<'_>,
+    view: StepView<'_>,
     facts: Facts<'_>,
     proposal: &Proposal,
     strictness: Strictness,
 ) -> Result<Verdict, RenderError> {
-    let program = situation.program;
+    let program = view.program;
     Ok(
         match verify::verdict(program, facts, proposal, strictness)? {
-            Verdict::Accept => out_of_reach(situation, &facts.notation(program), proposal)
-                .unwrap_or(Verdict::Accept),
+            Verdict::Accept => {
+                out_of_reach(view, &facts.notation(program), proposal).unwrap_or(Verdict::Accept)
+            }
             refused => refused,
         },
     )
+}
+
+/// Judges refused actions once more, newest first, without the checks that the task leaves out in the end.
+///
+/// Returns the first that passes, with its number.
+pub(super) fn relaxed(
+    view: StepView<'_>,
+    facts: Facts<'_>,
+    refused: &[(u32, Proposal)],
+) -> Result<Option<(u32, Proposal)>, RenderError> {
+    if view.program.verify.relaxed.is_empty() {
+        return Ok(None);
+    }
+    for (number, proposal) in refused.iter().rev() {
+        if verdict(view, facts, proposal, Strictness::Relaxed)? == Verdict::Accept {
+            return Ok(Some((*number, proposal.clone())));
+        }
+    }
+    Ok(None)
+}
+
+/// Judges a decision before it is carried out: no policy gets past the checks.
+pub(crate) fn is_accepted(
+    view: StepView<'_>,
+    proposal: &Proposal,
+    accepted: &Accepted,
+) -> Result<bool, RenderError> {
+    let strictness = match accepted.without.is_empty() {
+        true => Strictness::Full,
+        false => Strictness::Relaxed,
+    };
+    let texts = BTreeMap::new();
+    let facts = view.facts(&texts, view.pixels());
+    Ok(verdict(view, facts, proposal, strictness)? == Verdict::Accept)
 }

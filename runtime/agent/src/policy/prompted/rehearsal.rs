@@ -5,7 +5,8 @@
 //! for what only a model can say.
 
 use super::talk::{Answer, Missing, Next, Talk};
-use super::{Conversation, Finding, PromptError, Situation};
+use super::{Conversation, PromptError};
+use crate::policy::{Finding, StepView};
 use fab_model::{Lowering, Reply};
 use fab_program::{ModelRole, Stage};
 use std::collections::{BTreeMap, VecDeque};
@@ -32,7 +33,7 @@ pub struct Rehearsed {
 ///
 /// Returns the answers that no question asked for, too. Fails where a stage cannot be asked so.
 pub fn rehearse(
-    situation: Situation<'_>,
+    view: StepView<'_>,
     stages: &[&Stage],
     lowering: &dyn Fn(ModelRole) -> Lowering,
     answers: Vec<String>,
@@ -42,7 +43,7 @@ pub fn rehearse(
     let mut rehearsed = Vec::with_capacity(stages.len());
     for stage in stages {
         let lowering = lowering(stage.model);
-        let mut talk = Talk::begin(situation, stage, &texts, lowering, Missing::IsShown)?;
+        let mut talk = Talk::begin(view, stage, &texts, lowering, Missing::IsShown)?;
         let n_asked_first = talk.conversation().messages.len();
         let mut findings = Vec::new();
         let mut read = None;
@@ -51,7 +52,7 @@ pub fn rehearse(
             let reply = Reply::text(text);
             let attempt = talk.answered(request, reply, Duration::ZERO, &texts)?;
             findings.push(attempt.finding.clone());
-            if let Next::ExecutedAction(answer) = talk.conclude(attempt, &texts)? {
+            if let Next::Done(answer) = talk.conclude(attempt, &texts)? {
                 read = Some(answer);
                 break;
             }

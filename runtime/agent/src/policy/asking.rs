@@ -3,6 +3,7 @@
 //! In: a model and a request. Out: its reply: the one that the rollout's ledger holds already, or a new one, which is then
 //! in the ledger and, where one is kept, in the recording.
 
+use super::PolicyError;
 use fab_model::calls::{Budget, CallRefused, Ledger, LedgerError, Spent, Unkept};
 use fab_model::recording::Recorder;
 use fab_model::{Model, ModelError, Nature, Reply, Request};
@@ -81,6 +82,30 @@ impl<'a> Asking<'a> {
         let reply = model.ask(request, ledger)?;
         ledger.keep(&key, &reply)?;
         Ok(reply)
+    }
+
+    /// Returns the answer to a question that is no model's: the one that the ledger holds, or a new one, which is then in it.
+    ///
+    /// - `key`: the same for equal questions.
+    pub fn once<E>(
+        &mut self,
+        key: &str,
+        ask: impl FnOnce() -> Result<Reply, E>,
+    ) -> Result<Result<Reply, E>, PolicyError> {
+        let Some(ledger) = &mut self.ledger else {
+            return Ok(ask());
+        };
+        if let Some(reply) = ledger.answered(key) {
+            return Ok(Ok(reply.clone()));
+        }
+        if self.step == Step::Repeated {
+            return Err(PolicyError::Calls(CallRefused::Lost));
+        }
+        let answered = ask();
+        if let Ok(reply) = &answered {
+            ledger.keep(key, reply).map_err(PolicyError::Calls)?;
+        }
+        Ok(answered)
     }
 
     /// Returns what the calls so far came to.

@@ -1,23 +1,20 @@
 //! The conversation of one stage in one step: asks, and asks again with the reason of the refusal.
 
-use super::judge::{judge, verdict};
-use super::{
-    Accepted, AgentError, Asking, Attempt, Conversation, Finding, PromptError, Situation,
-    conversation,
-};
+use super::{Conversation, PromptError, conversation};
 use crate::action::Action;
 use crate::outcome::Outcome;
 use crate::pictures::scene_png;
+use crate::policy::judge::{judge, relaxed};
+use crate::policy::{Accepted, Asking, Attempt, Finding, PolicyError, Question, StepView};
 use fab_model::calls::CallRefused;
 use fab_model::{Lowering, Model, ModelError, Png, Reply, Request, Speaker};
-
 use fab_program::Proposal;
 use fab_program::facts::Facts;
 use fab_program::pointing::Notation;
 use fab_program::render::{self, PromptText, REFUSED_ACTION, RenderError, SEPARATOR, Values};
 use fab_program::reply;
 use fab_program::space;
-use fab_program::verify::{Strictness, Verdict};
+use fab_program::verify::Verdict;
 use fab_program::{Layers, ModelRole, OVERLAP, Picture, Read, Stage};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -38,7 +35,7 @@ pub(super) enum Answer {
 
 pub(super) enum Next {
     AskAgain,
-    ExecutedAction(Answer),
+    Done(Answer),
 }
 
 /// What becomes of a text that nobody has answered yet.
@@ -52,7 +49,7 @@ pub(super) enum Missing {
 
 /// The conversation of one stage in one step.
 pub(super) struct Talk<'a> {
-    situation: Situation<'a>,
+    view: StepView<'a>,
     stage: &'a Stage,
     lowering: Lowering,
     /// How the scene's points are written for the model.
@@ -67,47 +64,47 @@ pub(super) struct Talk<'a> {
 
 impl<'a> Talk<'a> {
     pub(super) fn begin(
-        situation: Situation<'a>,
+        view: StepView<'a>,
         stage: &'a Stage,
         texts: &BTreeMap<String, String>,
         lowering: Lowering,
         missing: Missing,
     ) -> Result<Self, PromptError> {
-        let Situation {
+        let StepView {
             program,
             pictures,
             step,
             ..
-        } = situation;
-        let facts = situation.facts(texts, lowering.pointing(pictures.size()));
+        } = view;
+        let facts = view.facts(texts, lowering.pointing(pictures.size()));
         let values = match missing {
             Missing::IsAnError => Values::Known(facts),
             Missing::IsShown => Values::Partly(facts),
         };
         let mut conversation = conversation(program, stage, values, pictures, step, &lowering)?;
-        if let Some(remark) = remark(situation, facts)? {
+        if let Some(remark) = remark(view, facts)? {
             conversation.add(remark);
         }
         let notation = facts.notation(program);
         let reads_action = matches!(stage.read, Read::Action);
         Ok(Talk {
-            situation,
+            view,
             stage,
             lowering,
             conversation,
-            schema: reads_action.then(|| schema(situation, &notation)),
+            schema: reads_action.then(|| schema(view, &notation)),
             notation,
             asked: 0,
             refused: Vec::new(),
         })
     }
 
-    pub(super) fn ask<E>(
+    pub(super) fn ask(
         &mut self,
         model: &dyn Model,
         asking: &mut Asking<'_>,
         texts: &BTreeMap<String, String>,
-    ) -> Result<Attempt, AgentError<E>> {
+    ) -> Result<Attempt, PolicyError> {
         let request = self.request();
         let begun = Instant::now();
         let answered = asking.ask(model, &request);
@@ -116,7 +113,7 @@ impl<'a> Talk<'a> {
             Ok(reply) => Ok(self.answered(request, reply, took, texts)?),
             Err(ModelError::NotSent(
                 refused @ (CallRefused::NotNoted(_) | CallRefused::NotKept(_) | CallRefused::Lost),
-            )) => Err(AgentError::Calls(refused)),
+            )) => Err(PolicyError::Calls(refused)),
             Err(error) => Ok(self.attempt(request, None, failed(&error), took)),
         }
     }
@@ -130,8 +127,8 @@ impl<'a> Talk<'a> {
             temperature: self.stage.temperature,
             top_p: self.stage.top_p,
             max_tokens: self.stage.max_tokens,
-            repetition: self.situation.repetition,
-            step: self.situation.number,
+            repetition: self.view.repetition,
+            step: self.view.number,
             schema: self.schema.clone(),
         }
     }
@@ -145,7 +142,7 @@ impl<'a> Talk<'a> {
         texts: &BTreeMap<String, String>,
     ) -> Result<Attempt, RenderError> {
         let facts = self.facts(texts);
-        let finding = judge(self.situation, self.stage, facts, &reply.text)?;
+        let finding = judge(self.view, self.stage, facts, &reply.text)?;
         Ok(self.attempt(request, Some(reply), finding, took))
     }
 
@@ -159,8 +156,9 @@ impl<'a> Talk<'a> {
         Attempt {
             stage: self.stage.name.clone(),
             number: self.asked,
-            request,
+            question: Some(Question::Prompt(Box::new(request))),
             reply,
+            note: None,
             finding,
             took,
         }
@@ -174,7 +172,7 @@ impl<'a> Talk<'a> {
         let mut picture = None;
         let (correction, outcome) = match attempt.finding {
             Finding::Text { name, value, .. } => {
-                return Ok(Next::ExecutedAction(Answer::Text { name, value }));
+                return Ok(Next::Done(Answer::Text { name, value }));
             }
             Finding::Action {
                 fields,
@@ -182,14 +180,10 @@ impl<'a> Talk<'a> {
                 ..
             } => {
                 let proposal = Proposal { fields };
-                return Ok(Next::ExecutedAction(self.accept(
-                    proposal,
-                    attempt.number,
-                    &[],
-                )));
+                return Ok(Next::Done(self.accept(proposal, attempt.number, &[])));
             }
             Finding::Failed { outcome, .. } => {
-                return Ok(Next::ExecutedAction(Answer::None(outcome)));
+                return Ok(Next::Done(Answer::None(outcome)));
             }
             Finding::Action {
                 fields,
@@ -206,11 +200,13 @@ impl<'a> Talk<'a> {
                 (PromptText::by_fabc(message), Outcome::MalformedReply)
             }
         };
-        if self.asked >= self.situation.program.verify.attempts {
-            let relaxed = self.relaxed(texts)?;
-            return Ok(Next::ExecutedAction(
-                relaxed.unwrap_or(Answer::None(outcome)),
-            ));
+        if self.asked >= self.view.program.verify.attempts {
+            let without = &self.view.program.verify.relaxed;
+            let relaxed = relaxed(self.view, self.facts(texts), &self.refused)?;
+            return Ok(Next::Done(match relaxed {
+                Some((number, proposal)) => self.accept(proposal, number, without),
+                None => Answer::None(outcome),
+            }));
         }
         let answer = attempt.reply.map(|reply| reply.text).unwrap_or_default();
         self.correct(answer, correction, picture);
@@ -225,7 +221,7 @@ impl<'a> Talk<'a> {
         proposal: &Proposal,
         texts: &BTreeMap<String, String>,
     ) -> Result<PromptText, RenderError> {
-        let program = self.situation.program;
+        let program = self.view.program;
         let checks = &program.verify.checks;
         let declared = checks.iter().find(|declared| declared.name == check);
         let facts = self.facts(texts);
@@ -260,20 +256,20 @@ impl<'a> Talk<'a> {
     }
 
     fn facts<'t>(&'t self, texts: &'t BTreeMap<String, String>) -> Facts<'t> {
-        self.situation.facts(texts, *self.notation.pointing())
+        self.view.facts(texts, *self.notation.pointing())
     }
 
     /// Draws a refused action on the picture that the stage shows, where the task corrects so.
     ///
     /// None also where the answer leads nowhere, as one with a distance that was never offered.
     fn refused_action(&self, proposal: &Proposal) -> Option<Png> {
-        let Situation {
+        let StepView {
             program,
             scene,
             observation,
             pictures,
             ..
-        } = self.situation;
+        } = self.view;
         if !program.verify.with_picture || self.stage.model == ModelRole::Text {
             return None;
         }
@@ -288,20 +284,6 @@ impl<'a> Talk<'a> {
         };
         fab_vision::draw_action(&mut drawn, action.pick_px, action.place_px).ok()?;
         Some(scene_png(&drawn, &self.lowering, &self.notation))
-    }
-
-    /// Judges the answers in hand once more, newest first, without the checks that the task then leaves out.
-    fn relaxed(&self, texts: &BTreeMap<String, String>) -> Result<Option<Answer>, RenderError> {
-        let program = self.situation.program;
-        let without = &program.verify.relaxed;
-        for (number, proposal) in self.refused.iter().rev().filter(|_| !without.is_empty()) {
-            let facts = self.facts(texts);
-            let verdict = verdict(self.situation, facts, proposal, Strictness::Relaxed)?;
-            if verdict == Verdict::Accept {
-                return Ok(Some(self.accept(proposal.clone(), *number, without)));
-            }
-        }
-        Ok(None)
     }
 
     fn accept(&self, proposal: Proposal, attempt: u32, without: &[String]) -> Answer {
@@ -330,18 +312,18 @@ fn failed(error: &ModelError) -> Finding {
 }
 
 /// Returns the JSON Schema of the answers that name what the scene offers.
-fn schema(situation: Situation<'_>, notation: &Notation) -> Value {
-    let fields = situation.program.actions.iter();
+fn schema(view: StepView<'_>, notation: &Notation) -> Value {
+    let fields = view.program.actions.iter();
     let offered: Vec<_> = fields
-        .map(|field| (field.name.clone(), space::choices(field, situation.scene)))
+        .map(|field| (field.name.clone(), space::choices(field, view.scene)))
         .collect();
-    reply::schema_in(situation.program, notation, &offered)
+    reply::schema_in(view.program, notation, &offered)
 }
 
 /// Returns what a model is told of the action before, where the step is tried again.
-fn remark(situation: Situation<'_>, facts: Facts<'_>) -> Result<Option<PromptText>, RenderError> {
-    let program = situation.program;
-    let (Some(before), Some(check)) = (situation.before, &program.verify.result) else {
+fn remark(view: StepView<'_>, facts: Facts<'_>) -> Result<Option<PromptText>, RenderError> {
+    let program = view.program;
+    let (Some(before), Some(check)) = (view.before, &program.verify.result) else {
         return Ok(None);
     };
     let overlap = format!("{:.0}%", before.overlap * 100.0);

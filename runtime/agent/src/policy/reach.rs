@@ -4,7 +4,7 @@
 //! what the model is told. Candidates that are out of reach were never offered; what comes here are points that follow from a direction
 //! and a distance, and picks of any pixel of a mask.
 
-use super::Situation;
+use super::StepView;
 use crate::action::Action;
 use fab_program::Proposal;
 use fab_program::pointing::Notation;
@@ -13,12 +13,12 @@ use fab_program::{PixelPoint, Program};
 
 /// Returns the refusal, or none where the answer can be carried out or comes to no action at all.
 pub(super) fn out_of_reach(
-    situation: Situation<'_>,
+    view: StepView<'_>,
     notation: &Notation,
     proposal: &Proposal,
 ) -> Option<Verdict> {
-    let Situation { program, reach, .. } = situation;
-    let action = Action::lower(program, proposal, situation.scene, situation.observation)?;
+    let StepView { program, reach, .. } = view;
+    let action = Action::lower(program, proposal, view.scene, view.observation)?;
     let refused = |end: &str, at: PixelPoint, why: String, message: String| Verdict::Reject {
         check: REACHABLE.to_owned(),
         values: vec![

@@ -1,0 +1,189 @@
+//! The policy that follows the task's own demonstration.
+//!
+//! In: the folds that the task demonstrates, and the true places of the cloth's particles. Out: the offered action that
+//! comes nearest to each fold, through the same action space, checks and world as any other policy's: what is lost
+//! against the demonstration is lost there. It looks at true particles, so it is no player in any comparison.
+
+use super::proposing::{Answer, Proposed, Refusal, until_accepted};
+use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
+use crate::action::Action;
+use crate::outcome::Outcome;
+use fab_picture::observation::Observation;
+use fab_program::space;
+use fab_program::{ActionField, Choices, Fold, PixelPoint, Program, Proposal, Subgoals, Value};
+use fab_world::{WorldPoint, expert};
+
+/// How many points of a field are tried, the nearest first.
+const NEAREST: usize = 12;
+
+/// Follows the demonstration.
+#[derive(Clone, Copy, Debug)]
+pub struct Expert;
+
+impl Policy for Expert {
+    fn description(&self) -> Description {
+        Description {
+            kind: Kind::Expert,
+            name: "expert policy".to_owned(),
+            sees_particles: true,
+            models: None,
+            code: None,
+        }
+    }
+
+    fn varies(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, program: &Program) -> Result<Option<String>, PolicyError> {
+        folds(program).map(|_| None)
+    }
+
+    fn decide(
+        &mut self,
+        step: &StepView<'_>,
+        exchange: &mut Exchange<'_, '_>,
+    ) -> Result<Decision, PolicyError> {
+        let folds = folds(step.program)?;
+        let aim = folds
+            .get(step.step as usize - 1)
+            .map(|fold| wanted(fold, step));
+        until_accepted(step, exchange, &mut |refusals, _| {
+            let (note, answer) = match &aim {
+                None => (
+                    None,
+                    stop(format!("the demonstration has {} folds", folds.len())),
+                ),
+                Some(Err(why)) => (None, stop(why.clone())),
+                Some(Ok(aim)) => match nearest(step, *aim, refusals) {
+                    Some((proposal, note)) => (Some(note), Answer::Grip(proposal)),
+                    None => (None, stop("no other action is offered".to_owned())),
+                },
+            };
+            Ok(Proposed {
+                question: None,
+                reply: None,
+                note,
+                answer,
+            })
+        })
+    }
+}
+
+fn stop(why: String) -> Answer {
+    Answer::Stop {
+        outcome: Outcome::PolicyStopped,
+        why,
+    }
+}
+
+/// Returns the folds that a task demonstrates.
+fn folds(program: &Program) -> Result<&[Fold], PolicyError> {
+    match &program.subgoals {
+        Some(Subgoals::Demonstrate { folds }) => Ok(folds),
+        _ => Err(PolicyError::Unfit(format!(
+            "`{}` demonstrates no folds, so there is no expert for it: the expert policy follows `demonstrate` in `subgoals`",
+            program.title()
+        ))),
+    }
+}
+
+/// Where a fold picks and places, pixels, `[column, row]`.
+type Aim = [[f64; 2]; 2];
+
+/// Returns where a fold picks and places as the cloth lies now.
+fn wanted(fold: &Fold, step: &StepView<'_>) -> Result<Aim, String> {
+    let truth = step.truth.ok_or("where the particles are is not known")?;
+    let motion = expert::motion_of(fold, truth.start, truth.particles)
+        .ok_or("the fold names a particle that the cloth does not have")?;
+    let pixel = |point: WorldPoint, what: &str| {
+        let Observation { camera, .. } = step.observation;
+        camera
+            .pixel_from_world(point)
+            .ok_or_else(|| format!("the {what} point is behind the camera"))
+    };
+    Ok([pixel(motion.pick, "pick")?, pixel(motion.place, "place")?])
+}
+
+/// Returns the offered action nearest to what is wanted that was not refused yet, and says how near it is.
+fn nearest(step: &StepView<'_>, aim: Aim, refusals: &[Refusal]) -> Option<(Proposal, String)> {
+    let mut best: Option<(f64, Proposal, Action)> = None;
+    for proposal in proposals(step, aim) {
+        let is_refused = |refusal: &Refusal| refusal.proposal.as_ref() == Some(&proposal);
+        if refusals.iter().any(is_refused) {
+            continue;
+        }
+        let Some(action) = Action::lower(step.program, &proposal, step.scene, step.observation)
+        else {
+            continue;
+        };
+        let away = away_px(aim[0], action.pick_px) + away_px(aim[1], action.place_px);
+        if best.as_ref().is_none_or(|(least, ..)| away < *least) {
+            best = Some((away, proposal, action));
+        }
+    }
+    let (_, proposal, action) = best?;
+    let told = |what: &str, [u, v]: [f64; 2], offered: PixelPoint| {
+        format!(
+            "{what} wanted ({}, {}), nearest offered {offered}, {:.0} px away",
+            u.floor(),
+            v.floor(),
+            away_px([u, v], offered)
+        )
+    };
+    let note = format!(
+        "{}; {}",
+        told("pick", aim[0], action.pick_px),
+        told("place", aim[1], action.place_px)
+    );
+    Some((proposal, note))
+}
+
+/// Lists actions of the declared space: of points the nearest, of directions and lengths all, of words the first.
+fn proposals(step: &StepView<'_>, aim: Aim) -> Vec<Proposal> {
+    let mut all = vec![Proposal::default()];
+    for field in &step.program.actions {
+        let values = candidates(step, field, aim);
+        let longer = all.iter().flat_map(|shorter| {
+            values.iter().map(|value| {
+                let mut proposal = shorter.clone();
+                proposal.fields.push((field.name.clone(), value.clone()));
+                proposal
+            })
+        });
+        all = longer.collect();
+    }
+    all
+}
+
+fn candidates(step: &StepView<'_>, field: &ActionField, [pick, place]: Aim) -> Vec<Value> {
+    let target = if field.name == "place" { place } else { pick };
+    match &field.choices {
+        Choices::Region { mask } => {
+            let pixel = PixelPoint::new(target[0].floor() as i32, target[1].floor() as i32);
+            let nearest = step.scene.nearest_in(mask, pixel);
+            nearest.map(Value::Point).into_iter().collect()
+        }
+        Choices::Points { .. } => {
+            let mut points = space::choices(field, step.scene);
+            let away = |value: &Value| match value {
+                Value::Point(point) => away_px(target, *point),
+                _ => f64::INFINITY,
+            };
+            points.sort_by(|a, b| away(a).total_cmp(&away(b)));
+            points.truncate(NEAREST);
+            points
+        }
+        Choices::Words { .. } => space::choices(field, step.scene)
+            .into_iter()
+            .take(1)
+            .collect(),
+        Choices::Directions { .. } | Choices::Lengths { .. } => space::choices(field, step.scene),
+    }
+}
+
+/// Returns the distance from a place in the picture to the middle of a pixel.
+fn away_px([u, v]: [f64; 2], pixel: PixelPoint) -> f64 {
+    let [column, row] = fab_picture::camera::center_of(pixel);
+    (u - column).hypot(v - row)
+}

@@ -1,0 +1,355 @@
+//! The policy that a program of the user's decides, in any language.
+//!
+//! In: one line of JSON per proposal: pictures by path, keypoints, what is offered, what was refused. Out: one line with
+//! the grips, or a refusal. `docs/policies.md` states both. The program is started when it is first asked, and its
+//! answers are in the run folder before anything is done with them: a rollout that is gone on with asks only what it has
+//! not asked yet.
+
+use super::proposing::{Answer, Proposed, Refusal, until_accepted};
+use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, Question, StepView};
+use crate::outcome::Outcome;
+use fab_base::child::{Child, ChildError, CommandLine};
+use fab_base::{digest, files, npy};
+use fab_model::Reply;
+use fab_picture::camera::Pinhole;
+use fab_picture::png;
+use fab_program::{ActionField, Arrow, Choices, PixelPoint, Proposal, SubgoalStep, Value, space};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value as Json, json};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Version of the lines.
+const PROTOCOL: u32 = 1;
+
+/// What the program writes to stderr, in the run folder.
+const STDERR_FILE: &str = "policy.stderr.txt";
+
+/// What a program may look at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sight {
+    /// What the camera shows.
+    Camera,
+    /// The true places of the particles, too.
+    Particles,
+}
+
+/// Asks a program.
+#[derive(Debug)]
+pub struct External {
+    command: CommandLine,
+    sight: Sight,
+    limit: Duration,
+    child: Option<Child>,
+}
+
+impl External {
+    /// Makes the policy of a command line; nothing is started yet.
+    ///
+    /// - `limit`: how long one answer may take.
+    pub fn new(command: CommandLine, sight: Sight, limit: Duration) -> External {
+        External {
+            command,
+            sight,
+            limit,
+            child: None,
+        }
+    }
+}
+
+impl Policy for External {
+    fn description(&self) -> Description {
+        let mut code = Sha256::new();
+        for file in self.command.files() {
+            // A file that cannot be read now cannot be run either.
+            code.update(std::fs::read(file).unwrap_or_default());
+        }
+        Description {
+            kind: Kind::Program,
+            name: format!("exec:{}", self.command),
+            sees_particles: self.sight == Sight::Particles,
+            models: None,
+            code: Some(digest::hex(&code.finalize())),
+        }
+    }
+
+    fn decide(
+        &mut self,
+        step: &StepView<'_>,
+        exchange: &mut Exchange<'_, '_>,
+    ) -> Result<Decision, PolicyError> {
+        let Some(folder) = step.folder else {
+            let why = "a program is asked in a rollout only: it gets files by their paths";
+            return Err(PolicyError::Unfit(why.to_owned()));
+        };
+        let files = Files::write(step, folder).map_err(|(name, error)| {
+            crate::journal::JournalError::Unwritable {
+                path: folder.join(name),
+                why: error.to_string(),
+            }
+        })?;
+        until_accepted(step, exchange, &mut |refusals, exchange| {
+            // Equal wherever the run folder lies.
+            let relative = question(step, &files, refusals, &|name| PathBuf::from(name));
+            let key = digest::hex(&Sha256::digest(relative.to_string()));
+            let sent = question(step, &files, refusals, &|name| {
+                let path = folder.join(name);
+                std::path::absolute(&path).unwrap_or(path)
+            });
+            let interrupt = exchange.interrupt;
+            let asked = exchange
+                .asking
+                .once(&key, || self.ask(&sent, folder, interrupt))?;
+            let (reply, answer) = match asked {
+                Ok(reply) => {
+                    let answer = read(step, &reply.text);
+                    (Some(reply), answer)
+                }
+                Err(ChildError::Interrupted) => {
+                    let why = ChildError::Interrupted.to_string();
+                    let outcome = Outcome::Interrupted;
+                    (None, Answer::Stop { outcome, why })
+                }
+                Err(error) => {
+                    self.child = None;
+                    let outcome = Outcome::PolicyFailed;
+                    let why = error.to_string();
+                    (None, Answer::Stop { outcome, why })
+                }
+            };
+            let text = sent.to_string();
+            Ok(Proposed {
+                question: Some(Question::Line { key, text }),
+                reply,
+                note: None,
+                answer,
+            })
+        })
+    }
+}
+
+impl External {
+    /// Returns the program's line, once it is sure to be an answer.
+    fn ask(
+        &mut self,
+        question: &Json,
+        folder: &Path,
+        interrupt: &fab_base::interrupt::Interrupt,
+    ) -> Result<Reply, ChildError> {
+        let child = match &mut self.child {
+            Some(child) => child,
+            absent => {
+                let stderr = folder.join(STDERR_FILE);
+                absent.insert(Child::start(&self.command, Some(&stderr))?)
+            }
+        };
+        child.send(question)?;
+        let line = child.receive(self.limit, interrupt)?;
+        child.read::<Line>(&line)?;
+        Ok(Reply::text(String::from_utf8_lossy(&line).into_owned()))
+    }
+}
+
+/// What a program answers.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+enum Line {
+    /// What each gripper does.
+    Grips(Vec<Map<String, Json>>),
+    /// Nothing further, and why.
+    Refuse(String),
+}
+
+fn read(step: &StepView<'_>, line: &str) -> Answer {
+    let unreadable = |field: &str, message: String| Answer::Unreadable {
+        field: field.to_owned(),
+        message,
+    };
+    match serde_json::from_str(line) {
+        Ok(Line::Refuse(why)) => Answer::Stop {
+            outcome: Outcome::PolicyStopped,
+            why,
+        },
+        Ok(Line::Grips(grips)) => match grips.as_slice() {
+            [grip] => match proposal(step, grip) {
+                Ok(proposal) => Answer::Grip(proposal),
+                Err((field, message)) => unreadable(&field, message),
+            },
+            grips => unreadable(
+                "grips",
+                format!(
+                    "there are {} grips, and the world has one gripper",
+                    grips.len()
+                ),
+            ),
+        },
+        Err(error) => unreadable("grips", error.to_string()),
+    }
+}
+
+/// Reads a grip; says which field is wrong, and why.
+fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, (String, String)> {
+    let declared = &step.program.actions;
+    let names = || {
+        let names = declared.iter().map(|field| format!("`{}`", field.name));
+        names.collect::<Vec<_>>().join(", ")
+    };
+    let is_unknown = |name: &&String| !declared.iter().any(|field| field.name == **name);
+    if let Some(name) = grip.keys().find(is_unknown) {
+        let message = format!("the task has no field `{name}`; it has {}", names());
+        return Err((name.clone(), message));
+    }
+    let mut fields = Vec::with_capacity(declared.len());
+    for field in declared {
+        let wrong = |message: String| (field.name.clone(), message);
+        let stated = grip.get(&field.name);
+        let stated = stated.ok_or_else(|| {
+            wrong(format!(
+                "`{}` is missing; a grip has {}",
+                field.name,
+                names()
+            ))
+        })?;
+        let value = value(field, stated).ok_or_else(|| {
+            let right = match field.is_point() {
+                true => "a pixel, `[column, row]`, whole numbers".to_owned(),
+                false => format!("one of {}", space::listed(field, &space::declared(field))),
+            };
+            wrong(format!(
+                "`{}` is {stated}, and has to be {right}",
+                field.name
+            ))
+        })?;
+        fields.push((field.name.clone(), value));
+    }
+    Ok(Proposal { fields })
+}
+
+fn value(field: &ActionField, stated: &Json) -> Option<Value> {
+    if field.is_point() {
+        return PixelPoint::deserialize(stated).ok().map(Value::Point);
+    }
+    let text = stated.as_str()?;
+    let mut declared = space::declared(field).into_iter();
+    declared.find(|value| space::text(field, value) == text)
+}
+
+/// The files of a step, by their names in the run folder.
+struct Files {
+    scene: String,
+    annotated: String,
+    depth: String,
+    subgoals: Option<[String; 2]>,
+    particles: Option<String>,
+}
+
+impl Files {
+    /// Writes what the rollout itself does not keep.
+    fn write(step: &StepView<'_>, folder: &Path) -> Result<Files, (String, std::io::Error)> {
+        let name = |what: &str| format!("step_{}/{what}", step.number);
+        let write = |what: &str, bytes: &[u8]| {
+            let name = name(what);
+            let path = folder.join(&name);
+            let parent = path.parent().unwrap_or(folder);
+            let written =
+                std::fs::create_dir_all(parent).and_then(|()| files::write_whole(&path, bytes));
+            written
+                .map(|()| name.clone())
+                .map_err(|error| (name, error))
+        };
+        let depth = &step.observation.depth_m;
+        let shape = [u64::from(depth.height()), u64::from(depth.width())];
+        let subgoals = match &step.pictures.subgoals {
+            None => None,
+            Some(pictures) => {
+                let picture = |which| png::encode(pictures.picture(which, Arrow::Absent));
+                Some([
+                    write("subgoal_now.png", &picture(SubgoalStep::Now))?,
+                    write("subgoal_next.png", &picture(SubgoalStep::Next))?,
+                ])
+            }
+        };
+        let particles = match &step.truth {
+            None => None,
+            Some(truth) => Some(write("particles.npy", &npy::encode(truth.particles))?),
+        };
+        Ok(Files {
+            scene: name("before.png"),
+            annotated: write("annotated.png", &png::encode(&step.pictures.annotated))?,
+            depth: write(
+                "depth.npy",
+                &npy::encode_floats(&shape, depth.iter().copied()),
+            )?,
+            subgoals,
+            particles,
+        })
+    }
+}
+
+/// Writes the line for a program.
+///
+/// - `place`: how a file of the run folder is named in it.
+fn question(
+    step: &StepView<'_>,
+    files: &Files,
+    refusals: &[Refusal],
+    place: &dyn Fn(&str) -> PathBuf,
+) -> Json {
+    let program = step.program;
+    let offered = program.actions.iter().map(|field| {
+        let values = match &field.choices {
+            Choices::Region { mask } => json!({ "any_of": mask }),
+            _ => {
+                let values = space::choices(field, step.scene);
+                values.iter().map(|value| written(field, value)).collect()
+            }
+        };
+        (field.name.clone(), values)
+    });
+    let grip = |proposal: &Proposal| -> Json {
+        let fields = program.actions.iter().filter_map(|field| {
+            let value = proposal.get(&field.name)?;
+            Some((field.name.clone(), written(field, value)))
+        });
+        Json::Object(fields.collect())
+    };
+    let refusals = refusals.iter().map(|refusal| {
+        let grips = refusal.proposal.iter().map(grip);
+        json!({ "grips": grips.collect::<Vec<_>>(), "check": refusal.check, "why": refusal.why })
+    });
+    let mut question = json!({
+        "protocol": PROTOCOL,
+        "task": program.task,
+        "variant": program.variant,
+        "program": place("program.json"),
+        "repetition": step.repetition,
+        "step": step.step,
+        "horizon": step.horizon,
+        "action": step.number,
+        "pictures": {
+            "scene": place(&files.scene),
+            "annotated": place(&files.annotated),
+            "depth": place(&files.depth),
+            "subgoal_now": files.subgoals.as_ref().map(|[now, _]| place(now)),
+            "subgoal_next": files.subgoals.as_ref().map(|[_, next]| place(next)),
+        },
+        "camera": Pinhole::of(&step.observation.camera),
+        "keypoints": step.scene.to_json(),
+        "offered": Json::Object(offered.collect()),
+        "last": step.last.map(|last| grip(&last.proposal)),
+        "refusals": refusals.collect::<Vec<_>>(),
+    });
+    if let Some(particles) = &files.particles {
+        question["particles"] = json!(place(particles));
+    }
+    question
+}
+
+/// Writes a value as a grip states it.
+fn written(field: &ActionField, value: &Value) -> Json {
+    match value {
+        Value::Point(point) => json!(point),
+        other => json!(space::text(field, other)),
+    }
+}

@@ -1,0 +1,82 @@
+//! The policy that asks models, as the task's stages say, and asks again with the reason of a refusal.
+//!
+//! In: the stages, the step's pictures, the models. Out: every attempt as it happens, and a [`Decision`]. The number of
+//! questions is bounded by the program's `attempts` per stage.
+
+mod conversation;
+mod rehearsal;
+mod talk;
+
+use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, RoleModels, StepView};
+use crate::outcome::Outcome;
+pub use conversation::{Conversation, PromptError, Spoken, SpokenPart, conversation, opening};
+use fab_model::{Description as ModelDescription, Models, lowering};
+use fab_program::Program;
+use fab_program::render::RenderError;
+pub use rehearsal::{Rehearsed, rehearse};
+use std::collections::BTreeMap;
+use talk::{Answer, Missing, Next, Talk};
+
+/// Asks models.
+#[derive(Clone, Copy)]
+pub struct Prompted<'m> {
+    /// Which model answers which role.
+    pub models: Models<'m>,
+}
+
+impl Policy for Prompted<'_> {
+    fn description(&self) -> Description {
+        Description {
+            kind: Kind::Prompted,
+            name: self.models.name(),
+            sees_particles: false,
+            models: Some(RoleModels {
+                vision: ModelDescription::of(self.models.vision),
+                text: ModelDescription::of(self.models.text),
+            }),
+            code: None,
+        }
+    }
+
+    fn varies(&self) -> bool {
+        self.models.varies()
+    }
+
+    fn prepare(&self, program: &Program) -> Result<Option<String>, PolicyError> {
+        lowering::check(program, self.models).map_err(RenderError::from)?;
+        Ok(lowering::note(program, self.models))
+    }
+
+    /// Asks every stage of one step and returns what to do.
+    fn decide(
+        &mut self,
+        step: &StepView<'_>,
+        exchange: &mut Exchange<'_, '_>,
+    ) -> Result<Decision, PolicyError> {
+        let mut texts = BTreeMap::new();
+        let mut decision = step.without_answer(Outcome::MalformedReply);
+        for stage in &step.program.stages {
+            let model = self.models.of(stage.model);
+            let mut talk = Talk::begin(*step, stage, &texts, model.lowering(), Missing::IsAnError)?;
+            let answer = loop {
+                let attempt = talk.ask(model, exchange.asking, &texts)?;
+                (exchange.record)(&attempt)?;
+                match talk.conclude(attempt, &texts)? {
+                    Next::AskAgain => {}
+                    Next::Done(answer) => break answer,
+                }
+            };
+            match answer {
+                Answer::Text { name, value } => {
+                    texts.insert(name, value);
+                }
+                Answer::Action { proposal, accepted } => {
+                    let grips = vec![proposal];
+                    decision = Decision::Act { grips, accepted };
+                }
+                Answer::None(outcome) => return Ok(step.without_answer(outcome)),
+            }
+        }
+        Ok(decision)
+    }
+}

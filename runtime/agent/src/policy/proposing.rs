@@ -1,0 +1,146 @@
+//! The loop of policies that propose actions themselves: judge, and ask again with the reason of the refusal.
+//!
+//! In: a step, and a function that proposes. Out: every attempt as it happens, and a [`Decision`]. The task's `attempts`
+//! bound the number of proposals, as they bound a model's answers.
+
+use super::judge::{relaxed, verdict};
+use super::{Accepted, Attempt, Decision, Exchange, Finding, PolicyError, Question, StepView};
+use crate::outcome::Outcome;
+use fab_model::Reply;
+use fab_program::Proposal;
+use fab_program::verify::{OFFERED, Strictness, Verdict};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// What attempts of a policy without stages are filed under.
+const STAGE: &str = "policy";
+
+/// A proposal, with what led to it.
+pub(super) struct Proposed {
+    /// What was asked, where somebody was.
+    pub question: Option<Question>,
+    /// What came back, where something did.
+    pub reply: Option<Reply>,
+    /// What is said of it to people.
+    pub note: Option<String>,
+    /// The proposal, or why there is none.
+    pub answer: Answer,
+}
+
+/// What a policy proposes.
+pub(super) enum Answer {
+    /// An action for the one gripper that there is.
+    Grip(Proposal),
+    /// Nothing that can be judged; it may try again.
+    Unreadable {
+        /// The field that is wrong.
+        field: String,
+        /// What is wrong, and what would be right.
+        message: String,
+    },
+    /// Nothing, and nothing further.
+    Stop {
+        /// How the rollout ends.
+        outcome: Outcome,
+        /// Why.
+        why: String,
+    },
+}
+
+/// A proposal that was not accepted.
+pub(super) struct Refusal {
+    /// What was proposed, where it could be read.
+    pub proposal: Option<Proposal>,
+    /// The check that refused it, or the field that could not be read.
+    pub check: String,
+    /// Why, in words.
+    pub why: String,
+}
+
+/// Takes proposals until one passes every check.
+pub(super) fn until_accepted(
+    step: &StepView<'_>,
+    exchange: &mut Exchange<'_, '_>,
+    propose: &mut dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Proposed, PolicyError>,
+) -> Result<Decision, PolicyError> {
+    let texts = BTreeMap::new();
+    let facts = step.facts(&texts, step.pixels());
+    let mut refusals: Vec<Refusal> = Vec::new();
+    let mut refused = Vec::new();
+    for number in 1..=step.program.verify.attempts {
+        let begun = Instant::now();
+        let proposed = propose(&refusals, exchange)?;
+        let took = begun.elapsed();
+        let finding = match &proposed.answer {
+            Answer::Grip(proposal) => Finding::Action {
+                fields: proposal.fields.clone(),
+                repairs: Vec::new(),
+                verdict: verdict(*step, facts, proposal, Strictness::Full)?,
+            },
+            Answer::Unreadable { field, message } => Finding::Malformed {
+                field: field.clone(),
+                message: message.clone(),
+            },
+            Answer::Stop { outcome, why } => Finding::Failed {
+                outcome: *outcome,
+                fault: None,
+                why: why.clone(),
+            },
+        };
+        (exchange.record)(&Attempt {
+            stage: STAGE.to_owned(),
+            number,
+            question: proposed.question,
+            reply: proposed.reply,
+            note: proposed.note,
+            finding: finding.clone(),
+            took,
+        })?;
+        match (proposed.answer, finding) {
+            (Answer::Stop { outcome, why }, _) => return Ok(Decision::Stop { outcome, why }),
+            (Answer::Unreadable { field, message }, _) => refusals.push(Refusal {
+                proposal: None,
+                check: field,
+                why: message,
+            }),
+            (
+                Answer::Grip(proposal),
+                Finding::Action {
+                    verdict: Verdict::Reject { check, message, .. },
+                    ..
+                },
+            ) => {
+                refused.push((number, proposal.clone()));
+                refusals.push(Refusal {
+                    proposal: Some(proposal),
+                    check,
+                    why: message,
+                });
+            }
+            (Answer::Grip(proposal), _) => return Ok(act(proposal, number, &[])),
+        }
+    }
+    if let Some((number, proposal)) = relaxed(*step, facts, &refused)? {
+        return Ok(act(proposal, number, &step.program.verify.relaxed));
+    }
+    // What is not of the action space at all is a fault of the policy, and not of its choice.
+    let is_outside = |refusal: &&Refusal| refusal.proposal.is_none() || refusal.check == OFFERED;
+    Ok(match refusals.last().filter(is_outside) {
+        Some(refusal) => Decision::Stop {
+            outcome: Outcome::PolicyFailed,
+            why: format!("its answer is outside of the action space: {}", refusal.why),
+        },
+        None => step.without_answer(Outcome::AttemptsExhausted),
+    })
+}
+
+fn act(proposal: Proposal, attempt: u32, without: &[String]) -> Decision {
+    Decision::Act {
+        grips: vec![proposal],
+        accepted: Accepted {
+            stage: STAGE.to_owned(),
+            attempt,
+            without: without.to_owned(),
+        },
+    }
+}

@@ -1,0 +1,56 @@
+//! The policy that draws from the declared action space, without a prompt.
+//!
+//! It is the paper's random policy, a floor for others. Seed, start, repetition, action and attempt decide the draw.
+
+use super::proposing::{Answer, Proposed, until_accepted};
+use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, StepView};
+use crate::outcome::Outcome;
+use fab_base::chance::Chance;
+use fab_program::space;
+
+/// Draws each field of an action from what is offered.
+#[derive(Clone, Copy, Debug)]
+pub struct Random {
+    /// Decides all draws.
+    pub seed: u64,
+}
+
+impl Policy for Random {
+    fn description(&self) -> Description {
+        Description {
+            kind: Kind::Random,
+            name: format!("random policy, seed {}", self.seed),
+            sees_particles: false,
+            models: None,
+            code: None,
+        }
+    }
+
+    fn decide(
+        &mut self,
+        step: &StepView<'_>,
+        exchange: &mut Exchange<'_, '_>,
+    ) -> Result<Decision, PolicyError> {
+        let mut chance = Chance::of(&format!(
+            "random policy {} {} {} {}",
+            self.seed, step.start, step.repetition, step.number
+        ));
+        until_accepted(step, exchange, &mut |_, _| {
+            // A number below a count of choices in memory fits.
+            let mut below = |count: u64| chance.below(count as usize) as u64;
+            let answer = match space::sample(step.program, step.scene, &mut below) {
+                Some(proposal) => Answer::Grip(proposal),
+                None => Answer::Stop {
+                    outcome: Outcome::NoCandidates,
+                    why: "a field has nothing to choose from".to_owned(),
+                },
+            };
+            Ok(Proposed {
+                question: None,
+                reply: None,
+                note: None,
+                answer,
+            })
+        })
+    }
+}

@@ -1,0 +1,573 @@
+//! A program of the user's, in any language, that answers lines.
+//!
+//! In: a command line, and lines for its stdin. Out: the lines of its stdout, one for each that was sent. It gets a
+//! process group of its own, which ends with this side of it. Whatever it does (hang, die, flood, write half a line),
+//! there is an error that names it, and no wait is without a limit. What the lines mean is left to others.
+
+use crate::interrupt::Interrupt;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fmt;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::Path;
+use std::process::{self, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// The longest line that is read, bytes.
+pub const MAX_LINE_BYTES: usize = 1 << 20;
+
+/// How much of stderr is kept in its file, bytes.
+const MAX_STDERR_BYTES: usize = 1 << 20;
+
+/// How much of the end of stderr stands in a message, bytes.
+const STDERR_BYTES: usize = 600;
+
+/// How much of a line stands in a message, bytes.
+const EXCERPT_BYTES: usize = 160;
+
+/// How long a program that is no longer needed may take to end by itself, once its stdin is closed.
+const GRACE: Duration = Duration::from_secs(1);
+
+/// How often a wait looks at the interrupt and at the process.
+const TICK: Duration = Duration::from_millis(20);
+
+/// A program and its arguments.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CommandLine {
+    /// The program, then its arguments; never empty.
+    words: Vec<String>,
+    text: String,
+}
+
+impl CommandLine {
+    /// Splits a command line into words as a shell does; no shell runs it.
+    ///
+    /// Fails where it has no word, or a quotation that does not end.
+    pub fn parse(text: &str) -> Result<CommandLine, String> {
+        match shlex::split(text) {
+            None => Err(format!("`{text}` has a quotation that does not end")),
+            Some(words) if words.is_empty() => Err(
+                "it names no program; write a command line, such as `python3 policy.py`".to_owned(),
+            ),
+            Some(words) => Ok(CommandLine {
+                words,
+                text: text.to_owned(),
+            }),
+        }
+    }
+
+    /// Returns the words that name files there are: what the program is made of, as far as its command line says.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let paths = self.words.iter().map(Path::new);
+        paths.filter(|path| path.is_file())
+    }
+}
+
+impl fmt::Display for CommandLine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+/// What a program did instead of answering.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ChildError {
+    /// It cannot be started.
+    #[error("`{command}` cannot be started: {why}")]
+    NotStarted {
+        /// The command line.
+        command: String,
+        /// What the system said.
+        why: String,
+    },
+    /// It ended, or closed its stdout.
+    #[error("`{command}` ended before it answered ({how}){stderr}")]
+    Ended {
+        /// The command line.
+        command: String,
+        /// Its exit status.
+        how: String,
+        /// The end of its stderr, as the message's end.
+        stderr: String,
+    },
+    /// It ended in the middle of a line.
+    #[error("`{command}` ended in the middle of the line `{line}`{stderr}")]
+    HalfLine {
+        /// The command line.
+        command: String,
+        /// What there was of the line.
+        line: String,
+        /// The end of its stderr, as the message's end.
+        stderr: String,
+    },
+    /// It took too long.
+    #[error("`{command}` did not answer within {limit_s} s and was ended{stderr}")]
+    Silent {
+        /// The command line.
+        command: String,
+        /// The time limit, seconds.
+        limit_s: u64,
+        /// The end of its stderr, as the message's end.
+        stderr: String,
+    },
+    /// It wrote an endless line.
+    #[error("`{command}` wrote {MAX_LINE_BYTES} bytes without the end of a line and was ended")]
+    Flooded {
+        /// The command line.
+        command: String,
+    },
+    /// It wrote more than one line for a question.
+    #[error(
+        "`{command}` wrote a line that nobody asked for, `{line}`: one answer is due for each question"
+    )]
+    Unasked {
+        /// The command line.
+        command: String,
+        /// The line.
+        line: String,
+    },
+    /// Its answer is none.
+    #[error("`{command}` wrote `{line}`, which is no answer: {why}")]
+    NoAnswer {
+        /// The command line.
+        command: String,
+        /// The line.
+        line: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// Somebody asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// What the thread that reads stdout saw.
+enum Output {
+    Line(Vec<u8>),
+    HalfLine(Vec<u8>),
+    Flood,
+}
+
+/// A running program; it is ended when this is dropped.
+#[derive(Debug)]
+pub struct Child {
+    command: CommandLine,
+    process: process::Child,
+    /// None once stdin is to be closed.
+    stdin: Option<Sender<Vec<u8>>>,
+    stdout: Receiver<Output>,
+    stderr: Arc<Mutex<Vec<u8>>>,
+    stderr_reader: Option<thread::JoinHandle<()>>,
+}
+
+impl Child {
+    /// Starts a program in the working folder.
+    ///
+    /// - `stderr`: where what it writes there is kept, up to 1 MiB.
+    pub fn start(command: &CommandLine, stderr: Option<&Path>) -> Result<Child, ChildError> {
+        let failed = |why: std::io::Error| ChildError::NotStarted {
+            command: command.to_string(),
+            why: why.to_string(),
+        };
+        let kept = stderr.map(File::create).transpose().map_err(failed)?;
+        let [program, arguments @ ..] = command.words.as_slice() else {
+            unreachable!("a command line has at least one word");
+        };
+        let mut process = process::Command::new(program);
+        process
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut process, 0);
+        let mut process = process.spawn().map_err(failed)?;
+        const PIPED: &str = "the stream is a pipe";
+        let mut stdin = process.stdin.take().expect(PIPED);
+        let (send, lines) = channel::<Vec<u8>>();
+        // A program that does not read must not block who writes.
+        thread::spawn(move || {
+            while let Ok(line) = lines.recv() {
+                if stdin.write_all(&line).and_then(|()| stdin.flush()).is_err() {
+                    break;
+                }
+            }
+        });
+        let tail = Arc::new(Mutex::new(Vec::new()));
+        Ok(Child {
+            command: command.clone(),
+            stdin: Some(send),
+            stdout: read_lines(process.stdout.take().expect(PIPED)),
+            stderr_reader: Some(read_errors(
+                process.stderr.take().expect(PIPED),
+                kept,
+                Arc::clone(&tail),
+            )),
+            stderr: tail,
+            process,
+        })
+    }
+
+    /// Sends a question and returns its answer.
+    pub fn ask<A: DeserializeOwned>(
+        &mut self,
+        question: &impl Serialize,
+        limit: Duration,
+        interrupt: &Interrupt,
+    ) -> Result<A, ChildError> {
+        self.send(question)?;
+        let line = self.receive(limit, interrupt)?;
+        self.read(&line)
+    }
+
+    /// Sends a line; fails where the program wrote one that is no answer to anything.
+    pub fn send(&mut self, question: &impl Serialize) -> Result<(), ChildError> {
+        match self.stdout.try_recv() {
+            Err(TryRecvError::Empty) => {}
+            Ok(Output::Line(line)) => {
+                return Err(ChildError::Unasked {
+                    command: self.command.to_string(),
+                    line: excerpt(&line),
+                });
+            }
+            Ok(other) => return Err(self.broken(other)),
+            Err(TryRecvError::Disconnected) => return Err(self.ended()),
+        }
+        let mut line = serde_json::to_vec(question).expect("a question has string keys");
+        line.push(b'\n');
+        // Where nobody reads any more, the wait for the answer finds out why.
+        if let Some(stdin) = &self.stdin {
+            let _ = stdin.send(line);
+        }
+        Ok(())
+    }
+
+    /// Waits for the next line.
+    pub fn receive(
+        &mut self,
+        limit: Duration,
+        interrupt: &Interrupt,
+    ) -> Result<Vec<u8>, ChildError> {
+        let begun = Instant::now();
+        loop {
+            match self.stdout.recv_timeout(TICK) {
+                Ok(Output::Line(line)) => return Ok(line),
+                Ok(other) => return Err(self.broken(other)),
+                Err(RecvTimeoutError::Disconnected) => return Err(self.ended()),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            if interrupt.is_raised() {
+                return Err(ChildError::Interrupted);
+            }
+            // A process that it started may hold the pipe open.
+            if matches!(self.process.try_wait(), Ok(Some(_)) | Err(_)) {
+                return match self.stdout.recv_timeout(TICK) {
+                    Ok(Output::Line(line)) => Ok(line),
+                    Ok(other) => Err(self.broken(other)),
+                    Err(_) => Err(self.ended()),
+                };
+            }
+            if begun.elapsed() >= limit {
+                self.kill();
+                return Err(ChildError::Silent {
+                    command: self.command.to_string(),
+                    limit_s: limit.as_secs(),
+                    stderr: self.last_errors(),
+                });
+            }
+        }
+    }
+
+    /// Reads an answer.
+    pub fn read<A: DeserializeOwned>(&self, line: &[u8]) -> Result<A, ChildError> {
+        serde_json::from_slice(line).map_err(|error| self.no_answer(line, error))
+    }
+
+    /// Says that a line is no answer.
+    pub fn no_answer(&self, line: &[u8], why: impl fmt::Display) -> ChildError {
+        ChildError::NoAnswer {
+            command: self.command.to_string(),
+            line: excerpt(line),
+            why: why.to_string(),
+        }
+    }
+
+    fn broken(&mut self, output: Output) -> ChildError {
+        let command = self.command.to_string();
+        match output {
+            Output::Line(line) => ChildError::Unasked {
+                command,
+                line: excerpt(&line),
+            },
+            Output::HalfLine(line) => ChildError::HalfLine {
+                command,
+                line: excerpt(&line),
+                stderr: self.last_errors(),
+            },
+            Output::Flood => {
+                self.kill();
+                ChildError::Flooded { command }
+            }
+        }
+    }
+
+    fn ended(&mut self) -> ChildError {
+        let status = self.wait(GRACE);
+        self.kill();
+        ChildError::Ended {
+            command: self.command.to_string(),
+            how: match status {
+                Some(status) => status.to_string(),
+                None => "it closed its stdout and went on".to_owned(),
+            },
+            stderr: self.last_errors(),
+        }
+    }
+
+    /// Waits for its end, at most for a while.
+    fn wait(&mut self, most: Duration) -> Option<process::ExitStatus> {
+        let begun = Instant::now();
+        loop {
+            match self.process.try_wait() {
+                Ok(None) if begun.elapsed() < most => thread::sleep(TICK),
+                status => return status.ok().flatten(),
+            }
+        }
+    }
+
+    /// Ends the program and everything that it started.
+    fn kill(&mut self) {
+        self.stdin = None;
+        #[cfg(unix)]
+        if let Ok(group) = i32::try_from(self.process.id()) {
+            use nix::sys::signal::{Signal, killpg};
+            let _ = killpg(nix::unistd::Pid::from_raw(group), Signal::SIGKILL);
+        }
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+
+    /// Returns the end of its stderr, as a message goes on with it.
+    fn last_errors(&mut self) -> String {
+        // What it wrote last is still on its way.
+        let begun = Instant::now();
+        let is_read = |reader: &Option<thread::JoinHandle<()>>| {
+            reader.as_ref().is_none_or(thread::JoinHandle::is_finished)
+        };
+        while !is_read(&self.stderr_reader) && begun.elapsed() < GRACE {
+            thread::sleep(TICK);
+        }
+        let tail = self.stderr.lock().unwrap_or_else(PoisonError::into_inner);
+        let text = String::from_utf8_lossy(&tail);
+        match text.trim() {
+            "" => String::new(),
+            text => format!("; its stderr ends with: {text}"),
+        }
+    }
+}
+
+impl Drop for Child {
+    fn drop(&mut self) {
+        self.stdin = None;
+        self.wait(GRACE);
+        self.kill();
+    }
+}
+
+/// Reads lines in a thread of its own, a few ahead of who takes them.
+fn read_lines(source: impl Read + Send + 'static) -> Receiver<Output> {
+    let (send, lines) = sync_channel(4);
+    thread::spawn(move || {
+        let mut source = BufReader::new(source);
+        loop {
+            let mut line = Vec::new();
+            let mut limited = source.by_ref().take(MAX_LINE_BYTES as u64);
+            let read = limited.read_until(b'\n', &mut line);
+            let output = match (read, line.pop()) {
+                (Ok(_), Some(b'\n')) => Output::Line(line),
+                (Err(_), _) | (_, None) => break,
+                (Ok(MAX_LINE_BYTES), Some(_)) => Output::Flood,
+                (Ok(_), Some(last)) => {
+                    line.push(last);
+                    Output::HalfLine(line)
+                }
+            };
+            let is_last = !matches!(output, Output::Line(_));
+            if send.send(output).is_err() || is_last {
+                break;
+            }
+        }
+    });
+    lines
+}
+
+/// Reads stderr in a thread of its own, into its file and a short tail.
+fn read_errors(
+    mut source: impl Read + Send + 'static,
+    mut file: Option<File>,
+    tail: Arc<Mutex<Vec<u8>>>,
+) -> thread::JoinHandle<()> {
+    thread::spawn(move || {
+        let mut buffer = [0; 4096];
+        let mut kept = 0;
+        while let Ok(count @ 1..) = source.read(&mut buffer) {
+            let bytes = &buffer[..count];
+            let room = MAX_STDERR_BYTES.saturating_sub(kept);
+            if let Some(file) = &mut file {
+                // Reading goes on where it cannot be kept: the program must not block.
+                let _ = file.write_all(&bytes[..count.min(room)]);
+            }
+            kept += count;
+            let mut tail = tail.lock().unwrap_or_else(PoisonError::into_inner);
+            tail.extend_from_slice(bytes);
+            let surplus = tail.len().saturating_sub(STDERR_BYTES);
+            tail.drain(..surplus);
+        }
+    })
+}
+
+/// Shortens a line for a message.
+fn excerpt(line: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&line[..line.len().min(EXCERPT_BYTES)]);
+    let text = text
+        .trim_end()
+        .escape_debug()
+        .to_string()
+        .replace("\\\"", "\"");
+    match line.len() > EXCERPT_BYTES {
+        true => format!("{text}…"),
+        false => text,
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    const SOON: Duration = Duration::from_secs(20);
+
+    fn shell(script: &str) -> CommandLine {
+        CommandLine::parse(&format!(
+            "sh -c {}",
+            shlex::try_quote(script).expect("no NUL")
+        ))
+        .expect("a command line")
+    }
+
+    fn asked(script: &str, limit: Duration) -> Result<Value, ChildError> {
+        let mut child = Child::start(&shell(script), None)?;
+        child.ask(&json!({ "do": "hello" }), limit, &Interrupt::default())
+    }
+
+    #[test]
+    fn command_lines_are_split_as_a_shell_does() {
+        let command = CommandLine::parse("python3 'my policy.py' --rate=0.5").expect("words");
+        assert_eq!(command.words, ["python3", "my policy.py", "--rate=0.5"]);
+        assert!(CommandLine::parse("python3 'x").is_err());
+        assert!(CommandLine::parse("  ").is_err());
+    }
+
+    #[test]
+    fn questions_are_answered_one_by_one() {
+        let mut child = Child::start(&shell("cat"), None).expect("a child");
+        for number in 0..3 {
+            let answer: Value = child
+                .ask(&json!([number]), SOON, &Interrupt::default())
+                .expect("an answer");
+            assert_eq!(answer, json!([number]));
+        }
+    }
+
+    #[test]
+    fn whatever_a_program_does_is_named() {
+        for (script, words) in [
+            (
+                "echo oh dear >&2; exit 3",
+                "ended before it answered (exit status: 3); its stderr ends with: oh dear",
+            ),
+            ("kill -9 $$", "ended before it answered (signal: 9"),
+            (
+                "printf '{\"pick\": '",
+                "ended in the middle of the line `{\"pick\":`",
+            ),
+            (
+                "echo hello",
+                "wrote `hello`, which is no answer: expected value",
+            ),
+            ("exec 1>&-; sleep 60", "it closed its stdout and went on"),
+            (
+                "yes x | tr -d '\\n'",
+                "wrote 1048576 bytes without the end of a line",
+            ),
+        ] {
+            let error = asked(script, SOON).expect_err(script).to_string();
+            assert!(error.contains(words), "{script}: {error}");
+        }
+        let absent = CommandLine::parse("/nowhere/at/all").expect("a word");
+        let error = Child::start(&absent, None).expect_err("no such program");
+        assert!(matches!(error, ChildError::NotStarted { .. }), "{error}");
+    }
+
+    #[test]
+    fn a_second_line_is_refused_when_the_next_question_comes() {
+        let mut child =
+            Child::start(&shell("read a; echo 1; echo 2; read b; echo 3"), None).expect("a child");
+        let quiet = Interrupt::default();
+        assert_eq!(child.ask::<u32>(&1, SOON, &quiet), Ok(1));
+        thread::sleep(Duration::from_millis(300));
+        let error = child
+            .ask::<u32>(&2, SOON, &quiet)
+            .expect_err("a line nobody asked for");
+        assert!(matches!(error, ChildError::Unasked { .. }), "{error}");
+    }
+
+    #[test]
+    fn what_hangs_is_ended_with_all_that_it_started() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pid = folder.path().join("pid");
+        let script = format!("sleep 600 & echo $! > {}; wait", pid.display());
+        let error = asked(&script, Duration::from_secs(1)).expect_err("silence");
+        assert!(
+            error.to_string().contains("did not answer within 1 s"),
+            "{error}"
+        );
+        let pid = std::fs::read_to_string(pid).expect("a process");
+        let raw: u32 = pid.trim().parse().expect("a number");
+        thread::sleep(Duration::from_millis(200));
+        let stat = std::fs::read_to_string(format!("/proc/{raw}/stat")).unwrap_or_default();
+        assert!(
+            stat.is_empty() || stat.contains(") Z "),
+            "it still runs: {stat}"
+        );
+    }
+
+    #[test]
+    fn an_interrupt_ends_the_wait() {
+        let interrupt = Interrupt::default();
+        interrupt.raise();
+        let mut child = Child::start(&shell("sleep 600"), None).expect("a child");
+        let error = child
+            .ask::<Value>(&1, SOON, &interrupt)
+            .expect_err("an interrupt");
+        assert_eq!(error, ChildError::Interrupted);
+    }
+
+    #[test]
+    fn stderr_is_kept_up_to_its_limit() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("stderr.txt");
+        let script = shell("head -c 3000000 /dev/zero | tr '\\0' x >&2; read a; echo 1");
+        let mut child = Child::start(&script, Some(&path)).expect("a child");
+        assert_eq!(child.ask::<u32>(&1, SOON, &Interrupt::default()), Ok(1));
+        drop(child);
+        assert_eq!(
+            path.metadata().expect("the file").len(),
+            MAX_STDERR_BYTES as u64
+        );
+    }
+}

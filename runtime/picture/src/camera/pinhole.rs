@@ -1,0 +1,121 @@
+//! A camera without distortion as programs in other languages read and write it.
+//!
+//! In and out: plain numbers, the camera's pose as a matrix of four rows.
+
+use super::{Camera, Lens, Projection};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// How far from a rotation the upper left of a pose may be, largest number of `R * R^T - I`.
+const ROTATION_TOLERANCE: f64 = 1e-3;
+
+/// A camera that draws straight lines straight.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pinhole {
+    /// Distance of the image plane along columns and rows, pixels.
+    pub focal_px: [f64; 2],
+    /// Where the optical axis meets the image, pixels; the first pixel's centre is at 0.5.
+    pub center_px: [f64; 2],
+    /// Pose, row by row, metres. In the camera's own frame x is image right, y image down, z the optical axis.
+    pub world_from_camera: [[f64; 4]; 4],
+}
+
+impl Pinhole {
+    /// Describes a camera; `None` for one with distortion, and for one of which only the table's plane is known.
+    pub fn of(camera: &Camera) -> Option<Pinhole> {
+        let Projection::Pinhole {
+            world_from_camera,
+            lens,
+        } = &camera.projection
+        else {
+            return None;
+        };
+        if lens.is_distorted() {
+            return None;
+        }
+        let pose = world_from_camera.to_homogeneous();
+        Some(Pinhole {
+            focal_px: lens.focal_px,
+            center_px: lens.middle_px,
+            world_from_camera: std::array::from_fn(|row| std::array::from_fn(|at| pose[(row, at)])),
+        })
+    }
+
+    /// Makes the camera, for pictures of a size; says what is wrong with a number that no camera has.
+    pub fn camera(&self, size_px: [u32; 2]) -> Result<Camera, String> {
+        let [fx, fy] = self.focal_px;
+        if !(fx.is_finite() && fy.is_finite() && fx > 0.0 && fy > 0.0) {
+            return Err(format!(
+                "`focal_px` is [{fx}, {fy}], and both have to be above 0"
+            ));
+        }
+        let numbers = self.world_from_camera.iter().flatten();
+        if !numbers
+            .chain(&self.center_px)
+            .all(|number| number.is_finite())
+        {
+            return Err("a number of the camera is not finite".to_owned());
+        }
+        let pose = &self.world_from_camera;
+        let turn = Matrix3::from_fn(|row, column| pose[row][column]);
+        let error = (turn * turn.transpose() - Matrix3::identity()).abs().max();
+        if error > ROTATION_TOLERANCE || turn.determinant() < 0.0 || pose[3] != [0.0, 0.0, 0.0, 1.0]
+        {
+            return Err(
+                "`world_from_camera` is no pose: its upper left has to be a rotation, its last row 0, 0, 0, 1"
+                    .to_owned(),
+            );
+        }
+        let rotation = Rotation3::from_matrix_unchecked(turn);
+        Ok(Camera {
+            projection: Projection::Pinhole {
+                world_from_camera: Isometry3::from_parts(
+                    Translation3::from(Vector3::from_fn(|row, _| pose[row][3])),
+                    UnitQuaternion::from_rotation_matrix(&rotation),
+                ),
+                lens: Lens::undistorted(self.focal_px, self.center_px),
+            },
+            size_px,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fab_program::ImageUp;
+    use nalgebra::Point3;
+
+    #[test]
+    fn a_camera_survives_as_plain_numbers() {
+        for up in [ImageUp::X, ImageUp::Y] {
+            let camera = Camera::top_down(0.65, 0.8, 224, up);
+            let plain = Pinhole::of(&camera).expect("no distortion");
+            let text = serde_json::to_string(&plain).expect("plain numbers");
+            let read: Pinhole = serde_json::from_str(&text).expect("a camera");
+            let again = read.camera([224, 224]).expect("a pose");
+            let point = Point3::new(0.1, -0.05, 0.01);
+            let [there, back] =
+                [&camera, &again].map(|camera| camera.pixel_from_world(point).expect("in front"));
+            assert!(
+                (there[0] - back[0]).hypot(there[1] - back[1]) < 1e-9,
+                "{there:?} {back:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_no_camera_is_refused() {
+        let plain =
+            Pinhole::of(&Camera::top_down(0.65, 0.8, 224, ImageUp::Y)).expect("no distortion");
+        let with = |change: &dyn Fn(&mut Pinhole)| {
+            let mut plain = plain;
+            change(&mut plain);
+            plain.camera([224, 224]).expect_err("no camera")
+        };
+        assert!(with(&|it| it.focal_px[1] = 0.0).contains("above 0"));
+        assert!(with(&|it| it.center_px[0] = f64::NAN).contains("not finite"));
+        assert!(with(&|it| it.world_from_camera[0][0] = 2.0).contains("rotation"));
+        assert!(with(&|it| it.world_from_camera[1][1] = 1.0).contains("rotation"));
+    }
+}

@@ -1,0 +1,335 @@
+//! What every world promises, as checks that anybody can run on theirs.
+//!
+//! In: a way to make a world. Out: for each promise whether it is kept. The project's own worlds pass all of them in its
+//! tests; `fabc world check` runs them on a program of the user's.
+
+use crate::metrics::coverage;
+use crate::start::Start;
+use crate::{Grasp, Motion, World, WorldError, WorldPoint};
+use fab_base::interrupt::Interrupt;
+use fab_program::{Camera, Cloth, ClothStart, ImageUp};
+
+/// A promise of every world.
+pub struct Promise {
+    /// What is promised.
+    pub name: &'static str,
+    check: fn(&MakeWorld<'_>) -> Result<Kept, Broken>,
+}
+
+/// Makes worlds that are all equal.
+pub type MakeWorld<'a> = dyn Fn() -> Result<Box<dyn World>, WorldError> + 'a;
+
+/// How a promise was kept.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// It was.
+    Whole,
+    /// The world says that it cannot do what was promised, and that is its right.
+    Refused(String),
+}
+
+/// How a promise was broken.
+#[derive(Debug, thiserror::Error)]
+pub enum Broken {
+    /// Something came out that must not.
+    #[error("{0}")]
+    Promise(String),
+    /// The world failed.
+    #[error(transparent)]
+    World(#[from] WorldError),
+}
+
+impl Promise {
+    /// Returns whether a world keeps the promise.
+    pub fn check(&self, make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+        (self.check)(make)
+    }
+}
+
+/// All promises.
+pub const PROMISES: [Promise; 9] = [
+    Promise {
+        name: "equal worlds have equal parameters and code",
+        check: equal_worlds_say_the_same,
+    },
+    Promise {
+        name: "nothing is seen or done before a reset",
+        check: looks_only_after_a_reset,
+    },
+    Promise {
+        name: "two pictures without an action between them are equal",
+        check: two_looks_are_equal,
+    },
+    Promise {
+        name: "a fold moves the cloth, and a reset brings it back",
+        check: a_fold_moves_the_cloth_and_a_reset_brings_it_back,
+    },
+    Promise {
+        name: "equal actions have equal results",
+        check: equal_actions_have_equal_results,
+    },
+    Promise {
+        name: "a pick beside the cloth grasps nothing and moves nothing",
+        check: a_pick_beside_the_cloth_grasps_nothing,
+    },
+    Promise {
+        name: "an interrupt ends an action",
+        check: an_interrupt_ends_an_action,
+    },
+    Promise {
+        name: "a start that cannot be laid is refused",
+        check: a_broken_start_is_refused,
+    },
+    Promise {
+        name: "crumpling depends on the seed alone",
+        check: crumpling_depends_on_the_seed_alone,
+    },
+];
+
+/// Returns the camera that the pictures are taken with: that of the shipped folds.
+pub fn camera() -> Camera {
+    Camera {
+        height_m: 0.65,
+        fov_rad: std::f64::consts::FRAC_PI_4,
+        image_px: 224,
+        up: ImageUp::Y,
+    }
+}
+
+fn demand(holds: bool, otherwise: &str) -> Result<(), Broken> {
+    match holds {
+        true => Ok(()),
+        false => Err(Broken::Promise(otherwise.to_owned())),
+    }
+}
+
+fn start() -> Start {
+    Start::flat(&Cloth {
+        dimx: 24,
+        dimy: 20,
+        spacing_m: 0.00625,
+        start: ClothStart::Flat,
+    })
+}
+
+fn corner_to_center() -> Motion {
+    let [x, y, z] = start().positions[0];
+    Motion {
+        pick: WorldPoint::new(x.into(), y.into(), z.into()),
+        place: WorldPoint::new(0.0, 0.0, 0.005),
+    }
+}
+
+fn equal_worlds_say_the_same(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+    let (one, other) = (make()?, make()?);
+    demand(
+        one.name() == other.name(),
+        "two equal worlds have different names",
+    )?;
+    demand(
+        one.parameters() == other.parameters(),
+        "two equal worlds have different `parameters`",
+    )?;
+    demand(
+        one.code() == other.code(),
+        "two equal worlds have different `code`",
+    )?;
+    Ok(Kept::Whole)
+}
+
+fn looks_only_after_a_reset(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+    let mut world = make()?;
+    let seen = matches!(world.observe(), Err(WorldError::NotReset));
+    demand(seen, "it takes a picture before any cloth was laid")?;
+    let done = world.act(&corner_to_center(), &Interrupt::default());
+    demand(
+        matches!(done, Err(WorldError::NotReset)),
+        "it acts before any cloth was laid",
+    )?;
+    demand(
+        world.particles().is_none(),
+        "it has particles before any cloth was laid",
+    )?;
+    Ok(Kept::Whole)
+}
+
+fn two_looks_are_equal(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+    let mut world = make()?;
+    world.reset(&start())?;
+    let (first, second) = (world.observe()?, world.observe()?);
+    demand(
+        first.rgb == second.rgb,
+        "the colours of two pictures without an action between them differ",
+    )?;
+    demand(
+        first.depth_m == second.depth_m,
+        "the depths of two pictures without an action between them differ",
+    )?;
+    let is_registered = first.rgb.dimensions() == first.depth_m.dimensions();
+    demand(is_registered, "colour and depth are not of one size")?;
+    Ok(Kept::Whole)
+}
+
+fn a_fold_moves_the_cloth_and_a_reset_brings_it_back(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+    let mut world = make()?;
+    world.reset(&start())?;
+    let before = world.observe()?;
+    let executed = world.act(&corner_to_center(), &Interrupt::default())?;
+    demand(
+        executed.grasp != Grasp::Missed,
+        "a pick at the cloth's corner grasps nothing",
+    )?;
+    demand(executed.duration_s > 0.0, "a fold takes no time")?;
+    demand(
+        world.observe()?.rgb != before.rgb,
+        "the fold is not to be seen",
+    )?;
+    if let Some(particles) = world.particles() {
+        let count = start().positions.len();
+        demand(
+            particles.len() == count,
+            &format!(
+                "it has {} particles, and the start has {count}",
+                particles.len()
+            ),
+        )?;
+        let mut numbers = particles.iter().flatten();
+        demand(
+            numbers.all(|number| number.is_finite()),
+            "a particle's place is not finite",
+        )?;
+        demand(particles != start().positions, "the fold moved no particle")?;
+    }
+    if !world.repeats() {
+        return Ok(Kept::Refused("it says that it does not repeat".to_owned()));
+    }
+    world.reset(&start())?;
+    demand(
+        world.observe()?.rgb == before.rgb,
+        "a reset does not lay the cloth as before",
+    )?;
+    Ok(Kept::Whole)
+}
+
+fn equal_actions_have_equal_results(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+    let (mut one, mut other) = (make()?, make()?);
+    if !one.repeats() {
+        return Ok(Kept::Refused("it says that it does not repeat".to_owned()));
+    }
+    for world in [&mut one, &mut other] {
+        world.reset(&start())?;
+        world.act(&corner_to_center(), &Interrupt::default())?;
+    }
+    demand(
+        one.particles() == other.particles(),
+        "equal actions bring the particles to different places",
+    )?;
+    demand(
+        one.observe()?.rgb == other.observe()?.rgb,
+        "equal actions end in different pictures",
+    )?;
+    Ok(Kept::Whole)
+}
+
+fn a_pick_beside_the_cloth_grasps_nothing(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+    let mut world = make()?;
+    world.reset(&start())?;
+    let before = world.particles();
+    let beside = Motion {
+        pick: WorldPoint::new(0.2, 0.2, 0.0),
+        place: WorldPoint::new(0.2, -0.2, 0.0),
+    };
+    let executed = world.act(&beside, &Interrupt::default())?;
+    let grasp = executed.grasp;
+    demand(
+        grasp == Grasp::Missed,
+        &format!("a pick beside the cloth is called {grasp:?} in place of missed"),
+    )?;
+    demand(
+        world.particles() == before,
+        "an empty gripper moved the cloth",
+    )?;
+    Ok(Kept::Whole)
+}
+
+fn an_interrupt_ends_an_action(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+    let mut world = make()?;
+    world.reset(&start())?;
+    let interrupt = Interrupt::default();
+    interrupt.raise();
+    match world.act(&corner_to_center(), &interrupt) {
+        Err(WorldError::Interrupted | WorldError::Halted { .. }) => Ok(Kept::Whole),
+        Err(other) => Err(other.into()),
+        Ok(_) => Err(Broken::Promise(
+            "it carries an action out that was interrupted".to_owned(),
+        )),
+    }
+}
+
+fn a_broken_start_is_refused(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+    let mut world = make()?;
+    let mut broken = start();
+    broken.positions[3][2] = f32::NAN;
+    let refused = |world: &mut dyn World, start: &Start| {
+        matches!(world.reset(start), Err(WorldError::Start { .. }))
+    };
+    demand(
+        refused(world.as_mut(), &broken),
+        "it lays a start with a number that is not finite",
+    )?;
+    let mut short = start();
+    short.positions.pop();
+    demand(
+        refused(world.as_mut(), &short),
+        "it lays a start with fewer particles than its grid has",
+    )?;
+    Ok(Kept::Whole)
+}
+
+fn crumpling_depends_on_the_seed_alone(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
+    let world = make()?;
+    let crumple = |seed| world.crumple(&start(), seed, &Interrupt::default());
+    let heap = match crumple(7) {
+        Ok(heap) => heap,
+        Err(WorldError::CannotCrumple { .. }) => {
+            return Ok(Kept::Refused(
+                "it says that it cannot crumple a cloth".to_owned(),
+            ));
+        }
+        Err(other) => return Err(other.into()),
+    };
+    let is_named = heap.name == "crumpled, seed 7" && heap.seed == Some(7);
+    demand(is_named, "the heap is not named by its seed")?;
+    demand(heap == crumple(7)?, "the same seed gives two heaps")?;
+    demand(
+        heap.positions != crumple(8)?.positions,
+        "two seeds give the same heap",
+    )?;
+    demand(
+        world.particles().is_none(),
+        "crumpling a start laid a cloth",
+    )?;
+    let covered = |start: &Start| coverage(&start.positions, &start.grid).unwrap_or(f64::NAN);
+    let (before, after) = (covered(&start()), covered(&heap));
+    demand(
+        after < 0.85 * before,
+        &format!(
+            "a heap covers {after:.3} of the table's share that the flat cloth covers by {before:.3}"
+        ),
+    )?;
+    let interrupt = Interrupt::default();
+    interrupt.raise();
+    let interrupted = world.crumple(&start(), 7, &interrupt);
+    demand(
+        matches!(interrupted, Err(WorldError::Interrupted)),
+        "it crumples on when it is interrupted",
+    )?;
+    let mut broken = start();
+    broken.positions[3][2] = f32::NAN;
+    let refused = world.crumple(&broken, 7, &Interrupt::default());
+    demand(
+        matches!(refused, Err(WorldError::Start { .. })),
+        "it crumples a start with a number that is not finite",
+    )?;
+    Ok(Kept::Whole)
+}

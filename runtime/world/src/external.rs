@@ -1,0 +1,471 @@
+//! A world that is a program of the user's, in any language: another simulator, or a robot of their own.
+//!
+//! In: one line of JSON per question. Out: one line per answer, files by their paths. `docs/worlds.md` states both.
+//! Whatever the program answers is checked here before anybody uses it.
+
+use crate::start::Start;
+use crate::{Executed, Grasp, Motion, World, WorldError, WorldPoint, simulated};
+use fab_base::child::{Child, ChildError, CommandLine};
+use fab_base::interrupt::Interrupt;
+use fab_base::{files, npy};
+use fab_picture::camera::Pinhole;
+use fab_picture::observation::Observation;
+use fab_picture::{DepthImage, png};
+use fab_program as program;
+use fab_program::{Cloth, ClothStart, ImageUp, Picker};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use tempfile::TempDir;
+
+/// Version of the lines.
+const PROTOCOL: u32 = 1;
+
+/// What the program writes to stderr, in the run folder.
+pub const STDERR_FILE: &str = "world.stderr.txt";
+
+/// The questions and how long each may take, seconds, where the program states no limit of its own.
+const LIMITS_S: [(&str, u64); 7] = [
+    ("hello", 60),
+    ("observe", 60),
+    ("particles", 60),
+    ("reach", 60),
+    ("reset", 600),
+    ("act", 600),
+    ("crumple", 600),
+];
+
+/// The longest limit that a program may state, seconds.
+const MAX_LIMIT_S: u64 = 3600;
+
+/// How long a program may take to end what it does when it is interrupted.
+const HALT_LIMIT: Duration = Duration::from_secs(5);
+
+/// The largest array that is read, bytes.
+const MAX_ARRAY_BYTES: u64 = 256 << 20;
+
+/// A program's world.
+pub struct ExternalWorld {
+    child: RefCell<Child>,
+    about: About,
+    /// Files for the program and of it; removed at the end.
+    folder: TempDir,
+    camera: program::Camera,
+    picker: Picker,
+    interrupt: Interrupt,
+    is_laid: bool,
+    /// How many starts were written.
+    n_starts: RefCell<u32>,
+    particles: Option<Vec<[f32; 3]>>,
+}
+
+/// What the program says of itself.
+#[derive(Debug, Deserialize)]
+struct About {
+    name: String,
+    parameters: String,
+    code: String,
+    #[serde(default)]
+    particles: bool,
+    #[serde(default)]
+    crumples: bool,
+    #[serde(default)]
+    reach: bool,
+    #[serde(default = "yes")]
+    repeats: bool,
+    #[serde(default)]
+    limits_s: BTreeMap<String, u64>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// An answer, or why there is none.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Answer<T> {
+    Refused { refused: String },
+    Interrupted { interrupted: bool },
+    Halted { halted: String },
+    Given(T),
+}
+
+/// What a question came to.
+enum Answered<T> {
+    Given(T),
+    Refused(String),
+}
+
+#[derive(Deserialize)]
+struct Nothing {}
+
+#[derive(Deserialize)]
+struct Seen {
+    rgb: PathBuf,
+    depth: PathBuf,
+    time_s: f64,
+    camera: Pinhole,
+}
+
+#[derive(Deserialize)]
+struct Done {
+    pick: [f64; 3],
+    place: [f64; 3],
+    grasp: Grasp,
+    duration_s: f64,
+}
+
+#[derive(Deserialize)]
+struct Positions {
+    positions: PathBuf,
+}
+
+#[derive(Deserialize)]
+struct Reached {
+    why: Option<String>,
+}
+
+impl ExternalWorld {
+    /// Starts a program and asks what it is.
+    ///
+    /// - `run`: the run folder, where its stderr is kept.
+    pub fn start(
+        command: &CommandLine,
+        camera: &program::Camera,
+        picker: Picker,
+        run: Option<&Path>,
+        interrupt: &Interrupt,
+    ) -> Result<ExternalWorld, WorldError> {
+        let failed = |why: String| WorldError::Program { why };
+        let folder = tempfile::Builder::new().prefix("fabc-world-").tempdir();
+        let folder = folder.map_err(|error| failed(error.to_string()))?;
+        let stderr = run.map(|run| run.join(STDERR_FILE));
+        let mut child = Child::start(command, stderr.as_deref()).map_err(of_child)?;
+        let hello = json!({ "do": "hello", "protocol": PROTOCOL, "folder": folder.path() });
+        let limit = Duration::from_secs(limit_s("hello"));
+        let about: About = child.ask(&hello, limit, interrupt).map_err(of_child)?;
+        for (question, limit_s) in &about.limits_s {
+            if !LIMITS_S.iter().any(|(known, _)| known == question)
+                || !(1..=MAX_LIMIT_S).contains(limit_s)
+            {
+                return Err(failed(format!(
+                    "`{command}` states the limit `{question}` as {limit_s} s; the questions are {}, and a limit is from 1 to {MAX_LIMIT_S} s",
+                    LIMITS_S.map(|(known, _)| format!("`{known}`")).join(", ")
+                )));
+            }
+        }
+        Ok(ExternalWorld {
+            child: RefCell::new(child),
+            about,
+            folder,
+            camera: camera.clone(),
+            picker,
+            interrupt: interrupt.clone(),
+            is_laid: false,
+            n_starts: RefCell::new(0),
+            particles: None,
+        })
+    }
+
+    /// Asks a question; where it is interrupted, so is the program, and its last word counts.
+    fn ask<T: DeserializeOwned>(
+        &self,
+        question: &Value,
+        interrupt: &Interrupt,
+    ) -> Result<Answered<T>, WorldError> {
+        let name = question["do"].as_str().unwrap_or_default();
+        let own = self.about.limits_s.get(name).copied();
+        let limit = Duration::from_secs(own.unwrap_or_else(|| limit_s(name)));
+        let mut child = self.child.borrow_mut();
+        child.send(question).map_err(of_child)?;
+        let line = match child.receive(limit, interrupt) {
+            Err(ChildError::Interrupted) => {
+                child
+                    .send(&json!({ "do": "interrupt" }))
+                    .map_err(of_child)?;
+                match child.receive(HALT_LIMIT, &Interrupt::default()) {
+                    Err(ChildError::Silent { .. }) => return Err(WorldError::Interrupted),
+                    received => received,
+                }
+            }
+            received => received,
+        };
+        let line = line.map_err(of_child)?;
+        match child.read(&line).map_err(of_child)? {
+            Answer::Given(answer) => Ok(Answered::Given(answer)),
+            Answer::Refused { refused } => Ok(Answered::Refused(refused)),
+            Answer::Interrupted { interrupted: true } => Err(WorldError::Interrupted),
+            Answer::Interrupted { .. } => Err(of_child(
+                child.no_answer(&line, "`interrupted` is stated as false"),
+            )),
+            Answer::Halted { halted } => Err(WorldError::Halted { told: halted }),
+        }
+    }
+
+    /// Asks a question that the program is not supposed to refuse.
+    fn get<T: DeserializeOwned>(
+        &self,
+        question: &Value,
+        interrupt: &Interrupt,
+    ) -> Result<T, WorldError> {
+        match self.ask(question, interrupt)? {
+            Answered::Given(answer) => Ok(answer),
+            Answered::Refused(why) => Err(self.wrong(format!(
+                "it refuses `{}`: {why}",
+                question["do"].as_str().unwrap_or_default()
+            ))),
+        }
+    }
+
+    fn wrong(&self, why: impl std::fmt::Display) -> WorldError {
+        WorldError::Program {
+            why: format!("`{}`: {why}", self.about.name),
+        }
+    }
+
+    /// Writes a start for the program.
+    fn written(&self, start: &Start) -> Result<Value, WorldError> {
+        let refused = |why: String| WorldError::Start {
+            start: start.name.clone(),
+            why,
+        };
+        if start.outline.is_some() {
+            return Err(refused(simulated::OUTLINED.to_owned()));
+        }
+        let grid = start.grid;
+        let count = grid.dimx as usize * grid.dimy as usize;
+        if start.positions.len() != count {
+            let found = start.positions.len();
+            return Err(refused(format!(
+                "it has {found} particles, and its grid has {count}"
+            )));
+        }
+        if !start
+            .positions
+            .iter()
+            .flatten()
+            .all(|number| number.is_finite())
+        {
+            return Err(refused("a position is not finite".to_owned()));
+        }
+        let flat = Start::flat(&Cloth {
+            dimx: grid.dimx,
+            dimy: grid.dimy,
+            spacing_m: grid.spacing_m,
+            start: ClothStart::Flat,
+        });
+        let lie = match flat.positions == start.positions {
+            true => "flat",
+            false => "positions",
+        };
+        let mut number = self.n_starts.borrow_mut();
+        *number += 1;
+        let path = self.folder.path().join(format!("start-{number}.npy"));
+        files::write_whole(&path, &npy::encode(&start.positions))
+            .map_err(|error| self.wrong(error))?;
+        Ok(json!({ "name": start.name, "lie": lie, "grid": grid, "positions": path }))
+    }
+
+    /// Reads particles, as many as there were.
+    fn positions(&self, file: &Path, count: usize) -> Result<Vec<[f32; 3]>, WorldError> {
+        let wrong = |why: String| self.wrong(format!("its positions `{}`: {why}", file.display()));
+        let bytes = files::read(file, MAX_ARRAY_BYTES).map_err(wrong)?;
+        let positions = npy::decode(&bytes).ok_or_else(|| {
+            wrong(
+                "they are no .npy file of little-endian float32 numbers of shape [particles, 3]"
+                    .to_owned(),
+            )
+        })?;
+        if positions.len() != count {
+            return Err(wrong(format!(
+                "they are {}, and the start has {count} particles",
+                positions.len()
+            )));
+        }
+        match positions.iter().flatten().all(|number| number.is_finite()) {
+            true => Ok(positions),
+            false => Err(wrong("one is not finite".to_owned())),
+        }
+    }
+
+    /// Asks where the particles are now.
+    fn look_at_particles(&mut self, count: usize) -> Result<(), WorldError> {
+        if self.about.particles {
+            let answer: Positions = self.get(&json!({ "do": "particles" }), &self.interrupt)?;
+            self.particles = Some(self.positions(&answer.positions, count)?);
+        }
+        Ok(())
+    }
+}
+
+impl World for ExternalWorld {
+    fn name(&self) -> &str {
+        &self.about.name
+    }
+
+    fn parameters(&self) -> String {
+        self.about.parameters.clone()
+    }
+
+    fn code(&self) -> String {
+        self.about.code.clone()
+    }
+
+    fn repeats(&self) -> bool {
+        self.about.repeats
+    }
+
+    fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
+        let question = json!({
+            "do": "reset",
+            "camera": {
+                "height_m": self.camera.height_m,
+                "fov_rad": self.camera.fov_rad,
+                "image_px": self.camera.image_px,
+                "up": match self.camera.up { ImageUp::X => "x", ImageUp::Y => "y" },
+            },
+            "picker": match self.picker { Picker::PutDown => "put_down", Picker::Drop => "drop" },
+            "start": self.written(start)?,
+        });
+        match self.ask::<Nothing>(&question, &self.interrupt)? {
+            Answered::Given(_) => {}
+            Answered::Refused(why) => {
+                return Err(WorldError::Start {
+                    start: start.name.clone(),
+                    why,
+                });
+            }
+        }
+        self.is_laid = true;
+        self.look_at_particles(start.positions.len())
+    }
+
+    fn observe(&mut self) -> Result<Observation, WorldError> {
+        if !self.is_laid {
+            return Err(WorldError::NotReset);
+        }
+        let seen: Seen = self.get(&json!({ "do": "observe" }), &self.interrupt)?;
+        let side = self.camera.image_px;
+        let rgb = png::load(&seen.rgb).map_err(|error| self.wrong(error))?;
+        if rgb.dimensions() != (side, side) {
+            let (width, height) = rgb.dimensions();
+            return Err(self.wrong(format!(
+                "its picture has {width} x {height} px, and the task's camera takes {side} x {side} px"
+            )));
+        }
+        let wrong =
+            |why: String| self.wrong(format!("its depth `{}`: {why}", seen.depth.display()));
+        let bytes = files::read(&seen.depth, MAX_ARRAY_BYTES).map_err(wrong)?;
+        let (shape, depths) = npy::decode_floats(&bytes).map_err(wrong)?;
+        if shape != [u64::from(side); 2] {
+            return Err(wrong(format!(
+                "its shape is {shape:?}, and the picture's is [{side}, {side}]"
+            )));
+        }
+        if !depths
+            .iter()
+            .all(|depth| depth.is_finite() && *depth >= 0.0)
+        {
+            return Err(wrong(
+                "a depth is negative or not finite; 0 says that there is no reading".to_owned(),
+            ));
+        }
+        let depths = depths.into_iter().map(|depth| depth as f32).collect();
+        if !seen.time_s.is_finite() {
+            return Err(self.wrong(format!("its `time_s` is {}", seen.time_s)));
+        }
+        Ok(Observation {
+            rgb,
+            depth_m: DepthImage::from_raw(side, side, depths).expect("as many depths as pixels"),
+            camera: seen
+                .camera
+                .camera([side; 2])
+                .map_err(|why| self.wrong(why))?,
+            time_s: seen.time_s,
+        })
+    }
+
+    fn act(&mut self, motion: &Motion, interrupt: &Interrupt) -> Result<Executed, WorldError> {
+        if !self.is_laid {
+            return Err(WorldError::NotReset);
+        }
+        let [pick, place] = [motion.pick, motion.place].map(|point| [point.x, point.y, point.z]);
+        let question = json!({ "do": "act", "pick": pick, "place": place });
+        let done: Done = match self.ask(&question, interrupt)? {
+            Answered::Given(done) => done,
+            Answered::Refused(why) => return Err(WorldError::Motion { why }),
+        };
+        let numbers = done.pick.iter().chain(&done.place);
+        if !numbers
+            .chain([&done.duration_s])
+            .all(|number| number.is_finite())
+            || done.duration_s < 0.0
+        {
+            return Err(
+                self.wrong("what it did has a number that is not finite, or a negative duration")
+            );
+        }
+        let count = self.particles.as_ref().map_or(0, Vec::len);
+        self.look_at_particles(count)?;
+        Ok(Executed {
+            motion: Motion {
+                pick: WorldPoint::from(done.pick),
+                place: WorldPoint::from(done.place),
+            },
+            grasp: done.grasp,
+            duration_s: done.duration_s,
+        })
+    }
+
+    fn crumple(
+        &self,
+        start: &Start,
+        seed: u64,
+        interrupt: &Interrupt,
+    ) -> Result<Start, WorldError> {
+        if !self.about.crumples {
+            return Err(WorldError::CannotCrumple {
+                world: self.about.name.clone(),
+            });
+        }
+        let question = json!({ "do": "crumple", "seed": seed, "start": self.written(start)? });
+        let heap: Positions = self.get(&question, interrupt)?;
+        let positions = self.positions(&heap.positions, start.positions.len())?;
+        Ok(start.crumpled(seed, positions))
+    }
+
+    fn particles(&self) -> Option<Vec<[f32; 3]>> {
+        self.particles.clone()
+    }
+
+    /// A program that fails to answer has no point in reach: the words say how it failed.
+    fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
+        if !self.about.reach {
+            return None;
+        }
+        let question = json!({ "do": "reach", "point": [point.x, point.y, point.z] });
+        match self.get::<Reached>(&question, &self.interrupt) {
+            Ok(Reached { why }) => why,
+            Err(error) => Some(error.to_string()),
+        }
+    }
+}
+
+fn limit_s(question: &str) -> u64 {
+    let found = LIMITS_S.iter().find(|(known, _)| *known == question);
+    found.map_or(60, |(_, limit_s)| *limit_s)
+}
+
+fn of_child(error: ChildError) -> WorldError {
+    match error {
+        ChildError::Interrupted => WorldError::Interrupted,
+        error => WorldError::Program {
+            why: error.to_string(),
+        },
+    }
+}
