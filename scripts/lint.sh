@@ -68,9 +68,12 @@ step no_system_library fab-emit
 step no_system_library fab-compiler
 step no_system_library fab-compiler --target wasm32-unknown-unknown
 
+# Nothing is built twice on the way from `cargo build` to the tests of one package.
+step sh scripts/same-features.sh
+
 # Packs every crate in seconds, and builds none: a manifest that cannot be published, or a dependency without a
 # version, fails here. Whether each package also builds by itself is left to scripts/package.sh, which is slow.
-step cargo package --workspace --locked --offline --no-verify --allow-dirty --quiet
+step cargo package --workspace --locked --offline --no-verify --allow-dirty --quiet --exclude fab-features
 
 RUSTDOCFLAGS="-D warnings"
 export RUSTDOCFLAGS

@@ -11,5 +11,6 @@ set -eu
 CARGO_INCREMENTAL=0
 export CARGO_INCREMENTAL
 
-echo "+ cargo package --workspace --locked --offline $*"
-cargo package --workspace --locked --offline "$@"
+# fab-features is not published.
+echo "+ cargo package --workspace --exclude fab-features --locked --offline $*"
+cargo package --workspace --exclude fab-features --locked --offline "$@"

@@ -122,10 +122,10 @@ pub fn dependencies(manifest: &str) -> Vec<Dependency> {
     found
 }
 
-/// Lists the packages that one reaches by Cargo.lock, itself left out, in order of name.
+/// Lists the packages that one reaches by Cargo.lock, in order of name: without itself, and not by way of `left_out`.
 ///
 /// A lock file does not tell tests from builds, so the answer may hold more than a build needs.
-pub fn reached(lock: &str, package: &str) -> Vec<String> {
+pub fn reached(lock: &str, package: &str, left_out: &str) -> Vec<String> {
     let mut found = BTreeSet::new();
     let mut pending = vec![package.to_owned()];
     while let Some(name) = pending.pop() {
@@ -139,7 +139,7 @@ pub fn reached(lock: &str, package: &str) -> Vec<String> {
             for other in list.split('"').skip(1).step_by(2) {
                 // `"name version"` where several versions are locked.
                 let other = other.split(' ').next().unwrap_or_default();
-                if found.insert(other.to_owned()) {
+                if other != left_out && found.insert(other.to_owned()) {
                     pending.push(other.to_owned());
                 }
             }

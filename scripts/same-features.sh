@@ -1,0 +1,53 @@
+#!/bin/sh
+# Fails where a package's tests build a third-party crate with other features than `cargo build` does, and names both.
+#
+# Cargo joins the features that the chosen packages ask for. A crate whose features differ is built again, and so is all that
+# uses it, whenever somebody goes from one package to another. tests/features/Cargo.toml asks for all of them at once.
+#
+# A crate may have two sets of features in one build: for what is linked, and for derives and build scripts. Each set that
+# `cargo build` has will do, since Cargo.toml builds both parts alike.
+#
+# Left out is fab-arm-ros, which needs OpenSSL and which plain builds leave out too.
+set -eu
+
+# Third-party crates and their features, each line behind the command: crates COMMAND EDGES [ARGUMENT...]
+crates() {
+    command=$1
+    edges=$2
+    shift 2
+    tree=$(cargo tree --locked --quiet --prefix none --edges "$edges" --format '{p} {f}' "$@")
+    printf '%s\n' "$tree" | grep -v ' (/' | sed -e 's/ (proc-macro)//' -e 's/ (\*)$//' -e "s/^/$command|/" | sort -u
+}
+
+every_command() {
+    crates "cargo build" normal,build
+    for member in $members; do
+        crates "cargo test -p $member" normal,build,dev --package "$member"
+    done
+}
+
+members=$(cargo tree --locked --quiet --workspace --depth 0 --prefix none --format '{p}')
+members=$(printf '%s\n' "$members" | sed -n -e '/^fab-arm-ros /d' -e '/^fab-features /d' -e 's/ v.*//p')
+lines=$(every_command)
+
+# The first command that builds a crate says which features it has.
+if ! printf '%s\n' "$lines" | awk -F '|' '
+    {
+        split($2, word, " ")
+        crate = word[1] " " word[2]
+        form = "\n    " $1 ": " word[3]
+        if (!(crate in first)) first[crate] = $1
+        if (first[crate] == $1) {
+            known[crate, word[3]]
+            forms[crate] = forms[crate] form
+        } else if (!((crate, word[3]) in known)) {
+            print crate forms[crate] form
+            known[crate, word[3]] # is named once
+            failed = 1
+        }
+    }
+    END { exit failed }
+'; then
+    echo "features differ: ask for all of them in tests/features/Cargo.toml" >&2
+    exit 1
+fi

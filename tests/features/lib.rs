@@ -1,0 +1,1 @@
+//! Holds no code: `Cargo.toml` beside it asks for features of other crates.
