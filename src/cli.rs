@@ -19,7 +19,11 @@ pub mod robot;
 #[cfg(feature = "runtime")]
 pub mod sim;
 pub mod snap;
+#[cfg(feature = "runtime")]
+pub mod world;
 
+#[cfg(feature = "runtime")]
+use crate::setting::worlds::WorldChoice;
 #[cfg(feature = "runtime")]
 use asked::{ModelArguments, PolicyArguments, SpendArguments, dollars};
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
@@ -102,6 +106,9 @@ pub enum Verb {
     /// Works on the cloth simulator itself: replays, speed, starts, pictures, meshes.
     #[cfg(feature = "runtime")]
     Sim(sim::SimArguments),
+    /// Checks a world of yours, a program in any language, against what every world promises.
+    #[cfg(feature = "runtime")]
+    World(world::WorldArguments),
     /// Writes what a shell needs to complete words of this command line.
     Completions(completions::CompletionsArguments),
 }
@@ -133,6 +140,10 @@ impl Verb {
             Verb::Bench(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Calibrate(arguments) => arguments.json,
+            #[cfg(feature = "runtime")]
+            Verb::World(world::WorldArguments {
+                verb: world::WorldVerb::Check(arguments),
+            }) => arguments.json,
             #[cfg(feature = "runtime")]
             Verb::Robot(arguments) => arguments.verb.wants_json(),
             #[cfg(feature = "runtime")]
@@ -343,9 +354,9 @@ pub struct RunArguments {
     pub model: ModelArguments,
     #[command(flatten)]
     pub spend: SpendArguments,
-    /// Where actions are executed.
-    #[arg(long, value_name = "WORLD", default_value = "sim", value_parser = ["sim", "jaco"])]
-    pub world: String,
+    /// Where actions are executed: `sim`, `jaco`, or `exec:"CMD ARG..."`, a program of yours.
+    #[arg(long, value_name = "WORLD", default_value = "sim")]
+    pub world: WorldChoice,
     #[command(flatten)]
     #[serde(default)]
     pub arm: robot::ArmArguments,

@@ -53,6 +53,8 @@ mod subgoals;
 mod test;
 mod vocabulary;
 mod watch;
+#[cfg(feature = "runtime")]
+mod world;
 
 #[cfg(feature = "runtime")]
 mod setting;
@@ -138,6 +140,8 @@ fn run(verb: Verb) -> Exit {
         Verb::Serve(arguments) => serve::run(&arguments),
         #[cfg(feature = "runtime")]
         Verb::Sim(arguments) => sim::run(&arguments),
+        #[cfg(feature = "runtime")]
+        Verb::World(arguments) => world::run(&arguments),
     };
     done.unwrap_or_else(|failure| {
         output::talk(&format!("error: {failure}"));

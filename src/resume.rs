@@ -7,6 +7,7 @@
 use crate::cli::ResumeArguments;
 use crate::exit::{Exit, Failure};
 use crate::run::{self, Begun, Into, RUN_FILE};
+use crate::setting::worlds::WorldChoice;
 use crate::{output, sources};
 use fab_agent::outcome::Outcome;
 use fab_agent::record::{Record, Report, Took};
@@ -30,7 +31,7 @@ pub fn run(arguments: &ResumeArguments) -> Result<Exit, Failure> {
         directory,
         arguments: mut wanted,
     } = begun;
-    if wanted.world != "sim" {
+    if wanted.world == WorldChoice::Jaco {
         return Err(Failure::environment(format!(
             "the rollout in `{}` was carried out by an arm, which cannot do it again: see how it was left with `fabc robot recover`, and begin a new run",
             arguments.run.display()

@@ -11,6 +11,7 @@ use crate::robot::standing;
 use crate::setting::arm::Moving;
 use crate::setting::models;
 use crate::setting::policies::Deciding;
+use crate::setting::worlds::{self, WorldChoice};
 use crate::{output, setting, sources};
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
@@ -67,8 +68,8 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         true => Moving::Planned,
         false => Moving::Carried,
     };
-    let arm = match arguments.world.as_str() {
-        "jaco" => Some(setting::arm::check(&arguments.arm, moving)?),
+    let arm = match &arguments.world {
+        WorldChoice::Jaco => Some(setting::arm::check(&arguments.arm, moving)?),
         _ if arguments.plan_only => {
             return Err(Failure::usage(
                 "`--plan-only` plans for an arm: give `--world jaco` and its settings, `--robot FILE`".to_owned(),
@@ -76,7 +77,14 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         }
         _ => None,
     };
-    let first = setting::world(&program).map_err(Failure::environment)?;
+    let first = match &arguments.world {
+        WorldChoice::Program(command) => worlds::external(command, &program, None, &interrupt),
+        _ => setting::world(&program),
+    };
+    let first = first.map_err(Failure::environment)?;
+    if let Into::Again(_) = into {
+        worlds::check_repeats(first.as_ref())?;
+    }
     let start = match &arm {
         Some(settings) if settings.driver != DriverKind::Simulated => {
             setting::arm::start(&program, arguments.start.start.as_ref())?
@@ -102,12 +110,16 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     let subgoals = prepare(&shown, &start, &beside, &make_expert_world, &interrupt)?;
     // Where the arm's journal is to lie; nothing moves before it is known.
     let journal = OnceLock::new();
-    let make_world = || match arguments.world.as_str() {
-        "jaco" => setting::arm::world(&program, &arguments.arm, moving, journal.get()),
-        _ => setting::world(&program),
+    let make_world = || match &arguments.world {
+        WorldChoice::Sim => setting::world(&program),
+        WorldChoice::Jaco => setting::arm::world(&program, &arguments.arm, moving, journal.get()),
+        WorldChoice::Program(command) => {
+            let run = journal.get().map(PathBuf::as_path);
+            worlds::external(command, &program, run, &interrupt)
+        }
     };
-    let make_look = || match arguments.world.as_str() {
-        "jaco" => setting::arm::look(&program, &arguments.arm),
+    let make_look = || match &arguments.world {
+        WorldChoice::Jaco => setting::arm::look(&program, &arguments.arm),
         _ => setting::world(&program),
     };
     let has_operator = arguments.operator

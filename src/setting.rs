@@ -5,6 +5,7 @@ pub mod known;
 pub mod models;
 pub mod policies;
 pub mod remote;
+pub mod worlds;
 
 use crate::cli::{FrameArguments, StartArguments, TaskArguments};
 use crate::exit::Failure;

@@ -15,6 +15,7 @@ use crate::operator::Terminal;
 use crate::setting::arm::Moving;
 use crate::setting::models::{self, Answering};
 use crate::setting::policies::Deciding;
+use crate::setting::worlds::{self, WorldChoice};
 use crate::{output, setting};
 use fab_agent::outcome::Outcome;
 use fab_agent::rollout::FirstQuestion;
@@ -22,10 +23,11 @@ use fab_base::cache::Cache;
 use fab_bench::on_arm::OnArm;
 use fab_bench::play;
 use fab_bench::play::{Phase, Results, Stop};
-use fab_bench::{Bench, BenchError, Entry, first_questions_of, rows};
+use fab_bench::{Bench, BenchError, Elsewhere, Entry, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_providers::estimate::Estimate;
+use fab_world::About;
 use prepare::{DecidingBy, named_by};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -79,6 +81,22 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         )
     };
     let make_look = |program: &Program| setting::arm::look(program, &arguments.arm);
+    let make_elsewhere = |program: &Program, folder: &Path| match &arguments.world {
+        WorldChoice::Program(command) => {
+            worlds::external(command, program, Some(folder), &interrupt)
+        }
+        _ => setting::world(program),
+    };
+    let elsewhere = match (&arguments.world, prepared.first()) {
+        (WorldChoice::Program(command), Some(first)) => {
+            let world = worlds::external(command, &first.task.program, None, &interrupt);
+            Some(Elsewhere {
+                about: About::of(world.map_err(Failure::environment)?.as_ref()),
+                make_world: &make_elsewhere,
+            })
+        }
+        _ => None,
+    };
     let bench = Bench {
         suite: &suite,
         tasks: prepared.into_iter().map(|it| it.task).collect(),
@@ -90,6 +108,7 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
             make_world: &make_arm_world,
             make_look: &make_look,
         }),
+        elsewhere,
         out: out.clone(),
         threads,
         cache: &cache,
@@ -112,7 +131,11 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         return Ok(foresee(&bench, &questions, &deciding, arguments.json));
     }
     output::talk(&report::plan(&found.name, &bench, arguments.shard));
-    for command in deciding.values().filter_map(Deciding::command) {
+    let world = match &arguments.world {
+        WorldChoice::Program(command) => Some(command),
+        _ => None,
+    };
+    for command in deciding.values().filter_map(Deciding::command).chain(world) {
         output::talk(&format!("each of its rollouts starts `{command}`"));
     }
     let results = play::play(&bench, &|phase, done, of| show(phase, done, of, &budget));

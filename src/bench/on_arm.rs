@@ -6,11 +6,12 @@ use crate::cli::bench::BenchArguments;
 use crate::exit::Failure;
 use crate::setting;
 use crate::setting::arm::Moving;
+use crate::setting::worlds::WorldChoice;
 use fab_arm::settings::{DriverKind, Settings};
 use fab_arm::world;
-use fab_arm::world::About;
 use fab_bench::on_arm::Cloths;
 use fab_bench::suite::Suite;
+use fab_world::About;
 
 /// An arm that a suite can be carried out on.
 pub struct Arm {
@@ -24,7 +25,7 @@ pub struct Arm {
 
 /// Makes sure before anything else that the suite can be carried out on the arm; none where none is asked for.
 pub fn check(arguments: &BenchArguments, suite: &Suite) -> Result<Option<Arm>, Failure> {
-    if arguments.world != "jaco" {
+    if arguments.world != WorldChoice::Jaco {
         return Ok(None);
     }
     if let Some(jobs) = arguments.jobs.filter(|jobs| *jobs != 1) {

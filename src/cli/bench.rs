@@ -2,6 +2,7 @@
 
 use super::asked::{ModelArguments, PolicyArguments, SpendArguments};
 use super::robot::ArmArguments;
+use crate::setting::worlds::WorldChoice;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
 
@@ -43,9 +44,9 @@ pub struct BenchArguments {
     /// Only part I of N of the starts, counted from 1; with one `--out`, the last call may leave it away.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<Shard>,
-    /// Where rollouts are carried out; on an arm one at a time.
-    #[arg(long, value_name = "WORLD", default_value = "sim", value_parser = ["sim", "jaco"])]
-    pub world: String,
+    /// Where rollouts are carried out: `sim`, `jaco` (on an arm one at a time), or `exec:"CMD ARG..."`, a program of yours.
+    #[arg(long, value_name = "WORLD", default_value = "sim")]
+    pub world: WorldChoice,
     #[command(flatten)]
     pub arm: ArmArguments,
     /// Ask after each rollout whether the task was reached, and if not, why; rollouts then run one at a time. Default: with

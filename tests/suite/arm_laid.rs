@@ -5,7 +5,6 @@ use super::seen_coverage::{Blind, flat};
 use fab_agent::examples::Examples;
 use fab_agent::policy::{Policy, Prompted};
 use fab_agent::subgoals::{Origin, SubgoalSet};
-use fab_arm::world::About;
 use fab_base::cache::Cache;
 use fab_base::interrupt::Interrupt;
 use fab_bench::on_arm::{Cloths, OnArm};
@@ -15,6 +14,7 @@ use fab_model::Models;
 use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_standins::Random;
+use fab_world::About;
 use fab_world::{SimulatedWorld, World, WorldError};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -86,6 +86,7 @@ fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
             make_world: &make_world,
             make_look: &simulated,
         }),
+        elsewhere: None,
         out: folder.path().to_owned(),
         threads: 4,
         cache: &Cache::none(),

@@ -254,6 +254,7 @@ fn coverage_by_pictures_has_columns_of_its_own() {
         }],
         make_world: &make_world,
         arm: None,
+        elsewhere: None,
         out: folder.path().to_owned(),
         threads: 2,
         cache: &Cache::none(),

@@ -10,7 +10,7 @@ mod planning;
 mod rehearsal;
 mod within;
 
-pub use parts::{About, Parts, about, base_from_world, load};
+pub use parts::{Parts, about, base_from_world, load};
 pub use picture::{FlatPicture, simulated_table};
 pub use planning::{PLAN_FILE, PLAN_PICTURE, PlanningWorld, read_plan};
 pub use rehearsal::Rehearsal;

@@ -37,12 +37,12 @@ use fab_model::Models;
 use fab_model::calls::{Budget, LedgerError};
 use fab_model::recording::Recorder;
 use fab_program::Program;
-use fab_world::{World, WorldError};
+use fab_world::{About, World, WorldError};
 use metric::Metric;
 use on_arm::OnArm;
 use starts::StartPoint;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use suite::{Method, Suite};
 
 /// Everything that a suite needs.
@@ -58,6 +58,8 @@ pub struct Bench<'a> {
     pub make_world: &'a MakeWorldOf<'a>,
     /// The arm that carries rollouts out, one at a time, where there is one.
     pub arm: Option<OnArm<'a>>,
+    /// The world beside the simulated one in which rollouts are carried out, side by side, where there is one.
+    pub elsewhere: Option<Elsewhere<'a>>,
     /// Where run folders are made.
     pub out: PathBuf,
     /// Jobs side by side; rollouts on an arm, and those that an operator judges, go one at a time.
@@ -76,6 +78,18 @@ pub struct Bench<'a> {
 
 /// Makes the world of a program.
 pub type MakeWorldOf<'a> = dyn Fn(&Program) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
+
+/// A world that is not the bundled one, nor an arm.
+pub struct Elsewhere<'a> {
+    /// What it says of itself.
+    pub about: About,
+    /// Makes it for a rollout of a program, whose run folder is given.
+    pub make_world: &'a MakeRolloutWorld<'a>,
+}
+
+/// Makes the world of one rollout.
+pub type MakeRolloutWorld<'a> =
+    dyn Fn(&Program, &Path) -> Result<Box<dyn World>, WorldError> + Sync + 'a;
 
 /// A task and where its cloth lies at first.
 pub struct Task {

@@ -13,11 +13,10 @@ use fab_agent::outcome::Outcome;
 use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout;
 use fab_agent::rollout::{Job, RunError};
-use fab_arm::world::About;
 use fab_base::parallel::in_parallel;
 use fab_model::calls::{Fault, ledger};
 use fab_program::Program;
-use fab_world::WorldError;
+use fab_world::{About, WorldError};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -183,12 +182,10 @@ fn about(bench: &Bench<'_>, program: &Program) -> Result<About, WorldError> {
     if let Some(arm) = &bench.arm {
         return Ok(arm.about.clone());
     }
-    let world = (bench.make_world)(program)?;
-    Ok(About {
-        name: world.name().to_owned(),
-        parameters: world.parameters(),
-        code: world.code(),
-    })
+    if let Some(elsewhere) = &bench.elsewhere {
+        return Ok(elsewhere.about.clone());
+    }
+    Ok(About::of((bench.make_world)(program)?.as_ref()))
 }
 
 pub(super) fn at(place: &str, error: WorldError) -> BenchError {
@@ -261,9 +258,10 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
     let start_at = &laid[entry.task][start];
     let folder = folder_of(bench, which);
     let make_simulated = || (bench.make_world)(program);
-    let make_world = || match &bench.arm {
-        Some(arm) => (arm.make_world)(program, &folder),
-        None => make_simulated(),
+    let make_world = || match (&bench.arm, &bench.elsewhere) {
+        (Some(arm), _) => (arm.make_world)(program, &folder),
+        (None, Some(elsewhere)) => (elsewhere.make_world)(program, &folder),
+        (None, None) => make_simulated(),
     };
     let job = Job {
         program,

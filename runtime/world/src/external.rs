@@ -51,7 +51,7 @@ const MAX_ARRAY_BYTES: u64 = 256 << 20;
 /// A program's world.
 pub struct ExternalWorld {
     child: RefCell<Child>,
-    about: About,
+    about: Hello,
     /// Files for the program and of it; removed at the end.
     folder: TempDir,
     camera: program::Camera,
@@ -65,7 +65,7 @@ pub struct ExternalWorld {
 
 /// What the program says of itself.
 #[derive(Debug, Deserialize)]
-struct About {
+struct Hello {
     name: String,
     parameters: String,
     code: String,
@@ -148,7 +148,7 @@ impl ExternalWorld {
         let mut child = Child::start(command, stderr.as_deref()).map_err(of_child)?;
         let hello = json!({ "do": "hello", "protocol": PROTOCOL, "folder": folder.path() });
         let limit = Duration::from_secs(limit_s("hello"));
-        let about: About = child.ask(&hello, limit, interrupt).map_err(of_child)?;
+        let about: Hello = child.ask(&hello, limit, interrupt).map_err(of_child)?;
         for (question, limit_s) in &about.limits_s {
             if !LIMITS_S.iter().any(|(known, _)| known == question)
                 || !(1..=MAX_LIMIT_S).contains(limit_s)

@@ -92,6 +92,28 @@ pub trait World {
     }
 }
 
+/// What a world says of itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct About {
+    /// Its [`World::name`].
+    pub name: String,
+    /// Its [`World::parameters`].
+    pub parameters: String,
+    /// Its [`World::code`].
+    pub code: String,
+}
+
+impl About {
+    /// Asks a world.
+    pub fn of(world: &dyn World) -> About {
+        About {
+            name: world.name().to_owned(),
+            parameters: world.parameters(),
+            code: world.code(),
+        }
+    }
+}
+
 /// Says why nothing can be done at a point, as [`World::out_of_reach`] does.
 pub type Reach<'a> = dyn Fn(&WorldPoint) -> Option<String> + 'a;
 

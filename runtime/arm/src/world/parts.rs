@@ -6,6 +6,7 @@ use crate::settings::{DriverKind, Settings};
 use crate::sight::Sight;
 use crate::supervisor::{Supervisor, Watchdog};
 use crate::table::ClothTable;
+use fab_world::About;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -52,17 +53,6 @@ pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
     let calibration = Calibration::load(&beside.join(&settings.calibration));
     let calibration = calibration.map_err(|error| error.to_string())?;
     Ok((settings, hash.concat(), calibration))
-}
-
-/// What a world says of itself, known without an arm: by it a rollout of the same settings is told from others.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct About {
-    /// Its name in reports.
-    pub name: String,
-    /// The hash of every parameter that changes results.
-    pub parameters: String,
-    /// A digest of the code that makes the results.
-    pub code: String,
 }
 
 /// Returns what the world of a settings file will say of itself; says what is wrong with any of the files otherwise.

@@ -1,0 +1,87 @@
+//! Where actions are executed: worlds by their names on the command line.
+
+use crate::exit::Failure;
+use fab_base::child::CommandLine;
+use fab_base::interrupt::Interrupt;
+use fab_program::Program;
+use fab_world::{ExternalWorld, World, WorldError};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+/// A world of the command line.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum WorldChoice {
+    /// The bundled simulator.
+    Sim,
+    /// An arm, by its settings.
+    Jaco,
+    /// A program of the user's.
+    Program(CommandLine),
+}
+
+impl FromStr for WorldChoice {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<WorldChoice, String> {
+        match (name, name.split_once(':')) {
+            ("sim", _) => Ok(WorldChoice::Sim),
+            ("jaco", _) => Ok(WorldChoice::Jaco),
+            (_, Some(("exec", command))) => CommandLine::parse(command).map(WorldChoice::Program),
+            _ => Err(
+                "there is `sim` (the bundled simulator), `jaco` (an arm, with `--robot FILE`) and `exec:\"CMD ARG...\"` (a program of yours)"
+                    .to_owned(),
+            ),
+        }
+    }
+}
+
+impl TryFrom<String> for WorldChoice {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<WorldChoice, String> {
+        name.parse()
+    }
+}
+
+impl From<WorldChoice> for String {
+    fn from(choice: WorldChoice) -> String {
+        choice.to_string()
+    }
+}
+
+impl fmt::Display for WorldChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            WorldChoice::Sim => f.write_str("sim"),
+            WorldChoice::Jaco => f.write_str("jaco"),
+            WorldChoice::Program(command) => write!(f, "exec:{command}"),
+        }
+    }
+}
+
+/// Starts a program as the world of a task.
+///
+/// - `run`: the run folder, where its stderr is kept.
+pub fn external(
+    command: &CommandLine,
+    program: &Program,
+    run: Option<&Path>,
+    interrupt: &Interrupt,
+) -> Result<Box<dyn World>, WorldError> {
+    let world = ExternalWorld::start(command, &program.camera, program.picker, run, interrupt)?;
+    Ok(Box::new(world))
+}
+
+/// Fails where a rollout cannot be gone on with in a world, which cannot lay its start again.
+pub fn check_repeats(world: &dyn World) -> Result<(), Failure> {
+    match world.repeats() {
+        true => Ok(()),
+        false => Err(Failure::environment(format!(
+            "the world `{}` says that it cannot lay a start again as it lay, so no rollout in it can be gone on with: begin a new run",
+            world.name()
+        ))),
+    }
+}
