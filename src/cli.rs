@@ -141,9 +141,7 @@ impl Verb {
             #[cfg(feature = "runtime")]
             Verb::Calibrate(arguments) => arguments.json,
             #[cfg(feature = "runtime")]
-            Verb::World(world::WorldArguments {
-                verb: world::WorldVerb::Check(arguments),
-            }) => arguments.json,
+            Verb::World(arguments) => arguments.verb.wants_json(),
             #[cfg(feature = "runtime")]
             Verb::Robot(arguments) => arguments.verb.wants_json(),
             #[cfg(feature = "runtime")]

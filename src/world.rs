@@ -1,4 +1,4 @@
-//! `fabc world check`: whether a world of the user's keeps what every world promises.
+//! `fabc world`: whether a world of the user's keeps what every world promises, and the bundled one as such a program.
 
 use crate::cli::world::{CheckArguments, WorldArguments, WorldVerb};
 use crate::exit::{Exit, Failure};
@@ -6,13 +6,19 @@ use crate::setting::worlds::WorldChoice;
 use crate::{output, setting};
 use fab_program::Picker;
 use fab_world::conformance::{Broken, Kept, PROMISES, camera};
+use fab_world::serve::serve;
 use fab_world::{ExternalWorld, SimulatedWorld, World, WorldError};
 use serde_json::json;
+use std::io::{BufReader, stdin, stdout};
 
 /// Runs one of the verbs.
 pub fn run(arguments: &WorldArguments) -> Result<Exit, Failure> {
     match &arguments.verb {
         WorldVerb::Check(arguments) => check(arguments),
+        WorldVerb::Serve => {
+            serve(BufReader::new(stdin()), &mut stdout())?;
+            Ok(Exit::Done)
+        }
     }
 }
 

@@ -16,6 +16,18 @@ pub struct WorldArguments {
 pub enum WorldVerb {
     /// Says which promises of every world one of yours keeps.
     Check(CheckArguments),
+    /// Offers the bundled simulator as a program that answers lines, as a world of yours does.
+    Serve,
+}
+
+impl WorldVerb {
+    /// Returns whether stdout must be one JSON document, whatever happens.
+    pub fn wants_json(&self) -> bool {
+        match self {
+            WorldVerb::Check(arguments) => arguments.json,
+            WorldVerb::Serve => false,
+        }
+    }
 }
 
 /// Arguments of `world check`.

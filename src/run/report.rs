@@ -4,7 +4,7 @@ use crate::output;
 use fab_agent::judgement::Judgement;
 use fab_agent::outcome::Outcome;
 use fab_agent::policy::{Attempt, Finding};
-use fab_agent::record::CoverageSource;
+use fab_agent::record::{CoverageSource, JudgedBy};
 use fab_agent::rollout::{Ended, Event};
 use fab_model::calls::Spent;
 use fab_program::verify::Verdict;
@@ -117,6 +117,14 @@ pub fn summary(report: &Ended, goal: Option<&Goal>) -> String {
         lines.push(format!(
             "mean particle distance to the nearest expert result: {mm:.1} mm{goal}"
         ));
+        let judged_by = report.judged_by.iter();
+        lines.extend(
+            judged_by
+                .filter(|judged_by| judged_by.world != report.world)
+                .map(|JudgedBy { world, grid: [x, y] }| {
+                    format!("judged by expert results of `{world}`, on a grid of {x} x {y} particles")
+                }),
+        );
     }
     if let Some(coverage) = report.coverage
         && goal.is_some_and(|goal| goal.metric.is_judged_each_step())

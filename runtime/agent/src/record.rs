@@ -281,6 +281,8 @@ pub struct Report {
     pub operator: Option<Judgement>,
     /// Mean distance to the nearest expert result, millimetres.
     pub mean_particle_distance_mm: Option<f64>,
+    /// Whose expert results these are; null where nothing was compared.
+    pub judged_by: Option<JudgedBy>,
     /// What coverage was measured on, which says what its figures can be compared with; null where nothing was measured.
     pub coverage_source: Option<CoverageSource>,
     /// Covered share of the flat cloth's area in the end, by the source measure: SoftGym's, or that of pictures.
@@ -323,8 +325,19 @@ pub struct Report {
     pub seed: Option<u64>,
     /// Hash of the program.
     pub program: String,
+    /// Name of the world.
+    pub world: String,
     /// Hash of the world's parameters.
     pub params: String,
+}
+
+/// Whose expert results a rollout was compared with.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct JudgedBy {
+    /// Name of the world that they were simulated in.
+    pub world: String,
+    /// Particles along both sides of the cloth, in those results and in what is compared.
+    pub grid: [u32; 2],
 }
 
 /// What a rollout took, which differs between two runs of the same one.

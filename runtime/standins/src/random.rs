@@ -2,7 +2,7 @@
 //!
 //! In: a [`Request`]. Out: an answer in JSON, each offered value as likely as its others. The request's own
 //! content, its step and repetition among it, and the seed decide the draw: equal requests get equal answers. A question for
-//! words is answered with words that say nothing. It is the paper's random policy, and a floor for others.
+//! words is answered with words that say nothing. `fab_agent::policy::Random` draws likewise, and gets no prompt.
 
 use super::offered::{self, Field};
 use fab_base::chance::Chance;
@@ -19,10 +19,10 @@ pub struct Random {
 }
 
 impl Random {
-    /// Makes the policy of a seed; its name is `random:SEED`.
+    /// Makes the stand-in of a seed.
     pub fn seeded(seed: u64) -> Random {
         Random {
-            name: format!("random:{seed}"),
+            name: format!("random answers, seed {seed}"),
             seed,
         }
     }

@@ -29,6 +29,8 @@ pub struct ExpertEnd {
 pub struct ExpertEnds {
     /// In the program's order.
     pub ends: Vec<ExpertEnd>,
+    /// Name of the world that they come from.
+    pub world: String,
     /// How many had to be simulated; the others came from the cache.
     pub simulated: usize,
     /// Why a result could not be kept, where that happened.
@@ -80,6 +82,7 @@ pub fn ends(
         .collect();
     Ok(ExpertEnds {
         ends,
+        world: world.name().to_owned(),
         simulated: missing.len(),
         not_kept,
     })

@@ -3,41 +3,26 @@
 //! In: one line of JSON per question. Out: one line per answer, files by their paths. `docs/worlds.md` states both.
 //! Whatever the program answers is checked here before anybody uses it.
 
+use crate::protocol::{
+    Answer, Done, Hello, LIMITS_S, Laid, Lie, Nothing, PROTOCOL, Positions, Question, Reached, Seen,
+};
 use crate::start::Start;
-use crate::{Executed, Grasp, Motion, World, WorldError, WorldPoint, simulated};
+use crate::{Executed, Motion, World, WorldError, WorldPoint, simulated};
 use fab_base::child::{Child, ChildError, CommandLine};
 use fab_base::interrupt::Interrupt;
 use fab_base::{files, npy};
-use fab_picture::camera::Pinhole;
 use fab_picture::observation::Observation;
 use fab_picture::{DepthImage, png};
 use fab_program as program;
-use fab_program::{Cloth, ClothStart, ImageUp, Picker};
-use serde::Deserialize;
+use fab_program::{Cloth, ClothStart, Picker};
 use serde::de::DeserializeOwned;
-use serde_json::{Value, json};
 use std::cell::RefCell;
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 use tempfile::TempDir;
 
-/// Version of the lines.
-const PROTOCOL: u32 = 1;
-
 /// What the program writes to stderr, in the run folder.
 pub const STDERR_FILE: &str = "world.stderr.txt";
-
-/// The questions and how long each may take, seconds, where the program states no limit of its own.
-const LIMITS_S: [(&str, u64); 7] = [
-    ("hello", 60),
-    ("observe", 60),
-    ("particles", 60),
-    ("reach", 60),
-    ("reset", 600),
-    ("act", 600),
-    ("crumple", 600),
-];
 
 /// The longest limit that a program may state, seconds.
 const MAX_LIMIT_S: u64 = 3600;
@@ -63,71 +48,10 @@ pub struct ExternalWorld {
     particles: Option<Vec<[f32; 3]>>,
 }
 
-/// What the program says of itself.
-#[derive(Debug, Deserialize)]
-struct Hello {
-    name: String,
-    parameters: String,
-    code: String,
-    #[serde(default)]
-    particles: bool,
-    #[serde(default)]
-    crumples: bool,
-    #[serde(default)]
-    reach: bool,
-    #[serde(default = "yes")]
-    repeats: bool,
-    #[serde(default)]
-    limits_s: BTreeMap<String, u64>,
-}
-
-fn yes() -> bool {
-    true
-}
-
-/// An answer, or why there is none.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Answer<T> {
-    Refused { refused: String },
-    Interrupted { interrupted: bool },
-    Halted { halted: String },
-    Given(T),
-}
-
 /// What a question came to.
 enum Answered<T> {
     Given(T),
     Refused(String),
-}
-
-#[derive(Deserialize)]
-struct Nothing {}
-
-#[derive(Deserialize)]
-struct Seen {
-    rgb: PathBuf,
-    depth: PathBuf,
-    time_s: f64,
-    camera: Pinhole,
-}
-
-#[derive(Deserialize)]
-struct Done {
-    pick: [f64; 3],
-    place: [f64; 3],
-    grasp: Grasp,
-    duration_s: f64,
-}
-
-#[derive(Deserialize)]
-struct Positions {
-    positions: PathBuf,
-}
-
-#[derive(Deserialize)]
-struct Reached {
-    why: Option<String>,
 }
 
 impl ExternalWorld {
@@ -146,7 +70,10 @@ impl ExternalWorld {
         let folder = folder.map_err(|error| failed(error.to_string()))?;
         let stderr = run.map(|run| run.join(STDERR_FILE));
         let mut child = Child::start(command, stderr.as_deref()).map_err(of_child)?;
-        let hello = json!({ "do": "hello", "protocol": PROTOCOL, "folder": folder.path() });
+        let hello = Question::Hello {
+            protocol: PROTOCOL,
+            folder: folder.path().to_owned(),
+        };
         let limit = Duration::from_secs(limit_s("hello"));
         let about: Hello = child.ask(&hello, limit, interrupt).map_err(of_child)?;
         for (question, limit_s) in &about.limits_s {
@@ -175,19 +102,17 @@ impl ExternalWorld {
     /// Asks a question; where it is interrupted, so is the program, and its last word counts.
     fn ask<T: DeserializeOwned>(
         &self,
-        question: &Value,
+        question: &Question,
         interrupt: &Interrupt,
     ) -> Result<Answered<T>, WorldError> {
-        let name = question["do"].as_str().unwrap_or_default();
+        let name = question.name();
         let own = self.about.limits_s.get(name).copied();
         let limit = Duration::from_secs(own.unwrap_or_else(|| limit_s(name)));
         let mut child = self.child.borrow_mut();
         child.send(question).map_err(of_child)?;
         let line = match child.receive(limit, interrupt) {
             Err(ChildError::Interrupted) => {
-                child
-                    .send(&json!({ "do": "interrupt" }))
-                    .map_err(of_child)?;
+                child.send(&Question::Interrupt).map_err(of_child)?;
                 match child.receive(HALT_LIMIT, &Interrupt::default()) {
                     Err(ChildError::Silent { .. }) => return Err(WorldError::Interrupted),
                     received => received,
@@ -210,15 +135,14 @@ impl ExternalWorld {
     /// Asks a question that the program is not supposed to refuse.
     fn get<T: DeserializeOwned>(
         &self,
-        question: &Value,
+        question: &Question,
         interrupt: &Interrupt,
     ) -> Result<T, WorldError> {
         match self.ask(question, interrupt)? {
             Answered::Given(answer) => Ok(answer),
-            Answered::Refused(why) => Err(self.wrong(format!(
-                "it refuses `{}`: {why}",
-                question["do"].as_str().unwrap_or_default()
-            ))),
+            Answered::Refused(why) => {
+                Err(self.wrong(format!("it refuses `{}`: {why}", question.name())))
+            }
         }
     }
 
@@ -229,7 +153,7 @@ impl ExternalWorld {
     }
 
     /// Writes a start for the program.
-    fn written(&self, start: &Start) -> Result<Value, WorldError> {
+    fn written(&self, start: &Start) -> Result<Laid, WorldError> {
         let refused = |why: String| WorldError::Start {
             start: start.name.clone(),
             why,
@@ -260,15 +184,20 @@ impl ExternalWorld {
             start: ClothStart::Flat,
         });
         let lie = match flat.positions == start.positions {
-            true => "flat",
-            false => "positions",
+            true => Lie::Flat,
+            false => Lie::Positions,
         };
         let mut number = self.n_starts.borrow_mut();
         *number += 1;
         let path = self.folder.path().join(format!("start-{number}.npy"));
         files::write_whole(&path, &npy::encode(&start.positions))
             .map_err(|error| self.wrong(error))?;
-        Ok(json!({ "name": start.name, "lie": lie, "grid": grid, "positions": path }))
+        Ok(Laid {
+            name: start.name.clone(),
+            lie,
+            grid,
+            positions: path,
+        })
     }
 
     /// Reads particles, as many as there were.
@@ -296,7 +225,7 @@ impl ExternalWorld {
     /// Asks where the particles are now.
     fn look_at_particles(&mut self, count: usize) -> Result<(), WorldError> {
         if self.about.particles {
-            let answer: Positions = self.get(&json!({ "do": "particles" }), &self.interrupt)?;
+            let answer: Positions = self.get(&Question::Particles, &self.interrupt)?;
             self.particles = Some(self.positions(&answer.positions, count)?);
         }
         Ok(())
@@ -321,17 +250,11 @@ impl World for ExternalWorld {
     }
 
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
-        let question = json!({
-            "do": "reset",
-            "camera": {
-                "height_m": self.camera.height_m,
-                "fov_rad": self.camera.fov_rad,
-                "image_px": self.camera.image_px,
-                "up": match self.camera.up { ImageUp::X => "x", ImageUp::Y => "y" },
-            },
-            "picker": match self.picker { Picker::PutDown => "put_down", Picker::Drop => "drop" },
-            "start": self.written(start)?,
-        });
+        let question = Question::Reset {
+            camera: self.camera.clone(),
+            picker: self.picker,
+            start: self.written(start)?,
+        };
         match self.ask::<Nothing>(&question, &self.interrupt)? {
             Answered::Given(_) => {}
             Answered::Refused(why) => {
@@ -349,7 +272,7 @@ impl World for ExternalWorld {
         if !self.is_laid {
             return Err(WorldError::NotReset);
         }
-        let seen: Seen = self.get(&json!({ "do": "observe" }), &self.interrupt)?;
+        let seen: Seen = self.get(&Question::Observe, &self.interrupt)?;
         let side = self.camera.image_px;
         let rgb = png::load(&seen.rgb).map_err(|error| self.wrong(error))?;
         if rgb.dimensions() != (side, side) {
@@ -395,7 +318,7 @@ impl World for ExternalWorld {
             return Err(WorldError::NotReset);
         }
         let [pick, place] = [motion.pick, motion.place].map(|point| [point.x, point.y, point.z]);
-        let question = json!({ "do": "act", "pick": pick, "place": place });
+        let question = Question::Act { pick, place };
         let done: Done = match self.ask(&question, interrupt)? {
             Answered::Given(done) => done,
             Answered::Refused(why) => return Err(WorldError::Motion { why }),
@@ -433,7 +356,10 @@ impl World for ExternalWorld {
                 world: self.about.name.clone(),
             });
         }
-        let question = json!({ "do": "crumple", "seed": seed, "start": self.written(start)? });
+        let question = Question::Crumple {
+            seed,
+            start: self.written(start)?,
+        };
         let heap: Positions = self.get(&question, interrupt)?;
         let positions = self.positions(&heap.positions, start.positions.len())?;
         Ok(start.crumpled(seed, positions))
@@ -448,7 +374,9 @@ impl World for ExternalWorld {
         if !self.about.reach {
             return None;
         }
-        let question = json!({ "do": "reach", "point": [point.x, point.y, point.z] });
+        let question = Question::Reach {
+            point: [point.x, point.y, point.z],
+        };
         match self.get::<Reached>(&question, &self.interrupt) {
             Ok(Reached { why }) => why,
             Err(error) => Some(error.to_string()),

@@ -8,6 +8,8 @@ pub mod crumple;
 pub mod expert;
 pub mod external;
 pub mod metrics;
+pub mod protocol;
+pub mod serve;
 pub mod simulated;
 pub mod start;
 

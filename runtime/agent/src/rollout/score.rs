@@ -20,6 +20,8 @@ pub struct Score {
     pub distances: Vec<(usize, f64, String)>,
     /// How many expert results had to be simulated.
     pub simulated: usize,
+    /// Name of the world that they come from.
+    pub world: String,
 }
 
 /// What came of scoring.
@@ -65,6 +67,7 @@ pub(super) fn score(
     );
     let ExpertEnds {
         ends,
+        world: expert_world,
         simulated,
         not_kept,
     } = match ends {
@@ -90,6 +93,7 @@ pub(super) fn score(
             distance_m,
             distances,
             simulated,
+            world: expert_world,
         }),
         None => Scored::Absent,
     })

@@ -12,8 +12,8 @@ use crate::operator;
 use crate::outcome::Outcome;
 use crate::policy::{self, Asking};
 use crate::record::{
-    self, End, ExpertDistance, Header, Line, Measures, Progress, Report, Spent, StartFile,
-    StepSpent, Took,
+    self, End, ExpertDistance, Header, JudgedBy, Line, Measures, Progress, Report, Spent,
+    StartFile, StepSpent, Took,
 };
 use crate::sheet::Sheet;
 use fab_base::{digest, npy};
@@ -32,6 +32,7 @@ pub(super) struct Keeper<'j> {
     pub(super) timer: Timer,
     pub(super) asking: Asking<'j>,
     run_id: String,
+    world: String,
     params: String,
     policy: policy::Description,
     pub(super) tally: Tally,
@@ -92,6 +93,7 @@ impl<'j> Keeper<'j> {
             asking,
             timer: Timer::default(),
             run_id,
+            world: world.name().to_owned(),
             params: world.parameters(),
             policy,
             tally: Tally::default(),
@@ -225,6 +227,10 @@ impl<'j> Keeper<'j> {
                 .map(|_| outcome == Outcome::GoalReached),
             operator: None,
             mean_particle_distance_mm: score.map(|score| score.distance_m * 1000.0),
+            judged_by: score.map(|score| JudgedBy {
+                world: score.world.clone(),
+                grid: [job.start.grid.dimx, job.start.grid.dimy],
+            }),
             coverage_source: covered.source,
             coverage,
             coverage_true,
@@ -250,6 +256,7 @@ impl<'j> Keeper<'j> {
             model_is_stand_in: self.policy.is_stand_in(),
             seed: job.start.seed,
             program: job.program.hash(),
+            world: self.world.clone(),
             params: self.params.clone(),
         };
         let took = Took {

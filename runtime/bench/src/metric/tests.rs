@@ -42,7 +42,7 @@ fn played() -> Played {
         "task": "t", "outcome": "horizon_reached", "goal_reached": false, "coverage_source": "particles",
         "operator": { "reached": true, "why": null, "words": null }, "progress": [], "steps": 2,
         "skipped_steps": 0, "skipped": {}, "retries": 0, "queries": 4, "refusals": { "moves": 1 },
-        "malformed_replies": 1, "policy": "m (stand-in)", "sees_particles": false, "model": "m", "model_is_stand_in": true, "program": "p", "params": "w",
+        "malformed_replies": 1, "policy": "m (stand-in)", "sees_particles": false, "model": "m", "model_is_stand_in": true, "program": "p", "world": "sim", "params": "w",
     });
     Played {
         entry: 0,

@@ -18,7 +18,7 @@ fn report(outcome: &str) -> Value {
     json!({
         "task": "t", "outcome": outcome, "goal_reached": false, "coverage_source": "particles", "progress": [],
         "steps": 1, "skipped_steps": 0, "skipped": {}, "retries": 0, "queries": 2, "refusals": {},
-        "malformed_replies": 0, "policy": "m (stand-in)", "sees_particles": false, "model": "m", "model_is_stand_in": true, "program": "p", "params": "w",
+        "malformed_replies": 0, "policy": "m (stand-in)", "sees_particles": false, "model": "m", "model_is_stand_in": true, "program": "p", "world": "sim", "params": "w",
     })
 }
 

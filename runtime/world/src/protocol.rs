@@ -1,0 +1,208 @@
+//! The lines between `fabc` and a world that is another program: one set of types, for both sides.
+//!
+//! `docs/worlds.md` states them. Lengths are metres in the world frame, times seconds.
+
+use crate::Grasp;
+use crate::start::Grid;
+use fab_picture::camera::Pinhole;
+use fab_program::{Camera, Picker};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Version of the lines.
+pub const PROTOCOL: u32 = 1;
+
+/// The questions that are answered, and how long each may take, seconds, where the world states no limit of its own.
+pub const LIMITS_S: [(&str, u64); 7] = [
+    ("hello", 60),
+    ("observe", 60),
+    ("particles", 60),
+    ("reach", 60),
+    ("reset", 600),
+    ("act", 600),
+    ("crumple", 600),
+];
+
+/// A question.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case")]
+pub enum Question {
+    /// What are you?
+    Hello {
+        /// [`PROTOCOL`].
+        protocol: u32,
+        /// A folder for files, which is removed at the end.
+        folder: PathBuf,
+    },
+    /// Lay a cloth.
+    Reset {
+        /// The camera of the pictures.
+        camera: Camera,
+        /// How the cloth is let go.
+        picker: Picker,
+        /// How the cloth lies.
+        start: Laid,
+    },
+    /// Take a picture.
+    Observe,
+    /// Pick and place.
+    Act {
+        /// Where the cloth is taken.
+        pick: [f64; 3],
+        /// Where it is released.
+        place: [f64; 3],
+    },
+    /// End what is under way; has no answer of its own.
+    Interrupt,
+    /// Where are the particles?
+    Particles,
+    /// Crumple a cloth by chance, and say how it then lies.
+    Crumple {
+        /// Decides all chance.
+        seed: u64,
+        /// The cloth.
+        start: Laid,
+    },
+    /// Can something be done at a point?
+    Reach {
+        /// The point.
+        point: [f64; 3],
+    },
+}
+
+impl Question {
+    /// Returns its name in a line.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Question::Hello { .. } => "hello",
+            Question::Reset { .. } => "reset",
+            Question::Observe => "observe",
+            Question::Act { .. } => "act",
+            Question::Interrupt => "interrupt",
+            Question::Particles => "particles",
+            Question::Crumple { .. } => "crumple",
+            Question::Reach { .. } => "reach",
+        }
+    }
+}
+
+/// How a cloth lies.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Laid {
+    /// Its name in reports.
+    pub name: String,
+    /// In which way.
+    pub lie: Lie,
+    /// Its grid.
+    pub grid: Grid,
+    /// Its particles: a `.npy` file of float32, shape `[dimy * dimx, 3]`.
+    pub positions: PathBuf,
+}
+
+/// In which way a cloth lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Lie {
+    /// Flat on the table's centre, edges along the axes.
+    Flat,
+    /// As its positions say.
+    Positions,
+}
+
+/// An answer, or why there is none.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Answer<T> {
+    /// It cannot be done.
+    Refused {
+        /// Why, and what would be right.
+        refused: String,
+    },
+    /// It was ended early, and there is nothing to say of it.
+    Interrupted {
+        /// Always true.
+        interrupted: bool,
+    },
+    /// It was ended early.
+    Halted {
+        /// What is held, and where.
+        halted: String,
+    },
+    /// The answer.
+    Given(T),
+}
+
+/// What a world says of itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Hello {
+    /// Its name in reports.
+    pub name: String,
+    /// A hash of every setting that changes results.
+    pub parameters: String,
+    /// A hash of its code.
+    pub code: String,
+    /// Whether it knows where each particle is.
+    #[serde(default)]
+    pub particles: bool,
+    /// Whether it answers [`Question::Crumple`].
+    #[serde(default)]
+    pub crumples: bool,
+    /// Whether it answers [`Question::Reach`].
+    #[serde(default)]
+    pub reach: bool,
+    /// Whether equal starts and actions end equally.
+    #[serde(default = "yes")]
+    pub repeats: bool,
+    /// Time limits of its own, seconds, by the question's name.
+    #[serde(default)]
+    pub limits_s: BTreeMap<String, u64>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// Done, and nothing to say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Nothing {}
+
+/// What the camera sees.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Seen {
+    /// Colour, a PNG file.
+    pub rgb: PathBuf,
+    /// Depth along the optical axis, a `.npy` file of float32, shape `[height, width]`; 0 means no reading.
+    pub depth: PathBuf,
+    /// Time since the reset.
+    pub time_s: f64,
+    /// The camera that took it.
+    pub camera: Pinhole,
+}
+
+/// What was really done.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Done {
+    /// Where the cloth was taken.
+    pub pick: [f64; 3],
+    /// Where it was released.
+    pub place: [f64; 3],
+    /// What was held in between.
+    pub grasp: Grasp,
+    /// How long it took in the world.
+    pub duration_s: f64,
+}
+
+/// Where particles are.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Positions {
+    /// A `.npy` file of float32, shape `[dimy * dimx, 3]`.
+    pub positions: PathBuf,
+}
+
+/// Whether a point is in reach.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Reached {
+    /// Why it is not; null where it is.
+    pub why: Option<String>,
+}

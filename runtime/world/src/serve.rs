@@ -1,0 +1,214 @@
+//! The bundled simulator as a program that answers lines, as any world in another language does.
+//!
+//! In: questions of [`protocol`], line by line. Out: their answers. It shows what is asked and answered, and a rollout in it
+//! comes out as one in [`SimulatedWorld`], bit for bit.
+
+use crate::protocol::{self, Answer, Done, Hello, Laid, Nothing, Positions, Question, Seen};
+use crate::start::Start;
+use crate::{Motion, SimulatedWorld, World, WorldError, WorldPoint, conformance};
+use fab_base::interrupt::Interrupt;
+use fab_base::{files, npy};
+use fab_picture::camera::Pinhole;
+use fab_picture::png;
+use fab_program::Picker;
+use serde::Serialize;
+use serde_json::Value;
+use std::io::{self, BufRead, Write};
+use std::path::PathBuf;
+use std::sync::mpsc::channel;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+
+/// The longest file of positions that is read, bytes.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// Answers questions until they end.
+///
+/// Fails where an answer cannot be written. What is no question is refused.
+pub fn serve(questions: impl BufRead + Send + 'static, answers: &mut impl Write) -> io::Result<()> {
+    // What is under way; an interrupt that comes when nothing is means nothing.
+    let under_way: Arc<Mutex<Option<Interrupt>>> = Arc::default();
+    let interrupted = Arc::clone(&under_way);
+    let (send, lines) = channel();
+    thread::spawn(move || {
+        for line in questions.lines().map_while(Result::ok) {
+            let question = serde_json::from_str(&line);
+            if let Ok(Question::Interrupt) = question {
+                let under_way = interrupted.lock().unwrap_or_else(PoisonError::into_inner);
+                under_way.iter().for_each(Interrupt::raise);
+            } else if send.send(question).is_err() {
+                break;
+            }
+        }
+    });
+    let mut served = Served::default();
+    while let Ok(question) = lines.recv() {
+        let interrupt = Interrupt::default();
+        let set = |interrupt| {
+            *under_way.lock().unwrap_or_else(PoisonError::into_inner) = interrupt;
+        };
+        set(Some(interrupt.clone()));
+        let answer = match question {
+            Ok(question) => served.answer(question, &interrupt),
+            Err(error) => Err(Stopped::Refused(format!("it is no question: {error}"))),
+        };
+        set(None);
+        let answer = answer.unwrap_or_else(|stopped| {
+            written(match stopped {
+                Stopped::Refused(refused) => Answer::<Nothing>::Refused { refused },
+                Stopped::Interrupted => Answer::Interrupted { interrupted: true },
+            })
+        });
+        writeln!(answers, "{answer}")?;
+        answers.flush()?;
+    }
+    Ok(())
+}
+
+/// Why there is no answer.
+enum Stopped {
+    Refused(String),
+    Interrupted,
+}
+
+impl From<WorldError> for Stopped {
+    fn from(error: WorldError) -> Stopped {
+        match error {
+            WorldError::Interrupted => Stopped::Interrupted,
+            WorldError::Start { why, .. } | WorldError::Motion { why } => Stopped::Refused(why),
+            error => Stopped::Refused(error.to_string()),
+        }
+    }
+}
+
+impl From<io::Error> for Stopped {
+    fn from(error: io::Error) -> Stopped {
+        Stopped::Refused(error.to_string())
+    }
+}
+
+/// The simulator, and where its files go.
+#[derive(Default)]
+struct Served {
+    world: Option<SimulatedWorld>,
+    folder: PathBuf,
+}
+
+impl Served {
+    fn answer(&mut self, question: Question, interrupt: &Interrupt) -> Result<Value, Stopped> {
+        let world = |world: &mut Option<SimulatedWorld>| {
+            let world = world.take();
+            world.ok_or_else(|| Stopped::from(WorldError::NotReset))
+        };
+        Ok(match question {
+            Question::Hello { protocol, folder } => {
+                if protocol != protocol::PROTOCOL {
+                    return Err(Stopped::Refused(format!(
+                        "the lines have version {protocol}, and this program answers version {}",
+                        protocol::PROTOCOL
+                    )));
+                }
+                self.folder = folder;
+                written(hello(&standard()?))
+            }
+            Question::Reset {
+                camera,
+                picker,
+                start,
+            } => {
+                let mut world = SimulatedWorld::new(&camera, picker)?;
+                world.reset(&read(&start)?)?;
+                self.world = Some(world);
+                written(Nothing {})
+            }
+            Question::Observe => {
+                let mut world = world(&mut self.world)?;
+                let seen = world.observe();
+                self.world = Some(world);
+                let seen = seen?;
+                let [rgb, depth] = ["rgb.png", "depth.npy"].map(|name| self.folder.join(name));
+                files::write_whole(&rgb, &png::encode(&seen.rgb))?;
+                let (width, height) = seen.depth_m.dimensions();
+                let shape = [height, width].map(u64::from);
+                let numbers = seen.depth_m.iter().copied();
+                files::write_whole(&depth, &npy::encode_floats(&shape, numbers))?;
+                written(Seen {
+                    rgb,
+                    depth,
+                    time_s: seen.time_s,
+                    camera: Pinhole::of(&seen.camera)
+                        .expect("the simulated lens has no distortion"),
+                })
+            }
+            Question::Act { pick, place } => {
+                let mut world = world(&mut self.world)?;
+                let [pick, place] = [pick, place].map(WorldPoint::from);
+                let done = world.act(&Motion { pick, place }, interrupt);
+                self.world = Some(world);
+                let done = done?;
+                written(Done {
+                    pick: done.motion.pick.into(),
+                    place: done.motion.place.into(),
+                    grasp: done.grasp,
+                    duration_s: done.duration_s,
+                })
+            }
+            Question::Particles => {
+                let particles = self.world.as_ref().and_then(World::particles);
+                let particles = particles.ok_or(WorldError::NotReset)?;
+                self.positions("particles.npy", &particles)?
+            }
+            Question::Crumple { seed, start } => {
+                let heap = standard()?.crumple(&read(&start)?, seed, interrupt)?;
+                self.positions("heap.npy", &heap.positions)?
+            }
+            Question::Reach { .. } => {
+                return Err(Stopped::Refused("everything is in reach".to_owned()));
+            }
+            Question::Interrupt => written(Nothing {}),
+        })
+    }
+
+    fn positions(&self, name: &str, positions: &[[f32; 3]]) -> Result<Value, Stopped> {
+        let path = self.folder.join(name);
+        files::write_whole(&path, &npy::encode(positions))?;
+        Ok(written(Positions { positions: path }))
+    }
+}
+
+/// Returns a simulator for what needs no picture.
+fn standard() -> Result<SimulatedWorld, WorldError> {
+    SimulatedWorld::new(&conformance::camera(), Picker::default())
+}
+
+fn hello(world: &SimulatedWorld) -> Hello {
+    Hello {
+        name: world.name().to_owned(),
+        parameters: world.parameters(),
+        code: world.code(),
+        particles: true,
+        crumples: true,
+        reach: false,
+        repeats: true,
+        limits_s: Default::default(),
+    }
+}
+
+fn read(laid: &Laid) -> Result<Start, Stopped> {
+    let bytes = files::read(&laid.positions, MAX_BYTES).map_err(Stopped::Refused)?;
+    let positions = npy::decode(&bytes);
+    let refused = || {
+        Stopped::Refused("its positions are no float32 array of shape [particles, 3]".to_owned())
+    };
+    Ok(Start {
+        name: laid.name.clone(),
+        seed: None,
+        grid: laid.grid,
+        outline: None,
+        positions: positions.ok_or_else(refused)?,
+    })
+}
+
+fn written(answer: impl Serialize) -> Value {
+    serde_json::to_value(answer).expect("an answer has string keys")
+}
