@@ -16,7 +16,7 @@ use fab_agent::arm_sight::draw_errors;
 use fab_arm::calibration::{
     Calibration, Method, Pair, Refusal, Terms, ToolReader, place_at_rest, read_pairs,
 };
-use fab_arm::directory::{Which, last_picture};
+use fab_arm::directory::{PictureSelection, last_picture};
 use fab_arm::rgbd::Intrinsics;
 use fab_arm::settings::{CameraSource, Settings};
 use fab_arm::world;
@@ -166,7 +166,7 @@ fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<Se
     }
     if arguments.shoot {
         let timeout_s = settings.camera.timeout_s;
-        let camera = connect::camera(settings, &arguments.robot, Which::Fresh { timeout_s });
+        let camera = connect::camera(settings, &arguments.robot, PictureSelection::Fresh { timeout_s });
         let shot = camera.map_err(Failure::environment)?.shoot();
         let shot = shot.map_err(Failure::environment)?;
         return Ok(Some(Seen {

@@ -6,7 +6,7 @@
 use super::{kept, write};
 use crate::exit::Failure;
 use crate::output;
-use fab_arm::calibration::{Pair, Said, Session, Terms, ToolReader, csv_line, grid};
+use fab_arm::calibration::{LineOutcome, Pair, Session, Terms, ToolReader, csv_line, grid};
 use fab_picture::png;
 use fab_program::PixelPoint;
 use fab_vision::{draw_numbers, draw_points};
@@ -54,7 +54,7 @@ pub fn type_points(
             break;
         }
         match session.line(&line) {
-            Said::Added(said) | Said::TakenBack(said) => {
+            LineOutcome::Added(said) | LineOutcome::Undone(said) => {
                 if std::mem::take(&mut is_first)
                     && let Some(earlier) = kept::keep(&kept_in)?
                 {
@@ -63,10 +63,10 @@ pub fn type_points(
                 keep(&kept_in, session.pairs())?;
                 output::talk(&said);
             }
-            Said::Nothing(said) if said.is_empty() => {}
-            Said::Nothing(said) => output::talk(&said),
-            Said::Wrong(why) => output::talk(&format!("error: {why}")),
-            Said::Over => break,
+            LineOutcome::Unchanged(said) if said.is_empty() => {}
+            LineOutcome::Unchanged(said) => output::talk(&said),
+            LineOutcome::Invalid(why) => output::talk(&format!("error: {why}")),
+            LineOutcome::Finished => break,
         }
     }
     Ok(session.pairs().to_vec())

@@ -1,4 +1,4 @@
-//! What an arm's world is made of: files, and who watches.
+//! The parts of an arm's world: its files, supervisor and watchdog.
 
 use super::FlatPicture;
 use crate::calibration::Calibration;
@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
-/// Everything that an arm's world is made of.
+/// Everything that an arm's world consists of.
 pub struct Parts {
     /// The settings.
     pub settings: Settings,
@@ -22,15 +22,15 @@ pub struct Parts {
     pub sight: Sight,
     /// Side of the square picture that the task's camera takes, pixels.
     pub image_px: u32,
-    /// Who gives leave to move.
+    /// Who confirms motion.
     pub supervisor: Box<dyn Supervisor>,
-    /// Who stops the arm when this program hangs.
+    /// Stops the arm if this program hangs.
     pub watchdog: Box<dyn Watchdog>,
-    /// The run folder, for the arm's journal; without it nothing moves.
+    /// The run folder, for the arm's journal; without one nothing moves.
     pub folder: Option<PathBuf>,
 }
 
-/// Returns the world frame of some settings, which has its origin at the middle of the table.
+/// Returns the pose of the world frame, whose origin is the middle of the table.
 pub fn base_from_world(settings: &Settings) -> Isometry3<f64> {
     let [x, y, z] = settings.table.center_m;
     Isometry3::from_parts(
@@ -39,7 +39,7 @@ pub fn base_from_world(settings: &Settings) -> Isometry3<f64> {
     )
 }
 
-/// Reads the settings and the calibration that a world is made of; says what is wrong with either.
+/// Reads the settings and the calibration of a world; the error says what is wrong with either.
 pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
     let settings = Settings::load(path).map_err(|error| error.to_string())?;
     let text = fab_base::files::read(path, 1 << 20)
@@ -54,7 +54,7 @@ pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
     Ok((settings, hash.concat(), calibration))
 }
 
-/// What a world says of itself, known without an arm: by it a rollout of the same settings is told from others.
+/// The identity of a world, known without an arm: rollouts with equal identities are comparable.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct About {
     /// Its name in reports.
@@ -65,7 +65,7 @@ pub struct About {
     pub code: String,
 }
 
-/// Returns what the world of a settings file will say of itself; says what is wrong with any of the files otherwise.
+/// Returns the identity of the world of a settings file; the error says which file is wrong.
 pub fn about(path: &Path) -> Result<About, String> {
     let (settings, settings_hash, calibration) = load(path)?;
     let flat = FlatPicture::load(path, &settings, &calibration)?;
