@@ -1,14 +1,14 @@
 //! The command line.
 
 #[cfg(feature = "runtime")]
-pub mod asked;
-#[cfg(feature = "runtime")]
 pub mod bench;
 #[cfg(all(test, feature = "runtime"))]
 mod book;
 #[cfg(feature = "runtime")]
 pub mod calibrate;
 pub mod completions;
+#[cfg(feature = "runtime")]
+pub mod model_arguments;
 #[cfg(feature = "runtime")]
 pub mod models;
 pub mod new;
@@ -20,13 +20,13 @@ pub mod robot;
 pub mod sim;
 pub mod snap;
 
-#[cfg(feature = "runtime")]
-use asked::{ModelArguments, SpendArguments, dollars};
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 #[cfg(feature = "runtime")]
 use fab_model::calls::Usd;
 #[cfg(feature = "runtime")]
 use fab_program::PixelPoint;
+#[cfg(feature = "runtime")]
+use model_arguments::{ModelArguments, SpendArguments, dollars};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

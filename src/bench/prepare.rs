@@ -1,7 +1,7 @@
 //! Compiles a suite's tasks, finds its starts and models.
 
-use crate::cli::asked::{ModelArguments, Purpose};
 use crate::cli::bench::{BenchArguments, Shard};
+use crate::cli::model_arguments::{ModelArguments, Purpose};
 use crate::exit::Failure;
 use crate::setting::models::{self, Answering};
 use crate::{output, setting, sources};

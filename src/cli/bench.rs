@@ -1,6 +1,6 @@
 //! The command line of `fabc bench`.
 
-use super::asked::{ModelArguments, SpendArguments};
+use super::model_arguments::{ModelArguments, SpendArguments};
 use super::robot::ArmArguments;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
