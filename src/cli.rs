@@ -1,14 +1,14 @@
 //! The command line.
 
 #[cfg(feature = "runtime")]
-pub mod asked;
-#[cfg(feature = "runtime")]
 pub mod bench;
 #[cfg(all(test, feature = "runtime"))]
 mod book;
 #[cfg(feature = "runtime")]
 pub mod calibrate;
 pub mod completions;
+#[cfg(feature = "runtime")]
+pub mod model_arguments;
 #[cfg(feature = "runtime")]
 pub mod models;
 pub mod new;
@@ -24,13 +24,13 @@ pub mod world;
 
 #[cfg(feature = "runtime")]
 use crate::setting::worlds::WorldChoice;
-#[cfg(feature = "runtime")]
-use asked::{ModelArguments, PolicyArguments, SpendArguments, dollars};
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 #[cfg(feature = "runtime")]
 use fab_model::calls::Usd;
 #[cfg(feature = "runtime")]
 use fab_program::PixelPoint;
+#[cfg(feature = "runtime")]
+use model_arguments::{ModelArguments, PolicyArguments, SpendArguments, dollars};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

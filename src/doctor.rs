@@ -5,7 +5,7 @@
 
 use crate::cli::models::DoctorArguments;
 use crate::exit::{Exit, Failure};
-use crate::setting::known::{self, UserFile};
+use crate::setting::catalogue::{self, UserFile};
 use crate::setting::remote;
 use crate::{output, setting};
 use fab_providers::catalogue::{Catalogue, KeyNeed, Provider};
@@ -138,7 +138,7 @@ fn facts(flag: Option<&Path>) -> (Catalogue, Finding) {
             help,
         )
     };
-    let Some(file) = known::facts_file(flag) else {
+    let Some(file) = catalogue::facts_file(flag) else {
         return (
             Catalogue::builtin(),
             absent("a file and name it in FABC_MODELS".to_owned()),
@@ -165,7 +165,7 @@ struct Keys {
 
 fn keys() -> (Keys, Finding) {
     const NAME: &str = "keys";
-    let file = known::keys_file();
+    let file = catalogue::keys_file();
     let path = file.as_ref().map(|file| file.path.display().to_string());
     let mut keys = Keys {
         path,

@@ -1,7 +1,7 @@
 //! `--estimate`: what a run or a suite would ask and cost, while nothing is sent.
 
 use crate::output;
-use crate::setting::known;
+use crate::setting::catalogue;
 use crate::setting::models::Answering;
 use fab_agent::rollout::FirstQuestion;
 use fab_program::Program;
@@ -47,7 +47,7 @@ pub fn estimate(asking: &Asking<'_>) -> Estimate {
             false => Correction::Words,
         },
         rollouts: asking.rollouts,
-        today: known::today(),
+        today: catalogue::today(),
     };
     plan.estimate()
 }

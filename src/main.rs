@@ -106,7 +106,7 @@ fn run(verb: Verb) -> Exit {
         Verb::Vocabulary(arguments) => vocabulary::run(&arguments),
         Verb::Render(arguments) if arguments.watch => {
             let entry = std::slice::from_ref(&arguments.task.file);
-            watch::run(entry, &watch::used::rendered(&arguments), || {
+            watch::run(entry, &watch::inputs::rendered(&arguments), || {
                 render::run(&arguments)
             })
         }

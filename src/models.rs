@@ -3,7 +3,7 @@
 use crate::cli::models::ModelsArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
-use crate::setting::known;
+use crate::setting::catalogue;
 use fab_providers::catalogue::{
     Catalogue, Date, Facts, ImageTokens, Listed, Price, Profile, Provider, Source, Tokens,
 };
@@ -12,8 +12,8 @@ use serde_json::{Value, json};
 
 /// Lists the models.
 pub fn run(arguments: &ModelsArguments) -> Result<Exit, Failure> {
-    let catalogue = known::catalogue(arguments.facts.models.as_deref())?;
-    let today = arguments.on.unwrap_or_else(known::today);
+    let catalogue = catalogue::load(arguments.facts.models.as_deref())?;
+    let today = arguments.on.unwrap_or_else(catalogue::today);
     let wanted = match &arguments.provider {
         None => None,
         Some(name) => {

@@ -20,7 +20,7 @@ impl Operator for Terminal {
     fn judge(&self, report: &Report, folder: &Path) -> Option<Judgement> {
         output::progress("");
         // Whoever held a key while the arm moved may hold it still, and answers in lines from here on.
-        terminal::be_as_before();
+        terminal::restore();
         output::talk(&format!(
             "{} has ended: {} after {} actions{}, in `{}`",
             report.task,

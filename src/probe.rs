@@ -1,9 +1,9 @@
 //! `fabc probe`: how a model says where something is, found out with a picture of dots.
 
-use crate::cli::asked::{ModelArguments, Purpose};
+use crate::cli::model_arguments::{ModelArguments, Purpose};
 use crate::cli::models::ProbeArguments;
 use crate::exit::{Exit, Failure};
-use crate::setting::{known, models};
+use crate::setting::{catalogue, models};
 use crate::{output, setting};
 use fab_model::ModelError;
 use fab_model::calls::{Budget, CallRefused, Capped, Caps, Spent};
@@ -17,7 +17,7 @@ pub fn run(arguments: &ProbeArguments) -> Result<Exit, Failure> {
             "`--marks` lets a model answer numbers of points, and `probe` asks for coordinates; leave it out",
         ));
     }
-    let catalogue = known::catalogue(arguments.reach.facts.models.as_deref())?;
+    let catalogue = catalogue::load(arguments.reach.facts.models.as_deref())?;
     let interrupt = setting::interrupt()?;
     let named = ModelArguments {
         model: vec![arguments.model.clone()],

@@ -6,8 +6,8 @@
 #[cfg_attr(feature = "runtime", path = "render/with_camera.rs")]
 #[cfg_attr(not(feature = "runtime"), path = "render/without_camera.rs")]
 mod camera;
-mod listed;
 pub mod page;
+mod scene_file;
 mod why;
 
 #[cfg(feature = "runtime")]
@@ -20,8 +20,8 @@ use crate::exit::{Exit, Failure};
 use crate::{output, sources};
 use fab_program::render::{PromptPicture, PromptText};
 use fab_program::{Arrow, Layers, Picture, Program, Read, Stage, SubgoalStep};
-use listed::Listed;
 use page::{Shown, ShownPart, ShownStage};
+use scene_file::SceneFile;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -40,7 +40,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
         )));
     }
     let listed = match &arguments.scene {
-        Some(path) => Some(Listed::read(&program, path)?),
+        Some(path) => Some(SceneFile::read(&program, path)?),
         None => None,
     };
     let view = camera::View::at(&program, &declared, arguments)?;

@@ -7,8 +7,8 @@ use crate::cli::RunArguments;
 use crate::estimate::{self, Asking};
 use crate::exit::{Exit, Failure};
 use crate::operator::Terminal;
-use crate::robot::standing;
-use crate::setting::arm::Moving;
+use crate::robot::preflight;
+use crate::setting::arm::ArmMode;
 use crate::setting::models;
 use crate::setting::policies::Deciding;
 use crate::setting::worlds::{self, WorldChoice};
@@ -65,8 +65,8 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     let purpose = arguments.spend.purpose();
     let deciding = Deciding::of(&arguments.policy, &arguments.model, purpose, &interrupt)?;
     let moving = match arguments.plan_only {
-        true => Moving::Planned,
-        false => Moving::Carried,
+        true => ArmMode::PlanOnly,
+        false => ArmMode::Execute,
     };
     let arm = match &arguments.world {
         WorldChoice::Jaco => Some(setting::arm::check(&arguments.arm, moving)?),
@@ -213,7 +213,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     }
     let done = rollout::run(&job, folder, &mut |event| report::show(event, earlier));
     if let (Some(_), Some(run)) = (&arm, journal.get()) {
-        standing::say_left(run);
+        preflight::report_run_state(run);
     }
     let report = done.map_err(|error| match error {
         // Nobody lays a cloth for a program that is asked to end.

@@ -1,7 +1,7 @@
 //! What a verb needs around a program: a world, a start, a cache, a way to be stopped.
 
 pub mod arm;
-pub mod known;
+pub mod catalogue;
 pub mod models;
 pub mod policies;
 pub mod remote;

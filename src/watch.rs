@@ -4,7 +4,7 @@
 //! only wake it; whether anything changed is read from the files themselves, so that any way in which an editor
 //! replaces a file is the same here, and no event is kept.
 
-pub mod used;
+pub mod inputs;
 
 use crate::exit::{Exit, Failure};
 use crate::output;
@@ -36,7 +36,7 @@ pub fn run(
         .map_err(|error| Failure::environment(format!("cannot listen for interrupts: {error}")))?;
     let mut folders = Folders::new()?;
     loop {
-        let files = used::files(entries, others);
+        let files = inputs::files(entries, others);
         folders.watch(&files)?;
         // Taken before the verb reads them, so that a change while it runs counts.
         let seen = stamps(&files);

@@ -12,7 +12,7 @@ use crate::cli::bench::BenchArguments;
 use crate::estimate::{self, Asking};
 use crate::exit::{Exit, Failure};
 use crate::operator::Terminal;
-use crate::setting::arm::Moving;
+use crate::setting::arm::ArmMode;
 use crate::setting::models::{self, Answering};
 use crate::setting::policies::Deciding;
 use crate::setting::worlds::{self, WorldChoice};
@@ -76,7 +76,7 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         setting::arm::world(
             program,
             &arguments.arm,
-            Moving::Carried,
+            ArmMode::Execute,
             Some(&folder.to_owned()),
         )
     };

@@ -5,7 +5,7 @@
 use crate::cli::bench::BenchArguments;
 use crate::exit::Failure;
 use crate::setting;
-use crate::setting::arm::Moving;
+use crate::setting::arm::ArmMode;
 use crate::setting::worlds::WorldChoice;
 use fab_arm::settings::{DriverKind, Settings};
 use fab_arm::world;
@@ -39,7 +39,7 @@ pub fn check(arguments: &BenchArguments, suite: &Suite) -> Result<Option<Arm>, F
         DriverKind::Kinova | DriverKind::Trajectory => Cloths::ByHand,
     };
     cloths.check(suite).map_err(Failure::environment)?;
-    let settings = setting::arm::check(&arguments.arm, Moving::Carried)?;
+    let settings = setting::arm::check(&arguments.arm, ArmMode::Execute)?;
     Ok(Some(Arm {
         about: world::about(&arguments.arm.robot).map_err(Failure::environment)?,
         cloths,

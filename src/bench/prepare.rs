@@ -1,7 +1,7 @@
 //! Compiles a suite's tasks, finds its starts and models.
 
-use crate::cli::asked::{ModelArguments, PolicyArguments, Purpose};
 use crate::cli::bench::{BenchArguments, Shard};
+use crate::cli::model_arguments::{ModelArguments, PolicyArguments, Purpose};
 use crate::exit::Failure;
 use crate::setting::models::Answering;
 use crate::setting::policies::Deciding;

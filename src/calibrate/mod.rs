@@ -3,7 +3,7 @@
 //! In: the arm's settings, points from a file, typed, or touched by an arm that is guided, the camera's picture. Out: the calibration's file, its picture,
 //! a drawing of the errors, and what they come to. Nothing that was there is lost: it is kept under another name.
 
-mod kept;
+mod backup;
 mod report;
 mod typing;
 
@@ -11,12 +11,12 @@ use crate::cli::calibrate::CalibrateArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
 use crate::robot::connect;
-use crate::setting::known;
+use crate::setting::catalogue;
 use fab_agent::arm_sight::draw_errors;
 use fab_arm::calibration::{
     Calibration, Method, Pair, Refusal, Terms, ToolReader, place_at_rest, read_pairs,
 };
-use fab_arm::directory::{Which, last_picture};
+use fab_arm::directory::{PictureSelection, last_picture};
 use fab_arm::rgbd::Intrinsics;
 use fab_arm::settings::{CameraSource, Settings};
 use fab_arm::world;
@@ -69,7 +69,7 @@ fn run_with(
         None => beside(&arguments.robot, &settings.calibration),
     };
     let pairs = pairs(arguments, &terms, tool, &path, seen.as_ref())?;
-    let day = known::today().to_string();
+    let day = catalogue::today().to_string();
     let reference = seen.as_ref().map(image::imageops::grayscale);
     let made = Calibration::make(terms, pairs.clone(), &day, reference);
     let fit = match &made {
@@ -86,8 +86,8 @@ fn run_with(
         None => None,
     };
     let calibration = made.map_err(|refusal| refused(&refusal, drawn.as_deref()))?;
-    let earlier = kept::keep(&path)?;
-    kept::keep(&Calibration::picture_beside(&path))?;
+    let earlier = backup::copy(&path)?;
+    backup::copy(&Calibration::picture_beside(&path))?;
     calibration.save(&path).map_err(Failure::environment)?;
     report::say_doubts(&calibration, &settings);
     let written = report::Written {
@@ -131,7 +131,7 @@ fn pairs(
     if arguments.pairs.is_some() && !arguments.more {
         return Ok(given);
     }
-    let asked = typing::Asked {
+    let asked = typing::TypingSetup {
         grid: arguments.grid,
         path,
         seen,
@@ -166,7 +166,11 @@ fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<Se
     }
     if arguments.shoot {
         let timeout_s = settings.camera.timeout_s;
-        let camera = connect::camera(settings, &arguments.robot, Which::Fresh { timeout_s });
+        let camera = connect::camera(
+            settings,
+            &arguments.robot,
+            PictureSelection::Fresh { timeout_s },
+        );
         let shot = camera.map_err(Failure::environment)?.shoot();
         let shot = shot.map_err(Failure::environment)?;
         return Ok(Some(Seen {

@@ -31,10 +31,7 @@ fn height_m(calibration: &Calibration, settings: &Settings) -> f64 {
 /// Says on stderr what a person should look at, though it was accepted.
 pub fn say_doubts(calibration: &Calibration, settings: &Settings) {
     let note = |text: String| output::talk(&format!("note: {text}"));
-    for point in calibration
-        .accuracy
-        .standing_out(calibration.terms.limit_mm)
-    {
+    for point in calibration.accuracy.outliers(calibration.terms.limit_mm) {
         let off_mm = calibration.accuracy.left_out_mm[point - 1];
         note(format!(
             "point {point} is {off_mm:.1} mm from where the others put it, far more than they are; was it typed wrong?"

@@ -1,12 +1,12 @@
-//! Points typed one a line, kept as they come.
+//! Points typed one per line, saved as they come.
 //!
-//! In: lines, and where there is an arm, its tool's place at each. Out: the points, and on stderr how each fits those before it. After every line the points so far
-//! are in a file, so that an interrupted session loses none.
+//! In: lines, and with an arm, its tool's position at each. Out: the points, and on stderr how each fits the earlier ones.
+//! The points are saved to a file after every line, so that an interrupted session loses none.
 
-use super::{kept, write};
+use super::{backup, write};
 use crate::exit::Failure;
 use crate::output;
-use fab_arm::calibration::{Pair, Said, Session, Terms, ToolReader, csv_line, grid};
+use fab_arm::calibration::{LineOutcome, Pair, Session, Terms, ToolReader, csv_line, grid};
 use fab_picture::png;
 use fab_program::PixelPoint;
 use fab_vision::{draw_numbers, draw_points};
@@ -17,9 +17,9 @@ use std::path::{Path, PathBuf};
 /// The longest line that is read, bytes.
 const MAX_LINE: u64 = 1000;
 
-/// What is asked for beside the points.
-pub struct Asked<'a> {
-    /// Columns and rows of the grid at which points are asked for.
+/// The setup of a typing session.
+pub struct TypingSetup<'a> {
+    /// Columns and rows of the grid of points to touch.
     pub grid: Option<[u32; 2]>,
     /// The calibration's file.
     pub path: &'a Path,
@@ -32,15 +32,15 @@ pub fn type_points(
     terms: &Terms,
     given: Vec<Pair>,
     tool: Option<Box<ToolReader<'_>>>,
-    asked: &Asked<'_>,
+    setup: &TypingSetup<'_>,
     lines: &mut dyn BufRead,
 ) -> Result<Vec<Pair>, Failure> {
-    let targets = match asked.grid {
+    let targets = match setup.grid {
         Some([columns, rows]) => grid(&terms.window, columns, rows),
         None => Vec::new(),
     };
-    show(&targets, asked)?;
-    let kept_in = asked.path.with_extension("pairs.csv");
+    show(&targets, setup)?;
+    let saved_in = setup.path.with_extension("pairs.csv");
     let mut session = Session::new(terms, given, tool);
     output::talk(&format!(
         "type {}, one point a line; `undo`, `list`, `done`",
@@ -54,19 +54,19 @@ pub fn type_points(
             break;
         }
         match session.line(&line) {
-            Said::Added(said) | Said::TakenBack(said) => {
+            LineOutcome::Added(message) | LineOutcome::Undone(message) => {
                 if std::mem::take(&mut is_first)
-                    && let Some(earlier) = kept::keep(&kept_in)?
+                    && let Some(earlier) = backup::copy(&saved_in)?
                 {
                     say_earlier(&earlier);
                 }
-                keep(&kept_in, session.pairs())?;
-                output::talk(&said);
+                save(&saved_in, session.pairs())?;
+                output::talk(&message);
             }
-            Said::Nothing(said) if said.is_empty() => {}
-            Said::Nothing(said) => output::talk(&said),
-            Said::Wrong(why) => output::talk(&format!("error: {why}")),
-            Said::Over => break,
+            LineOutcome::Unchanged(message) if message.is_empty() => {}
+            LineOutcome::Unchanged(message) => output::talk(&message),
+            LineOutcome::Invalid(why) => output::talk(&format!("error: {why}")),
+            LineOutcome::Finished => break,
         }
     }
     Ok(session.pairs().to_vec())
@@ -79,7 +79,7 @@ fn say_earlier(earlier: &Path) {
     ));
 }
 
-fn keep(path: &Path, pairs: &[Pair]) -> Result<(), Failure> {
+fn save(path: &Path, pairs: &[Pair]) -> Result<(), Failure> {
     let lines: String = pairs.iter().map(|pair| csv_line(pair) + "\n").collect();
     write(path, format!("u,v,x,y,z,depth\n{lines}").as_bytes())
 }
@@ -97,8 +97,8 @@ fn ask(session: &Session<'_>, targets: &[[f64; 2]]) {
 }
 
 /// Draws where points are best touched into the camera's picture.
-fn show(targets: &[[f64; 2]], asked: &Asked<'_>) -> Result<(), Failure> {
-    let (Some(seen), false) = (asked.seen, targets.is_empty()) else {
+fn show(targets: &[[f64; 2]], setup: &TypingSetup<'_>) -> Result<(), Failure> {
+    let (Some(seen), false) = (setup.seen, targets.is_empty()) else {
         return Ok(());
     };
     let mut drawn = seen.clone();
@@ -108,7 +108,7 @@ fn show(targets: &[[f64; 2]], asked: &Asked<'_>) -> Result<(), Failure> {
         .collect();
     draw_points(&mut drawn, &points, [255, 220, 0], 3).map_err(Failure::environment)?;
     draw_numbers(&mut drawn, targets);
-    let path: PathBuf = asked.path.with_extension("grid.png");
+    let path: PathBuf = setup.path.with_extension("grid.png");
     write(&path, &png::encode(&drawn))?;
     output::talk(&format!(
         "`{}` shows where points are best touched",
@@ -138,13 +138,13 @@ mod tests {
             n_looks += 1;
             places.pop().unwrap()
         };
-        let asked = Asked {
+        let setup = TypingSetup {
             grid: None,
             path: &path,
             seen: None,
         };
         let mut lines = typed.as_bytes();
-        let pairs = type_points(&terms, Vec::new(), Some(Box::new(tool)), &asked, &mut lines);
+        let pairs = type_points(&terms, Vec::new(), Some(Box::new(tool)), &setup, &mut lines);
         let pairs = pairs.unwrap();
         let kept = fab_arm::calibration::read_pairs(&path.with_extension("pairs.csv"));
         assert_eq!(kept.unwrap_or_default(), pairs);

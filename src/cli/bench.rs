@@ -1,6 +1,6 @@
 //! The command line of `fabc bench`.
 
-use super::asked::{ModelArguments, PolicyArguments, SpendArguments};
+use super::model_arguments::{ModelArguments, PolicyArguments, SpendArguments};
 use super::robot::ArmArguments;
 use crate::setting::worlds::WorldChoice;
 use clap::{Args, ValueHint};

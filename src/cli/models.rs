@@ -1,6 +1,6 @@
 //! Arguments of the verbs that are about models and set-up.
 
-use super::asked::{ReachArguments, dollars};
+use super::model_arguments::{ReachArguments, dollars};
 use clap::{Args, ValueHint};
 use fab_model::calls::Usd;
 use fab_providers::catalogue::Date;

@@ -7,8 +7,6 @@ mod names;
 mod staging;
 
 #[cfg(feature = "runtime")]
-mod drawn;
-#[cfg(feature = "runtime")]
 mod from_images;
 #[cfg(feature = "runtime")]
 mod page;
@@ -16,6 +14,8 @@ mod page;
 mod pictures;
 #[cfg(feature = "runtime")]
 mod points;
+#[cfg(feature = "runtime")]
+mod subgoals;
 
 #[cfg(feature = "runtime")]
 pub use points::point_text;
@@ -107,7 +107,7 @@ fn begin(arguments: &NewTaskArguments, draft: Draft) -> Result<Exit, Failure> {
     let library = present.as_deref().unwrap_or(shipped);
     let program = compile(arguments, &draft, library)?;
     #[cfg(feature = "runtime")]
-    let drawn = drawn::Drawn::of(&program)?;
+    let drawn = subgoals::Drawn::of(&program)?;
     #[cfg(not(feature = "runtime"))]
     if matches!(
         program.subgoals,

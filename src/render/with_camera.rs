@@ -1,14 +1,14 @@
 //! Prompts on a scene that the world's camera sees, with the pictures that a model gets.
 
-use super::listed::Listed;
 use super::page::{Shown, ShownPart, ShownStage};
+use super::scene_file::SceneFile;
 use super::title;
 use super::why::Rates;
 use crate::cli::render::RenderArguments;
 use crate::exit::Failure;
 use crate::look::{self, Seen};
 use crate::run::say_origin;
-use crate::setting::known;
+use crate::setting::catalogue;
 use crate::setting::models::Told;
 use crate::{setting, sources};
 use fab_agent::examples::Examples;
@@ -118,7 +118,7 @@ impl View {
         &self,
         program: &Program,
         stages: &[&Stage],
-        listed: Option<&Listed>,
+        listed: Option<&SceneFile>,
         arguments: &RenderArguments,
     ) -> Result<Vec<ShownStage>, Failure> {
         let rehearsed = match listed {
@@ -191,7 +191,7 @@ impl View {
         &self,
         program: &Program,
         stages: &[&Stage],
-        listed: &Listed,
+        listed: &SceneFile,
     ) -> Result<Vec<Rehearsed>, Failure> {
         let texts = BTreeMap::new();
         let values = Values::Partly(self.facts(listed, &texts));
@@ -284,7 +284,7 @@ impl Rates for Profile {
             cached_input_tokens: 0,
             output_tokens: 0,
         };
-        let price = self.price_on(known::today())?;
+        let price = self.price_on(catalogue::today())?;
         Some(price.cost(usage).nano())
     }
 }

@@ -1,7 +1,7 @@
 //! Prompts in a build without simulator and vision: points are typed placeholders, or from `--scene`.
 
-use super::listed::Listed;
 use super::page::{Shown, ShownPart, ShownStage};
+use super::scene_file::SceneFile;
 use super::title;
 use super::why::Rates;
 use crate::cli::render::RenderArguments;
@@ -50,7 +50,7 @@ impl View {
         &self,
         program: &Program,
         stages: &[&Stage],
-        listed: Option<&Listed>,
+        listed: Option<&SceneFile>,
         _arguments: &RenderArguments,
     ) -> Result<Vec<ShownStage>, Failure> {
         let texts = BTreeMap::new();

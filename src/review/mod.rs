@@ -229,15 +229,15 @@ fn snapshot(one: &Pending) -> Value {
 
 #[cfg(feature = "runtime")]
 fn pricing(arguments: &ReviewArguments) -> Result<Option<Pricing>, Failure> {
-    use crate::setting::known;
+    use crate::setting::catalogue;
     let Some(model) = &arguments.model else {
         return Ok(None);
     };
-    let catalogue = known::catalogue(arguments.facts.models.as_deref())?;
+    let catalogue = catalogue::load(arguments.facts.models.as_deref())?;
     let profile = catalogue
         .find(model)
         .map_err(|error| Failure::usage(error.to_string()))?;
-    let price = profile.price_on(known::today()).ok_or_else(|| {
+    let price = profile.price_on(catalogue::today()).ok_or_else(|| {
         Failure::usage(format!(
             "the price of `{model}` is not known; say it in a file of facts (--models)"
         ))

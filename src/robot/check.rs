@@ -1,7 +1,7 @@
-//! `fabc robot check`: whether an arm's settings and its calibration can be used, and what it reaches.
+//! `fabc robot check`: whether an arm's settings and calibration are usable, and what it reaches.
 //!
-//! In: a settings file, and the calibration that it names. Out: one line a subject, or JSON; the exit code says whether all
-//! that a run needs is there. The arm and the camera are not asked.
+//! In: a settings file, and the calibration that it names. Out: one line per subject, or JSON; the exit code says whether a
+//! run could start. The arm and the camera are not contacted.
 
 use crate::cli::robot::CheckArguments;
 use crate::exit::{Exit, Failure};
@@ -15,30 +15,31 @@ use nalgebra::Point3;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// A place, and why it is not reached where it is not.
+/// A place, and why it is out of reach if it is.
 struct Place {
     name: &'static str,
     at_m: [f64; 3],
     why_not: Option<String>,
 }
 
-/// What is known of the calibration.
-enum Measured {
-    /// It can be used; its error where each point is left out, millimetres.
-    Fits(f64),
-    /// It cannot.
-    Not(String),
+/// The state of the calibration.
+enum CalibrationState {
+    /// It is usable; its error with each point left out, millimetres.
+    Usable(f64),
+    /// It is not, for this reason.
+    Unusable(String),
 }
 
-/// Looks at the settings and all that they name.
+/// Checks the settings and everything that they name.
 pub fn run(arguments: &CheckArguments) -> Result<Exit, Failure> {
     let settings = Settings::load(&arguments.robot).map_err(Failure::environment)?;
     let chain = Chain::of_model(&settings.model).map_err(Failure::environment)?;
     let places = places(&settings, &chain);
     let measured = measured(&arguments.robot, &settings);
-    // A corner of the table out of reach costs the points near it; a run needs the middle, and where the hand rests.
+    // A corner out of reach only costs the points near it; a run needs the middle of the table and the rest position.
     let mut needed = places.iter().filter(|place| !is_corner(place));
-    let is_usable = needed.all(|it| it.why_not.is_none()) && !matches!(measured, Measured::Not(_));
+    let is_usable =
+        needed.all(|it| it.why_not.is_none()) && !matches!(measured, CalibrationState::Unusable(_));
     let exit = match is_usable {
         true => Exit::Done,
         false => Exit::Environment,
@@ -78,7 +79,7 @@ fn places(settings: &Settings, chain: &Chain) -> Vec<Place> {
             .map(|why| why.to_string()),
     };
     let top_m = over_table.into_iter().fold(0.0, f64::max);
-    // Corners are the box's own, so that this is asked of the other places alone.
+    // The corners are those of the workspace, so only the other places are checked against it.
     let in_box = |place: Place, above_m: f64| {
         let [x, y, z] = place.at_m;
         let ends = [z, z + above_m].map(|z| Point3::new(x, y, z));
@@ -101,7 +102,7 @@ fn places(settings: &Settings, chain: &Chain) -> Vec<Place> {
     ]
 }
 
-fn measured(robot: &Path, settings: &Settings) -> Measured {
+fn measured(robot: &Path, settings: &Settings) -> CalibrationState {
     let path = robot
         .parent()
         .unwrap_or(Path::new(""))
@@ -110,54 +111,61 @@ fn measured(robot: &Path, settings: &Settings) -> Measured {
         Ok(calibration) => calibration,
         Err(error) => {
             let robot = robot.display();
-            return Measured::Not(format!(
+            return CalibrationState::Unusable(format!(
                 "{error}; `fabc calibrate --robot {robot}` writes it"
             ));
         }
     };
     match calibration.check_settings(settings) {
-        Ok(()) if calibration.reference.is_none() => Measured::Not(format!(
+        Ok(()) if calibration.reference.is_none() => CalibrationState::Unusable(format!(
             "it has no picture, so that a moved camera could not be noticed and no run begins; calibrate with `--image PNG` or `--shoot`, and keep `{}` beside it",
             Calibration::picture_beside(&path).display()
         )),
-        Ok(()) => Measured::Fits(calibration.accuracy.left_out_rms_mm),
-        Err(refusal) => Measured::Not(format!("it does not fit these settings: {refusal}")),
+        Ok(()) => CalibrationState::Usable(calibration.accuracy.left_out_rms_mm),
+        Err(refusal) => {
+            CalibrationState::Unusable(format!("it does not fit these settings: {refusal}"))
+        }
     }
 }
 
-fn as_text(settings: &Settings, places: &[Place], measured: &Measured) -> String {
+fn as_text(settings: &Settings, places: &[Place], measured: &CalibrationState) -> String {
     let mut lines = vec![format!(
         "settings     {}, {}: can be used",
         settings.name, settings.model
     )];
     lines.push(match measured {
-        Measured::Fits(error_mm) => {
+        CalibrationState::Usable(error_mm) => {
             format!("calibration  can be used; a point left out is {error_mm:.1} mm off")
         }
-        Measured::Not(why) => format!("calibration  cannot be used: {why}"),
+        CalibrationState::Unusable(why) => format!("calibration  cannot be used: {why}"),
     });
     for place in places {
         let [x, y, z] = place.at_m;
-        let said = match &place.why_not {
+        let result = match &place.why_not {
             None => "reached".to_owned(),
             Some(why) => format!("out of reach: {why}"),
         };
         lines.push(format!(
-            "reach        {} ({x:.3}, {y:.3}, {z:.3}): {said}",
+            "reach        {} ({x:.3}, {y:.3}, {z:.3}): {result}",
             place.name
         ));
     }
     lines.join("\n")
 }
 
-fn as_json(settings: &Settings, places: &[Place], measured: &Measured, exit: Exit) -> Value {
+fn as_json(
+    settings: &Settings,
+    places: &[Place],
+    measured: &CalibrationState,
+    exit: Exit,
+) -> Value {
     let places: Vec<Value> = places
         .iter()
         .map(|it| json!({ "place": it.name, "at_m": it.at_m, "why_not": it.why_not }))
         .collect();
     let calibration = match measured {
-        Measured::Fits(error_mm) => json!({ "usable": true, "left_out_mm": error_mm }),
-        Measured::Not(why) => json!({ "usable": false, "why": why }),
+        CalibrationState::Usable(error_mm) => json!({ "usable": true, "left_out_mm": error_mm }),
+        CalibrationState::Unusable(why) => json!({ "usable": false, "why": why }),
     };
     json!({
         "name": settings.name,

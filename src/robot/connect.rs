@@ -1,10 +1,10 @@
-//! Connects to a real arm and its camera, as its settings say.
+//! Connects to a real arm and its camera, as the settings say.
 //!
-//! In: settings with `[ros]`. Out: its port, its driver, its camera; else why there is none. Nothing is moved by connecting. A build
-//! without the feature `ros` connects to none.
+//! In: settings with `[ros]`. Out: the arm's port, its driver, its camera; else why there is none. Connecting moves nothing.
+//! A build without the feature `ros` connects to no arm.
 
 use crate::exit::Failure;
-use fab_arm::directory::{DirectoryCamera, Which};
+use fab_arm::directory::{DirectoryCamera, PictureSelection};
 use fab_arm::driver::Arm;
 use fab_arm::port::Port;
 use fab_arm::rgbd::RgbdSource;
@@ -39,11 +39,11 @@ pub fn without_ros(robot: &Path) -> String {
 /// Opens the camera over a real table.
 ///
 /// - `robot`: the settings' file, beside which a folder of pictures lies.
-/// - `which`: the picture of that folder.
+/// - `selection`: which picture of that folder to take.
 pub fn camera(
     settings: &Settings,
     robot: &Path,
-    which: Which,
+    selection: PictureSelection,
 ) -> Result<Box<dyn RgbdSource>, String> {
     let camera = &settings.camera;
     let beside = robot.parent().unwrap_or(Path::new("."));
@@ -51,7 +51,7 @@ pub fn camera(
         (CameraSource::Directory, Some(folder)) => Ok(Box::new(DirectoryCamera::of(
             &beside.join(folder),
             camera.intrinsics.clone(),
-            which,
+            selection,
         ))),
         (CameraSource::Ros, _) => subscribed(settings),
         _ => Err("a real arm needs the camera `ros`, or `directory` with a folder".to_owned()),

@@ -1,23 +1,23 @@
-//! `fabc robot`: looks after an arm, and stands between it and the person beside it.
+//! `fabc robot`: checks, recovers and enables an arm, and asks the person beside it.
 //!
-//! In: an arm's settings, a run folder, lines and keys. Out: what can be used, what was left, leave to move. Nothing here
-//! moves an arm; the watchdog stops one, and `enable` lets it go again.
+//! In: an arm's settings, a run folder, typed lines and keys. Out: what is usable, how a run left the arm, confirmation to
+//! move. Nothing here moves an arm; the watchdog stops one, and `enable` enables it again.
 
 mod check;
 pub mod connect;
 mod enable;
-mod held;
+mod hold_key;
+pub mod preflight;
 mod recover;
-pub mod standing;
 pub mod terminal;
 pub mod watchdog;
 
 use crate::cli::robot::{RobotArguments, RobotVerb};
 use crate::exit::{Exit, Failure};
 
-pub use held::restore as restore_terminal;
+pub use hold_key::restore as restore_terminal;
 
-/// Does what is asked.
+/// Runs a subcommand of `robot`.
 pub fn run(arguments: &RobotArguments) -> Result<Exit, Failure> {
     match &arguments.verb {
         RobotVerb::Check(arguments) => check::run(arguments),

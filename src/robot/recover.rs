@@ -1,14 +1,14 @@
-//! `fabc robot recover`: in what state a run left the arm, and that a person has looked after it.
+//! `fabc robot recover`: reports how a run left an arm, and records that a person has recovered it.
 //!
-//! In: the run's journal of the arm, or the arm's settings beside which its last run is named, and words. Out: a line of that
-//! journal; where that is gone, of the note beside the settings. The arm itself is not asked and not moved.
+//! In: the run's journal of the arm, or the arm's settings with its last run recorded beside them; a description of what was
+//! done. Out: a line in that journal, or if it is gone, in the record beside the settings. The arm is neither read nor moved.
 
 use crate::cli::robot::RecoverArguments;
 use crate::exit::{Exit, Failure};
 use crate::output;
-use fab_arm::last;
-use fab_arm::last::Standing;
-use fab_arm::log::{ARM_FILE, ArmLog, Entry, Left, left};
+use fab_arm::last_run;
+use fab_arm::last_run::Recovery;
+use fab_arm::log::{ARM_FILE, ArmLog, Entry, RunState, run_state};
 use serde_json::{Value, json};
 use std::io::{BufRead, Read};
 use std::path::Path;
@@ -19,10 +19,10 @@ const MAX_LINE: u64 = 4096;
 const BY_HAND: &str = "nothing is moved by this command: bring the arm to rest by hand, and take the cloth out of its fingers; \
 `home` of the vendor's driver opens the hand";
 
-/// What is said where nobody said anything.
-pub(super) const BY_NOBODY: &str = "nobody said what was done";
+/// The error if no description was given.
+pub(super) const NO_ANSWER: &str = "nobody said what was done";
 
-/// Says what was left, and notes what was done.
+/// Reports the state, asks what was done, and records it.
 pub fn run(arguments: &RecoverArguments) -> Result<Exit, Failure> {
     match (&arguments.run, &arguments.robot) {
         (Some(run), _) => of_run(run, arguments),
@@ -46,18 +46,18 @@ fn of_run(folder: &Path, arguments: &RecoverArguments) -> Result<Exit, Failure> 
             folder.display()
         )));
     }
-    let before = left(folder).map_err(Failure::environment)?;
-    if before == Left::Clear {
+    let before = run_state(folder).map_err(Failure::environment)?;
+    if before == RunState::Clear {
         return Ok(clear(arguments));
     }
-    let how = asked(&in_words(&before), arguments)?;
+    let how = ask_what_was_done(&describe(&before), arguments)?;
     let mut log = ArmLog::open(folder).map_err(Failure::environment)?;
     let entry = Entry::Recovered { how: how.clone() };
     log.write(&entry).map_err(Failure::environment)?;
     Ok(noted(&as_json(&before, Some(&how)), &how, arguments))
 }
 
-/// Finds the last run with an arm; where its journal is gone, what was done is noted beside the settings.
+/// Recovers an arm after its last run; if that run's journal is gone, the recovery is recorded beside the settings.
 fn of_arm(robot: &Path, arguments: &RecoverArguments) -> Result<Exit, Failure> {
     if !robot.is_file() {
         return Err(Failure::environment(format!(
@@ -65,26 +65,26 @@ fn of_arm(robot: &Path, arguments: &RecoverArguments) -> Result<Exit, Failure> {
             robot.display()
         )));
     }
-    let why = match last::standing(robot).map_err(Failure::environment)? {
-        Standing::Clear => return Ok(clear(arguments)),
-        Standing::Unclear { run, .. } => {
+    let why = match last_run::recovery(robot).map_err(Failure::environment)? {
+        Recovery::NotNeeded => return Ok(clear(arguments)),
+        Recovery::Needed { run, .. } => {
             output::talk(&format!("the last run is `{}`", run.display()));
             return of_run(&run, arguments);
         }
-        Standing::Unknown { why, .. } => why,
+        Recovery::Unknown { why, .. } => why,
     };
-    let how = asked(
+    let how = ask_what_was_done(
         &format!("what the last run left is not known: {why}"),
         arguments,
     )?;
-    last::recover(robot, &how).map_err(Failure::environment)?;
+    last_run::record_recovery(robot, &how).map_err(Failure::environment)?;
     let read = json!({ "left": "unknown", "why": why, "recovered": how });
     Ok(noted(&read, &how, arguments))
 }
 
 fn clear(arguments: &RecoverArguments) -> Exit {
     match arguments.json {
-        true => output::json(&as_json(&Left::Clear, None)),
+        true => output::json(&as_json(&RunState::Clear, None)),
         false => output::data("clear: no motion is open, and the hand holds nothing"),
     }
     Exit::Done
@@ -98,24 +98,24 @@ fn noted(read: &Value, how: &str, arguments: &RecoverArguments) -> Exit {
     Exit::Done
 }
 
-/// Says what was left, and returns what was done about it; fails where nobody says so.
-fn asked(said: &str, arguments: &RecoverArguments) -> Result<String, Failure> {
-    output::talk(said);
+/// Shows the state, and returns the description of what was done; fails without one.
+fn ask_what_was_done(state: &str, arguments: &RecoverArguments) -> Result<String, Failure> {
+    output::talk(state);
     output::talk(&format!("note: {BY_HAND}"));
     let question = "what was done, in a few words; nothing to leave it as it is:";
-    let how = words(arguments.how.as_ref(), question);
+    let how = given_or_typed(arguments.how.as_ref(), question);
     match how.is_empty() {
         true => Err(Failure::environment(format!(
-            "{BY_NOBODY}, so that the arm counts as left in the middle: {said}"
+            "{NO_ANSWER}, so that the arm counts as left in the middle: {state}"
         ))),
         false => Ok(how),
     }
 }
 
-/// Returns words that were given, or are typed as an answer; empty for none.
-pub(super) fn words(given: Option<&String>, question: &str) -> String {
+/// Returns the text that was given as an option, or is typed as an answer; may be empty.
+pub(super) fn given_or_typed(given: Option<&String>, question: &str) -> String {
     match given {
-        Some(words) => words.trim().to_owned(),
+        Some(text) => text.trim().to_owned(),
         None => {
             output::talk(question);
             line(&mut std::io::stdin().lock())
@@ -130,25 +130,25 @@ fn line(lines: &mut dyn BufRead) -> String {
     String::from_utf8_lossy(&bytes).trim().to_owned()
 }
 
-/// Says in what state an arm was left.
-pub(super) fn in_words(left: &Left) -> String {
-    let Left::Unclear {
+/// Describes how a run left the arm.
+pub(super) fn describe(state: &RunState) -> String {
+    let RunState::NeedsRecovery {
         segment,
         action,
         to_m,
         may_hold,
         is_verified,
         why,
-    } = left
+    } = state
     else {
         return "clear".to_owned();
     };
     let segment = segment.text();
-    let state = match is_verified {
+    let progress = match is_verified {
         true => "was verified and is the last there is",
         false => "was begun and not verified",
     };
-    let mut text = format!("`{segment}` of action {action} {state}");
+    let mut text = format!("`{segment}` of action {action} {progress}");
     if let Some([x, y, z]) = to_m {
         text += &format!("; the tool was to go to {x:.3}, {y:.3}, {z:.3} m");
     }
@@ -162,10 +162,10 @@ pub(super) fn in_words(left: &Left) -> String {
     text
 }
 
-fn as_json(left: &Left, how: Option<&str>) -> Value {
-    match left {
-        Left::Clear => json!({ "left": "clear", "recovered": how }),
-        Left::Unclear {
+fn as_json(state: &RunState, how: Option<&str>) -> Value {
+    match state {
+        RunState::Clear => json!({ "left": "clear", "recovered": how }),
+        RunState::NeedsRecovery {
             segment,
             action,
             to_m,

@@ -1,32 +1,32 @@
 //! The person beside the arm, asked on the terminal.
 //!
-//! In: what is about to move, lines and keys of stdin. Out: leave to do it, or not. Questions go to stderr, so that stdout
-//! stays data. Where stdin ends, no answer is understood, or the program is asked to end, there is no leave; and none by
-//! what was typed before the question.
+//! In: what is about to move; lines and keys from stdin. Out: confirmation, or not. Questions go to stderr, so that stdout
+//! stays data. End of input, an unintelligible answer and an interrupt all mean no, and input that was typed before the
+//! question does not count.
 
-use super::held::{self, Held, Key, Keys};
+use super::hold_key::{self, HoldKey, KeyState, Keys};
 use crate::cli::robot::Confirm;
 use crate::exit::Failure;
 use crate::{output, setting};
 use fab_arm::route::{Act, Segment};
-use fab_arm::supervisor::{Asked, Supervisor};
+use fab_arm::supervisor::{MotionRequest, Supervisor};
 use fab_world::start::Start;
 use std::io::{BufRead, IsTerminal, Read};
 use std::time::{Duration, Instant};
 
-/// How often a question is put again where the answer is none of the offered ones.
-const TRIES: u32 = 10;
+/// How often a question is repeated after an unintelligible answer.
+const ATTEMPTS: u32 = 10;
 
 /// The longest line that is read, bytes.
 pub const MAX_LINE: u64 = 4096;
 
-/// How long an end that is asked for may go unnoticed while an answer is waited for, milliseconds.
-const LOOK_MS: u8 = 100;
+/// Interval at which an interrupt is checked while waiting for an answer, milliseconds.
+const POLL_MS: u8 = 100;
 
-/// How long keys may have gone unseen for those that lie there to count as typed now.
-const UNSEEN: Duration = Duration::from_millis(300);
+/// Buffered key bytes count as current only if the last poll was no longer ago than this.
+const STALE: Duration = Duration::from_millis(300);
 
-/// Whether a key has to be held while the arm moves.
+/// Whether a key must be held while the arm moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HoldToRun {
     /// The space bar.
@@ -35,18 +35,18 @@ pub enum HoldToRun {
     Off,
 }
 
-/// Asks on the terminal.
+/// A supervisor that asks on the terminal.
 pub struct Terminal {
     confirm: Confirm,
     hold: HoldToRun,
     keys: Option<Keys>,
-    held: Held,
-    /// When keys were looked for last.
-    looked: Option<Instant>,
+    hold_key: HoldKey,
+    /// When keys were polled last.
+    polled: Option<Instant>,
 }
 
 impl Terminal {
-    /// Makes sure that there is somebody to ask, before anything else; wrong usage where there is no terminal.
+    /// Checks that there is a terminal to ask on; a usage error otherwise.
     pub fn new(confirm: Confirm, hold: HoldToRun) -> Result<Terminal, Failure> {
         let needs = match (confirm, hold) {
             (Confirm::None, HoldToRun::Off) => None,
@@ -69,22 +69,22 @@ impl Terminal {
             confirm,
             hold,
             keys: None,
-            held: Held::default(),
-            looked: None,
+            hold_key: HoldKey::default(),
+            polled: None,
         })
     }
 
-    /// Has typed lines shown and read as ever, until motion asks for the key again.
-    pub fn let_go(&mut self) {
+    /// Returns the terminal to line input, until motion needs the key again.
+    pub fn release_keys(&mut self) {
         self.keys = None;
-        self.held = Held::default();
+        self.hold_key = HoldKey::default();
     }
 
     fn ask(&mut self, question: &str) -> bool {
-        self.let_go();
+        self.release_keys();
         output::progress("");
-        held::forget_typed();
-        leave(
+        hold_key::discard_typed();
+        ask_yes_no(
             &mut typed_line,
             &mut output::talk,
             &format!("{question} y or n:"),
@@ -92,14 +92,14 @@ impl Terminal {
     }
 }
 
-/// Has typed lines shown and read as ever, and forgets what was typed before.
-pub fn be_as_before() {
-    held::restore();
-    held::forget_typed();
+/// Returns the terminal to line input, and discards what was typed before.
+pub fn restore() {
+    hold_key::restore();
+    hold_key::discard_typed();
 }
 
 impl Supervisor for Terminal {
-    fn lays_cloth(&mut self, start: &Start) -> bool {
+    fn confirm_cloth(&mut self, start: &Start) -> bool {
         match self.confirm {
             Confirm::None => true,
             Confirm::Each | Confirm::Segment => {
@@ -108,50 +108,49 @@ impl Supervisor for Terminal {
         }
     }
 
-    fn allows(&mut self, asked: Asked<'_>) -> bool {
-        match (self.confirm, asked) {
-            (Confirm::Each, Asked::Action { .. }) | (Confirm::Segment, Asked::Segment(_)) => {
-                self.ask(&question(&asked))
-            }
+    fn confirm(&mut self, request: MotionRequest<'_>) -> bool {
+        match (self.confirm, request) {
+            (Confirm::Each, MotionRequest::Action { .. })
+            | (Confirm::Segment, MotionRequest::Segment(_)) => self.ask(&question(&request)),
             _ => true,
         }
     }
 
-    fn is_holding(&mut self) -> bool {
+    fn motion_allowed(&mut self) -> bool {
         if self.hold == HoldToRun::Off {
             return true;
         }
         let now = Instant::now();
-        let looked = self.looked.replace(now);
+        let polled = self.polled.replace(now);
         let is_new = self.keys.is_none();
         if is_new {
             self.keys = Keys::watch().ok();
         }
-        // What was typed while nobody looked says nothing of a key that is held now: one that is comes again at once.
-        if is_new || looked.is_none_or(|at| now.duration_since(at) > UNSEEN) {
+        // Bytes from before the last poll do not show a key that is held now; a held key repeats at once.
+        if is_new || polled.is_none_or(|at| now.duration_since(at) > STALE) {
             output::talk("hold the space bar to move");
-            held::forget_typed();
-            self.held = Held::default();
+            hold_key::discard_typed();
+            self.hold_key = HoldKey::default();
         }
         let typed = self.keys.as_mut().map(Keys::typed).unwrap_or_default();
-        match self.held.look(&typed, now) {
-            Key::Held => true,
-            Key::LetGo => {
+        match self.hold_key.update(&typed, now) {
+            KeyState::Held => true,
+            KeyState::Released => {
                 output::talk("paused: hold the space bar to go on");
                 false
             }
-            Key::Up => {
-                // A simulated arm's clock does not wait for anybody, and whoever looks again at once would only burn time.
-                held::has_input(20);
+            KeyState::Up => {
+                // A simulated arm's clock does not wait, so the caller would poll in a busy loop.
+                hold_key::has_input(20);
                 false
             }
         }
     }
 }
 
-fn question(asked: &Asked<'_>) -> String {
-    match asked {
-        Asked::Action {
+fn question(request: &MotionRequest<'_>) -> String {
+    match request {
+        MotionRequest::Action {
             number,
             points: [pick, place],
             segments,
@@ -159,15 +158,15 @@ fn question(asked: &Asked<'_>) -> String {
             let at = |x: f64, y: f64, z: f64| format!("{x:.3}, {y:.3}, {z:.3} m");
             let pick = at(pick.x, pick.y, pick.z);
             let place = at(place.x, place.y, place.z);
-            let segments: Vec<String> = segments.iter().map(in_words).collect();
+            let segments: Vec<String> = segments.iter().map(describe).collect();
             let segments = segments.join("\n  ");
             format!("action {number}: pick at {pick}, place at {place}\n  {segments}\nMove?")
         }
-        Asked::Segment(segment) => format!("{}\nMove?", in_words(segment)),
+        MotionRequest::Segment(segment) => format!("{}\nMove?", describe(segment)),
     }
 }
 
-fn in_words(segment: &Segment) -> String {
+fn describe(segment: &Segment) -> String {
     let name = segment.name.text();
     match segment.act {
         Act::Move(to) => {
@@ -178,9 +177,9 @@ fn in_words(segment: &Segment) -> String {
     }
 }
 
-/// Waits for a line of the terminal; none at its end, and where the program is asked to end.
+/// Waits for a line from the terminal; `None` at end of input and on an interrupt.
 pub fn typed_line() -> Option<String> {
-    while !held::has_input(LOOK_MS) {
+    while !hold_key::has_input(POLL_MS) {
         if setting::is_interrupted() {
             return None;
         }
@@ -188,7 +187,7 @@ pub fn typed_line() -> Option<String> {
     line_of(&mut std::io::stdin().lock())
 }
 
-/// Reads a line; none at the end.
+/// Reads a line; `None` at the end.
 pub fn line_of(lines: &mut dyn BufRead) -> Option<String> {
     let mut bytes = Vec::new();
     match lines.take(MAX_LINE).read_until(b'\n', &mut bytes) {
@@ -197,14 +196,14 @@ pub fn line_of(lines: &mut dyn BufRead) -> Option<String> {
     }
 }
 
-/// Puts a question until it is answered by y or n; none at the end, or after too many other answers, is no.
-fn leave(
+/// Asks until the answer is y or n. End of input, or too many other answers, mean no.
+fn ask_yes_no(
     next: &mut dyn FnMut() -> Option<String>,
     say: &mut dyn FnMut(&str),
     question: &str,
 ) -> bool {
     say(question);
-    for _ in 0..TRIES {
+    for _ in 0..ATTEMPTS {
         let Some(answer) = next() else {
             return false;
         };
@@ -222,7 +221,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_a_yes_gives_leave() {
+    fn only_a_yes_confirms() {
         for (typed, expected) in [
             ("y\n", true),
             (" YES \n", true),
@@ -234,12 +233,16 @@ mod tests {
             let mut said = Vec::new();
             let mut say = |text: &str| said.push(text.to_owned());
             let mut lines = typed.as_bytes();
-            let allowed = leave(&mut || line_of(&mut lines), &mut say, "Move?");
+            let allowed = ask_yes_no(&mut || line_of(&mut lines), &mut say, "Move?");
             assert_eq!(allowed, expected, "{typed:?}");
             assert_eq!(said[0], "Move?");
         }
-        let many = "x\n".repeat(TRIES as usize) + "y\n";
+        let many = "x\n".repeat(ATTEMPTS as usize) + "y\n";
         let mut lines = many.as_bytes();
-        assert!(!leave(&mut || line_of(&mut lines), &mut |_| {}, "Move?"));
+        assert!(!ask_yes_no(
+            &mut || line_of(&mut lines),
+            &mut |_| {},
+            "Move?"
+        ));
     }
 }

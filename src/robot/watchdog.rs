@@ -1,7 +1,7 @@
-//! A process of its own that stops the arm when the one that moves it gives no sign of life.
+//! A separate process that stops the arm if the process that moves it sends no heartbeat.
 //!
-//! In: lines `watch`, `beat` and `rest` on stdin. Out: `ready` once it could stop the arm, and a line when it had to. It is
-//! at its end when stdin is; where that comes while it watches, the arm is stopped.
+//! In: lines `watch`, `beat` and `rest` on stdin. Out: `ready` once it can stop the arm, and a line if it had to. It ends
+//! with stdin; if that happens while it watches, it stops the arm.
 
 mod process;
 
@@ -16,22 +16,22 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How often stopping is tried.
-const TRIES: u32 = 5;
+/// How often stopping is attempted.
+const ATTEMPTS: u32 = 5;
 /// The longest line that is read, bytes.
 const MAX_LINE: u64 = 256;
 
-/// Stops the arm, from whichever state.
+/// Stops the arm, in whatever state it is.
 type Stop = Box<dyn FnMut() -> Result<(), String>>;
 
-/// Keeps watch until stdin ends.
+/// Watches until stdin ends.
 pub fn run(arguments: &WatchdogArguments) -> Result<Exit, Failure> {
     let settings = Settings::load(&arguments.robot).map_err(Failure::environment)?;
     let mut stop = stopper(&settings).map_err(Failure::environment)?;
     let lines = lines_of(std::io::stdin());
     output::data("ready");
     let timeout = Duration::from_secs_f64(arguments.timeout);
-    match keep(&lines, timeout, &mut stop) {
+    match keep_watch(&lines, timeout, &mut stop) {
         Ended::AtRest => Ok(Exit::Done),
         Ended::Stopped => {
             output::data("stopped: there was no sign of life");
@@ -46,7 +46,7 @@ pub fn run(arguments: &WatchdogArguments) -> Result<Exit, Failure> {
     }
 }
 
-/// Returns what stops the arm, connected to it already.
+/// Connects to the arm, and returns a function that stops it.
 #[cfg(feature = "ros")]
 fn stopper(settings: &Settings) -> Result<Stop, String> {
     use fab_arm::port::Port;
@@ -60,7 +60,7 @@ fn stopper(settings: &Settings) -> Result<Stop, String> {
     let mut port = connect()?;
     Ok(Box::new(move || {
         let stopped = port.stop().map_err(|error| error.to_string());
-        // Another connection for the next try.
+        // Reconnect for the next attempt.
         if stopped.is_err()
             && let Ok(again) = connect()
         {
@@ -70,7 +70,7 @@ fn stopper(settings: &Settings) -> Result<Stop, String> {
     }))
 }
 
-/// Says why nothing can be stopped.
+/// Fails: this build cannot stop an arm.
 #[cfg(not(feature = "ros"))]
 fn stopper(settings: &Settings) -> Result<Stop, String> {
     Err(match settings.ros {
@@ -106,8 +106,8 @@ fn lines_of(source: impl Read + Send + 'static) -> Receiver<String> {
     lines
 }
 
-/// Keeps watch: stops the arm where no beat came for `timeout` since `watch`, or the lines end before `rest`.
-fn keep(
+/// Watches: stops the arm if no heartbeat comes for `timeout` after `watch`, or the lines end before `rest`.
+fn keep_watch(
     lines: &Receiver<String>,
     timeout: Duration,
     stop: &mut dyn FnMut() -> Result<(), String>,
@@ -121,7 +121,7 @@ fn keep(
         match (line.as_deref(), deadline) {
             (Ok("watch"), _) | (Ok("beat"), Some(_)) => deadline = Some(Instant::now() + timeout),
             (Ok("rest"), _) => deadline = None,
-            // What is not understood is no sign of life.
+            // An unknown line is no heartbeat.
             (Ok(_), _) => {}
             (Err(_), None) => return Ended::AtRest,
             (Err(_), Some(_)) => return stopped(stop),
@@ -131,7 +131,7 @@ fn keep(
 
 fn stopped(stop: &mut dyn FnMut() -> Result<(), String>) -> Ended {
     let mut last = String::new();
-    for _ in 0..TRIES {
+    for _ in 0..ATTEMPTS {
         match stop() {
             Ok(()) => return Ended::Stopped,
             Err(why) => last = why,
@@ -147,14 +147,14 @@ mod tests {
     use super::*;
     use std::io::{Write, pipe};
 
-    /// Long enough that no loaded machine takes it for silence.
+    /// Long enough that a loaded machine does not time out.
     const LONG: Duration = Duration::from_secs(600);
     const SHORT: Duration = Duration::from_millis(60);
 
-    /// What comes of lines that end after the last, and how often the arm was stopped.
-    fn kept(typed: &'static str, timeout: Duration) -> (Ended, u32) {
+    /// Watches these lines, then end of input; returns how it ended and how often the arm was stopped.
+    fn watch_lines(typed: &'static str, timeout: Duration) -> (Ended, u32) {
         let mut n_stops = 0;
-        let ended = keep(&lines_of(typed.as_bytes()), timeout, &mut || {
+        let ended = keep_watch(&lines_of(typed.as_bytes()), timeout, &mut || {
             n_stops += 1;
             Ok(())
         });
@@ -164,10 +164,10 @@ mod tests {
     #[test]
     fn lines_that_end_while_it_watches_stop_the_arm() {
         for typed in ["watch\n", "watch\nbeat\nbeat", "rest\nwatch\nhello\n"] {
-            assert_eq!(kept(typed, LONG), (Ended::Stopped, 1), "{typed:?}");
+            assert_eq!(watch_lines(typed, LONG), (Ended::Stopped, 1), "{typed:?}");
         }
         for typed in ["", "beat\n", "watch\nbeat\nrest\n", "watch\nrest\nbeat\n"] {
-            assert_eq!(kept(typed, LONG), (Ended::AtRest, 0), "{typed:?}");
+            assert_eq!(watch_lines(typed, LONG), (Ended::AtRest, 0), "{typed:?}");
         }
     }
 
@@ -177,7 +177,7 @@ mod tests {
             let (reader, mut writer) = pipe().unwrap();
             writer.write_all(typed.as_bytes()).unwrap();
             let begun = Instant::now();
-            let ended = keep(&lines_of(reader), SHORT, &mut || Ok(()));
+            let ended = keep_watch(&lines_of(reader), SHORT, &mut || Ok(()));
             assert_eq!(ended, Ended::Stopped, "{typed:?}");
             assert!(begun.elapsed() >= SHORT);
             drop(writer);
@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn stopping_is_tried_again() {
         let mut n_tries = 0;
-        let ended = keep(&lines_of("watch".as_bytes()), LONG, &mut || {
+        let ended = keep_watch(&lines_of("watch".as_bytes()), LONG, &mut || {
             n_tries += 1;
             match n_tries {
                 3 => Ok(()),
@@ -195,7 +195,7 @@ mod tests {
             }
         });
         assert_eq!((ended, n_tries), (Ended::Stopped, 3));
-        let ended = keep(&lines_of("watch".as_bytes()), LONG, &mut || {
+        let ended = keep_watch(&lines_of("watch".as_bytes()), LONG, &mut || {
             Err("no answer".to_owned())
         });
         assert_eq!(ended, Ended::NotStopped("no answer".to_owned()));

@@ -1,13 +1,13 @@
-//! The world of `--world jaco`: an arm's settings, its calibration, its driver, and who watches it.
+//! The world of `--world jaco`: an arm's settings, calibration, driver, supervisor and watchdog.
 
 use crate::cli::robot::{ArmArguments, Confirm};
 use crate::exit::Failure;
 use crate::robot::terminal::{HoldToRun, Terminal};
 use crate::robot::watchdog::Process;
-use crate::robot::{connect, standing};
+use crate::robot::{connect, preflight};
 use fab_agent::arm_sight::SIGHT;
-use fab_arm::directory::Which;
-use fab_arm::last;
+use fab_arm::directory::PictureSelection;
+use fab_arm::last_run;
 use fab_arm::settings::{DriverKind, Settings};
 use fab_arm::supervisor::{NoWatchdog, Supervisor, Unattended};
 use fab_arm::world;
@@ -19,26 +19,26 @@ use fab_world::{World, WorldError};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 
-/// Whether an arm is to move.
+/// Whether an arm executes actions or only plans them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Moving {
-    /// It carries actions out.
-    Carried,
+pub enum ArmMode {
+    /// Actions are executed.
+    Execute,
     /// The first action is planned, and no arm is connected.
-    Planned,
+    PlanOnly,
 }
 
-/// Makes sure before anything else that the settings can be used and that there is somebody to ask.
-pub fn check(arguments: &ArmArguments, moving: Moving) -> Result<Settings, Failure> {
+/// Checks first of all that the settings are usable and that a supervisor can be asked.
+pub fn check(arguments: &ArmArguments, mode: ArmMode) -> Result<Settings, Failure> {
     let (settings, _, calibration) = world::load(&arguments.robot).map_err(Failure::environment)?;
     FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(Failure::environment)?;
-    if moving == Moving::Planned {
+    if mode == ArmMode::PlanOnly {
         return Ok(settings);
     }
     if settings.driver != DriverKind::Simulated {
-        // First what was left: it is so whatever this build can reach.
-        standing::claim(&arguments.robot).map_err(Failure::environment)?;
-        standing::check(&arguments.robot).map_err(Failure::environment)?;
+        // The state of the arm comes first: it does not depend on what this build can reach.
+        preflight::claim(&arguments.robot).map_err(Failure::environment)?;
+        preflight::check(&arguments.robot).map_err(Failure::environment)?;
         if !cfg!(feature = "ros") {
             return Err(Failure::environment(connect::without_ros(&arguments.robot)));
         }
@@ -47,7 +47,7 @@ pub fn check(arguments: &ArmArguments, moving: Moving) -> Result<Settings, Failu
     Ok(settings)
 }
 
-/// Returns the start of a cloth that a person lays.
+/// Returns the start for a cloth that a person lays.
 pub fn start(program: &Program, named: Option<&String>) -> Result<Start, Failure> {
     match named {
         Some(named) => Err(Failure::usage(format!(
@@ -68,16 +68,16 @@ pub fn start(program: &Program, named: Option<&String>) -> Result<Start, Failure
 pub fn world(
     program: &Program,
     arguments: &ArmArguments,
-    moving: Moving,
+    mode: ArmMode,
     folder: Option<&PathBuf>,
 ) -> Result<Box<dyn World>, WorldError> {
     let (settings, settings_hash, calibration) = world::load(&arguments.robot).map_err(failed)?;
     let flat = FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(failed)?;
-    let supervisor = match moving {
-        Moving::Carried => {
+    let supervisor = match mode {
+        ArmMode::Execute => {
             supervisor(arguments, &settings).map_err(|error| failed(error.to_string()))?
         }
-        Moving::Planned => Box::new(Unattended),
+        ArmMode::PlanOnly => Box::new(Unattended),
     };
     let is_simulated = settings.driver == DriverKind::Simulated;
     let watchdog_s = settings.tolerance.watchdog_s;
@@ -92,39 +92,39 @@ pub fn world(
         watchdog: Box::new(NoWatchdog),
         folder: folder.cloned(),
     };
-    match (moving, is_simulated) {
-        (Moving::Planned, true) => {
+    match (mode, is_simulated) {
+        (ArmMode::PlanOnly, true) => {
             return Ok(Box::new(PlanningWorld::simulated(parts)?.with_flat(flat)));
         }
-        (Moving::Carried, true) => {
+        (ArmMode::Execute, true) => {
             return Ok(Box::new(ArmWorld::simulated(parts)?.with_flat(flat)));
         }
-        (Moving::Planned, false) => {
-            let camera = connect::camera(&parts.settings, &arguments.robot, Which::Last);
+        (ArmMode::PlanOnly, false) => {
+            let camera = connect::camera(&parts.settings, &arguments.robot, PictureSelection::Last);
             let camera = camera.map_err(|why| WorldError::Camera { why })?;
             return Ok(Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat)));
         }
-        (Moving::Carried, false) => {}
+        (ArmMode::Execute, false) => {}
     }
-    standing::check(&arguments.robot).map_err(failed)?;
+    preflight::check(&arguments.robot).map_err(failed)?;
     let watchdog = Process::start(&arguments.robot, watchdog_s).map_err(failed)?;
     parts.watchdog = Box::new(watchdog);
     let world = real(parts, arguments)?.with_flat(flat);
     if let Some(folder) = folder {
         // Before the first motion: after a crash in it, the next run must find this one.
-        last::note(&arguments.robot, folder).map_err(|error| failed(error.to_string()))?;
+        last_run::record(&arguments.robot, folder).map_err(|error| failed(error.to_string()))?;
     }
     Ok(Box::new(world))
 }
 
-/// Makes a simulated world in which that alone can be done which the arm reaches: nobody is asked, and nothing moves.
+/// Makes a simulated world that refuses points out of the arm's reach: nobody is asked, and nothing moves.
 pub fn look(program: &Program, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
     let (settings, ..) = world::load(&arguments.robot).map_err(failed)?;
     let world = super::world(program)?;
     Ok(Box::new(WithinReach::new(world, settings)?))
 }
 
-/// Returns whether somebody beside the arm is asked in the end, where the command line does not say so.
+/// Returns whether a person beside the arm judges the result, if the command line does not say.
 pub fn has_operator(arguments: &ArmArguments, settings: &Settings) -> bool {
     settings.driver != DriverKind::Simulated
         && arguments.confirm != Some(Confirm::None)
@@ -135,13 +135,17 @@ pub fn has_operator(arguments: &ArmArguments, settings: &Settings) -> bool {
 fn real(parts: Parts, arguments: &ArmArguments) -> Result<ArmWorld, WorldError> {
     let settings = &parts.settings;
     let timeout_s = settings.camera.timeout_s;
-    let camera = connect::camera(settings, &arguments.robot, Which::Fresh { timeout_s });
+    let camera = connect::camera(
+        settings,
+        &arguments.robot,
+        PictureSelection::Fresh { timeout_s },
+    );
     let camera = camera.map_err(|why| WorldError::Camera { why })?;
     let arm = connect::arm(settings).map_err(failed)?;
     ArmWorld::new(parts, arm, camera)
 }
 
-/// Returns who gives leave to move: for a real arm a person, unless told otherwise.
+/// Returns the supervisor: for a real arm a person, unless the command line says otherwise.
 fn supervisor(
     arguments: &ArmArguments,
     settings: &Settings,

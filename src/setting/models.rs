@@ -1,8 +1,8 @@
 //! Who answers: models by their names on the command line.
 
-use super::known;
+use super::catalogue;
 use super::remote::Providers;
-use crate::cli::asked::{ModelArguments, Purpose, SpendArguments};
+use crate::cli::model_arguments::{ModelArguments, Purpose, SpendArguments};
 use crate::cli::render::ShownArguments;
 use crate::exit::Failure;
 use fab_agent::rollout::FirstQuestion;
@@ -227,7 +227,7 @@ impl Told {
             Some(name) => match embedded(name, ModelRole::Text)? {
                 Some(model) => (model.lowering(), None),
                 None => {
-                    let profile = known::profile(name, shown.facts.models.as_deref())?;
+                    let profile = catalogue::profile(name, shown.facts.models.as_deref())?;
                     (profile.lowering(), Some(profile))
                 }
             },

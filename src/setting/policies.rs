@@ -1,7 +1,7 @@
 //! Who decides: policies by their names on the command line and in suites.
 
 use super::models::{self, Answering};
-use crate::cli::asked::{ModelArguments, PolicyArguments, Purpose};
+use crate::cli::model_arguments::{ModelArguments, PolicyArguments, Purpose};
 use crate::exit::Failure;
 use fab_agent::policy::{Expert, External, MakePolicy, Policy, Prompted, Random, Sight};
 use fab_base::child::CommandLine;

@@ -1,7 +1,7 @@
 //! Models of providers: facts, keys and addresses, gathered from files and the environment.
 
-use super::known::{self, UserFile};
-use crate::cli::asked::{OmitArgument, Purpose, ReachArguments};
+use super::catalogue::{self, UserFile};
+use crate::cli::model_arguments::{OmitArgument, Purpose, ReachArguments};
 use crate::exit::Failure;
 use crate::{output, setting};
 use fab_base::interrupt::Interrupt;
@@ -31,7 +31,7 @@ pub struct Providers {
 impl Providers {
     /// Reads what is known of models, and every key that is set.
     pub fn new(arguments: &ReachArguments, interrupt: &Interrupt) -> Result<Providers, Failure> {
-        let catalogue = known::catalogue(arguments.facts.models.as_deref())?;
+        let catalogue = catalogue::load(arguments.facts.models.as_deref())?;
         let mut keys = Vec::new();
         for provider in catalogue.providers() {
             // A key that cannot be used matters only to who wants to use it.
@@ -88,7 +88,7 @@ impl Providers {
             key,
             omit: arguments.omit.iter().copied().map(parameter).collect(),
             timeout: Duration::from_secs(arguments.timeout.into()),
-            ..Settings::of(profile, address, known::today())
+            ..Settings::of(profile, address, catalogue::today())
         };
         let gates = &mut self.gates;
         let gate = gates.entry(profile.provider.name.clone());
@@ -111,7 +111,7 @@ impl Providers {
         }
         let profile = self.catalogue.find(name);
         let profile = profile.map_err(|error| Failure::usage(error.to_string()))?;
-        for notice in profile.notices(known::today()) {
+        for notice in profile.notices(catalogue::today()) {
             let weight = match notice.is_warning() {
                 true => "warning",
                 false => "note",
@@ -132,7 +132,7 @@ impl Providers {
     }
 
     fn refuse_unknown_price(&self, profile: &Profile) -> Result<(), Failure> {
-        if self.arguments.allow_unknown_price || profile.price_on(known::today()).is_some() {
+        if self.arguments.allow_unknown_price || profile.price_on(catalogue::today()).is_some() {
             return Ok(());
         }
         Err(Failure::environment(format!(
@@ -145,7 +145,7 @@ impl Providers {
         let provider = &profile.provider;
         let found = key(&provider.key_env)?;
         if found.is_none() && provider.key == KeyNeed::Required {
-            let place = known::keys_file().map(|file| file.path.display().to_string());
+            let place = catalogue::keys_file().map(|file| file.path.display().to_string());
             return Err(Failure::environment(format!(
                 "there is no key for `{}`: set {} in the environment, or write `{} = \"…\"` into `{}`, which nobody else may be able to read",
                 provider.name,
@@ -161,7 +161,7 @@ impl Providers {
 /// Finds the first key of these names, in the environment or else in the file of keys.
 fn key(names: &[String]) -> Result<Option<Key>, Failure> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let file = known::keys_file().filter(UserFile::counts);
+    let file = catalogue::keys_file().filter(UserFile::counts);
     let path = file.as_ref().map(|file| file.path.as_path());
     Key::find(&names, &environment, path).map_err(Failure::environment)
 }

@@ -47,7 +47,7 @@ fn peer_ros_what_is_missing_is_named() {
     };
     assert!(matches!(
         fab_arm_ros::connect(&elsewhere, MODEL, 5.0),
-        Err(RosError::Host { wanted, .. }) if wanted == "robot.example"
+        Err(RosError::Host { expected, .. }) if expected == "robot.example"
     ));
     for (arm, model, expected) in [
         (

@@ -3,7 +3,7 @@
 use super::bench::project;
 use super::physical::SUITE;
 use super::support::{Said, bring_robot, fabc, finish};
-use fab_arm::log::{Left, left};
+use fab_arm::log::{RunState, run_state};
 use serde_json::Value;
 use std::fs;
 use std::io::Write;
@@ -67,7 +67,7 @@ fn rollouts_go_one_at_a_time_and_the_operator_judges_each() {
     for start in ["start-000-1", "start-001-1"] {
         let run = lab.path().join("out/tiny/plain").join(start);
         assert!(fs::metadata(run.join("arm.jsonl")).unwrap().len() > 1000);
-        assert_eq!(left(&run).unwrap(), Left::Clear);
+        assert_eq!(run_state(&run).unwrap(), RunState::Clear);
         let journal = fs::read_to_string(run.join("rollout.jsonl")).unwrap();
         assert!(journal.contains("\"world\":\"simulated_arm\""));
     }

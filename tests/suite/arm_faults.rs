@@ -9,12 +9,12 @@ use fab_agent::policy::Prompted;
 use fab_agent::record::RECORD_FILE;
 use fab_agent::rollout::{self, Job};
 use fab_arm::calibration::{Calibration, Method, Pair, Terms};
-use fab_arm::log::{ARM_FILE, Entry, Left, left};
+use fab_arm::log::{ARM_FILE, Entry, RunState, run_state};
 use fab_arm::port::Port;
-use fab_arm::route::Name;
+use fab_arm::route::SegmentName;
 use fab_arm::settings::Settings;
 use fab_arm::simulated::{Fault, FaultKind, SharedArm};
-use fab_arm::supervisor::{Asked, NoWatchdog, Supervisor};
+use fab_arm::supervisor::{MotionRequest, NoWatchdog, Supervisor};
 use fab_arm::world;
 use fab_arm::world::ArmWorld;
 use fab_arm::world::Parts;
@@ -72,16 +72,16 @@ struct Watching {
 }
 
 impl Supervisor for Watching {
-    fn lays_cloth(&mut self, _: &Start) -> bool {
+    fn confirm_cloth(&mut self, _: &Start) -> bool {
         true
     }
 
-    fn allows(&mut self, _: Asked<'_>) -> bool {
+    fn confirm(&mut self, _: MotionRequest<'_>) -> bool {
         self.questions += 1;
         self.person != Person::SaysNo(self.questions)
     }
 
-    fn is_holding(&mut self) -> bool {
+    fn motion_allowed(&mut self) -> bool {
         self.looks += 1;
         match self.person {
             Person::Interrupts(look) if self.looks == look => {
@@ -294,19 +294,19 @@ fn is_left_as_it_says(folder: &Path, outcome: Outcome, journal: &str, told: &str
                 // A motion that was paused is begun again; no other before the one before it is verified.
                 assert!(is_verified || begun == Some(*segment), "{told}: {text}");
                 (begun, is_verified) = (Some(*segment), false);
-                may_hold |= segment.may_hold();
+                may_hold |= segment.may_hold_cloth();
             }
             Entry::Done { .. } => {
                 is_verified = true;
-                may_hold &= begun != Some(Name::Release);
+                may_hold &= begun != Some(SegmentName::Release);
             }
             Entry::Halted { .. } | Entry::Enabled { .. } | Entry::Recovered { .. } => {}
         }
     }
     let expected_clear = is_verified && !may_hold;
-    match left(folder).unwrap() {
-        Left::Clear => assert!(expected_clear, "{told}: {text}"),
-        Left::Unclear { may_hold: said, .. } => {
+    match run_state(folder).unwrap() {
+        RunState::Clear => assert!(expected_clear, "{told}: {text}"),
+        RunState::NeedsRecovery { may_hold: said, .. } => {
             assert!(!expected_clear, "{told}: {text}");
             assert_eq!(said, may_hold, "{told}: {text}");
         }

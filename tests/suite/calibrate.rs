@@ -1,6 +1,6 @@
 //! `fabc calibrate`: points of a file or typed, each slip named, what was there kept, what was damaged refused.
 
-mod typed;
+mod typing;
 
 use super::support::{Said, fabc, finish};
 use fab_arm::calibration::{Calibration, Pair, csv_line};

@@ -1,8 +1,8 @@
 //! `fabc review`: what is pending, as JSON and on a terminal, and what becomes of it.
 
-mod documented;
-mod found;
-mod made;
+mod docs;
+mod findings;
+mod fixtures;
 mod peer_cargo_insta;
 mod scripts;
 #[cfg(unix)]

@@ -1,6 +1,6 @@
 //! `fabc robot`: what a run left an arm in is said and noted, never changed unsaid; settings that cannot be used are named.
 
-mod standing;
+mod preflight;
 
 use super::support::{Said, fabc, finish, root};
 use serde_json::Value;

@@ -1,7 +1,7 @@
 //! `fabc snap`: what is pinned, what a change makes pending, and what is left alone.
 
 mod edits;
-mod left_alone;
+mod refusals;
 mod scenes;
 
 use super::support::{Said, bring_library, fabc, finish};

@@ -13,8 +13,8 @@ use fab_agent::policy::Prompted;
 use fab_agent::rollout;
 use fab_agent::rollout::Job;
 use fab_agent::subgoals::SubgoalSet;
-use fab_arm::log::{ARM_FILE, Left, left};
-use fab_arm::supervisor::{Asked, NoWatchdog, Supervisor};
+use fab_arm::log::{ARM_FILE, RunState, run_state};
+use fab_arm::supervisor::{MotionRequest, NoWatchdog, Supervisor};
 use fab_arm::world;
 use fab_arm::world::ArmWorld;
 use fab_arm::world::Parts;
@@ -107,7 +107,10 @@ fn each_pick_and_place_is_asked_for_and_a_no_ends_the_rollout() {
         "{shown}"
     );
     assert_eq!(n_lines(folder.path(), "begin"), moved);
-    assert_eq!(left(&folder.path().join("run")).unwrap(), Left::Clear);
+    assert_eq!(
+        run_state(&folder.path().join("run")).unwrap(),
+        RunState::Clear
+    );
     let report = report(folder.path());
     assert_eq!(report["outcome"], "interrupted");
     assert_eq!(report["stopped"], words);
@@ -246,11 +249,11 @@ fn a_signal_stops_the_arm_and_what_is_verified_is_told() {
         let done = n_lines(folder.path(), "done");
         assert_eq!(n_lines(folder.path(), "begin"), done + 1);
         assert_eq!(n_lines(folder.path(), "halted"), 1);
-        let Left::Unclear {
+        let RunState::NeedsRecovery {
             segment,
             is_verified,
             ..
-        } = left(&folder.path().join("run")).unwrap()
+        } = run_state(&folder.path().join("run")).unwrap()
         else {
             panic!("an arm that was stopped on its way is clear");
         };
@@ -266,15 +269,15 @@ fn a_signal_stops_the_arm_and_what_is_verified_is_told() {
 struct Mistaken(u32);
 
 impl Supervisor for Mistaken {
-    fn lays_cloth(&mut self, _: &Start) -> bool {
+    fn confirm_cloth(&mut self, _: &Start) -> bool {
         true
     }
 
-    fn allows(&mut self, _: Asked<'_>) -> bool {
+    fn confirm(&mut self, _: MotionRequest<'_>) -> bool {
         true
     }
 
-    fn is_holding(&mut self) -> bool {
+    fn motion_allowed(&mut self) -> bool {
         self.0 = self.0.checked_sub(1).expect("a mistake of the test's");
         true
     }

@@ -1,7 +1,7 @@
-//! A client of an action server, by actionlib's protocol of five topics.
+//! A client of an action server, over actionlib's five topics.
 //!
-//! In: goals and cancellations. Out: the state of each goal, from the server's `status` and `result`; `feedback` is left
-//! alone, since kinova-ros publishes none and poses come from topics. Nothing here waits for an answer.
+//! In: goals and cancellations. Out: the state of each goal, from the server's `status` and `result`. `feedback` is not
+//! used: kinova-ros publishes none, and poses come from topics. Nothing here waits for an answer.
 
 use super::ledger::Ledger;
 use super::link::{at_once, unique_number};
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// How many messages of a topic wait, at the most, before the oldest is dropped.
 const QUEUE: usize = 16;
 
-/// How often a server is asked whether it hears this client.
+/// Interval at which a server is probed until it receives from this client.
 const ASK_EVERY: Duration = Duration::from_millis(100);
 
 /// The messages of one action.
@@ -28,11 +28,11 @@ pub(super) trait Action: Send + Sync + 'static {
     fn status(result: &Self::Result) -> &GoalStatus;
 }
 
-/// What has been heard of a server.
+/// What has been received from a server.
 #[derive(Default)]
-struct Heard {
+struct ServerState {
     ledger: Ledger,
-    last: Option<Instant>,
+    last_message: Option<Instant>,
 }
 
 /// A connection to an action server.
@@ -40,24 +40,24 @@ pub(super) struct ActionClient<A: Action> {
     name: String,
     goals: Publisher<A::Goal>,
     cancels: Publisher<GoalID>,
-    heard: Arc<Mutex<Heard>>,
+    server: Arc<Mutex<ServerState>>,
 }
 
 impl<A: Action> ActionClient<A> {
     /// Registers the topics of the action `name`; whether a server is there shows later.
     pub(super) async fn open(node: &NodeHandle, name: &str) -> Result<Self, NodeError> {
-        let heard = Arc::new(Mutex::new(Heard::default()));
+        let server = Arc::new(Mutex::new(ServerState::default()));
         let lists = node
             .subscribe::<GoalStatusArray>(&format!("{name}/status"), QUEUE)
             .await?;
         let results = node
             .subscribe::<A::Result>(&format!("{name}/result"), QUEUE)
             .await?;
-        listen(lists, Arc::clone(&heard), |heard, list| {
-            heard.ledger.hear_list(list)
+        listen(lists, Arc::clone(&server), |server, list| {
+            server.ledger.update_from_list(list)
         });
-        listen(results, Arc::clone(&heard), |heard, result| {
-            heard.ledger.hear(A::status(result))
+        listen(results, Arc::clone(&server), |server, result| {
+            server.ledger.update(A::status(result))
         });
         // Not latched: a node that starts anew must not be handed an old goal.
         let goals = node
@@ -70,20 +70,20 @@ impl<A: Action> ActionClient<A> {
             name: name.to_owned(),
             goals,
             cancels,
-            heard,
+            server,
         })
     }
 
     /// Sends a goal, which `message` makes from its name; returns the name.
     pub(super) fn send(&self, message: impl FnOnce(GoalID) -> A::Goal) -> Result<String, String> {
         let id = format!("fabc_{}", unique_number());
-        lock(&self.heard).ledger.note(&id);
+        lock(&self.server).ledger.add(&id);
         publish(&self.goals, &message(goal_id(&id)))?;
         Ok(id)
     }
 
-    /// Asks to give every goal of the server up, whoever sent it: to actionlib that is a cancellation without a name.
-    pub(super) fn cancel_everything(&self) -> Result<(), String> {
+    /// Requests the cancellation of every goal of the server, whoever sent it: in actionlib, a cancellation without an id.
+    pub(super) fn cancel_all(&self) -> Result<(), String> {
         publish(&self.cancels, &GoalID::default())
     }
 }
@@ -92,19 +92,19 @@ impl<A: Action> ActionClient<A> {
 pub(super) trait Client: Send + Sync {
     /// Returns the action's name, e.g. `/j2n6s200_driver/pose_action/tool_pose`.
     fn name(&self) -> &str;
-    /// Returns how long ago the server was last heard; `None` if never.
+    /// Returns the time since the server's last message; `None` if there was none.
     fn silent_for(&self) -> Option<Duration>;
     /// Returns the state of a goal that was sent by this client.
     fn state(&self, id: &str) -> Option<GoalState>;
     /// Returns the goals that are not over.
     fn open_goals(&self) -> Vec<String>;
-    /// Asks to give a goal up.
+    /// Requests the cancellation of a goal.
     fn cancel(&self, id: &str) -> Result<(), String>;
-    /// Waits until the server is there and hears this client; `false` if the deadline comes first.
+    /// Waits until the server exists and receives from this client; `false` if the deadline comes first.
     ///
-    /// A server lists a cancellation of a goal that it never got, which changes nothing else: that is the only answer
-    /// by which a client of this library can tell that the server has connected to it.
-    fn meet(&self, deadline: Instant) -> bool;
+    /// A server lists the cancellation of a goal that it never got, which has no other effect. This is the only response by
+    /// which a client of this library can tell that the server has connected to it.
+    fn wait_until_connected(&self, deadline: Instant) -> bool;
 }
 
 impl<A: Action> Client for ActionClient<A> {
@@ -113,25 +113,25 @@ impl<A: Action> Client for ActionClient<A> {
     }
 
     fn silent_for(&self) -> Option<Duration> {
-        lock(&self.heard).last.map(|last| last.elapsed())
+        lock(&self.server).last_message.map(|at| at.elapsed())
     }
 
     fn state(&self, id: &str) -> Option<GoalState> {
-        lock(&self.heard).ledger.state(id)
+        lock(&self.server).ledger.state(id)
     }
 
     fn open_goals(&self) -> Vec<String> {
-        lock(&self.heard).ledger.open()
+        lock(&self.server).ledger.open()
     }
 
     fn cancel(&self, id: &str) -> Result<(), String> {
         publish(&self.cancels, &goal_id(id))
     }
 
-    fn meet(&self, deadline: Instant) -> bool {
+    fn wait_until_connected(&self, deadline: Instant) -> bool {
         let id = format!("fabc_hello_{}", unique_number());
-        lock(&self.heard).ledger.note(&id);
-        let is_met = loop {
+        lock(&self.server).ledger.add(&id);
+        let is_connected = loop {
             if self.state(&id) != Some(GoalState::Sent) {
                 break true;
             }
@@ -140,8 +140,8 @@ impl<A: Action> Client for ActionClient<A> {
             }
             std::thread::sleep(ASK_EVERY);
         };
-        lock(&self.heard).ledger.forget(&id);
-        is_met
+        lock(&self.server).ledger.remove(&id);
+        is_connected
     }
 }
 
@@ -165,20 +165,20 @@ fn publish<T: RosMessageType>(publisher: &Publisher<T>, message: &T) -> Result<(
 /// Hands every message of a topic to `take`, until the topic is closed.
 fn listen<T: RosMessageType>(
     mut topic: Subscriber<T>,
-    heard: Arc<Mutex<Heard>>,
-    take: impl Fn(&mut Heard, &T) + Send + 'static,
+    server: Arc<Mutex<ServerState>>,
+    take: impl Fn(&mut ServerState, &T) + Send + 'static,
 ) {
     tokio::spawn(async move {
         while let Some(message) = topic.next().await {
             // An error is a message that came too fast or cannot be read, and any message may be lost.
             let Ok(message) = message else { continue };
-            let mut heard = lock(&heard);
-            heard.last = Some(Instant::now());
-            take(&mut heard, &message);
+            let mut server = lock(&server);
+            server.last_message = Some(Instant::now());
+            take(&mut server, &message);
         }
     });
 }
 
-fn lock(heard: &Mutex<Heard>) -> MutexGuard<'_, Heard> {
-    heard.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock(server: &Mutex<ServerState>) -> MutexGuard<'_, ServerState> {
+    server.lock().unwrap_or_else(PoisonError::into_inner)
 }

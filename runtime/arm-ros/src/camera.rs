@@ -1,12 +1,12 @@
-//! A camera behind ROS: colour, the depth that is aligned with it, and how it projects, from three topics.
+//! A camera behind ROS: colour, aligned depth and intrinsics, from three topics.
 //!
-//! In: topics. Out: pictures that were taken after they were asked for, by the camera's own stamps. Those are compared
-//! with this machine's clock, so a camera's machine with another time is refused, in words, and not believed.
+//! In: topics. Out: pictures that were taken after the request, judged by the camera's own stamps. These are compared with
+//! this machine's clock, so a camera whose machine has another time is refused with an explanation.
 
 use super::RosError;
 use super::link::{Link, bounded_wait};
 use super::messages::sensor_msgs::{CameraInfo, Image};
-use super::pairs::{Board, PAIR_NS, Refused, now_ns, take};
+use super::pairs::{PAIR_NS, PairBuffer, Refused, now_ns, store};
 use super::picture;
 use fab_arm::rgbd::{RgbdError, RgbdSource, Shot};
 use fab_arm::settings::RosSettings;
@@ -24,7 +24,7 @@ pub struct RosCamera {
     depth: Option<String>,
     info: Option<String>,
     timeout: Duration,
-    board: Arc<Mutex<Board>>,
+    buffer: Arc<Mutex<PairBuffer>>,
     /// Last, since the subscriptions live on its threads.
     _link: Link,
 }
@@ -42,31 +42,34 @@ impl RosCamera {
             ));
         };
         let link = Link::open(settings, "camera", timeout)?;
-        let board = Arc::new(Mutex::new(Board::default()));
+        let buffer = Arc::new(Mutex::new(PairBuffer::default()));
         let camera = RosCamera {
             color,
             depth: settings.depth.clone(),
             info: settings.info.clone(),
             timeout,
-            board: Arc::clone(&board),
+            buffer: Arc::clone(&buffer),
             _link: link,
         };
         let (node, topics) = (camera._link.node(), [camera.color.clone()]);
         let (depth, info) = (camera.depth.clone(), camera.info.clone());
         let registered = camera._link.run(timeout, async move {
             let [color] = topics;
-            follow(&node, &color, &board, |board, image| {
-                take(board, image, |board| &mut board.colors)
+            follow(&node, &color, &buffer, |buffer, image| {
+                store(buffer, image, |buffer| &mut buffer.colors)
             })
             .await?;
             if let Some(depth) = depth {
-                follow(&node, &depth, &board, |board, image| {
-                    take(board, image, |board| &mut board.depths)
+                follow(&node, &depth, &buffer, |buffer, image| {
+                    store(buffer, image, |buffer| &mut buffer.depths)
                 })
                 .await?;
             }
             if let Some(info) = info {
-                follow(&node, &info, &board, |board, info| board.info = Some(info)).await?;
+                follow(&node, &info, &buffer, |buffer, info| {
+                    buffer.info = Some(info)
+                })
+                .await?;
             }
             Ok::<(), NodeError>(())
         });
@@ -83,7 +86,7 @@ impl RosCamera {
     }
 
     /// Says why no picture came in time.
-    fn missing(&self, board: &Board) -> String {
+    fn missing(&self, buffer: &PairBuffer) -> String {
         let seconds = self.timeout.as_secs_f64();
         let silent = |topic: &str| {
             format!("nothing came on `{topic}` within {seconds} s: is the camera's driver started?")
@@ -99,8 +102,8 @@ impl RosCamera {
             )
         };
         let topics = [
-            (Some(&self.color), &board.colors),
-            (self.depth.as_ref(), &board.depths),
+            (Some(&self.color), &buffer.colors),
+            (self.depth.as_ref(), &buffer.depths),
         ];
         for (topic, arrived) in topics {
             let Some(topic) = topic else { continue };
@@ -111,7 +114,7 @@ impl RosCamera {
             }
         }
         match &self.info {
-            Some(topic) if board.info.is_none() => silent(topic),
+            Some(topic) if buffer.info.is_none() => silent(topic),
             _ => format!(
                 "no colour and depth were stamped within {} ms of each other",
                 PAIR_NS / 1_000_000
@@ -160,26 +163,26 @@ impl RgbdSource for RosCamera {
             why,
         };
         let deadline = Instant::now() + self.timeout;
-        lock(&self.board).want(now_ns());
+        lock(&self.buffer).start(now_ns());
         let found = loop {
-            let mut board = lock(&self.board);
+            let mut buffer = lock(&self.buffer);
             let is_last = Instant::now() >= deadline;
-            let needs_info = self.info.is_some() && board.info.is_none();
+            let needs_info = self.info.is_some() && buffer.info.is_none();
             let pair = if needs_info {
                 None
             } else {
-                board.pair(self.depth.is_some(), is_last)
+                buffer.pair(self.depth.is_some(), is_last)
             };
             if let Some(pair) = pair {
-                break Ok((pair, board.info.clone()));
+                break Ok((pair, buffer.info.clone()));
             }
             if is_last {
-                break Err(self.missing(&board));
+                break Err(self.missing(&buffer));
             }
-            drop(board);
+            drop(buffer);
             std::thread::sleep(POLL);
         };
-        lock(&self.board).rest();
+        lock(&self.buffer).stop();
         let ((color, depth), info) = found.map_err(failed)?;
         self.read(&color, depth.as_ref(), info.as_ref())
             .map_err(failed)
@@ -189,22 +192,22 @@ impl RgbdSource for RosCamera {
 async fn follow<T: RosMessageType>(
     node: &NodeHandle,
     topic: &str,
-    board: &Arc<Mutex<Board>>,
-    take: impl Fn(&mut Board, T) + Send + 'static,
+    buffer: &Arc<Mutex<PairBuffer>>,
+    take: impl Fn(&mut PairBuffer, T) + Send + 'static,
 ) -> Result<(), NodeError> {
     // Two, so that a picture is not lost while the one before is read; more would only be old.
     let mut topic = node.subscribe::<T>(topic, 2).await?;
-    let board = Arc::clone(board);
+    let buffer = Arc::clone(buffer);
     tokio::spawn(async move {
         while let Some(message) = topic.next().await {
             if let Ok(message) = message {
-                take(&mut lock(&board), message);
+                take(&mut lock(&buffer), message);
             }
         }
     });
     Ok(())
 }
 
-fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
-    board.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock(buffer: &Mutex<PairBuffer>) -> MutexGuard<'_, PairBuffer> {
+    buffer.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,6 +1,6 @@
-//! Finds an arm's node, and waits until everything that a driver needs was heard.
+//! Connects to an arm's node, and waits until everything that a driver needs was received.
 //!
-//! In: the settings and the arm's model. Out: a [`RosPort`], or what is missing, in words that say what would help.
+//! In: the settings and the arm's model. Out: a [`RosPort`], or what is missing and what would help.
 
 use super::RosError;
 use super::action::ActionClient;
@@ -53,7 +53,7 @@ pub fn connect(settings: &RosSettings, model: &str, timeout_s: f64) -> Result<Ro
         link,
     };
     port.wait_for_topics(deadline)?;
-    port.meet_servers(deadline)?;
+    port.wait_for_servers(deadline)?;
     // A driver has advertised it by the time that it publishes.
     let stop = format!("{}/in/stop", port.arm);
     let offered = port.link.offers(&stop, SERVICE_TIMEOUT);
@@ -168,9 +168,9 @@ impl RosPort {
         }
     }
 
-    fn meet_servers(&self, deadline: Instant) -> Result<(), RosError> {
+    fn wait_for_servers(&self, deadline: Instant) -> Result<(), RosError> {
         for server in self.servers.all() {
-            if server.meet(deadline) {
+            if server.wait_until_connected(deadline) {
                 continue;
             }
             let name = server.name();

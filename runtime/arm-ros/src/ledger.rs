@@ -1,30 +1,30 @@
-//! What is known of the goals of one action server.
+//! The states of the goals of one action server.
 //!
-//! In: goals that were sent, and the server's status lists and results. Out: the state of each goal. Any single message
-//! may be lost: a list repeats what a lost result said, and a goal that a list no longer names is over as well.
+//! In: goals that were sent, and the server's status lists and results. Out: the state of each goal. Any single message may
+//! be lost: a list repeats what a lost result reported, and an active goal that a list no longer names has ended.
 
 use super::messages::actionlib_msgs::{GoalStatus, GoalStatusArray};
 use fab_arm::port::{Ending, GoalState};
 use std::collections::BTreeMap;
 
-/// The goals of one action server, and what was heard of them.
+/// The goals of one action server, and their states.
 #[derive(Debug, Default)]
 pub(super) struct Ledger {
     goals: BTreeMap<String, GoalState>,
 }
 
 impl Ledger {
-    /// Notes a goal before it is sent, so that no answer comes too early.
-    pub(super) fn note(&mut self, id: &str) {
+    /// Adds a goal before it is sent, so that no answer comes too early.
+    pub(super) fn add(&mut self, id: &str) {
         self.goals.insert(id.to_owned(), GoalState::Sent);
     }
 
-    /// Forgets a goal.
-    pub(super) fn forget(&mut self, id: &str) {
+    /// Removes a goal.
+    pub(super) fn remove(&mut self, id: &str) {
         self.goals.remove(id);
     }
 
-    /// Returns the state of a goal, if it was ever noted.
+    /// Returns the state of a goal, if it was ever added.
     pub(super) fn state(&self, id: &str) -> Option<GoalState> {
         self.goals.get(id).cloned()
     }
@@ -35,10 +35,10 @@ impl Ledger {
         open.map(|(id, _)| id.clone()).collect()
     }
 
-    /// Takes in the list of goals that the server publishes some times a second.
-    pub(super) fn hear_list(&mut self, list: &GoalStatusArray) {
+    /// Updates all goals from the list that the server publishes several times a second.
+    pub(super) fn update_from_list(&mut self, list: &GoalStatusArray) {
         for status in &list.status_list {
-            self.hear(status);
+            self.update(status);
         }
         for (id, state) in &mut self.goals {
             let listed = || {
@@ -53,8 +53,8 @@ impl Ledger {
         }
     }
 
-    /// Takes in what a list or a result says of one goal. What is over stays as it ended.
-    pub(super) fn hear(&mut self, status: &GoalStatus) {
+    /// Updates one goal from a list or a result. A goal that has ended keeps its ending.
+    pub(super) fn update(&mut self, status: &GoalStatus) {
         let Some(state) = self.goals.get_mut(&status.goal_id.id) else {
             return;
         };
@@ -108,12 +108,12 @@ mod tests {
         }
     }
 
-    /// Tells a ledger that sent `a` these lists; an empty list names no goal at all.
+    /// Feeds these lists to a ledger that has sent `a`; an empty list names no goal at all.
     fn after(lists: &[Entries]) -> GoalState {
         let mut ledger = Ledger::default();
-        ledger.note("a");
+        ledger.add("a");
         for entries in lists {
-            ledger.hear_list(&list(entries));
+            ledger.update_from_list(&list(entries));
         }
         ledger.state("a").unwrap()
     }
@@ -122,7 +122,7 @@ mod tests {
     fn each_status_has_its_state() {
         use Ending::{Aborted, Preempted, Rejected, Succeeded};
         use GoalState::{Active, Ended, Sent};
-        let told: [(&[Entries], GoalState); 14] = [
+        let cases: [(&[Entries], GoalState); 14] = [
             (&[], Sent),
             (&[&[]], Sent),
             (&[&[("b", 3)]], Sent),
@@ -138,7 +138,7 @@ mod tests {
             (&[&[("a", 1)], &[]], Ended(Aborted)),
             (&[&[("a", 1)], &[("a", 3)], &[]], Ended(Succeeded)),
         ];
-        for (lists, expected) in told {
+        for (lists, expected) in cases {
             assert_eq!(after(lists), expected, "{lists:?}");
         }
     }
@@ -146,9 +146,9 @@ mod tests {
     #[test]
     fn a_goal_is_open_until_it_ends() {
         let mut ledger = Ledger::default();
-        ledger.note("a");
-        ledger.note("b");
-        ledger.hear(&status("a", 4));
+        ledger.add("a");
+        ledger.add("b");
+        ledger.update(&status("a", 4));
         assert_eq!(ledger.open(), ["b"]);
         assert_eq!(ledger.state("c"), None);
     }
@@ -158,12 +158,12 @@ mod tests {
         #[test]
         fn an_ending_is_never_taken_back(codes in prop::collection::vec(prop::option::of(0_u8..12), 0..20)) {
             let mut ledger = Ledger::default();
-            ledger.note("a");
+            ledger.add("a");
             let mut ended = None;
             for code in codes {
                 match code {
-                    Some(code) => ledger.hear_list(&list(&[("a", code)])),
-                    None => ledger.hear_list(&list(&[])),
+                    Some(code) => ledger.update_from_list(&list(&[("a", code)])),
+                    None => ledger.update_from_list(&list(&[])),
                 }
                 let state = ledger.state("a").unwrap();
                 if let Some(ended) = &ended {

@@ -1,11 +1,11 @@
-//! The wire to ROS 1: the node of kinova-ros, a controller of joint trajectories, a camera's topics.
+//! The ROS 1 connection: the node of kinova-ros, a joint trajectory controller, a camera's topics.
 //!
-//! In: the `[ros]` part of the settings. Out: a [`RosPort`] and a [`RosCamera`], which decide nothing. Each has a ROS
-//! node and threads of its own, so that its methods are ordinary calls. Definitions of messages lie in `msgs/`, and
-//! neither a build nor a run needs an installation of ROS here. Only this folder names roslibrust.
+//! In: the `[ros]` section of the settings. Out: a [`RosPort`] and a [`RosCamera`], which make no decisions. Each has its own
+//! ROS node and threads, so its methods are ordinary blocking calls. Message definitions are in `msgs/`; neither a build nor
+//! a run needs a ROS installation. Only this folder names roslibrust.
 //!
-//! The name under which other machines find this one is `ROS_HOSTNAME`, else `ROS_IP`, else the machine's own: the
-//! library reads these variables itself, so that a `host` in the settings is compared, and not set.
+//! Other machines find this one under `ROS_HOSTNAME`, else `ROS_IP`, else the machine's own name. The library reads these
+//! variables itself, so a `host` in the settings is only compared with the result.
 
 mod connect;
 mod port;
@@ -44,11 +44,11 @@ pub enum RosError {
     },
     /// Others would look for this program at another name than the settings say.
     #[error(
-        "other nodes find this program as `{found}`, and the settings say `{wanted}`: set ROS_HOSTNAME={wanted} before the start"
+        "other nodes find this program as `{found}`, and the settings say `{expected}`: set ROS_HOSTNAME={expected} before the start"
     )]
     Host {
         /// The settings' name.
-        wanted: String,
+        expected: String,
         /// The name that is used.
         found: String,
     },
@@ -90,10 +90,10 @@ mod tests {
 
     /// A watchdog stops the arm from a thread of its own.
     #[test]
-    fn ports_and_cameras_may_go_to_another_thread() {
-        fn may_go<T: Send>() {}
-        may_go::<RosPort>();
-        may_go::<RosCamera>();
+    fn ports_and_cameras_are_send() {
+        fn assert_send<T: Send>() {}
+        assert_send::<RosPort>();
+        assert_send::<RosCamera>();
     }
 
     /// Sums that other programs carry in them, so that an error in a definition is not compared with itself.

@@ -1,7 +1,7 @@
 //! A ROS node of this program, with the threads that it runs on.
 //!
-//! In: the master's address. Out: a [`Link`], through which asynchronous work is started from ordinary code, and waited
-//! for no longer than is said.
+//! In: the master's address. Out: a [`Link`], through which ordinary code starts asynchronous work and waits for it with a
+//! time limit.
 
 use super::RosError;
 use fab_arm::settings::RosSettings;
@@ -84,7 +84,7 @@ impl Link {
 
     /// Does work and waits for it; `None` if it takes longer than `timeout`, and then it is given up.
     ///
-    /// Waits by a channel: unlike the runtime's own way, that also works within another runtime.
+    /// Waits on a channel, which unlike `block_on` also works within another runtime.
     pub(super) fn run<F>(&self, timeout: Duration, work: F) -> Option<F::Output>
     where
         F: Future<Output: Send + 'static> + Send + 'static,
@@ -110,7 +110,7 @@ impl Link {
         match found? {
             Ok(_) => Some(true),
             Err(RosMasterError::ServerCommunicationFailure(_)) => None,
-            // The master's own word that nobody does.
+            // The master reports that nobody offers it.
             Err(_) => Some(false),
         }
     }
@@ -129,8 +129,8 @@ impl Link {
     fn check_host(&self) -> Result<(), RosError> {
         let found = self.host();
         match &self.settings.host {
-            Some(wanted) if *wanted != found => Err(RosError::Host {
-                wanted: wanted.clone(),
+            Some(expected) if *expected != found => Err(RosError::Host {
+                expected: expected.clone(),
                 found,
             }),
             _ => Ok(()),

@@ -1,7 +1,7 @@
-//! Colour and depth that belong together, of those that arrive since a picture was asked for.
+//! Pairs colour and depth pictures that arrive after a request.
 //!
-//! In: messages with stamps, in any order. Out: a colour picture with the depth that is nearest in time; and of what was
-//! left out, how far its stamp was off.
+//! In: messages with stamps, in any order. Out: a colour picture with the depth nearest in time; and for rejected pictures,
+//! how far their stamps were off.
 
 use super::messages::sensor_msgs::{CameraInfo, Image};
 use super::messages::std_msgs::Header;
@@ -14,14 +14,14 @@ pub(super) const PAIR_NS: i64 = 50_000_000;
 /// How far a stamp may be ahead of this machine's clock.
 const AHEAD_NS: i64 = 50_000_000;
 
-/// How many pictures of a kind wait for their partner.
-const KEPT: usize = 8;
+/// The most pictures of a kind that wait for their partner.
+const MAX_PENDING: usize = 8;
 
-/// What arrived since a picture was asked for.
+/// Pictures that arrived since the request.
 #[derive(Default)]
-pub(super) struct Board {
-    /// Since when pictures are wanted, nanoseconds since 1970; `None` where they are not.
-    wanted_from: Option<i64>,
+pub(super) struct PairBuffer {
+    /// Start of the request, nanoseconds since 1970; `None` without a request.
+    requested_at_ns: Option<i64>,
     pub(super) colors: Arrived,
     pub(super) depths: Arrived,
     pub(super) info: Option<CameraInfo>,
@@ -41,22 +41,22 @@ pub(super) enum Refused {
     Ahead { by_ns: i64 },
 }
 
-impl Board {
-    /// Begins to keep pictures that were taken since `from_ns`.
-    pub(super) fn want(&mut self, from_ns: i64) {
-        self.wanted_from = Some(from_ns);
+impl PairBuffer {
+    /// Starts collecting pictures that were taken since `from_ns`.
+    pub(super) fn start(&mut self, from_ns: i64) {
+        self.requested_at_ns = Some(from_ns);
         (self.colors, self.depths) = (Arrived::default(), Arrived::default());
     }
 
-    /// Keeps no more pictures; the projection stays, since some cameras say it only once.
-    pub(super) fn rest(&mut self) {
-        self.wanted_from = None;
+    /// Stops collecting; the intrinsics stay, because some cameras publish them only once.
+    pub(super) fn stop(&mut self) {
+        self.requested_at_ns = None;
         (self.colors, self.depths) = (Arrived::default(), Arrived::default());
     }
 
-    /// Takes out a colour picture with the depth that is nearest in time.
+    /// Removes and returns a colour picture with the depth nearest in time.
     ///
-    /// Which depth is nearest is known once a later one is there, or when `is_last` says that nobody waits longer.
+    /// The nearest depth is certain once a later one has arrived, or if `is_last` says that the wait is over.
     pub(super) fn pair(
         &mut self,
         needs_depth: bool,
@@ -82,8 +82,8 @@ impl Board {
                         .iter()
                         .enumerate()
                         .min_by_key(|(_, (depth_ns, _))| apart(*depth_ns))?;
-                    let is_known = is_last || newest_ns >= *color_ns;
-                    (is_known && apart(*depth_ns) <= PAIR_NS.unsigned_abs())
+                    let is_certain = is_last || newest_ns >= *color_ns;
+                    (is_certain && apart(*depth_ns) <= PAIR_NS.unsigned_abs())
                         .then_some((color, depth))
                 })?;
         let (_, color) = self.colors.pictures.remove(color)?;
@@ -92,13 +92,17 @@ impl Board {
     }
 }
 
-/// Keeps a picture if one is wanted and it was taken since.
-pub(super) fn take(board: &mut Board, image: Image, place: fn(&mut Board) -> &mut Arrived) {
-    let Some(from_ns) = board.wanted_from else {
+/// Stores a picture if one is requested and it was taken since.
+pub(super) fn store(
+    buffer: &mut PairBuffer,
+    image: Image,
+    place: fn(&mut PairBuffer) -> &mut Arrived,
+) {
+    let Some(from_ns) = buffer.requested_at_ns else {
         return;
     };
     let (stamp_ns, now_ns) = (stamp_ns(&image.header), now_ns());
-    let arrived = place(board);
+    let arrived = place(buffer);
     if stamp_ns < from_ns {
         arrived.refused = Some(Refused::Old {
             by_ns: from_ns - stamp_ns,
@@ -108,7 +112,7 @@ pub(super) fn take(board: &mut Board, image: Image, place: fn(&mut Board) -> &mu
             by_ns: stamp_ns - now_ns,
         });
     } else {
-        if arrived.pictures.len() == KEPT {
+        if arrived.pictures.len() == MAX_PENDING {
             arrived.pictures.pop_front();
         }
         arrived.pictures.push_back((stamp_ns, image));
@@ -144,7 +148,7 @@ mod tests {
         }
     }
 
-    fn board(colors_ms: &[i64], depths_ms: &[i64]) -> Board {
+    fn buffer(colors_ms: &[i64], depths_ms: &[i64]) -> PairBuffer {
         let arrived = |stamps: &[i64]| Arrived {
             pictures: stamps
                 .iter()
@@ -152,16 +156,16 @@ mod tests {
                 .collect(),
             refused: None,
         };
-        Board {
+        PairBuffer {
             colors: arrived(colors_ms),
             depths: arrived(depths_ms),
-            ..Board::default()
+            ..PairBuffer::default()
         }
     }
 
     /// Returns the stamps of the pair that is found, milliseconds.
     fn pair(colors_ms: &[i64], depths_ms: &[i64], is_last: bool) -> Option<(u32, u32)> {
-        let (color, depth) = board(colors_ms, depths_ms).pair(true, is_last)?;
+        let (color, depth) = buffer(colors_ms, depths_ms).pair(true, is_last)?;
         Some((color.width, depth.unwrap().width))
     }
 
@@ -180,7 +184,7 @@ mod tests {
 
     #[test]
     fn only_pictures_that_were_taken_since_are_kept() {
-        let mut board = Board::default();
+        let mut buffer = PairBuffer::default();
         let shift = |by_ms: i64| {
             let stamp_ns = now_ns() + by_ms * MS;
             let mut image = image(by_ms);
@@ -190,17 +194,17 @@ mod tests {
             );
             image
         };
-        take(&mut board, shift(0), |board| &mut board.colors);
-        assert!(board.colors.pictures.is_empty() && board.colors.refused.is_none());
-        board.want(now_ns());
-        take(&mut board, shift(-200), |board| &mut board.colors);
-        assert!(matches!(board.colors.refused, Some(Refused::Old { by_ns }) if by_ns >= 199 * MS));
-        take(&mut board, shift(500), |board| &mut board.colors);
+        store(&mut buffer, shift(0), |buffer| &mut buffer.colors);
+        assert!(buffer.colors.pictures.is_empty() && buffer.colors.refused.is_none());
+        buffer.start(now_ns());
+        store(&mut buffer, shift(-200), |buffer| &mut buffer.colors);
+        assert!(matches!(buffer.colors.refused, Some(Refused::Old { by_ns }) if by_ns >= 199 * MS));
+        store(&mut buffer, shift(500), |buffer| &mut buffer.colors);
         assert!(
-            matches!(board.colors.refused, Some(Refused::Ahead { by_ns }) if by_ns >= 400 * MS)
+            matches!(buffer.colors.refused, Some(Refused::Ahead { by_ns }) if by_ns >= 400 * MS)
         );
-        take(&mut board, shift(0), |board| &mut board.colors);
-        assert_eq!(board.colors.pictures.len(), 1);
+        store(&mut buffer, shift(0), |buffer| &mut buffer.colors);
+        assert_eq!(buffer.colors.pictures.len(), 1);
     }
 
     proptest! {

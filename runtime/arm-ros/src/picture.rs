@@ -1,6 +1,6 @@
-//! Reads a camera's messages: colour, aligned depth, and how the camera projects.
+//! Decodes a camera's messages: colour, aligned depth, and intrinsics.
 //!
-//! In: `sensor_msgs` messages, which may say anything. Out: pictures in the crate's own types, or why not, in words.
+//! In: untrusted `sensor_msgs` messages. Out: pictures in the crate's own types, or why a message cannot be used.
 
 use super::messages::sensor_msgs::{CameraInfo, Image};
 use fab_arm::rgbd::Intrinsics;

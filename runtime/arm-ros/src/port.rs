@@ -1,7 +1,7 @@
-//! An arm behind ROS: the node of kinova-ros, and where the settings name one, a controller of joint trajectories.
+//! An arm behind ROS: the node of kinova-ros, and if the settings name one, a joint trajectory controller.
 //!
-//! In: goals, cancellations, stops. Out: what became of them, and the arm's readings. What a silence or an ending means
-//! is for the driver to say; only a goal to a server that fell silent is refused, as no one would take it.
+//! In: goals, cancellations, stops. Out: the state of each goal, and the arm's readings. The driver decides what a silence or
+//! an ending means; only a goal for a silent server is refused here, because nothing would accept it.
 
 use super::action::{ActionClient, Client};
 use super::link::Link;
@@ -14,19 +14,19 @@ use roslibrust::ros1::ServiceClient;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// How long a server may be silent before it counts as gone; actionlib's servers list their goals five times a second.
+/// How long a server may be silent before it counts as gone; actionlib's servers publish their status five times a second.
 const SILENCE: Duration = Duration::from_secs(1);
 
-/// The longest that one try of a service may take.
+/// Time limit of one service call.
 pub(super) const SERVICE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// How long goals may take to end after a stop.
 const STOP_SETTLE: Duration = Duration::from_millis(500);
 
-/// How long a cancellation is on its way, at the most.
+/// The longest that a cancellation is in transit.
 const CANCEL_SETTLE: Duration = Duration::from_millis(100);
 
-/// How long a stop waits before it is said again.
+/// Interval between two repeated stops.
 const POLL: Duration = Duration::from_millis(20);
 
 /// A connection to an arm's node.
@@ -114,18 +114,18 @@ impl RosPort {
             .collect()
     }
 
-    fn cancel_all(&self) -> Result<(), String> {
+    fn cancel_open_goals(&self) -> Result<(), String> {
         self.open_goals()
             .into_iter()
             .try_for_each(|(server, id)| server.cancel(&id))?;
         self.empty_controller()
     }
 
-    /// Ends every trajectory, whoever sent it: `in/stop` only holds the joints, and its controller would go on where the arm
-    /// is let go. Another server would take it as a reason to let a stopped arm go.
+    /// Cancels every trajectory, whoever sent it: `in/stop` only holds the joints, and the controller would resume once the
+    /// arm is enabled. Only this server is addressed, because a cancellation makes the others enable a stopped arm.
     fn empty_controller(&self) -> Result<(), String> {
         let trajectory = self.servers.trajectory.as_ref();
-        trajectory.map_or(Ok(()), ActionClient::cancel_everything)
+        trajectory.map_or(Ok(()), ActionClient::cancel_all)
     }
 }
 
@@ -149,23 +149,23 @@ impl Port for RosPort {
         let (name, sent) = match goal {
             Goal::ToolPose(tool) => (
                 pose.name(),
-                check_heard(pose)
+                check_alive(pose)
                     .and_then(|()| pose.send(servers::tool_pose(tool, &names.base_frame)?)),
             ),
             Goal::JointAngles(angles) => (
                 joints.name(),
-                check_heard(joints)
+                check_alive(joints)
                     .and_then(|()| joints.send(servers::joint_angles(angles, names.joints.len())?)),
             ),
             Goal::Fingers(positions) => (
                 fingers.name(),
-                check_heard(fingers)
+                check_alive(fingers)
                     .and_then(|()| fingers.send(servers::fingers(positions, names.n_fingers)?)),
             ),
             Goal::Trajectory(points) => match trajectory {
                 Some(client) => (
                     client.name(),
-                    check_heard(client)
+                    check_alive(client)
                         .and_then(|()| client.send(servers::trajectory(points, &names.joints)?)),
                 ),
                 None => (
@@ -202,29 +202,31 @@ impl Port for RosPort {
         })
     }
 
-    /// Stops again and again until every goal has ended, and once more: kinova-ros answers a cancellation, and a goal that
-    /// another replaces, by a stop and a start, which would set an arm free that was stopped in between. For the same
-    /// reason goals are only cancelled where the service is not to be had.
+    /// Stops repeatedly until every goal has ended, and once more: kinova-ros handles a cancelled or preempted goal with a
+    /// stop and a start, which would release a stop that came in between. For the same reason goals are cancelled only if
+    /// the service is not available.
     fn stop(&mut self) -> Result<(), PortError> {
         let failed = |arm: &str, why: String| PortError {
             what: format!("the service `{arm}/in/stop`"),
             why,
         };
         if !self.has_stop {
-            return self.cancel_all().map_err(|why| failed(&self.arm, why));
+            return self
+                .cancel_open_goals()
+                .map_err(|why| failed(&self.arm, why));
         }
         let emptied = self.empty_controller();
         let begun = Instant::now();
         let settle = match self.servers.trajectory {
-            // Some versions of the controller take a cancellation, too, as a reason to let the arm go.
+            // Some versions of the controller also enable the arm on a cancellation.
             Some(_) => CANCEL_SETTLE,
             None => Duration::ZERO,
         };
         loop {
             let are_over = self.open_goals().is_empty() && begun.elapsed() >= settle;
             if let Err(why) = self.call_stop() {
-                // The last that can be done without the service; the arm stays enabled, so that this is no success.
-                let _ = self.cancel_all();
+                // The best that is possible without the service; the arm stays enabled, so this is a failure.
+                let _ = self.cancel_open_goals();
                 return Err(failed(&self.arm, why));
             }
             if are_over || begun.elapsed() >= STOP_SETTLE {
@@ -251,7 +253,7 @@ impl Port for RosPort {
     }
 }
 
-fn check_heard(server: &dyn Client) -> Result<(), String> {
+fn check_alive(server: &dyn Client) -> Result<(), String> {
     match server.silent_for() {
         None => Err("its server was never heard: is the driver started?".to_owned()),
         Some(silence) if silence > SILENCE => Err(format!(

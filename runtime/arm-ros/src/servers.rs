@@ -1,7 +1,7 @@
-//! The action servers of an arm's node, and the messages that ask them for something.
+//! The action servers of an arm's node, and the goal messages for them.
 //!
-//! In: goals in metres and radians. Out: messages in the units of kinova-ros: metres and unit quaternions, degrees,
-//! finger units; radians for trajectories. A goal that no message can carry is refused here, in words.
+//! In: goals in metres and radians. Out: messages in the units of kinova-ros: metres and unit quaternions, degrees, finger
+//! units; radians for trajectories. A goal that no message can represent is refused here, with a reason.
 
 use super::action::Action;
 use super::messages::actionlib_msgs::{GoalID, GoalStatus};
@@ -200,11 +200,13 @@ fn padded<const N: usize>(values: &[f64], n_values: usize, what: &str) -> Result
     Ok(numbers)
 }
 
-fn check_count(found: usize, wanted: usize, what: &str) -> Result<(), String> {
-    if found == wanted {
+fn check_count(found: usize, expected: usize, what: &str) -> Result<(), String> {
+    if found == expected {
         return Ok(());
     }
-    Err(format!("it names {found} {what}, and the arm has {wanted}"))
+    Err(format!(
+        "it names {found} {what}, and the arm has {expected}"
+    ))
 }
 
 fn check_finite<'a>(values: impl IntoIterator<Item = &'a f64>) -> Result<(), String> {

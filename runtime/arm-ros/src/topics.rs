@@ -1,12 +1,12 @@
-//! What the arm says of itself on its topics.
+//! Receives the arm's readings from its topics.
 //!
-//! In: messages. Out: [`Readings`], each value with the time at which it was heard. A message that cannot be meant is
-//! left out, and the reason kept for whoever waits for a reading.
+//! In: messages. Out: [`Readings`], each value with its time of receipt. An invalid message is dropped, and the reason kept
+//! for the error if no reading arrives.
 
 use super::messages::geometry_msgs::PoseStamped;
 use super::messages::kinova_msgs::FingerPosition;
 use super::messages::sensor_msgs::JointState;
-use fab_arm::port::{Heard, Readings};
+use fab_arm::port::{Reading, Readings};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use roslibrust::RosMessageType;
 use roslibrust::ros1::{NodeError, NodeHandle};
@@ -17,7 +17,7 @@ use std::time::Instant;
 /// How far the length of a quaternion may be from 1.
 const UNIT_TOLERANCE: f64 = 0.01;
 
-/// How an arm names itself in messages.
+/// The names of an arm in messages.
 #[derive(Clone, Debug)]
 pub(super) struct Names {
     /// The frame of the base.
@@ -28,16 +28,17 @@ pub(super) struct Names {
     pub(super) n_fingers: usize,
 }
 
+/// What the topics have delivered.
 #[derive(Default)]
-struct Said {
+struct Received {
     readings: Readings,
-    /// Why the last message of a topic was left out.
+    /// Why the last message of a topic was dropped.
     faults: BTreeMap<&'static str, String>,
 }
 
 /// The arm's topics.
 pub(super) struct Topics {
-    said: Arc<Mutex<Said>>,
+    received: Arc<Mutex<Received>>,
 }
 
 impl Topics {
@@ -48,15 +49,15 @@ impl Topics {
         names: &Names,
         clock: Instant,
     ) -> Result<Topics, NodeError> {
-        let said = Arc::new(Mutex::new(Said::default()));
-        let follow = Follow {
+        let received = Arc::new(Mutex::new(Received::default()));
+        let subscription = Subscription {
             node,
             arm,
             clock,
-            said: &said,
+            received: &received,
         };
         let frame = names.base_frame.clone();
-        follow
+        subscription
             .topic(
                 "out/tool_pose",
                 move |message| tool_pose(message, &frame),
@@ -64,7 +65,7 @@ impl Topics {
             )
             .await?;
         let joints = names.joints.clone();
-        follow
+        subscription
             .topic(
                 "out/joint_state",
                 move |message| joint_angles(message, &joints),
@@ -72,60 +73,60 @@ impl Topics {
             )
             .await?;
         let n_fingers = names.n_fingers;
-        follow
+        subscription
             .topic(
                 "out/finger_position",
                 move |message| fingers(message, n_fingers),
                 |readings| &mut readings.fingers,
             )
             .await?;
-        Ok(Topics { said })
+        Ok(Topics { received })
     }
 
-    /// Returns what was last heard.
+    /// Returns the last readings.
     pub(super) fn readings(&self) -> Readings {
-        lock(&self.said).readings.clone()
+        lock(&self.received).readings.clone()
     }
 
-    /// Returns why messages were left out, a sentence each.
+    /// Returns why messages were dropped, a sentence each.
     pub(super) fn faults(&self) -> Vec<String> {
-        lock(&self.said).faults.values().cloned().collect()
+        lock(&self.received).faults.values().cloned().collect()
     }
 }
 
-/// What the subscriptions have in common.
-struct Follow<'a> {
+/// The common parts of the subscriptions.
+struct Subscription<'a> {
     node: &'a NodeHandle,
     arm: &'a str,
     clock: Instant,
-    said: &'a Arc<Mutex<Said>>,
+    received: &'a Arc<Mutex<Received>>,
 }
 
-impl Follow<'_> {
+impl Subscription<'_> {
     async fn topic<T: RosMessageType, V: Send + 'static>(
         &self,
         name: &'static str,
         read: impl Fn(&T) -> Result<V, String> + Send + 'static,
-        place: fn(&mut Readings) -> &mut Option<Heard<V>>,
+        place: fn(&mut Readings) -> &mut Option<Reading<V>>,
     ) -> Result<(), NodeError> {
         // Only the newest counts, so that no old reading waits in a queue.
         let mut topic = self
             .node
             .subscribe::<T>(&format!("{}/{name}", self.arm), 1)
             .await?;
-        let (said, clock) = (Arc::clone(self.said), self.clock);
+        let (received, clock) = (Arc::clone(self.received), self.clock);
         tokio::spawn(async move {
             while let Some(message) = topic.next().await {
                 let Ok(message) = message else { continue };
                 let at_s = clock.elapsed().as_secs_f64();
-                let mut said = lock(&said);
+                let mut received = lock(&received);
                 match read(&message) {
                     Ok(value) => {
-                        *place(&mut said.readings) = Some(Heard { value, at_s });
-                        said.faults.remove(name);
+                        *place(&mut received.readings) = Some(Reading { value, at_s });
+                        received.faults.remove(name);
                     }
                     Err(why) => {
-                        said.faults.insert(name, format!("`{name}` {why}"));
+                        received.faults.insert(name, format!("`{name}` {why}"));
                     }
                 }
             }
@@ -134,8 +135,8 @@ impl Follow<'_> {
     }
 }
 
-fn lock(said: &Mutex<Said>) -> MutexGuard<'_, Said> {
-    said.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock(received: &Mutex<Received>) -> MutexGuard<'_, Received> {
+    received.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn tool_pose(message: &PoseStamped, base_frame: &str) -> Result<Isometry3<f64>, String> {

@@ -1,8 +1,8 @@
-//! A camera that is a folder into which something else writes pictures.
+//! A camera backed by a folder into which another program writes pictures.
 //!
-//! In: a folder of `NAME.png`, each perhaps with `NAME.depth.png` (16 bits, millimetres, 0 for no reading), which is
-//! written first. Out: a picture that was not there when it was asked for, so that no rollout takes one of before a motion
-//! for one of after it; or, where nothing moves, the last by name.
+//! In: a folder of `NAME.png`, each optionally with `NAME.depth.png` (16 bits, millimetres, 0 for no reading), which is
+//! written first. Out: a picture that was written after the request, so that no rollout mistakes a picture from before a
+//! motion for one from after it; or, where nothing moves, the last picture by name.
 
 use super::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
 use fab_picture::DepthImage;
@@ -17,12 +17,12 @@ const MAX_FILES: usize = 10_000;
 /// How often the folder is looked at while a picture is waited for.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Which picture of a folder is taken.
+/// Which picture of a folder the camera returns.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Which {
+pub enum PictureSelection {
     /// The last by name, whenever it was written.
     Last,
-    /// One that is written after it was asked for, waited for at most so many seconds.
+    /// One that is written after the request.
     Fresh {
         /// The longest to wait, seconds.
         timeout_s: f64,
@@ -34,23 +34,27 @@ pub enum Which {
 pub struct DirectoryCamera {
     folder: PathBuf,
     intrinsics: Option<Intrinsics>,
-    which: Which,
+    selection: PictureSelection,
 }
 
 /// Pictures with their lengths and when they were written, by this folder's clock.
 type Listed = BTreeMap<PathBuf, (u64, Option<SystemTime>)>;
 
 impl DirectoryCamera {
-    /// Takes pictures from a folder, which need not hold any yet.
-    pub fn of(folder: &Path, intrinsics: Option<Intrinsics>, which: Which) -> DirectoryCamera {
+    /// Takes pictures from a folder, which may be empty.
+    pub fn of(
+        folder: &Path,
+        intrinsics: Option<Intrinsics>,
+        selection: PictureSelection,
+    ) -> DirectoryCamera {
         DirectoryCamera {
             folder: folder.to_owned(),
             intrinsics,
-            which,
+            selection,
         }
     }
 
-    /// Returns a picture that was not there, or not so, when it was asked for.
+    /// Returns a picture that was added or changed after the call.
     fn fresh(&self, timeout_s: f64) -> Result<Shot, String> {
         let before = listed(&self.folder)?;
         let begun = Instant::now();
@@ -62,7 +66,7 @@ impl DirectoryCamera {
             let Some((path, _)) = now.iter().rfind(is_new) else {
                 continue;
             };
-            // One that is still being written can be read in a while.
+            // A picture that is still being written becomes readable later.
             match self.read(path) {
                 Ok(shot) => return Ok(shot),
                 Err(error) => why = error,
@@ -104,7 +108,7 @@ impl DirectoryCamera {
     }
 }
 
-/// Returns the last picture of a folder by name, none where it holds none; says why the folder cannot be read.
+/// Returns the last picture of a folder by name; the error says why the folder cannot be read.
 pub fn last_picture(folder: &Path) -> Result<Option<PathBuf>, String> {
     Ok(listed(folder)?.into_keys().next_back())
 }
@@ -135,9 +139,9 @@ impl RgbdSource for DirectoryCamera {
     }
 
     fn shoot(&mut self) -> Result<Shot, RgbdError> {
-        let shot = match self.which {
-            Which::Last => self.last(),
-            Which::Fresh { timeout_s } => self.fresh(timeout_s),
+        let shot = match self.selection {
+            PictureSelection::Last => self.last(),
+            PictureSelection::Fresh { timeout_s } => self.fresh(timeout_s),
         };
         shot.map_err(|why| RgbdError {
             camera: self.name(),
@@ -166,12 +170,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let put = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes);
         put("b.png", &encoded(2)).unwrap();
-        let short = Which::Fresh { timeout_s: 0.2 };
+        let short = PictureSelection::Fresh { timeout_s: 0.2 };
         let mut camera = DirectoryCamera::of(folder.path(), None, short);
         let why = camera.shoot().unwrap_err().why;
         assert!(why.contains("no new picture came; `1` pictures"), "{why}");
 
-        let long = Which::Fresh { timeout_s: 60.0 };
+        let long = PictureSelection::Fresh { timeout_s: 60.0 };
         let mut camera = DirectoryCamera::of(folder.path(), None, long);
         let (send, taken) = channel();
         let waiting = std::thread::spawn(move || {
@@ -204,7 +208,7 @@ mod tests {
     #[test]
     fn where_nothing_moves_the_last_by_name_is_taken() {
         let folder = tempfile::tempdir().unwrap();
-        let mut camera = DirectoryCamera::of(folder.path(), None, Which::Last);
+        let mut camera = DirectoryCamera::of(folder.path(), None, PictureSelection::Last);
         let why = camera.shoot().unwrap_err().why;
         assert!(why.contains("holds no picture"), "{why}");
         for (name, level) in [("b.png", 2), ("a.png", 1)] {
@@ -224,12 +228,15 @@ mod tests {
             "a.depth.png",
             png::encode_gray(&image::GrayImage::new(5, 3)),
         );
-        let mut camera = DirectoryCamera::of(folder.path(), None, Which::Last);
+        let mut camera = DirectoryCamera::of(folder.path(), None, PictureSelection::Last);
         let why = camera.shoot().unwrap_err().why;
         assert!(why.contains("4 x 3 px and its depth 5 x 3"), "{why}");
-        for which in [Which::Last, Which::Fresh { timeout_s: 0.2 }] {
+        for selection in [
+            PictureSelection::Last,
+            PictureSelection::Fresh { timeout_s: 0.2 },
+        ] {
             let none = folder.path().join("none");
-            assert!(DirectoryCamera::of(&none, None, which).shoot().is_err());
+            assert!(DirectoryCamera::of(&none, None, selection).shoot().is_err());
         }
     }
 }

@@ -1,66 +1,66 @@
-//! Carries the segments of a pick and place out, one after the other, each asked for, written down, and verified.
+//! Executes the segments of a pick and place, one after the other. Each is confirmed, logged and verified.
 //!
-//! In: segments that were all checked before the first. Out: what was between the fingers and where they closed and
-//! opened, verified; else the error, the last segment that is verified, and whether the arm is verified to be stopped.
-//! Whatever goes wrong, and be it a panic, the arm is told to stop before anything else happens.
+//! In: segments, all checked against the limits beforehand. Out: what the fingers held, and where they closed and opened;
+//! else the error, the last verified segment, and whether the arm is verified to be stopped. On any error, and on a panic,
+//! the arm is stopped before anything else happens.
 
-use super::driver::{Arm, ArmError, ArmState, Between, Halt, Opening};
+use super::driver::{Arm, ArmError, ArmState, Halt, HandContents, Opening};
 use super::log::{ArmLog, Entry, LogError};
-use super::route::{Act, Name, Segment};
-use super::supervisor::{Asked, Supervisor, Watchdog};
+use super::route::{Act, Segment, SegmentName};
+use super::supervisor::{MotionRequest, Supervisor, Watchdog};
 use fab_base::interrupt::Interrupt;
 use nalgebra::{Isometry3, Point3};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// How long to wait between two looks at a person who does not hold the key, seconds.
-const HOLD_S: f64 = 0.05;
+/// Interval between two checks of the supervisor while motion is not allowed, seconds.
+const ALLOWED_POLL_S: f64 = 0.05;
 
-/// Everything around the arm while it moves.
+/// Everything that is needed to execute one pick and place.
 pub struct Execution<'e> {
     /// The arm, within its limits.
     pub arm: &'e mut dyn Arm,
     /// Its journal.
     pub log: &'e mut ArmLog,
-    /// Who gives leave.
+    /// Who confirms motion.
     pub supervisor: &'e mut dyn Supervisor,
-    /// Who stops it when this program hangs.
+    /// Stops the arm if this program hangs.
     pub watchdog: &'e mut dyn Watchdog,
-    /// A request to end.
+    /// The user's request to end.
     pub interrupt: &'e Interrupt,
     /// Speed of the tool, m/s.
     pub speed_m_s: f64,
-    /// Which pick and place of the run it is, from 1.
+    /// The number of the pick and place within the run, from 1.
     pub number: u32,
 }
 
-/// What was done, all of it verified.
+/// A pick and place that was completed and verified.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Done {
-    /// What was between the fingers when they had closed.
-    pub between: Between,
+pub struct CompletedAction {
+    /// What was between the closed fingers.
+    pub contents: HandContents,
     /// Where the tool was when they closed, base frame, metres.
     pub grasped_at: Point3<f64>,
-    /// Where it was when they opened again; where nothing was grasped, where they closed.
+    /// Where it was when they opened again; equal to `grasped_at` if they did not.
     pub released_at: Point3<f64>,
     /// How long it took, seconds.
     pub duration_s: f64,
 }
 
-/// What is known of a pick and place that was not carried out to its end.
+/// A pick and place that was not completed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Broken {
+pub struct FailedAction {
     /// Why.
     pub why: ArmError,
-    /// The segment in which it ended; none where none was begun.
-    pub in_segment: Option<Name>,
-    /// The last segment that is verified to be done.
-    pub verified: Option<Name>,
-    /// Whether the arm takes no motion any more; none where it was not told to stop.
+    /// The segment in which it ended; `None` if none was started.
+    pub in_segment: Option<SegmentName>,
+    /// The last segment that was verified.
+    pub verified: Option<SegmentName>,
+    /// Whether the stop of the arm was verified; `None` if no stop was requested.
     pub stopped: Option<Result<(), ArmError>>,
 }
 
-impl std::fmt::Display for Broken {
+impl std::fmt::Display for FailedAction {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.in_segment {
             Some(name) => write!(f, "in `{}`: {}", name.text(), self.why)?,
@@ -79,19 +79,19 @@ impl std::fmt::Display for Broken {
 }
 
 impl Execution<'_> {
-    /// Carries the segments out.
+    /// Executes the segments.
     ///
-    /// - `points`: where it picks and places, base frame, for the person who is asked.
-    /// - `without_cloth`: what follows where nothing was between the fingers.
+    /// - `points`: pick and place, metres, base frame, for the supervisor's question.
+    /// - `without_cloth`: the segments that follow an empty grasp.
     pub fn run(
         &mut self,
         points: [Point3<f64>; 2],
         segments: &[Segment],
         without_cloth: &[Segment],
-    ) -> Result<Done, Broken> {
+    ) -> Result<CompletedAction, FailedAction> {
         let begun_s = self.arm.now_s();
         let mut verified = None;
-        let nothing_moved = |why| Broken {
+        let nothing_moved = |why| FailedAction {
             why,
             in_segment: None,
             verified: None,
@@ -100,15 +100,15 @@ impl Execution<'_> {
         if self.interrupt.is_raised() {
             return Err(nothing_moved(ArmError::Interrupted));
         }
-        let asked = Asked::Action {
+        let asked = MotionRequest::Action {
             number: self.number,
             points,
             segments,
         };
-        if !self.supervisor.allows(asked) {
-            return Err(nothing_moved(self.no_leave()));
+        if !self.supervisor.confirm(asked) {
+            return Err(nothing_moved(self.not_confirmed()));
         }
-        let mut between = Between::Unknown;
+        let mut contents = HandContents::Unknown;
         let mut grasped_at = points[0];
         let mut released_at = None;
         let mut rest: Vec<Segment> = segments.to_vec();
@@ -117,75 +117,76 @@ impl Execution<'_> {
             let done = match self.segment(&segment) {
                 Ok(done) => done,
                 Err(why) => {
-                    if let ArmError::Unwritten(_) = why {
+                    if let ArmError::JournalAfterMotion(_) = why {
                         verified = Some(segment.name);
                     }
-                    return Err(self.broken(why, segment.name, verified));
+                    return Err(self.fail(why, segment.name, verified));
                 }
             };
             verified = Some(segment.name);
             match segment.name {
-                Name::Grasp => {
-                    between = done.between;
+                SegmentName::Grasp => {
+                    contents = done.contents;
                     grasped_at = done.at;
-                    if between == Between::Nothing {
+                    if contents == HandContents::Nothing {
                         rest = without_cloth.iter().rev().copied().collect();
                     }
                 }
-                Name::Release => released_at = Some(done.at),
+                SegmentName::Release => released_at = Some(done.at),
                 _ => {}
             }
         }
-        Ok(Done {
-            between,
+        Ok(CompletedAction {
+            contents,
             grasped_at,
             released_at: released_at.unwrap_or(grasped_at),
             duration_s: self.arm.now_s() - begun_s,
         })
     }
 
-    /// Carries one segment out: again from where the arm is, where a person lets the key go on its way.
-    fn segment(&mut self, segment: &Segment) -> Result<SegmentDone, ArmError> {
-        if !self.supervisor.allows(Asked::Segment(segment)) {
-            return Err(self.no_leave());
+    /// Executes one segment, and restarts it from the current pose after a pause.
+    fn segment(&mut self, segment: &Segment) -> Result<CompletedSegment, ArmError> {
+        if !self.supervisor.confirm(MotionRequest::Segment(segment)) {
+            return Err(self.not_confirmed());
         }
         loop {
-            while !self.supervisor.is_holding() {
+            while !self.supervisor.motion_allowed() {
                 if self.interrupt.is_raised() {
                     return Err(ArmError::Interrupted);
                 }
-                self.arm.wait(HOLD_S);
+                self.arm.wait(ALLOWED_POLL_S);
             }
             let from = self.arm.state()?;
-            let journal = |error: LogError| ArmError::Journal(error.to_string());
+            let journal = |error: LogError| ArmError::JournalBeforeMotion(error.to_string());
             let begun = self.log.begin(self.number, segment, &from.tool);
             begun.map_err(journal)?;
             match self.motion(segment) {
                 Err(ArmError::Paused) => continue,
                 Err(why) => return Err(why),
-                Ok((tool, between)) => {
+                Ok((tool, contents)) => {
                     let at_m: [f64; 3] = tool.translation.vector.into();
-                    let unwritten = |error: LogError| ArmError::Unwritten(error.to_string());
+                    let unwritten =
+                        |error: LogError| ArmError::JournalAfterMotion(error.to_string());
                     self.log.write(&Entry::Done { at_m }).map_err(unwritten)?;
-                    return Ok(SegmentDone {
+                    return Ok(CompletedSegment {
                         at: Point3::from(at_m),
-                        between,
+                        contents,
                     });
                 }
             }
         }
     }
 
-    /// Says why there is no leave to move: a question that is put when the program is asked to end has no answer.
-    fn no_leave(&self) -> ArmError {
+    /// Returns why motion was not confirmed: a question that an interrupt cut off has no answer.
+    fn not_confirmed(&self) -> ArmError {
         match self.interrupt.is_raised() {
             true => ArmError::Interrupted,
             false => ArmError::NotConfirmed,
         }
     }
 
-    /// Moves, under every eye that watches.
-    fn motion(&mut self, segment: &Segment) -> Result<(Isometry3<f64>, Between), ArmError> {
+    /// Moves while watchdog, interrupt and supervisor are checked.
+    fn motion(&mut self, segment: &Segment) -> Result<(Isometry3<f64>, HandContents), ArmError> {
         self.watchdog.watch().map_err(ArmError::Watchdog)?;
         let (interrupt, supervisor) = (self.interrupt, &mut *self.supervisor);
         let watchdog = &mut *self.watchdog;
@@ -196,7 +197,7 @@ impl Execution<'_> {
             if interrupt.is_raised() {
                 return Err(Halt::Stop(ArmError::Interrupted));
             }
-            match supervisor.is_holding() {
+            match supervisor.motion_allowed() {
                 true => Ok(()),
                 false => Err(Halt::Pause),
             }
@@ -205,39 +206,44 @@ impl Execution<'_> {
         let act = || match segment.act {
             Act::Move(to) => {
                 let moved = arm.move_tool(&to, speed_m_s, &mut watch);
-                moved.map(|state| (state.tool, Between::Unknown))
+                moved.map(|state| (state.tool, HandContents::Unknown))
             }
             Act::Hand(opening) => {
                 let moved = arm.move_fingers(opening, &mut watch);
-                moved.and_then(|between| Ok((arm.state()?.tool, between)))
+                moved.and_then(|contents| Ok((arm.state()?.tool, contents)))
             }
         };
-        // Whatever breaks while the arm moves, it is stopped before anything else, and told with what is verified.
+        // A panic becomes an error, so that the arm is stopped before anything else happens.
         let moved = catch_unwind(AssertUnwindSafe(act))
-            .unwrap_or_else(|panic| Err(ArmError::Panicked(words(panic.as_ref()))));
+            .unwrap_or_else(|panic| Err(ArmError::Panicked(panic_message(panic.as_ref()))));
         match &moved {
-            // The driver has seen that the arm is at rest, under the same eyes.
+            // The driver has verified that the arm is at rest.
             Ok(_) | Err(ArmError::Paused) => self.watchdog.rest(),
             Err(_) => {}
         }
         moved
     }
 
-    /// Stops the arm, and writes down what is known.
-    fn broken(&mut self, why: ArmError, in_segment: Name, verified: Option<Name>) -> Broken {
-        // What was refused before it moved leaves the arm at rest, and enabled for whoever looks after it.
+    /// Stops the arm and logs the failure.
+    fn fail(
+        &mut self,
+        why: ArmError,
+        in_segment: SegmentName,
+        verified: Option<SegmentName>,
+    ) -> FailedAction {
+        // A motion that was refused before it started leaves the arm at rest and enabled.
         let moved = !matches!(
             why,
-            ArmError::Refused(_) | ArmError::NotConfirmed | ArmError::Journal(_)
+            ArmError::Refused(_) | ArmError::NotConfirmed | ArmError::JournalBeforeMotion(_)
         );
         let stopped = moved.then(|| self.arm.stop());
         self.watchdog.rest();
-        // The error that is told is the one that ended the motion.
+        // A failure to log must not hide the error that ended the motion.
         let _ = self.log.write(&Entry::Halted {
             why: why.to_string(),
             stopped: stopped.as_ref().map(Result::is_ok),
         });
-        Broken {
+        FailedAction {
             why,
             in_segment: Some(in_segment),
             verified,
@@ -246,24 +252,24 @@ impl Execution<'_> {
     }
 }
 
-/// What one segment came to.
-struct SegmentDone {
+/// A segment that was completed and verified.
+struct CompletedSegment {
     at: Point3<f64>,
-    between: Between,
+    contents: HandContents,
 }
 
-/// Returns what a panic said.
-fn words(panic: &(dyn Any + Send)) -> String {
+/// Returns the message of a panic.
+fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
     text.unwrap_or_else(|| "without words".to_owned())
 }
 
-/// Returns what follows where nothing was between the fingers: up, and out of the camera's view.
+/// Returns the segments that follow an empty grasp: up, and out of the camera's view.
 pub fn without_cloth(segments: &[Segment], pick: &Point3<f64>, retreat_m: f64) -> Vec<Segment> {
     let Some(Act::Move(over)) = segments
         .iter()
-        .find(|segment| segment.name == Name::OverPick)
+        .find(|segment| segment.name == SegmentName::OverPick)
         .map(|segment| segment.act)
     else {
         return Vec::new();
@@ -272,10 +278,14 @@ pub fn without_cloth(segments: &[Segment], pick: &Point3<f64>, retreat_m: f64) -
     up.translation.vector.z = pick.z + retreat_m;
     let act = |name, act| Segment { name, act };
     let mut tail = vec![
-        act(Name::Up, Act::Move(up)),
-        act(Name::Release, Act::Hand(Opening::Open)),
-        act(Name::Away, Act::Move(over)),
+        act(SegmentName::Up, Act::Move(up)),
+        act(SegmentName::Release, Act::Hand(Opening::Open)),
+        act(SegmentName::Away, Act::Move(over)),
     ];
-    tail.extend(segments.iter().filter(|segment| segment.name == Name::Rest));
+    tail.extend(
+        segments
+            .iter()
+            .filter(|segment| segment.name == SegmentName::Rest),
+    );
     tail
 }

@@ -1,19 +1,19 @@
-//! The arm: where it can reach, where a camera's pixels lie for it, how it moves, and who drives it.
+//! The arm: kinematics, camera calibration, motion limits, and the drivers of real and simulated arms.
 //!
 //! ```text
-//! Motion → route → Limited → Arm (a driver) → Port (messages) → an arm, or the simulated one
+//! Motion → route → Limited → Arm (a driver) → Port (messages) → a real or simulated arm
 //! ```
 //!
-//! Lengths are metres and angles radians. The base frame is the arm's own (`link_base`): z up along the axis of the
-//! first joint. A tool pose is `base_from_tool`; its z axis points out of the hand, so that a hand that points down has
-//! it along minus z of the base. Nothing here knows of tasks, prompts or models.
+//! Lengths are metres and angles radians. The base frame is the arm's own (`link_base`): z points up along the axis of
+//! the first joint. A tool pose is `base_from_tool`; its z axis points out of the hand, so it is minus z of the base when
+//! the hand points down. Nothing here knows about tasks, prompts or language models.
 
 pub mod calibration;
 pub mod directory;
 pub mod driver;
 pub mod execute;
 pub mod kinematics;
-pub mod last;
+pub mod last_run;
 pub mod limits;
 pub mod log;
 pub mod plan;

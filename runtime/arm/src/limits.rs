@@ -1,35 +1,35 @@
-//! The one place that says where an arm may be and how fast: around any arm.
+//! Safety limits on where an arm may be and how fast it may move. They wrap any arm.
 //!
-//! In: motions. Out: the same motions, or a refusal before anything moves; and a stop where the arm leaves its limits on
-//! the way. The limits are about the tool, not about elbow and cables: a person looks after those.
+//! In: motions. Out: the same motions, or a refusal before anything moves; and a stop if the arm violates its limits during
+//! a motion. The limits apply to the tool only: a person has to watch elbow and cables.
 
-use super::driver::{Arm, ArmError, ArmState, Between, Halt, Off, Opening, Watch};
+use super::driver::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
 use super::settings::{KeepOut, Workspace};
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::collections::VecDeque;
 
-/// How much faster than allowed a measured speed may be before the arm is stopped: positions are measured to 1 mm.
+/// Factor by which the measured speed may exceed the limit before the arm is stopped: positions have 1 mm resolution.
 const SPEED_SLACK: f64 = 1.5;
 
-/// How far the tool may move while only the fingers should, metres: as near as the arm's node itself holds a place.
+/// How far the tool may move during a finger motion, metres: the accuracy with which the arm's node holds a pose.
 const FINGERS_STAY_M: f64 = 0.010;
 
-/// Over how long speed is measured, seconds.
+/// Time over which speed is measured, seconds.
 const SPEED_OVER_S: f64 = 0.4;
 
-/// The most that a hand may be tilted from straight down, and turned in one motion, radians: it is sent straight down alone.
+/// Largest tilt of the hand from straight down, and largest rotation in one motion, radians. Every goal here points down.
 const MAX_TILT_RAD: f64 = 0.2;
 
-/// An arm that stays within limits.
+/// An arm whose motions are checked against limits.
 pub struct Limited<A: Arm> {
     arm: A,
     workspace: Workspace,
-    /// How far from the limits a goal stays, metres: as far as the arm may miss it.
+    /// Distance that goals keep from the limits, metres: the position tolerance of the arm.
     margin_m: f64,
 }
 
 impl<A: Arm> Limited<A> {
-    /// Puts limits around an arm whose tool comes to within `margin_m` of where it is sent.
+    /// Wraps an arm whose tool reaches its goals to within `margin_m`.
     pub fn new(arm: A, workspace: Workspace, margin_m: f64) -> Limited<A> {
         Limited {
             arm,
@@ -38,12 +38,12 @@ impl<A: Arm> Limited<A> {
         }
     }
 
-    /// Returns the arm within.
+    /// Returns the wrapped arm.
     pub fn arm(&mut self) -> &mut A {
         &mut self.arm
     }
 
-    /// Says why a motion is not allowed, or that it is.
+    /// Checks a straight motion of the tool; the error says why it is not allowed.
     ///
     /// - `from`, `to`: `base_from_tool`.
     pub fn check(
@@ -56,9 +56,9 @@ impl<A: Arm> Limited<A> {
     }
 }
 
-/// Says why a straight motion of the tool is not allowed, or that it is.
+/// Checks a straight motion of the tool; the error says why it is not allowed.
 ///
-/// - `margin_m`: how far from the limits its goal stays.
+/// - `margin_m`: distance that the goal keeps from the limits.
 pub fn check(
     workspace: &Workspace,
     margin_m: f64,
@@ -87,7 +87,7 @@ pub fn check(
             workspace.max_step_m
         ));
     }
-    // Nothing says how fast a hand turns, and every motion here keeps it as it is.
+    // Rotation speed is not limited, and every motion here keeps the rotation.
     let turn_rad = from.rotation.angle_to(&to.rotation);
     let keeps = turn_rad <= MAX_TILT_RAD;
     if !keeps {
@@ -98,7 +98,7 @@ pub fn check(
         ));
     }
     let tilt_rad = (to.rotation * Vector3::z()).angle(&-Vector3::z());
-    // Written so that what is no number is too much.
+    // NaN must fail this check.
     let is_upright = tilt_rad <= MAX_TILT_RAD;
     if !is_upright || !to.rotation.coords.iter().all(|value| value.is_finite()) {
         return Err(format!(
@@ -123,19 +123,19 @@ pub fn check(
     Ok(())
 }
 
-/// Says why the tool must not be sent to a point, wherever it is now, or that it may.
+/// Checks a goal of the tool, wherever the tool is now; the error says why it is not allowed.
 pub fn check_goal(workspace: &Workspace, margin_m: f64, point: &Point3<f64>) -> Result<(), String> {
     inside(workspace, point, margin_m).map_err(|why| format!("the tool would be {why}"))
 }
 
-/// Says on which side a point is outside of the box, drawn in by a margin.
+/// Checks that a point is inside the workspace, shrunk by a margin; the error names the violated axis.
 fn inside(workspace: &Workspace, point: &Point3<f64>, margin_m: f64) -> Result<(), String> {
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let (least, most) = (
             workspace.min_m[axis] + margin_m,
             workspace.max_m[axis] - margin_m,
         );
-        // Written so that what is no number is outside.
+        // NaN must count as outside.
         if !(point[axis] >= least && point[axis] <= most) {
             let margin = match margin_m > 0.0 {
                 true => format!(" with a margin of {:.0} mm", margin_m * 1000.0),
@@ -152,7 +152,7 @@ fn inside(workspace: &Workspace, point: &Point3<f64>, margin_m: f64) -> Result<(
     Ok(())
 }
 
-/// Tells whether a straight way touches a zone, grown by a margin (slab method).
+/// Returns whether a straight path touches a zone, grown by a margin (slab method).
 fn crosses(zone: &KeepOut, margin_m: f64, from: &Point3<f64>, to: &Point3<f64>) -> bool {
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
     for axis in 0..3 {
@@ -171,7 +171,7 @@ fn crosses(zone: &KeepOut, margin_m: f64, from: &Point3<f64>, to: &Point3<f64>) 
     enter <= leave
 }
 
-/// Tells whether a way begins beside a zone, within its margin, and leads out of the margin without coming nearer.
+/// Returns whether a path starts beside a zone, within its margin, and leaves the margin without coming nearer.
 fn leaves(zone: &KeepOut, margin_m: f64, [from, to]: &[Point3<f64>; 2]) -> bool {
     let nearest = Point3::from(Vector3::from_fn(|axis, _| {
         from[axis].clamp(zone.min_m[axis], zone.max_m[axis])
@@ -185,15 +185,15 @@ fn place(point: &Point3<f64>) -> String {
     format!("({:.3}, {:.3}, {:.3})", point.x, point.y, point.z)
 }
 
-/// Looks at an arm while it moves.
-struct Lookout<'l> {
+/// Checks the arm against its limits while it moves.
+struct LimitMonitor<'l> {
     workspace: &'l Workspace,
-    /// When and where the tool was lately.
-    lately: VecDeque<(f64, Isometry3<f64>)>,
+    /// Recent times and poses of the tool.
+    recent: VecDeque<(f64, Isometry3<f64>)>,
 }
 
-impl Lookout<'_> {
-    fn look(&mut self, state: &ArmState) -> Result<(), Halt> {
+impl LimitMonitor<'_> {
+    fn check(&mut self, state: &ArmState) -> Result<(), Halt> {
         let out = |why: String| Halt::Stop(ArmError::OutOfLimits(why));
         let at = Point3::from(state.tool.translation.vector);
         inside(self.workspace, &at, 0.0).map_err(|why| out(format!("the tool is {why}")))?;
@@ -207,26 +207,26 @@ impl Lookout<'_> {
             }
         }
         if self
-            .lately
+            .recent
             .back()
             .is_none_or(|(at_s, _)| state.at_s > *at_s)
         {
-            self.lately.push_back((state.at_s, state.tool));
+            self.recent.push_back((state.at_s, state.tool));
         }
-        while self.lately.len() > 2
+        while self.recent.len() > 2
             && self
-                .lately
+                .recent
                 .get(1)
                 .is_some_and(|(at_s, _)| state.at_s - at_s >= SPEED_OVER_S)
         {
-            self.lately.pop_front();
+            self.recent.pop_front();
         }
-        let Some((first_s, first)) = self.lately.front() else {
+        let Some((first_s, first)) = self.recent.front() else {
             return Ok(());
         };
         let (took_s, way_m) = (
             state.at_s - first_s,
-            Off::between(first, &state.tool).position_m,
+            Deviation::between(first, &state.tool).position_m,
         );
         if took_s >= SPEED_OVER_S && way_m / took_s > SPEED_SLACK * self.workspace.max_speed_m_s {
             return Err(out(format!(
@@ -264,12 +264,12 @@ impl<A: Arm> Arm for Limited<A> {
     ) -> Result<ArmState, ArmError> {
         let from = self.arm.state()?;
         self.check(&from.tool, to, speed_m_s)?;
-        let mut lookout = Lookout {
+        let mut monitor = LimitMonitor {
             workspace: &self.workspace,
-            lately: VecDeque::new(),
+            recent: VecDeque::new(),
         };
         self.arm.move_tool(to, speed_m_s, &mut |state| {
-            lookout.look(state)?;
+            monitor.check(state)?;
             watch(state)
         })
     }
@@ -278,16 +278,16 @@ impl<A: Arm> Arm for Limited<A> {
         &mut self,
         opening: Opening,
         watch: &mut Watch<'_>,
-    ) -> Result<Between, ArmError> {
-        let mut lookout = Lookout {
+    ) -> Result<HandContents, ArmError> {
+        let mut monitor = LimitMonitor {
             workspace: &self.workspace,
-            lately: VecDeque::new(),
+            recent: VecDeque::new(),
         };
         let begun_at = self.arm.state()?.tool;
         self.arm.move_fingers(opening, &mut |state| {
-            lookout.look(state)?;
-            let carried_m = Off::between(&begun_at, &state.tool).position_m;
-            // Written so that what is no number stops it too.
+            monitor.check(state)?;
+            let carried_m = Deviation::between(&begun_at, &state.tool).position_m;
+            // NaN must stop the arm too.
             let stays = carried_m <= FINGERS_STAY_M;
             if !stays {
                 return Err(Halt::Stop(ArmError::OutOfLimits(format!(

@@ -1,10 +1,10 @@
-//! The arm's journal: a line before each motion, synced, and one after it was verified.
+//! The arm's journal: a synced line before each motion, and one after it was verified.
 //!
-//! In: what is about to happen. Out: `arm.jsonl` in the run folder; so that after a crash it is known which motion may be
-//! under way and whether the hand may hold cloth. A line that a crash cut short is left aside: the one before it counts.
+//! In: segments, before and after they run. Out: `arm.jsonl` in the run folder. After a crash it shows which motion may be
+//! unfinished and whether the hand may hold cloth. A line that a crash truncated is ignored; the one before it counts.
 
 use super::driver::Opening;
-use super::route::{Act, Name, Segment};
+use super::route::{Act, Segment, SegmentName};
 use fab_base::jsonl::{Appender, Reader};
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
@@ -20,37 +20,37 @@ const MAX_BYTES: u64 = 64 << 20;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Entry {
-    /// A motion is about to begin.
+    /// A segment is about to start.
     Begin {
-        /// The pick and place that it is part of, from 1.
+        /// The number of its pick and place, from 1.
         action: u32,
-        /// Which part.
-        segment: Name,
-        /// Where the tool is to go, metres, base frame; none for a motion of the fingers.
+        /// Which segment.
+        segment: SegmentName,
+        /// Target of the tool, metres, base frame; null for a motion of the fingers.
         to_m: Option<[f64; 3]>,
-        /// What the fingers are to do; none for a motion of the tool.
+        /// Target of the fingers; null for a motion of the tool.
         hand: Option<Opening>,
-        /// Where it was, metres, base frame.
+        /// Position of the tool at the start, metres, base frame.
         from_m: [f64; 3],
     },
-    /// The motion before was verified.
+    /// The segment was verified.
     Done {
-        /// Where the tool was found, metres, base frame.
+        /// Measured position of the tool, metres, base frame.
         at_m: [f64; 3],
     },
-    /// A motion was ended, or refused.
+    /// The segment was ended early, or refused.
     Halted {
         /// Why.
         why: String,
-        /// Whether the arm was verified to be stopped; null where it was not told to stop.
+        /// Whether the stop was verified; null if no stop was requested.
         stopped: Option<bool>,
     },
-    /// A person let an arm go that was stopped; what is in its hand is as it was.
+    /// A person enabled a stopped arm; its hand is unchanged.
     Enabled {
         /// Why it may move again.
         how: String,
     },
-    /// A person has looked after an arm that was left in the middle of a motion.
+    /// A person recovered an arm that was left in the middle of a motion.
     Recovered {
         /// What was done.
         how: String,
@@ -67,7 +67,7 @@ pub struct LogError {
     pub why: String,
 }
 
-/// The journal of an arm that is being written.
+/// The journal of an arm, open for writing.
 #[derive(Debug)]
 pub struct ArmLog {
     path: PathBuf,
@@ -75,7 +75,7 @@ pub struct ArmLog {
 }
 
 impl ArmLog {
-    /// Opens the journal in a run folder, to go on with it.
+    /// Opens the journal in a run folder, to append to it.
     pub fn open(folder: &Path) -> Result<ArmLog, LogError> {
         let path = folder.join(ARM_FILE);
         let opened = Appender::open(&path).map_err(|error| error.to_string());
@@ -91,7 +91,7 @@ impl ArmLog {
         }
     }
 
-    /// Writes a line and waits until it is on the disk.
+    /// Writes a line and waits until it is on disk.
     pub fn write(&mut self, entry: &Entry) -> Result<(), LogError> {
         self.file.append(entry).map_err(|error| LogError {
             path: self.path.clone(),
@@ -99,7 +99,7 @@ impl ArmLog {
         })
     }
 
-    /// Writes that a segment is about to begin.
+    /// Writes that a segment is about to start.
     pub fn begin(
         &mut self,
         action: u32,
@@ -120,49 +120,49 @@ impl ArmLog {
     }
 }
 
-/// In what state a journal leaves an arm.
+/// The state in which a run left an arm, according to its journal.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Left {
-    /// Nothing was begun, every motion was verified and the hand is empty, or a person has looked after it.
+pub enum RunState {
+    /// No motion was started, or every motion was verified and the hand is empty, or a person recovered the arm.
     Clear,
-    /// A motion was begun and not verified, or it was halted, or the hand holds something.
-    Unclear {
-        /// The last motion that was begun.
-        segment: Name,
-        /// The pick and place that it is part of, from 1.
+    /// A motion was started and not verified, or halted, or the hand may hold cloth.
+    NeedsRecovery {
+        /// The last segment that was started.
+        segment: SegmentName,
+        /// The number of its pick and place, from 1.
         action: u32,
-        /// Where it was to go, metres, base frame.
+        /// Its target, metres, base frame; `None` for a motion of the fingers.
         to_m: Option<[f64; 3]>,
         /// Whether the hand may hold cloth.
         may_hold: bool,
-        /// Whether the motion itself was verified.
+        /// Whether the segment itself was verified.
         is_verified: bool,
-        /// Why it was halted, where it was.
+        /// Why it was halted, if it was.
         why: Option<String>,
     },
 }
 
-/// Reads in what state the journal of a run folder leaves the arm; clear where there is none.
-pub fn left(folder: &Path) -> Result<Left, LogError> {
+/// Returns the state in which a run left the arm, from the journal in its folder; clear if there is no journal.
+pub fn run_state(folder: &Path) -> Result<RunState, LogError> {
     let path = folder.join(ARM_FILE);
     if !path.exists() {
-        return Ok(Left::Clear);
+        return Ok(RunState::Clear);
     }
     let wrong = |why: String| LogError {
         path: path.clone(),
         why,
     };
     let mut lines = Reader::open(&path, MAX_BYTES).map_err(wrong)?;
-    let mut left = Left::Clear;
+    let mut state = RunState::Clear;
     while let Some(entry) = lines.read().map_err(wrong)? {
-        left = after(left, entry);
+        state = after(state, entry);
     }
-    Ok(left)
+    Ok(state)
 }
 
-/// Returns the state after a line.
-fn after(left: Left, entry: Entry) -> Left {
-    match (left, entry) {
+/// Returns the state after one more line.
+fn after(state: RunState, entry: Entry) -> RunState {
+    match (state, entry) {
         (
             before,
             Entry::Begin {
@@ -171,16 +171,17 @@ fn after(left: Left, entry: Entry) -> Left {
                 to_m,
                 ..
             },
-        ) => Left::Unclear {
+        ) => RunState::NeedsRecovery {
             segment,
             action,
             to_m,
-            may_hold: segment.may_hold() || matches!(before, Left::Unclear { may_hold: true, .. }),
+            may_hold: segment.may_hold_cloth()
+                || matches!(before, RunState::NeedsRecovery { may_hold: true, .. }),
             is_verified: false,
             why: None,
         },
         (
-            Left::Unclear {
+            RunState::NeedsRecovery {
                 segment,
                 action,
                 to_m,
@@ -189,8 +190,8 @@ fn after(left: Left, entry: Entry) -> Left {
                 ..
             },
             Entry::Done { .. },
-        ) => match may_hold && segment != Name::Release {
-            true => Left::Unclear {
+        ) => match may_hold && segment != SegmentName::Release {
+            true => RunState::NeedsRecovery {
                 segment,
                 action,
                 to_m,
@@ -198,10 +199,10 @@ fn after(left: Left, entry: Entry) -> Left {
                 is_verified: true,
                 why,
             },
-            false => Left::Clear,
+            false => RunState::Clear,
         },
         (
-            Left::Unclear {
+            RunState::NeedsRecovery {
                 segment,
                 action,
                 to_m,
@@ -210,7 +211,7 @@ fn after(left: Left, entry: Entry) -> Left {
                 ..
             },
             Entry::Halted { why, .. },
-        ) => Left::Unclear {
+        ) => RunState::NeedsRecovery {
             segment,
             action,
             to_m,
@@ -218,7 +219,7 @@ fn after(left: Left, entry: Entry) -> Left {
             is_verified,
             why: Some(why),
         },
-        (_, Entry::Recovered { .. }) => Left::Clear,
-        (left, Entry::Done { .. } | Entry::Halted { .. } | Entry::Enabled { .. }) => left,
+        (_, Entry::Recovered { .. }) => RunState::Clear,
+        (state, Entry::Done { .. } | Entry::Halted { .. } | Entry::Enabled { .. }) => state,
     }
 }

@@ -1,19 +1,19 @@
-//! What an arm would do for one pick and place, worked out and drawn without motion.
+//! Plans one pick and place without motion.
 //!
-//! In: settings, the arm's chain, where the tool is, two points. Out: a [`Plan`]: each segment with its end, its length,
-//! the time at the stated speed and joint angles at its end; or with the reason why it is not allowed or not possible.
-//! Whether anything moves is not decided here.
+//! In: settings, the kinematic chain, the tool's pose, two points. Out: a [`Plan`]: each segment with its target, path
+//! length, duration at the configured speed, and joint angles at its end; or the reason why a segment is not allowed or not
+//! possible. Nothing is executed here.
 
 use super::driver::Opening;
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::{Reach, Turn};
 use super::limits;
-use super::route::{self, Act, Name, Segment};
+use super::route::{self, Act, Segment, SegmentName};
 use super::settings::Settings;
 use nalgebra::{Isometry3, Point3};
 use serde::{Deserialize, Serialize};
 
-/// The longest way between two points of a straight line for which joint angles are looked for, metres.
+/// Largest distance between two points of a straight path at which joint angles are solved, metres.
 const STEP_M: f64 = 0.01;
 
 /// One pick and place, planned.
@@ -21,32 +21,32 @@ const STEP_M: f64 = 0.01;
 pub struct Plan {
     /// The arm's model.
     pub model: String,
-    /// Where cloth is to be picked, metres, base frame.
+    /// Pick point, metres, base frame.
     pub pick_m: [f64; 3],
-    /// Where it is to be placed.
+    /// Place point, metres, base frame.
     pub place_m: [f64; 3],
-    /// Where the tool is taken to be before, metres, base frame.
+    /// Position of the tool before the first segment, metres, base frame.
     pub from_m: [f64; 3],
-    /// The segments in their order; where one is refused, it is the last.
-    pub segments: Vec<Planned>,
-    /// Why the last of them is not allowed or not possible; none where all are.
+    /// The segments in order; a refused segment is the last one.
+    pub segments: Vec<PlannedSegment>,
+    /// Why the last segment is not allowed or not possible; `None` if all are possible.
     pub refused: Option<String>,
 }
 
 /// A segment of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Planned {
+pub struct PlannedSegment {
     /// Its name.
-    pub name: Name,
-    /// Where the tool is at its end, metres, base frame.
+    pub name: SegmentName,
+    /// Position of the tool at its end, metres, base frame.
     pub to_m: [f64; 3],
-    /// What the hand does, where the fingers move and the tool does not.
+    /// Target of the fingers, in a segment that moves only the fingers.
     pub hand: Option<Opening>,
-    /// Length of the way, metres.
+    /// Path length of the tool, metres.
     pub way_m: f64,
-    /// How long that takes at the stated speed, seconds; 0 for fingers, whose speed no setting states.
+    /// Duration at the configured speed, seconds; 0 for fingers, whose speed is not configured.
     pub takes_s: f64,
-    /// Joint angles at its end by this crate's kinematics, degrees; a node that takes poses finds its own.
+    /// Joint angles at its end by this crate's kinematics, degrees; a node that takes tool poses may choose others.
     pub joints_deg: Vec<f64>,
 }
 
@@ -75,7 +75,7 @@ impl Plan {
         plan
     }
 
-    /// Follows the segments to the first that is not allowed or not possible; says why.
+    /// Adds segments up to the first that is not allowed or not possible; the error says why.
     fn follow(
         &mut self,
         settings: &Settings,
@@ -94,7 +94,7 @@ impl Plan {
                 Act::Hand(opening) => (at, Some(opening)),
             };
             let way_m = (to.translation.vector - at.translation.vector).norm();
-            self.segments.push(Planned {
+            self.segments.push(PlannedSegment {
                 name: segment.name,
                 to_m: to.translation.vector.into(),
                 hand,
@@ -110,9 +110,9 @@ impl Plan {
                     &to,
                     settings.motion.speed_m_s,
                 )?;
-                let way = chain.straight(&at, &to, &joints_rad, STEP_M);
-                let way = way.map_err(|why| format!("the arm cannot follow: {why}"))?;
-                joints_rad = way.into_iter().next_back().unwrap_or(joints_rad);
+                let path = chain.straight(&at, &to, &joints_rad, STEP_M);
+                let path = path.map_err(|why| format!("the arm cannot follow: {why}"))?;
+                joints_rad = path.into_iter().next_back().unwrap_or(joints_rad);
             }
             if let Some(last) = self.segments.last_mut() {
                 last.joints_deg = joints_rad.iter().map(|angle| angle.to_degrees()).collect();
@@ -122,17 +122,17 @@ impl Plan {
         Ok(())
     }
 
-    /// Returns how long all ways are together, metres.
+    /// Returns the total path length, metres.
     pub fn way_m(&self) -> f64 {
         self.segments.iter().map(|segment| segment.way_m).sum()
     }
 
-    /// Returns how long all ways take at the stated speed, seconds.
+    /// Returns the total duration at the configured speed, seconds.
     pub fn takes_s(&self) -> f64 {
         self.segments.iter().map(|segment| segment.takes_s).sum()
     }
 
-    /// Says which segment is refused, and why; none where all are allowed and possible.
+    /// Returns which segment is refused and why; `None` if all are possible.
     pub fn refusal(&self) -> Option<String> {
         let why = self.refused.as_ref()?;
         Some(match self.segments.last() {
@@ -189,7 +189,10 @@ keep_out = [{ name = 'lamp', min_m = [0.45, 0.1, 0.0], max_m = [0.5, 0.2, 0.4] }
         let ways: f64 = plan.way_m();
         assert!((plan.takes_s() - ways / 0.10).abs() < 1e-9);
         let last = plan.segments.last().unwrap();
-        assert_eq!((last.name, last.to_m), (Name::Rest, [0.35, -0.35, 0.25]));
+        assert_eq!(
+            (last.name, last.to_m),
+            (SegmentName::Rest, [0.35, -0.35, 0.25])
+        );
     }
 
     #[test]
@@ -205,9 +208,9 @@ keep_out = [{ name = 'lamp', min_m = [0.45, 0.1, 0.0], max_m = [0.5, 0.2, 0.4] }
             ),
         ] {
             let (plan, _) = plan(pick_m, place_m);
-            let told = plan.refusal().unwrap_or_default();
-            assert!(told.contains(why), "{told}");
-            assert_eq!(plan.segments.last().unwrap().name.text(), name, "{told}");
+            let refusal = plan.refusal().unwrap_or_default();
+            assert!(refusal.contains(why), "{refusal}");
+            assert_eq!(plan.segments.last().unwrap().name.text(), name, "{refusal}");
         }
     }
 }

@@ -1,7 +1,6 @@
-//! Cameras that give colour with depth: a topic's, a folder's, the simulator's.
+//! The interface of cameras that deliver colour with depth: from ROS topics, a folder, or the simulator.
 //!
-//! In: nothing but the camera. Out: a [`Shot`] as it was taken, in its own size; cutting it to a task's square picture is
-//! the world's business.
+//! In: nothing but the camera. Out: a [`Shot`] in the camera's full size; the world cuts out the task's square picture.
 
 use fab_picture::DepthImage;
 use image::RgbImage;

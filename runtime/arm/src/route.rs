@@ -1,8 +1,8 @@
-//! The segments of one pick and place, as the paper's arm carries it out.
+//! The segments of one pick and place, as in the paper.
 //!
-//! In: two points of the table and how to go about it. Out: segments in order, each with its name and its end. The
-//! paper: arrive 5 mm above the pick, down, grasp, up 5 mm, over, down, release, up. Distances are exact: each segment is
-//! one motion to a place, where the authors' code counts steps of 50 mm.
+//! In: two points on the table, and the motion settings. Out: segments in order, each with its name and target. The paper:
+//! approach to 5 mm above the pick, down, grasp, up 5 mm, over, down, release, up. Distances are exact: each segment is one
+//! motion to an absolute pose, where the authors' code counts steps of 50 mm.
 
 use super::driver::Opening;
 use super::kinematics::tool_down::tool_down;
@@ -10,12 +10,12 @@ use super::settings::{MotionSettings, Settings};
 use nalgebra::{Isometry3, Point3};
 use serde::{Deserialize, Serialize};
 
-/// One part of a pick and place.
+/// One segment of a pick and place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     /// Its name.
-    pub name: Name,
-    /// What is done.
+    pub name: SegmentName,
+    /// What is done in it.
     pub act: Act,
 }
 
@@ -31,14 +31,14 @@ pub enum Act {
 /// The segments of a pick and place, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Name {
-    /// The hand rises to the height of travel, where it is.
+pub enum SegmentName {
+    /// The hand rises to travel height.
     Rise,
     /// The fingers open, away from the cloth.
     Open,
-    /// The hand goes over the pick point.
+    /// The hand moves over the pick point.
     OverPick,
-    /// It comes to just above the cloth.
+    /// It approaches to just above the cloth.
     PrePick,
     /// It goes down to the cloth.
     Down,
@@ -46,7 +46,7 @@ pub enum Name {
     Grasp,
     /// It lifts what it grasped.
     Lift,
-    /// It carries it over the place point.
+    /// It carries the cloth over the place point.
     Over,
     /// It goes down to the table.
     DownToPlace,
@@ -54,35 +54,35 @@ pub enum Name {
     Release,
     /// It rises from the cloth.
     Up,
-    /// It rises to the height of travel.
+    /// It rises to travel height.
     Away,
-    /// It goes out of the camera's view.
+    /// It moves out of the camera's view.
     Rest,
 }
 
-impl Name {
-    /// Returns the name as journals and people read it.
+impl SegmentName {
+    /// Returns the name as it appears in journals and messages.
     pub fn text(self) -> &'static str {
         match self {
-            Name::Rise => "rise",
-            Name::Open => "open",
-            Name::OverPick => "over_pick",
-            Name::PrePick => "pre_pick",
-            Name::Down => "down",
-            Name::Grasp => "grasp",
-            Name::Lift => "lift",
-            Name::Over => "over",
-            Name::DownToPlace => "down_to_place",
-            Name::Release => "release",
-            Name::Up => "up",
-            Name::Away => "away",
-            Name::Rest => "rest",
+            SegmentName::Rise => "rise",
+            SegmentName::Open => "open",
+            SegmentName::OverPick => "over_pick",
+            SegmentName::PrePick => "pre_pick",
+            SegmentName::Down => "down",
+            SegmentName::Grasp => "grasp",
+            SegmentName::Lift => "lift",
+            SegmentName::Over => "over",
+            SegmentName::DownToPlace => "down_to_place",
+            SegmentName::Release => "release",
+            SegmentName::Up => "up",
+            SegmentName::Away => "away",
+            SegmentName::Rest => "rest",
         }
     }
 
-    /// Tells whether the hand may hold cloth in or after this segment.
-    pub fn may_hold(self) -> bool {
-        (Name::Grasp..=Name::Release).contains(&self)
+    /// Returns whether the hand may hold cloth during or after this segment.
+    pub fn may_hold_cloth(self) -> bool {
+        (SegmentName::Grasp..=SegmentName::Release).contains(&self)
     }
 }
 
@@ -114,24 +114,27 @@ pub fn segments(
     let [rest_x, rest_y, rest_z] = settings.workspace.rest_m;
     let mut segments = Vec::new();
     let mut add = |name, act| segments.push(Segment { name, act });
-    add(Name::Rise, pose(here.x, here.y, here.z.max(travel_z)));
-    add(Name::Open, Act::Hand(Opening::Open));
-    add(Name::OverPick, high(pick.x, pick.y));
-    add(Name::PrePick, over(pick, pre_pick_m));
-    add(Name::Down, over(pick, grasp_m));
-    add(Name::Grasp, Act::Hand(Opening::Closed));
-    add(Name::Lift, over(pick, lift_m));
-    // Carried at the height to which it was lifted over the higher of the two points, so that it stays above both.
+    add(
+        SegmentName::Rise,
+        pose(here.x, here.y, here.z.max(travel_z)),
+    );
+    add(SegmentName::Open, Act::Hand(Opening::Open));
+    add(SegmentName::OverPick, high(pick.x, pick.y));
+    add(SegmentName::PrePick, over(pick, pre_pick_m));
+    add(SegmentName::Down, over(pick, grasp_m));
+    add(SegmentName::Grasp, Act::Hand(Opening::Closed));
+    add(SegmentName::Lift, over(pick, lift_m));
+    // The carry height is the lift above the higher of the two points, so the cloth clears both.
     let carry_z = pick.z.max(place.z) + lift_m;
     if carry_z > pick.z + lift_m {
-        add(Name::Lift, pose(pick.x, pick.y, carry_z));
+        add(SegmentName::Lift, pose(pick.x, pick.y, carry_z));
     }
-    add(Name::Over, pose(place.x, place.y, carry_z));
-    add(Name::DownToPlace, over(place, release_m));
-    add(Name::Release, Act::Hand(Opening::Open));
-    add(Name::Up, over(place, retreat_m));
-    add(Name::Away, high(place.x, place.y));
-    add(Name::Rest, pose(rest_x, rest_y, rest_z));
+    add(SegmentName::Over, pose(place.x, place.y, carry_z));
+    add(SegmentName::DownToPlace, over(place, release_m));
+    add(SegmentName::Release, Act::Hand(Opening::Open));
+    add(SegmentName::Up, over(place, retreat_m));
+    add(SegmentName::Away, high(place.x, place.y));
+    add(SegmentName::Rest, pose(rest_x, rest_y, rest_z));
     segments
 }
 

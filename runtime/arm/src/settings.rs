@@ -1,7 +1,7 @@
 //! The settings of one arm over one table: a TOML file that its owner writes once.
 //!
 //! In: text. Out: [`Settings`], every number checked; an error names the key, its value and what would be right. The
-//! place of the camera is measured and lies in a file of its own (`fabc calibrate`).
+//! camera's pose is measured, and has a file of its own (`fabc calibrate`).
 
 mod check;
 
@@ -21,7 +21,7 @@ pub struct Settings {
     pub name: String,
     /// The arm's model: `j2n6s200`, `j2n6s300` or `j2s6s200`.
     pub model: String,
-    /// Who moves it.
+    /// The driver that moves it.
     pub driver: DriverKind,
     /// The file that `fabc calibrate` wrote, relative to this one.
     pub calibration: PathBuf,
@@ -29,7 +29,7 @@ pub struct Settings {
     pub table: Table,
     /// Where the tool may be.
     pub workspace: Workspace,
-    /// How a pick and place is carried out.
+    /// How a pick and place is executed.
     #[serde(default)]
     pub motion: MotionSettings,
     /// What finger positions mean.
@@ -46,13 +46,13 @@ pub struct Settings {
     pub simulated: SimulatedSettings,
 }
 
-/// Who moves the arm.
+/// A driver of the arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DriverKind {
-    /// The node of kinova-ros, by Cartesian goals.
+    /// The node of kinova-ros, with Cartesian goals.
     Kinova,
-    /// A `FollowJointTrajectory` controller, by joint trajectories from this crate's inverse kinematics.
+    /// A `FollowJointTrajectory` controller, with joint trajectories from this crate's inverse kinematics.
     Trajectory,
     /// An arm that this program simulates, over a simulated cloth.
     Simulated,
@@ -78,7 +78,7 @@ pub struct Workspace {
     pub min_m: [f64; 3],
     /// The largest.
     pub max_m: [f64; 3],
-    /// Boxes that neither the tool nor its way may enter.
+    /// Boxes that neither the tool nor its path may enter.
     #[serde(default)]
     pub keep_out: Vec<KeepOut>,
     /// Where the tool waits while pictures are taken, out of the camera's view; metres, base frame.
@@ -103,7 +103,7 @@ pub struct KeepOut {
     pub max_m: [f64; 3],
 }
 
-/// How a pick and place is carried out; heights are above the point that is picked or placed at.
+/// How a pick and place is executed; heights are above the pick or place point.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MotionSettings {
@@ -111,7 +111,7 @@ pub struct MotionSettings {
     pub pre_pick_m: f64,
     /// Height at which the fingers close, metres.
     pub grasp_m: f64,
-    /// Height to which what was grasped is lifted, metres (paper: 5 mm).
+    /// Height to which the cloth is lifted, metres (paper: 5 mm).
     pub lift_m: f64,
     /// Height at which the fingers open, metres.
     pub release_m: f64,
@@ -119,8 +119,8 @@ pub struct MotionSettings {
     pub retreat_m: f64,
     /// Height over the table at which the hand travels with nothing in it, metres.
     pub travel_m: f64,
-    /// Speed of the tool, m/s. The node behind the driver `kinova` takes none and goes at its own: there it only says how long
-    /// a motion may take.
+    /// Speed of the tool, m/s. The node behind the driver `kinova` uses its own speed: there this only limits how long a
+    /// motion may take.
     pub speed_m_s: f64,
     /// How the hand is turned about the vertical, degrees in the base frame.
     pub hand_turn_deg: f64,
@@ -177,7 +177,7 @@ pub struct FingerSettings {
     pub tolerance: f64,
 }
 
-/// What counts as reached, and how long that may take.
+/// When a goal counts as reached, and how long that may take.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tolerance {
@@ -185,13 +185,13 @@ pub struct Tolerance {
     pub position_m: f64,
     /// How far it may be turned, degrees. The arm's node itself accepts 2 degrees.
     pub angle_deg: f64,
-    /// How often a goal is sent again when the node calls it reached and it is not.
+    /// How often a goal is sent again when the node reports it as reached and the tool is not there.
     pub corrections: u32,
-    /// The longest that a segment may take beyond its length over its speed, seconds.
+    /// The longest that a segment may take beyond its nominal duration, seconds.
     pub settle_s: f64,
-    /// The oldest that a reading may be, seconds.
+    /// The largest age of a reading, seconds.
     pub stale_s: f64,
-    /// The longest without a sign of life of this program, after which the watchdog stops the arm, seconds.
+    /// The longest time without a heartbeat, after which the watchdog stops the arm, seconds.
     pub watchdog_s: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What looks at pictures for an arm: detectors and drawing are not known here, so that an arm needs no OpenCV.
+//! The vision functions that an arm needs, as function pointers, so that this crate does not depend on OpenCV.
 
 use crate::calibration::Calibration;
 use crate::kinematics::reach::Reach;
@@ -14,7 +14,7 @@ pub type DrawPlan =
 /// Finds places of the first picture in the second; what is hidden or out of it is left out.
 pub type FindAgain = fn(&GrayImage, &[[u32; 2]], &GrayImage) -> Result<Vec<Found>, String>;
 
-/// Functions on pictures, from whoever sets an arm up; each says in words what it could not do.
+/// The vision functions of an arm, provided by the caller; errors are worded for people.
 #[derive(Clone, Copy)]
 pub struct Sight {
     /// Finds places that can be found again, `[column, row]`; none in a picture without texture.

@@ -1,69 +1,69 @@
-//! The person beside the arm, and what keeps watch when nobody answers.
+//! The supervisor who confirms motion, and the watchdog that stops the arm if this program hangs.
 //!
-//! In: what is about to move. Out: leave to do it, or not. Who asks on a terminal is the command's business; here are the
-//! questions, and supervisors that need no person for arms that are simulated.
+//! In: what is about to move. Out: confirmation, or not. Asking on a terminal is left to the command; here are the traits,
+//! and implementations that need no person, for simulated arms.
 
 use super::route::Segment;
 use fab_world::start::Start;
 use nalgebra::Point3;
 
-/// What is about to happen.
+/// A motion that needs confirmation.
 #[derive(Clone, Copy, Debug)]
-pub enum Asked<'a> {
+pub enum MotionRequest<'a> {
     /// A whole pick and place.
     Action {
-        /// From 1.
+        /// Its number within the run, from 1.
         number: u32,
-        /// Where it picks and places, metres, base frame.
+        /// Pick and place, metres, base frame.
         points: [Point3<f64>; 2],
-        /// Its parts.
+        /// Its segments.
         segments: &'a [Segment],
     },
-    /// One part of it.
+    /// One segment of it.
     Segment(&'a Segment),
 }
 
-/// A person who watches the arm.
+/// Decides whether the arm may move: a person, or a stand-in for one.
 pub trait Supervisor {
-    /// Lays the cloth on the table as a rollout begins; says whether it lies there.
-    fn lays_cloth(&mut self, start: &Start) -> bool;
+    /// Asks for the cloth to be laid on the table as a rollout starts; returns whether it lies there.
+    fn confirm_cloth(&mut self, start: &Start) -> bool;
 
-    /// Gives leave, or not.
-    fn allows(&mut self, asked: Asked<'_>) -> bool;
+    /// Returns whether a motion is confirmed.
+    fn confirm(&mut self, request: MotionRequest<'_>) -> bool;
 
-    /// Tells whether motion may go on right now: whether the key is held, where one has to be.
-    fn is_holding(&mut self) -> bool {
+    /// Returns whether motion may continue right now, e.g. whether the hold-to-run key is down.
+    fn motion_allowed(&mut self) -> bool {
         true
     }
 }
 
-/// Gives leave to everything: for arms that are simulated, and for those who said `--confirm none`.
+/// Confirms everything: for simulated arms, and for `--confirm none`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unattended;
 
 impl Supervisor for Unattended {
-    fn lays_cloth(&mut self, _: &Start) -> bool {
+    fn confirm_cloth(&mut self, _: &Start) -> bool {
         true
     }
 
-    fn allows(&mut self, _: Asked<'_>) -> bool {
+    fn confirm(&mut self, _: MotionRequest<'_>) -> bool {
         true
     }
 }
 
-/// Stops the arm from outside when this program gives no sign of life while the arm moves.
+/// Stops the arm from outside if this program sends no heartbeat while the arm moves.
 pub trait Watchdog {
-    /// Begins to keep watch; fails where it cannot.
+    /// Starts watching; fails if it cannot.
     fn watch(&mut self) -> Result<(), String>;
 
-    /// Gives a sign of life; fails where nobody heard it.
+    /// Sends a heartbeat; fails if nobody received it.
     fn beat(&mut self) -> Result<(), String>;
 
-    /// Ends the watch: the arm is at rest.
+    /// Stops watching: the arm is at rest.
     fn rest(&mut self);
 }
 
-/// Keeps no watch: for arms that are simulated in this program and end with it.
+/// Watches nothing: for arms that this program simulates, which end with it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoWatchdog;
 

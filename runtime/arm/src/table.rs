@@ -1,13 +1,13 @@
-//! A simulated cloth under a simulated hand and a camera, for an arm that moves by itself.
+//! A simulated cloth under a simulated hand and a camera, for a simulated arm.
 //!
-//! In: where the hand is, step by step, and whether it is closed. Out: a cloth that goes along, and the camera's pictures.
-//! The hand takes one particle, as the picker of the simulated world does, and touches nothing on its way.
+//! In: the pose of the hand, step by step, and whether it is closed. Out: a cloth that follows it, and the camera's
+//! pictures. The hand takes one particle, as the picker of the simulated world does, and touches nothing on its path.
 
 mod sheets;
 
 use crate::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
 use crate::settings::{Settings, SimulatedSettings};
-use crate::simulated::Table;
+use crate::simulated::SimulatedTable;
 use fab_picture::DepthImage;
 use fab_sim::{Grid, ImageUp, Mask, Params, Simulator, TopDownCamera};
 use fab_world::WorldError;
@@ -186,7 +186,7 @@ impl ClothTable {
     }
 }
 
-impl Table for ClothTable {
+impl SimulatedTable for ClothTable {
     fn advance(&mut self, seconds: f64, tool: &Isometry3<f64>, are_closed: bool) {
         let tip = self.tip(tool);
         let taken = match (are_closed, self.holds_at) {
@@ -223,7 +223,7 @@ impl Table for ClothTable {
         }
     }
 
-    fn is_between(&self, tool: &Isometry3<f64>) -> bool {
+    fn is_cloth_between_fingers(&self, tool: &Isometry3<f64>) -> bool {
         self.holds_at.is_some() || self.between(self.tip(tool)).is_some()
     }
 

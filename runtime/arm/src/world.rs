@@ -1,24 +1,24 @@
-//! An arm over a table as a [`World`]: a real one behind its driver, or the simulated one.
+//! An arm over a table as a [`World`]: a real arm behind its driver, or a simulated one.
 //!
-//! In: motions in the world frame, whose origin is the middle of the table that the settings state. Out: pictures as the
-//! task's camera takes them, and what is verified of each motion. The world cannot be repeated and knows no particles,
-//! except that a simulated table does.
+//! In: motions in the world frame, whose origin is the middle of the table in the settings. Out: pictures as the task's
+//! camera takes them, and the verified result of each motion. A rollout cannot be repeated, and particle positions are
+//! known only on a simulated table.
 
 mod parts;
 mod picture;
 mod planning;
+mod reach;
 mod rehearsal;
-mod within;
 
 pub use parts::{Parts, about, base_from_world, load};
 pub use picture::{FlatPicture, simulated_table};
 pub use planning::{PLAN_FILE, PLAN_PICTURE, PlanningWorld, read_plan};
+pub use reach::WithinReach;
 pub use rehearsal::Rehearsal;
-pub use within::WithinReach;
 
 use crate::calibration::Moved;
-use crate::driver::{Arm, ArmError, Between};
-use crate::execute::{Broken, Execution, without_cloth};
+use crate::driver::{Arm, ArmError, HandContents};
+use crate::execute::{Execution, FailedAction, without_cloth};
 use crate::kinematics::tool_down::tool_down;
 use crate::limits;
 use crate::limits::Limited;
@@ -32,14 +32,14 @@ use fab_picture::observation::Observation;
 use fab_world::start::Start;
 use fab_world::{Executed, Grasp, Motion, World, WorldError, WorldPoint};
 use nalgebra::{Isometry3, Point3, Vector3};
+use reach::{ArmReach, base_point};
 use std::cell::RefCell;
 use std::rc::Rc;
-use within::{ArmReach, base_point};
 
 /// How far from `rest_m` the tool may be when a picture is taken, metres.
 const AT_REST_M: f64 = 0.02;
 
-/// How far the hand may be turned then, radians: 10 degrees.
+/// How far the hand may be rotated then, radians: 10 degrees.
 const TURNED_AT_REST_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 
 /// An arm over a table.
@@ -55,14 +55,14 @@ pub struct ArmWorld {
     log: Option<ArmLog>,
     is_laid: bool,
     is_camera_checked: bool,
-    /// The camera's own picture that was taken last.
+    /// The last full picture of the camera.
     last_shot: Option<Shot>,
     n_actions: u32,
     begun_s: f64,
 }
 
 impl ArmWorld {
-    /// Puts limits around an arm, over a table that a camera sees.
+    /// Wraps an arm in limits, over a table that a camera sees.
     pub fn new(
         parts: Parts,
         arm: Box<dyn Arm>,
@@ -92,16 +92,16 @@ impl ArmWorld {
         })
     }
 
-    /// Measures coverage against a picture of the flat cloth; it counts into the world's parameters.
+    /// Measures coverage against a picture of the flat cloth; the picture is part of the world's parameters.
     pub fn with_flat(self, flat: Option<FlatPicture>) -> ArmWorld {
         ArmWorld { flat, ..self }
     }
 
-    /// Checks that the camera is where it was calibrated; of a simulated one that was calibrated without a picture, its
-    /// place is known.
+    /// Checks that the camera is where it was calibrated. A simulated camera that was calibrated without a picture cannot
+    /// move.
     fn check_camera(&mut self, shot: &Shot) -> Result<(), WorldError> {
-        let is_known = self.table.is_some() && self.parts.calibration.reference.is_none();
-        if self.is_camera_checked || is_known {
+        let is_fixed = self.table.is_some() && self.parts.calibration.reference.is_none();
+        if self.is_camera_checked || is_fixed {
             return Ok(());
         }
         let why = match self.parts.calibration.moved(shot, &self.parts.sight) {
@@ -173,7 +173,7 @@ impl World for ArmWorld {
         let hand_turn_rad = self.parts.settings.motion.hand_turn_deg.to_radians();
         let down = tool_down(&Point3::origin(), hand_turn_rad);
         let turned_rad = tool.rotation.angle_to(&down.rotation);
-        // Written so that what is no number is turned.
+        // NaN must fail this check.
         let is_straight = turned_rad <= TURNED_AT_REST_RAD;
         if !is_straight {
             return Err(motion(format!(
@@ -184,7 +184,7 @@ impl World for ArmWorld {
         }
         match &self.table {
             Some(table) => table.borrow_mut().lay(start)?,
-            None if !self.parts.supervisor.lays_cloth(start) => {
+            None if !self.parts.supervisor.confirm_cloth(start) => {
                 return Err(wrong("nobody says that the cloth lies on the table"));
             }
             None => {}
@@ -243,17 +243,17 @@ impl World for ArmWorld {
             number: self.n_actions,
         }
         .run([pick, place], &segments, &empty);
-        let done = done.map_err(told)?;
+        let done = done.map_err(world_error)?;
         let world_from_base = self.base_from_world.inverse();
         Ok(Executed {
             motion: Motion {
                 pick: world_from_base * done.grasped_at,
                 place: world_from_base * done.released_at,
             },
-            grasp: match done.between {
-                Between::Something => Grasp::Held,
-                Between::Nothing => Grasp::Missed,
-                Between::Unknown => Grasp::Unverified,
+            grasp: match done.contents {
+                HandContents::Something => Grasp::Held,
+                HandContents::Nothing => Grasp::Missed,
+                HandContents::Unknown => Grasp::Unverified,
             },
             duration_s: done.duration_s,
         })
@@ -283,7 +283,7 @@ impl World for ArmWorld {
     }
 }
 
-/// Checks every segment of a route before the first is begun.
+/// Checks every segment of a route before the first one starts.
 fn check_all(
     settings: &Settings,
     from: &Isometry3<f64>,
@@ -311,14 +311,14 @@ fn motion(why: String) -> WorldError {
     WorldError::Motion { why }
 }
 
-/// Says what is known of a motion that was not carried out to its end.
-fn told(broken: Broken) -> WorldError {
-    let told = broken.to_string();
-    match (&broken.why, &broken.stopped) {
-        // An arm of which the stop is not verified is told as a failure, whoever asked for the stop.
+/// Converts a failed action into the world's error.
+fn world_error(failed: FailedAction) -> WorldError {
+    let told = failed.to_string();
+    match (&failed.why, &failed.stopped) {
+        // An unverified stop is a failure, even if a person requested the stop.
         (ArmError::Interrupted | ArmError::NotConfirmed, None | Some(Ok(()))) => {
-            match broken.in_segment {
-                None if broken.why == ArmError::Interrupted => WorldError::Interrupted,
+            match failed.in_segment {
+                None if failed.why == ArmError::Interrupted => WorldError::Interrupted,
                 _ => WorldError::Halted { told },
             }
         }

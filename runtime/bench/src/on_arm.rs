@@ -13,7 +13,7 @@ use super::suite::Suite;
 use super::{Bench, BenchError};
 use fab_agent::outcome::Outcome;
 use fab_arm::log;
-use fab_arm::log::{ARM_FILE, Left};
+use fab_arm::log::{ARM_FILE, RunState};
 use fab_program::Program;
 use fab_world::About;
 use fab_world::start::Start;
@@ -152,5 +152,5 @@ fn left(folder: &Path, is_clear: bool) -> LeftArm {
 }
 
 fn is_unclear(folder: &Path) -> Result<bool, BenchError> {
-    Ok(log::left(folder)? != Left::Clear)
+    Ok(log::run_state(folder)? != RunState::Clear)
 }

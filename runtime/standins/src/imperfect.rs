@@ -7,7 +7,7 @@
 //! checks catch of errors like these, and nothing about the errors that a vision-language model makes.
 
 use super::Geometric;
-use super::offered::{self, Field};
+use super::choices::{self, Field};
 use fab_base::chance::Chance;
 use fab_model::calls::Calls;
 use fab_model::{Model, ModelError, Nature, Part, Reply, Request, Speaker};
@@ -57,7 +57,7 @@ impl Model for Imperfect {
 
     fn ask(&self, request: &Request, calls: &mut dyn Calls) -> Result<Reply, ModelError> {
         let right = Geometric.ask(request, calls)?;
-        let fields = offered::fields(request);
+        let fields = choices::fields(request);
         let mut chance = Chance::of(&format!("imperfect {} {}", self.seed, request.key()));
         if fields.is_empty() || chance.fraction() >= self.rate {
             return Ok(right);
@@ -99,7 +99,7 @@ impl Answer {
     /// Returns the answer with a slip in it; `None` for one that cannot be read.
     fn spoilt(mut self, slip: Slip, request: &Request, chance: &mut Chance) -> Option<String> {
         let mut points = self.0.iter().enumerate();
-        let pick = points.position(|(_, (_, value))| offered::point(value).is_some())?;
+        let pick = points.position(|(_, (_, value))| choices::point(value).is_some())?;
         match slip {
             Slip::Malformed => return None,
             Slip::NearLastPlace => {
@@ -113,7 +113,7 @@ impl Answer {
             Slip::Opposite => self.turn_round(pick),
         }
         let values = self.0.into_iter().map(|(field, value)| (field.name, value));
-        Some(offered::answer(values.collect()))
+        Some(choices::answer(values.collect()))
     }
 
     fn turn_round(&mut self, pick: usize) {
@@ -135,7 +135,7 @@ impl Answer {
             return;
         }
         let mut others = (0..self.0.len()).filter(|index| *index != pick);
-        let place = others.find(|index| offered::point(&self.0[*index].1).is_some());
+        let place = others.find(|index| choices::point(&self.0[*index].1).is_some());
         if let Some(place) = place {
             let value = self.0[place].1.clone();
             self.0[place].1 = std::mem::replace(&mut self.0[pick].1, value);
@@ -159,14 +159,14 @@ fn near_last_place(
     let Some(last) = last_place(field, request) else {
         return (!others.is_empty()).then(|| others[chance.below(others.len())].clone());
     };
-    let away = |text: &&&String| offered::point(text).map_or(f64::MAX, |it| it.distance_px(last));
+    let away = |text: &&&String| choices::point(text).map_or(f64::MAX, |it| it.distance_px(last));
     let nearest = others.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
     nearest.map(|text| (*text).clone())
 }
 
 /// Returns a point astray of the right one that is not listed.
 fn off_the_list(field: &Field, right: &str, chance: &mut Chance) -> Option<String> {
-    let right = offered::point(right)?;
+    let right = choices::point(right)?;
     let first = chance.below(4);
     let astray = (0..4).map(|turn| {
         let (du, dv) = [(1, 1), (-1, 1), (-1, -1), (1, -1)][(first + turn) % 4];
@@ -215,7 +215,7 @@ fn first_point(line: &str) -> Option<PixelPoint> {
     while let Some(at) = rest.find('(') {
         rest = &rest[at..];
         let end = rest.find(')')?;
-        if let Some(point) = offered::point(&rest[..=end]) {
+        if let Some(point) = choices::point(&rest[..=end]) {
             return Some(point);
         }
         rest = &rest[1..];

@@ -8,7 +8,7 @@ pub mod geometric;
 pub mod imperfect;
 pub mod random;
 
-mod offered;
+mod choices;
 
 pub use geometric::Geometric;
 pub use imperfect::Imperfect;

@@ -4,7 +4,7 @@
 //! content, its step and repetition among it, and the seed decide the draw: equal requests get equal answers. A question for
 //! words is answered with words that say nothing. `fab_agent::policy::Random` draws likewise, and gets no prompt.
 
-use super::offered::{self, Field};
+use super::choices::{self, Field};
 use fab_base::chance::Chance;
 use fab_model::calls::Calls;
 use fab_model::{Model, ModelError, Nature, Reply, Request};
@@ -39,7 +39,7 @@ impl Model for Random {
 
     fn ask(&self, request: &Request, _: &mut dyn Calls) -> Result<Reply, ModelError> {
         let mut chance = Chance::of(&format!("random {} {}", self.seed, request.key()));
-        let fields = offered::fields(request);
+        let fields = choices::fields(request);
         if fields.is_empty() {
             return Ok(Reply::text(idle_words(request)));
         }
@@ -52,7 +52,7 @@ impl Model for Random {
                 })?;
             values.push((field.name, value));
         }
-        Ok(Reply::text(offered::answer(values)))
+        Ok(Reply::text(choices::answer(values)))
     }
 }
 
@@ -74,7 +74,7 @@ fn draw(field: &Field, request: &Request, chance: &mut Chance) -> Option<String>
 
 /// Fills every line that the question asks for, such as `- Instructions: …`, with words that say nothing.
 fn idle_words(request: &Request) -> String {
-    let asked = offered::last_asked(request);
+    let asked = choices::last_asked(request);
     let labels = asked.lines().filter_map(|line| {
         let (label, _) = line.trim().strip_prefix("- ")?.split_once(": ")?;
         let is_word = label.chars().all(|c| c.is_alphabetic() || c == ' ');

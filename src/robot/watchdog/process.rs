@@ -1,6 +1,6 @@
-//! The watchdog as the program that moves an arm has it: a child process, told that there is life.
+//! The client side of the watchdog: the child process, and the heartbeats sent to it.
 //!
-//! In: signs of life. Out: lines for the child, and an error where it is gone, or says that it has stopped the arm.
+//! In: heartbeats. Out: lines for the child, and an error if the child is gone or reports that it has stopped the arm.
 
 use super::lines_of;
 use fab_arm::supervisor::Watchdog;
@@ -10,25 +10,25 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-/// The longest until the watchdog is ready: it connects to the arm's node.
+/// Time limit until the watchdog is ready: it connects to the arm's node.
 const READY: Duration = Duration::from_secs(30);
-/// The longest to wait for its end. Longer it takes only to reach a node that does not answer: it goes on with that, and
-/// whoever waits for this program is to hear at once that the arm may move.
+/// How long to wait for its end. It takes longer only if the arm's node does not answer; then it continues alone, so that
+/// this program can report at once that the arm may move.
 const ENDED: Duration = Duration::from_secs(5);
-/// How often that is looked at.
+/// Interval between two checks for its end.
 const LOOK: Duration = Duration::from_millis(20);
 
 /// A watchdog that is another process of this program.
 pub struct Process {
     child: Child,
     stdin: Option<ChildStdin>,
-    said: Receiver<String>,
+    messages: Receiver<String>,
 }
 
 impl Process {
-    /// Starts it, and waits until it could stop the arm; says why it cannot.
+    /// Starts it, and waits until it can stop the arm; the error says why it cannot.
     ///
-    /// - `timeout_s`: the longest without a sign of life, seconds.
+    /// - `timeout_s`: the longest time without a heartbeat, seconds.
     pub fn start(robot: &Path, timeout_s: f64) -> Result<Process, String> {
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = Command::new(program);
@@ -39,7 +39,7 @@ impl Process {
         Process::spawn(command, READY)
     }
 
-    /// Starts a command that keeps watch, and waits until it says `ready`.
+    /// Starts a watchdog command, and waits until it prints `ready`.
     fn spawn(mut command: Command, longest: Duration) -> Result<Process, String> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped());
         // Ctrl-C goes to all of a group; the watchdog outlives it.
@@ -50,9 +50,13 @@ impl Process {
             .map_err(|error| format!("the watchdog cannot be started: {error}"))?;
         let stdin = child.stdin.take();
         let stdout = child.stdout.take().expect("stdout is a pipe");
-        let said = lines_of(stdout);
-        let ready = said.recv_timeout(longest);
-        let mut process = Process { child, stdin, said };
+        let messages = lines_of(stdout);
+        let ready = messages.recv_timeout(longest);
+        let mut process = Process {
+            child,
+            stdin,
+            messages,
+        };
         let nothing = "so that nothing is moved";
         match ready.as_deref() {
             Ok("ready") => Ok(process),
@@ -69,8 +73,8 @@ impl Process {
     }
 
     fn write(&mut self, line: &str) -> Result<(), String> {
-        if let Ok(said) = self.said.try_recv() {
-            return Err(format!("the watchdog says: {said}"));
+        if let Ok(message) = self.messages.try_recv() {
+            return Err(format!("the watchdog says: {message}"));
         }
         let gone = |error: std::io::Error| format!("the watchdog is gone: {error}");
         match &mut self.stdin {
@@ -92,14 +96,14 @@ impl Watchdog for Process {
     }
 
     fn rest(&mut self) {
-        // One that is gone keeps no watch.
+        // A watchdog that is gone does not watch.
         let _ = self.write("rest");
     }
 }
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // The end of its lines: it ends by itself, and stops the arm first where it still watches.
+        // Closing stdin ends it; it stops the arm first if it still watches.
         self.stdin = None;
         let begun = Instant::now();
         while matches!(self.child.try_wait(), Ok(None)) && begun.elapsed() < ENDED {

@@ -68,7 +68,7 @@ const TESTED_ELSEWHERE: [(&str, &str, &str); 5] = [
         "compiler/emit/tests/emitted/docs.rs",
     ),
     ("docs/simulator.md", "rust", "tests/suite/book.rs"),
-    ("docs/review.md", "yaml", "tests/suite/review/documented.rs"),
+    ("docs/review.md", "yaml", "tests/suite/review/docs.rs"),
 ];
 
 /// The name under which a block without one is compiled.

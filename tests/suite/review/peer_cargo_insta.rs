@@ -1,7 +1,7 @@
 //! What the real `cargo insta` makes of pending snapshots, and what we make of those that it accepted.
 
 use super::super::support::{fabc, finish};
-use super::made::{each_kind, files, left, one_edit};
+use super::fixtures::{each_kind, files, left, one_edit};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! `fabc review` without a terminal: JSON, ids, patterns, places, and what cannot be done.
 
 use super::super::support::{Said, fabc, finish};
-use super::made::{accepted, each_kind, files, left, one_edit, pending, prompt, write};
+use super::fixtures::{accepted, each_kind, files, left, one_edit, pending, prompt, write};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

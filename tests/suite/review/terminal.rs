@@ -2,7 +2,7 @@
 
 use super::super::pty::Session;
 use super::super::support::fabc;
-use super::made::{accepted, each_kind, files, left, one_edit, pending, prompt};
+use super::fixtures::{accepted, each_kind, files, left, one_edit, pending, prompt};
 use std::path::Path;
 
 /// Begins a review in a terminal of so many columns.

@@ -155,7 +155,10 @@ fn along(plan: &Plan, settings: &Settings, width: u32) -> Result<RgbImage, Visio
             PixelPoint::new(column(index + 1), row(heights[index + 1])),
         );
         let is_last = index + 1 == plan.segments.len();
-        let rgb = match (plan.refused.is_some() && is_last, segment.name.may_hold()) {
+        let rgb = match (
+            plan.refused.is_some() && is_last,
+            segment.name.may_hold_cloth(),
+        ) {
             (true, _) => RED,
             (false, true) => BLUE,
             (false, false) => INK,

@@ -8,10 +8,10 @@
 //! text is decided elsewhere.
 
 mod fault;
+mod fold_search;
 mod measures;
 mod outline;
 mod symmetry;
-mod tries;
 
 pub use fault::DraftError;
 pub use measures::Stated;
@@ -25,10 +25,10 @@ use fab_base::interrupt::Interrupt;
 use fab_program::{self as program, Cloth, Fold};
 use fab_world::start::Start;
 use fab_world::{World, WorldError};
+use fold_search::{State, Step};
 use image::RgbImage;
 use outline::{Pose, Shown};
 use std::ops::RangeInclusive;
-use tries::{State, Step};
 
 /// Pixels that a picture's sides may have.
 pub const SIDE_PX: RangeInclusive<u32> = 32..=2048;

@@ -1,6 +1,6 @@
 //! Runs one extractor on an observation.
 
-use super::measured::measured;
+use super::mask_counts::measured;
 use super::{Found, Scene, SceneError};
 use fab_picture::centroid;
 use fab_picture::depth_mask;

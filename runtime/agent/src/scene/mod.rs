@@ -5,7 +5,7 @@
 
 mod annotate;
 mod extract;
-mod measured;
+mod mask_counts;
 mod reach;
 mod stages;
 #[cfg(test)]

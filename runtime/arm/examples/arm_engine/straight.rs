@@ -5,7 +5,9 @@
 //! stop and a start, which also sets an arm free that was stopped in between.
 
 use super::Stage;
-use fab_arm::port::{Ending, Goal, GoalId, GoalState, Heard, Port, PortError, Readings, Waypoint};
+use fab_arm::port::{
+    Ending, Goal, GoalId, GoalState, Port, PortError, Reading, Readings, Waypoint,
+};
 use fab_arm::rgbd::{Intrinsics, RgbdError, RgbdSource, Shot};
 use fab_picture::DepthImage;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -195,15 +197,15 @@ impl Port for Arm {
     fn readings(&mut self) -> Readings {
         let at_s = self.time_s;
         Readings {
-            tool: Some(Heard {
+            tool: Some(Reading {
                 value: self.tool,
                 at_s,
             }),
-            joints_rad: Some(Heard {
+            joints_rad: Some(Reading {
                 value: self.joints.clone(),
                 at_s,
             }),
-            fingers: Some(Heard {
+            fingers: Some(Reading {
                 value: self.fingers.clone(),
                 at_s,
             }),

@@ -1,6 +1,6 @@
 //! How well points fit.
 //!
-//! In: a fit and its points. Out: the error of each point, that of each point by the others, and what they come to.
+//! In: a fit and its points. Out: the error of each point, its error when the fit leaves it out, and summaries of both.
 
 use super::fault::Fault;
 use super::fit::{Fit, Solver};
@@ -26,7 +26,7 @@ impl Accuracy {
     /// Returns the points, numbered from 1, that the others contradict though all together are accepted.
     ///
     /// Such a point is off by more than `limit_mm` and by three times what the others are.
-    pub fn standing_out(&self, limit_mm: f64) -> Vec<usize> {
+    pub fn outliers(&self, limit_mm: f64) -> Vec<usize> {
         let others_rms = |out: usize| {
             let kept = self.left_out_mm.iter().enumerate();
             let kept: Vec<f64> = kept.filter(|it| it.0 != out).map(|it| *it.1).collect();

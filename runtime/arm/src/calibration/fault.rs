@@ -1,7 +1,6 @@
-//! What can be wrong with points, one sentence for each fault, which says what would be right.
+//! The faults of calibration points: one sentence each, which says what would be right.
 //!
-//! In: what the checks found, and the bounds that they check against. Points are numbered from 1, in the order in which
-//! they were given.
+//! In: what the checks found, and the bounds that they check against. Points are numbered from 1, in input order.
 
 use super::{MIN_PAIRS, Method};
 
@@ -131,12 +130,12 @@ pub enum Fault {
         point: usize,
     },
     /// A picture of another size.
-    #[error("the picture has {} x {} px, and the camera's pictures {} x {} px", found[0], found[1], wanted[0], wanted[1])]
+    #[error("the picture has {} x {} px, and the camera's pictures {} x {} px", found[0], found[1], expected[0], expected[1])]
     PictureSize {
         /// What it has.
         found: [u32; 2],
         /// What it should have.
-        wanted: [u32; 2],
+        expected: [u32; 2],
     },
     /// Points that determine nothing.
     #[error(

@@ -1,8 +1,7 @@
 //! A calibration as text, with the camera's picture beside it.
 //!
-//! In: a calibration or a file. Out: the other. Everything that is read is checked: each number, the picture by its
-//! hash, and the fit against the points, which are fitted anew; so a file that was edited or cut off is refused, never
-//! half believed.
+//! In: a calibration or a file. Out: the other. Everything that is read is checked: each number, the picture's hash, and
+//! the fit, which is recomputed from the points. An edited or truncated file is refused.
 
 use super::accuracy::Accuracy;
 use super::fit::Fit;

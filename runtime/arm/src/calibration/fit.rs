@@ -1,7 +1,7 @@
-//! From pixels to the base, by either method.
+//! Maps pixels to the base frame, by either method.
 //!
-//! In: pixels whose distortion was taken out, with depth where there is one. Out: points of the base frame, metres, and
-//! back. How a fit is found is left to `plane` and `rigid`.
+//! In: undistorted pixels, with depth if available. Out: points in the base frame, metres, and back. Finding a fit is left
+//! to `plane` and `rigid`.
 
 use super::fault::Fault;
 use super::sighting::Sighting;

@@ -1,7 +1,7 @@
-//! Whether points fit well enough to be a calibration.
+//! Decides whether points fit well enough to make a calibration.
 //!
-//! In: points and terms. Out: the fit with the error of each point, that of each point by the others, and what the
-//! points' spread does to errors; or a refusal. The first fault ends it, since the next ones would follow from it.
+//! In: points and terms. Out: the fit with the error of each point, its error when left out, and how errors propagate from
+//! the points' spread; or a refusal. It stops at the first fault, because later ones would follow from it.
 
 use super::accuracy::{Accuracy, errors_mm, left_out, root_mean_square};
 use super::fault::{Fault, MAX_GAIN, MAX_SCALE_OFF, MAX_TILT_DEG};

@@ -1,10 +1,10 @@
-//! Where the camera's pixels lie for the arm: measured from points that the arm touched and the camera saw.
+//! Camera calibration: maps pixels to the arm's base frame, from points that the arm touched and the camera saw.
 //!
-//! In: [`Pair`]s of a pixel and a tool pose, and the [`Terms`] that they are to meet. Out: a [`Calibration`], with the
-//! error of each point and what an error of the points comes to over the table; or a [`Refusal`] that names the slip.
-//! A calibration is text with a picture beside it (`file`), notices that its camera was moved (`moved`), and gives the
-//! camera of the square picture that tasks see (`view`). Nothing here asks a person or a clock, and an arm only for the place
-//! to which a person brought it (`touch`).
+//! In: [`Pair`]s of a pixel and a tool position, and the [`Terms`] that they must meet. Out: a [`Calibration`], with the
+//! error of each point and how point errors propagate over the table; or a [`Refusal`] that names the mistake. A
+//! calibration is a text file with a picture beside it (`file`), detects that its camera was moved (`moved`), and provides
+//! the camera model of the square picture that tasks see (`view`). Nothing here talks to a person or reads a clock; the arm
+//! is only read, at a point to which a person guided it (`touch`).
 
 mod accuracy;
 mod fault;
@@ -32,7 +32,7 @@ pub use fit::Fit;
 pub use moved::Moved;
 pub use pairs::{MAX_PAIRS, PairError, csv_line, parse_pairs, read_pairs};
 pub use refusal::Refusal;
-pub use session::{Said, Session, ToolReader, grid};
+pub use session::{LineOutcome, Session, ToolReader, grid};
 pub use spread::Spread;
 pub use touch::place_at_rest;
 pub use view::Window;
@@ -166,8 +166,8 @@ impl Calibration {
         if let Some(picture) = &reference {
             let found = [picture.width(), picture.height()];
             if found != terms.size_px {
-                let wanted = terms.size_px;
-                return Err(Fault::PictureSize { found, wanted }.into());
+                let expected = terms.size_px;
+                return Err(Fault::PictureSize { found, expected }.into());
             }
         }
         Ok(Calibration {

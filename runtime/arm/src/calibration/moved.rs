@@ -1,7 +1,7 @@
-//! Whether the camera is still where it was calibrated.
+//! Detects whether the camera was moved since its calibration.
 //!
-//! In: a calibration with its reference picture, and a new shot. Out: [`Moved`]. Marks of the reference are sought in the
-//! new picture; cloth and arm hide or carry some of them, so that the motion counts which the most marks share.
+//! In: a calibration with its reference picture, and a new shot. Out: [`Moved`]. Marks of the reference are matched in the
+//! new picture. Cloth and arm hide or move some of them, so the motion that most marks share decides.
 
 use super::Calibration;
 use crate::rgbd::{Intrinsics, Shot};

@@ -1,7 +1,7 @@
-//! Points as lines of text.
+//! Calibration points as lines of text.
 //!
-//! In: CSV with the columns `u,v,x,y,z` and perhaps `depth`, in that order or as a first line names them; comments begin
-//! with `#`. Out: [`Pair`]s, or the line that is wrong. Whether the numbers make sense is judged with all points.
+//! In: CSV with the columns `u,v,x,y,z` and optionally `depth`, in that order or as named by a header line; comments start
+//! with `#`. Out: [`Pair`]s, or the line that is wrong. Whether the numbers are plausible is checked later, on all points.
 
 use super::Pair;
 use fab_base::files;

@@ -1,8 +1,8 @@
 //! The homography from pixels to the table, and the plane through the touched heights.
 //!
-//! In: points. Out: both, and what an error of the points comes to elsewhere. A normalised direct linear
-//! transform (Hartley 1997) gives a start, which Gauss-Newton steps then move to the least sum of squared distances on
-//! the table: the first alone weighs each point by its distance from the horizon.
+//! In: points. Out: both, and how point errors propagate elsewhere. A normalised direct linear transform (Hartley 1997)
+//! gives an initial guess, which Gauss-Newton refines to the least sum of squared distances on the table. The transform
+//! alone would weigh each point by its distance from the horizon.
 
 use super::sighting::Sighting;
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, SymmetricEigen, Vector3};

@@ -1,6 +1,6 @@
 //! Why points do not make a calibration.
 //!
-//! In: the faults that the checks found. Out: all of them, one line for each, and the fit that they stand against.
+//! In: the faults that the checks found. Out: all of them, one per line, and the fit that they refer to.
 
 use super::fault::Fault;
 use super::fit::Fit;

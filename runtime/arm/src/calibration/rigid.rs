@@ -1,8 +1,7 @@
-//! The camera's pose from points that it saw in space.
+//! The camera's pose from 3D points in its frame.
 //!
-//! In: points with their place in the camera's frame. Out: the pose of least squared distance (Umeyama 1991,
-//! without his scale, which is computed as a check of the depth readings), and what an error of the points comes to
-//! elsewhere.
+//! In: points with their positions in the camera's frame. Out: the least-squares pose (Umeyama 1991, without scale; the
+//! scale is computed only to check the depth readings), and how point errors propagate elsewhere.
 
 use super::sighting::Sighting;
 use nalgebra::{

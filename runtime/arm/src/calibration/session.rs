@@ -1,8 +1,8 @@
-//! Points that a person types, or jogs the arm to, one after the other.
+//! Entry of calibration points, one at a time: a person types them, or jogs the arm to them.
 //!
-//! In: lines of text, and where there is an arm, its tool's place at the moment of each line. Out: what to tell after
-//! each: the error of the new point by those before it, so that a slip shows while the arm is still there. Reading and
-//! writing lines is left to the caller.
+//! In: lines of text, and with an arm, its tool's position at each line. Out: a message per line with the error of the new
+//! point against the earlier ones, so that a mistake shows while the arm is still there. Reading and writing lines is left
+//! to the caller.
 
 use super::fit::Solver;
 use super::pairs::{numbers, pair_of};
@@ -12,33 +12,33 @@ use super::{MAX_PAIRS, Pair, Terms, Window};
 /// Returns the tool's position with the arm at rest, metres, base frame, or says why there is none.
 pub type ToolReader<'a> = dyn FnMut() -> Result<[f64; 3], String> + 'a;
 
-/// The fewest points whose fit says something of the next one.
-const TELLING: usize = 5;
+/// The fewest points whose fit can predict the next one.
+const MIN_FITTED: usize = 5;
 
-/// Points on the way to a calibration.
+/// The points entered so far.
 pub struct Session<'a> {
     terms: &'a Terms,
     tool: Option<Box<ToolReader<'a>>>,
     pairs: Vec<Pair>,
 }
 
-/// What became of a line.
+/// What a line did.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Said {
-    /// A point was added: how it fits those before it, or why that cannot be said yet.
+pub enum LineOutcome {
+    /// A point was added; how it fits the earlier points, or why that is not known yet.
     Added(String),
-    /// The last point was taken back.
-    TakenBack(String),
+    /// The last point was removed.
+    Undone(String),
     /// Nothing changed: an empty line, or a list of the points.
-    Nothing(String),
-    /// The line was not understood, or the arm gave no place.
-    Wrong(String),
-    /// There will be no more points.
-    Over,
+    Unchanged(String),
+    /// The line is invalid, or the arm's position could not be read.
+    Invalid(String),
+    /// The person is done.
+    Finished,
 }
 
 impl<'a> Session<'a> {
-    /// Begins with points that there are already.
+    /// Starts with existing points.
     ///
     /// With `tool`, a line is `u,v` or `u,v,depth`, and the tool's place is read when it is entered; without, a line is
     /// `u,v,x,y,z` or `u,v,x,y,z,depth`.
@@ -51,7 +51,7 @@ impl<'a> Session<'a> {
         &self.pairs
     }
 
-    /// Says what a line is to hold.
+    /// Returns the expected format of a line.
     pub fn form(&self) -> &'static str {
         match self.tool {
             Some(_) => "`u,v` or `u,v,depth` with the fingertips on that point",
@@ -59,23 +59,25 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Takes a line: a point, `undo`, `list`, or `done`.
-    pub fn line(&mut self, text: &str) -> Said {
+    /// Handles a line: a point, `undo`, `list`, or `done`.
+    pub fn line(&mut self, text: &str) -> LineOutcome {
         match text.trim() {
-            "" => Said::Nothing(String::new()),
-            "done" => Said::Over,
-            "list" => Said::Nothing(self.list()),
+            "" => LineOutcome::Unchanged(String::new()),
+            "done" => LineOutcome::Finished,
+            "list" => LineOutcome::Unchanged(self.list()),
             "undo" => match self.pairs.pop() {
-                Some(_) => Said::TakenBack(format!("point {} is taken back", self.pairs.len() + 1)),
-                None => Said::Wrong("there is no point to take back".to_owned()),
+                Some(_) => {
+                    LineOutcome::Undone(format!("point {} is taken back", self.pairs.len() + 1))
+                }
+                None => LineOutcome::Invalid("there is no point to take back".to_owned()),
             },
             point => match self.point(point) {
                 Ok(pair) => {
-                    let said = self.told(&pair);
+                    let fit = self.describe_fit(&pair);
                     self.pairs.push(pair);
-                    Said::Added(format!("point {}: {said}", self.pairs.len()))
+                    LineOutcome::Added(format!("point {}: {fit}", self.pairs.len()))
                 }
-                Err(why) => Said::Wrong(why),
+                Err(why) => LineOutcome::Invalid(why),
             },
         }
     }
@@ -100,13 +102,13 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Says how a new point fits those before it.
-    fn told(&self, pair: &Pair) -> String {
+    /// Describes how a new point fits the earlier ones.
+    fn describe_fit(&self, pair: &Pair) -> String {
         let n = self.pairs.len();
-        if n < TELLING {
+        if n < MIN_FITTED {
             return format!(
                 "taken; from {} points on you are told how each fits",
-                TELLING + 1
+                MIN_FITTED + 1
             );
         }
         let off_mm = || {

@@ -1,6 +1,6 @@
-//! A touched point, made ready for the solvers.
+//! A touched point, prepared for the solvers.
 //!
-//! Its pixel is straightened, and its place in the camera's frame is known where depth and lens are.
+//! Its pixel is undistorted; its position in the camera's frame is known if depth and lens are.
 
 use nalgebra::Point3;
 

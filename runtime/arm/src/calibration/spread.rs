@@ -1,7 +1,7 @@
-//! What points cover, and what an error of theirs comes to where none was touched.
+//! How well the points cover the table, and how their errors propagate to the rest of it.
 //!
-//! In: points and their fit. Out: a [`Spread`]. Two rows that lie close together fit as well as a grid does; but what
-//! tilts the table about them is hardly measured, so that a millimetre becomes centimetres at the table's rim.
+//! In: points and their fit. Out: a [`Spread`]. Two rows that lie close together fit as well as a grid does, but they
+//! hardly constrain the tilt about them, so a millimetre becomes centimetres at the rim of the table.
 
 use super::fault::Fault;
 use super::fit::{Fit, straightened};

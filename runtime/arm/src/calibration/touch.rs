@@ -1,9 +1,9 @@
-//! Where the tool is when a person has brought it to a point.
+//! The tool's position after a person has guided it to a point.
 //!
-//! In: what the arm says of itself, over a moment. Out: the tool's place, or why it is none to calibrate by: nothing new is
-//! heard, the arm still moves, or the hand is tilted. The arm is not moved.
+//! In: the arm's readings over a moment. Out: the tool's position, or why it cannot be used: there is no new reading, the
+//! arm still moves, or the hand is tilted. The arm is not moved.
 
-use crate::port::{Heard, Port};
+use crate::port::{Port, Reading};
 use nalgebra::{Isometry3, Vector3};
 
 /// How long the arm is looked at, seconds: kinova-ros reports ten times a second.
@@ -22,15 +22,15 @@ const MAX_TILT_DEG: f64 = 4.0;
 
 /// Reads the tool's place, metres, base frame; says why there is none.
 ///
-/// - `stale_s`: the oldest that the last word of the arm may be, seconds.
+/// - `stale_s`: the largest age of a reading, seconds.
 pub fn place_at_rest(port: &mut dyn Port, stale_s: f64) -> Result<[f64; 3], String> {
     let begun_s = port.now_s();
-    let first = heard(port, stale_s)?;
+    let first = tool_reading(port, stale_s)?;
     let mut farthest_m: f64 = 0.0;
     let mut last = first;
     while port.now_s() - begun_s < LOOK_S {
         port.wait(STEP_S);
-        last = heard(port, stale_s)?;
+        last = tool_reading(port, stale_s)?;
         let away = last.value.translation.vector - first.value.translation.vector;
         farthest_m = farthest_m.max(away.norm());
     }
@@ -54,8 +54,8 @@ pub fn place_at_rest(port: &mut dyn Port, stale_s: f64) -> Result<[f64; 3], Stri
     Ok(last.value.translation.vector.into())
 }
 
-/// Returns the last word of the arm, where it is no older than allowed.
-fn heard(port: &mut dyn Port, stale_s: f64) -> Result<Heard<Isometry3<f64>>, String> {
+/// Returns the last reading of the tool; fails if it is older than `stale_s`.
+fn tool_reading(port: &mut dyn Port, stale_s: f64) -> Result<Reading<Isometry3<f64>>, String> {
     let now_s = port.now_s();
     let Some(tool) = port.readings().tool else {
         return Err("the arm has not said yet where its tool is".to_owned());

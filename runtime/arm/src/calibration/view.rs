@@ -1,6 +1,6 @@
-//! The square picture that tasks see, and its camera.
+//! The camera model of the square picture that tasks see.
 //!
-//! In: a calibration, where the world is, the window. Out: a [`Camera`]. Cutting and scaling the picture itself is left
+//! In: a calibration, the pose of the world frame, the window. Out: a [`Camera`]. Cutting and scaling the picture is left
 //! to the world that takes it.
 
 use super::Calibration;

@@ -1,29 +1,29 @@
-//! Why an arm did not do what it was asked for.
+//! Errors of an arm driver, and the deviation of a tool from its target.
 
 use crate::port::PortError;
 use nalgebra::Isometry3;
 use std::fmt;
 
-/// How far a tool is from where it should be.
+/// How far a tool is from its target pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Off {
+pub struct Deviation {
     /// Distance, metres.
     pub position_m: f64,
-    /// Angle of the turn between the two, radians.
+    /// Angle of the rotation between the two poses, radians.
     pub angle_rad: f64,
 }
 
-impl Off {
+impl Deviation {
     /// Compares two poses.
-    pub fn between(a: &Isometry3<f64>, b: &Isometry3<f64>) -> Off {
-        Off {
+    pub fn between(a: &Isometry3<f64>, b: &Isometry3<f64>) -> Deviation {
+        Deviation {
             position_m: (a.translation.vector - b.translation.vector).norm(),
             angle_rad: a.rotation.angle_to(&b.rotation),
         }
     }
 }
 
-impl fmt::Display for Off {
+impl fmt::Display for Deviation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
@@ -34,10 +34,10 @@ impl fmt::Display for Off {
     }
 }
 
-/// Why an arm did not do what it was asked for, or cannot be asked.
+/// Why an arm did not execute a command, or cannot take one.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ArmError {
-    /// The arm has said nothing of itself lately.
+    /// The arm has published no reading lately.
     #[error(
         "the arm has not said for `{for_s:.1}` s where its {what}; its driver or the network may be down"
     )]
@@ -52,73 +52,73 @@ pub enum ArmError {
         "the arm is stopped and takes no motion; look why, and let it go with `fabc robot enable`"
     )]
     Stopped,
-    /// The tool came to rest elsewhere.
-    #[error("the arm says `{said}`, and its tool is {off} from where it was sent")]
-    NotThere {
-        /// How the arm's node ended the goal.
-        said: String,
-        /// How far.
-        off: Off,
+    /// The tool came to rest away from its target.
+    #[error("the arm says `{reported}`, and its tool is {deviation} from where it was sent")]
+    NotReached {
+        /// The outcome that the arm's node reported.
+        reported: String,
+        /// How far the tool is from the target.
+        deviation: Deviation,
     },
-    /// The arm came to a stop on its way.
-    #[error("the arm stalled {off} before its goal: something may be in its way")]
+    /// The arm stalled during a motion.
+    #[error("the arm stalled {deviation} before its goal: something may be in its way")]
     Stalled {
-        /// How far from the goal.
-        off: Off,
+        /// How far the tool is from the target.
+        deviation: Deviation,
     },
-    /// A goal was still not over in time.
+    /// A goal did not end within its time limit.
     #[error("the arm was not done after `{after_s:.1}` s")]
-    Late {
-        /// How long was waited, seconds.
+    TimedOut {
+        /// How long the driver waited, seconds.
         after_s: f64,
     },
-    /// The fingers did not do what they were asked for.
-    #[error("the fingers are at {found} and should be at `{wanted}`")]
+    /// The fingers did not reach their target.
+    #[error("the fingers are at {found} and should be at `{target}`")]
     Fingers {
-        /// Where they are, as text.
+        /// Their measured positions, as text.
         found: String,
-        /// Where they should be.
-        wanted: f64,
+        /// Their target position, in the node's units.
+        target: f64,
     },
-    /// A motion would leave its limits, and was not begun.
+    /// A motion would violate a limit, so it was not started.
     #[error("not moved: {0}")]
     Refused(String),
-    /// The arm left its limits.
+    /// The arm violated a limit while it moved.
     #[error("stopped: {0}")]
     OutOfLimits(String),
-    /// The joints cannot bring the tool there.
+    /// Inverse kinematics found no joint path to the target.
     #[error("no motion of the joints leads there: {0}")]
-    NoWay(String),
-    /// A message could not be sent, or a service gave no answer.
+    NoPath(String),
+    /// A message could not be sent, or a service did not answer.
     #[error(transparent)]
     Port(#[from] PortError),
-    /// A stop was asked for, and the arm may move yet.
+    /// A stop was requested, and the arm may still move.
     #[error(
         "the arm was told to stop, and it could not be verified that it did: use the physical stop ({why})"
     )]
     NotStopped {
-        /// What is known.
+        /// Why the stop is not verified.
         why: String,
     },
-    /// A motion was ended for now, and the arm is at rest.
+    /// A motion was paused, and the arm is at rest.
     #[error("paused")]
     Paused,
-    /// The person who watches said no.
+    /// The supervisor did not confirm the motion.
     #[error("not confirmed")]
     NotConfirmed,
-    /// The program was asked to end.
+    /// The user interrupted the program.
     #[error("interrupted")]
     Interrupted,
-    /// A motion was carried out and verified, and that cannot be written.
+    /// A motion was executed and verified, but its journal entry cannot be written.
     #[error("moved and verified, but the journal of the arm cannot be written any more: {0}")]
-    Unwritten(String),
-    /// The journal of the motion cannot be written, so that nothing may move.
+    JournalAfterMotion(String),
+    /// The journal entry before a motion cannot be written, so the motion was not started.
     #[error("not moved, since the journal of the arm cannot be written: {0}")]
-    Journal(String),
-    /// This program broke while the arm moved.
+    JournalBeforeMotion(String),
+    /// This program panicked while the arm moved.
     #[error("this program broke while the arm moved, which is a mistake in it: {0}")]
     Panicked(String),
-    /// The watchdog is gone, so that nothing may move.
+    /// The watchdog does not answer, so nothing may move.
     #[error("the watchdog does not answer: {0}")]
     Watchdog(String),
 }

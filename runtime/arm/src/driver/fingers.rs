@@ -1,61 +1,61 @@
-//! The hand: where its fingers stop says more than what the server calls it.
+//! Moves the fingers, and decides from where they stop what they hold.
 //!
-//! A finger goal that is given up because cloth is between the fingers is a grasp; one that is given up because the arm
-//! is stopped is none. Both may come with the same word, so that positions decide, and whether the arm is stopped is
-//! looked at by whoever calls.
+//! A finger goal that is aborted because cloth blocks the fingers is a grasp; one that is aborted because the arm is
+//! stopped is not. The server may report both alike, so finger positions decide. The caller checks whether the arm is
+//! stopped.
 
-use super::carry::{Word, carry_out};
-use super::look::{LOOK_S, looked_at};
-use super::{ArmError, Between, Opening, Watch};
+use super::goal::{Outcome, execute};
+use super::state::{POLL_S, watched_state};
+use super::{ArmError, HandContents, Opening, Watch};
 use crate::port::{Ending, Goal, Port};
 use crate::settings::{FingerSettings, Tolerance};
 
-/// The longest that the hand may take, seconds.
+/// Time limit of a finger goal, seconds.
 const LIMIT_S: f64 = 8.0;
 
-/// Two looks at the fingers this far apart, in time, must agree before they count as at rest.
+/// Two finger readings this far apart must agree before the fingers count as at rest, seconds.
 const REST_S: f64 = 0.25;
 
-/// How often that is tried.
+/// How many readings are compared before giving up.
 const LOOKS: u32 = 12;
 
-/// Opens or closes a hand and says what is between the fingers.
+/// Opens or closes a hand and returns what is between the fingers.
 pub(super) fn move_fingers<P: Port>(
     port: &mut P,
     settings: &FingerSettings,
     tolerance: &Tolerance,
     opening: Opening,
     watch: &mut Watch<'_>,
-) -> Result<Closed, ArmError> {
-    let wanted = match opening {
+) -> Result<FingerResult, ArmError> {
+    let target = match opening {
         Opening::Open => settings.open,
         Opening::Closed => settings.closed,
     };
-    let goal = Goal::Fingers(vec![wanted; settings.count]);
-    let word = carry_out(port, &goal, LIMIT_S, tolerance, &mut None, watch)?;
-    let found = at_rest(port, settings, tolerance, watch)?;
-    Ok(Closed {
-        between: judge(settings, opening, word, &found)?,
-        was_given_up: matches!(word, Word::Ended(Ending::Aborted | Ending::Rejected)),
+    let goal = Goal::Fingers(vec![target; settings.count]);
+    let outcome = execute(port, &goal, LIMIT_S, tolerance, &mut None, watch)?;
+    let found = resting_positions(port, settings, tolerance, watch)?;
+    Ok(FingerResult {
+        contents: classify(settings, opening, outcome, &found)?,
+        was_aborted: matches!(outcome, Outcome::Ended(Ending::Aborted | Ending::Rejected)),
     })
 }
 
-/// What came of a finger goal.
-pub(super) struct Closed {
-    /// What is between the fingers, by their positions.
-    pub between: Between,
-    /// Whether the node gave the goal up, as it does too where the arm is stopped.
-    pub was_given_up: bool,
+/// The result of a finger goal.
+pub(super) struct FingerResult {
+    /// What is between the fingers, judged by their positions.
+    pub contents: HandContents,
+    /// Whether the node aborted or rejected the goal, as it also does when the arm is stopped.
+    pub was_aborted: bool,
 }
 
-/// Decides by the positions at which the fingers came to rest.
-fn judge(
+/// Classifies the positions at which the fingers came to rest.
+fn classify(
     settings: &FingerSettings,
     opening: Opening,
-    word: Word,
+    outcome: Outcome,
     found: &[f64],
-) -> Result<Between, ArmError> {
-    let wanted = match opening {
+) -> Result<HandContents, ArmError> {
+    let target = match opening {
         Opening::Open => settings.open,
         Opening::Closed => settings.closed,
     };
@@ -65,59 +65,59 @@ fn judge(
             .map(|position| format!("`{position:.0}`"))
             .collect::<Vec<_>>()
             .join(", "),
-        wanted,
+        target,
     };
-    let off = |from: f64| found.iter().map(move |position| (position - from).abs());
-    let are_there = off(wanted).fold(0.0, f64::max) <= settings.tolerance;
-    // The least over the fingers: one that is stuck open holds nothing against the other.
-    let have_left = off(settings.open).fold(f64::INFINITY, f64::min);
-    let off_closed = off(settings.closed).fold(0.0, f64::max);
+    let distance = |from: f64| found.iter().map(move |position| (position - from).abs());
+    let are_at_target = distance(target).fold(0.0, f64::max) <= settings.tolerance;
+    // The minimum over the fingers: a finger that is stuck open cannot hold anything against the other.
+    let from_open = distance(settings.open).fold(f64::INFINITY, f64::min);
+    let from_closed = distance(settings.closed).fold(0.0, f64::max);
     match opening {
-        Opening::Open if are_there => Ok(Between::Unknown),
+        Opening::Open if are_at_target => Ok(HandContents::Unknown),
         Opening::Open => Err(wrong()),
-        // Fingers that have not left their open position grasp nothing: the goal was refused or never came.
-        Opening::Closed if have_left <= settings.tolerance => Err(wrong()),
+        // Fingers still at their open position hold nothing: the goal was refused or lost.
+        Opening::Closed if from_open <= settings.tolerance => Err(wrong()),
         Opening::Closed => match settings.cloth {
-            Some(cloth) if off_closed >= cloth => Ok(Between::Something),
-            Some(_) if are_there => Ok(Between::Nothing),
-            None if are_there => Ok(Between::Unknown),
-            // Given up on the way: without knowing how far cloth keeps them apart, it may as well be a jam.
-            None if word != Word::None => Ok(Between::Unknown),
+            Some(cloth) if from_closed >= cloth => Ok(HandContents::Something),
+            Some(_) if are_at_target => Ok(HandContents::Nothing),
+            None if are_at_target => Ok(HandContents::Unknown),
+            // Stopped between open and closed: without `cloth` this may be a grasp or a jam.
+            None if outcome != Outcome::TimedOut => Ok(HandContents::Unknown),
             _ => Err(wrong()),
         },
     }
 }
 
-/// Returns where the fingers are once they do not move any more.
-fn at_rest<P: Port>(
+/// Waits until the fingers are at rest, and returns their positions.
+fn resting_positions<P: Port>(
     port: &mut P,
     settings: &FingerSettings,
     tolerance: &Tolerance,
     watch: &mut Watch<'_>,
 ) -> Result<Vec<f64>, ArmError> {
-    let mut before = taken(port, settings, tolerance, watch)?;
+    let mut before = finger_positions(port, settings, tolerance, watch)?;
     for _ in 0..LOOKS {
-        port.wait(REST_S.max(LOOK_S));
-        let now = taken(port, settings, tolerance, watch)?;
+        port.wait(REST_S.max(POLL_S));
+        let now = finger_positions(port, settings, tolerance, watch)?;
         let moved = now.iter().zip(&before).map(|(a, b)| (a - b).abs());
         if moved.fold(0.0, f64::max) <= 0.2 * settings.tolerance {
             return Ok(now);
         }
         before = now;
     }
-    Err(ArmError::Late {
+    Err(ArmError::TimedOut {
         after_s: f64::from(LOOKS) * REST_S,
     })
 }
 
-/// Returns the positions of the fingers that the hand has; a node may report three for a hand of two.
-fn taken<P: Port>(
+/// Returns one position per finger; a node may report three for a hand with two.
+fn finger_positions<P: Port>(
     port: &mut P,
     settings: &FingerSettings,
     tolerance: &Tolerance,
     watch: &mut Watch<'_>,
 ) -> Result<Vec<f64>, ArmError> {
-    let mut fingers = looked_at(port, tolerance, watch)?.fingers;
+    let mut fingers = watched_state(port, tolerance, watch)?.fingers;
     fingers.truncate(settings.count);
     let are_numbers = fingers.iter().all(|position| position.is_finite());
     if fingers.len() == settings.count && are_numbers {
@@ -125,7 +125,7 @@ fn taken<P: Port>(
     }
     Err(ArmError::Fingers {
         found: format!("{} positions", fingers.len()),
-        wanted: settings.count as f64,
+        target: settings.count as f64,
     })
 }
 
@@ -142,39 +142,54 @@ mod tests {
     };
 
     #[test]
-    fn positions_tell_what_is_between_the_fingers() {
+    fn finger_positions_decide_what_the_hand_holds() {
         let without = FingerSettings {
             cloth: None,
             ..SETTINGS
         };
-        let given_up = Word::Ended(Ending::Aborted);
-        let done = Word::Ended(Ending::Succeeded);
-        for (settings, word, found, expected) in [
-            (SETTINGS, done, [6390.0, 6350.0], Some(Between::Nothing)),
-            (SETTINGS, done, [6100.0, 6150.0], Some(Between::Something)),
+        let aborted = Outcome::Ended(Ending::Aborted);
+        let done = Outcome::Ended(Ending::Succeeded);
+        for (settings, outcome, found, expected) in [
             (
                 SETTINGS,
-                given_up,
-                [5000.0, 5200.0],
-                Some(Between::Something),
+                done,
+                [6390.0, 6350.0],
+                Some(HandContents::Nothing),
             ),
             (
                 SETTINGS,
-                Word::None,
+                done,
+                [6100.0, 6150.0],
+                Some(HandContents::Something),
+            ),
+            (
+                SETTINGS,
+                aborted,
                 [5000.0, 5200.0],
-                Some(Between::Something),
+                Some(HandContents::Something),
+            ),
+            (
+                SETTINGS,
+                Outcome::TimedOut,
+                [5000.0, 5200.0],
+                Some(HandContents::Something),
             ),
             // One finger that is stuck open, whatever the other does, holds nothing.
             (SETTINGS, done, [0.0, 6400.0], None),
             (SETTINGS, done, [6100.0, 40.0], None),
-            (SETTINGS, given_up, [0.0, 0.0], None),
+            (SETTINGS, aborted, [0.0, 0.0], None),
             (SETTINGS, done, [6250.0, 6250.0], None),
-            (without, done, [6390.0, 6350.0], Some(Between::Unknown)),
-            (without, given_up, [5000.0, 5200.0], Some(Between::Unknown)),
-            (without, Word::None, [5000.0, 5200.0], None),
+            (without, done, [6390.0, 6350.0], Some(HandContents::Unknown)),
+            (
+                without,
+                aborted,
+                [5000.0, 5200.0],
+                Some(HandContents::Unknown),
+            ),
+            (without, Outcome::TimedOut, [5000.0, 5200.0], None),
         ] {
-            let judged = judge(&settings, Opening::Closed, word, &found);
-            assert_eq!(judged.ok(), expected, "{word:?} at {found:?}");
+            let judged = classify(&settings, Opening::Closed, outcome, &found);
+            assert_eq!(judged.ok(), expected, "{outcome:?} at {found:?}");
         }
     }
 }

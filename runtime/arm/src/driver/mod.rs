@@ -1,91 +1,91 @@
-//! What motion is planned for: an arm with a hand, whose every word is doubted.
+//! The driver of an arm with a hand. It verifies every motion by measurement.
 //!
-//! In: poses of the tool, openings of the hand. Out: the state in which the arm verifiedly is, else an [`ArmError`] that
-//! says what is known. A driver believes no server: it looks where the arm is. [`PortArm`] drives what a
-//! [`Port`](super::port::Port) reaches; [`Limited`](super::limits::Limited) goes around any arm.
+//! In: tool poses and hand openings. Out: the verified state of the arm, else an [`ArmError`]. A driver trusts no action
+//! server: it measures where the arm is. [`PortArm`] drives an arm through a [`Port`](super::port::Port);
+//! [`Limited`](super::limits::Limited) wraps any arm in safety limits.
 
-mod carry;
+mod command;
 mod error;
 mod fingers;
-mod look;
+mod goal;
+pub mod parked;
 mod pause;
-pub mod resting;
-mod tool;
-mod way;
+mod port_arm;
+mod state;
 
-pub use error::{ArmError, Off};
-pub use tool::PortArm;
+pub use error::{ArmError, Deviation};
+pub use port_arm::PortArm;
 
 use nalgebra::Isometry3;
 
-/// What an arm says of itself, all of it heard lately.
+/// The state of an arm, from recent readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmState {
-    /// When the pose was heard, on the arm's clock, seconds.
+    /// When the pose was received, on the arm's clock, seconds.
     pub at_s: f64,
     /// Pose of the tool, `base_from_tool`.
     pub tool: Isometry3<f64>,
-    /// Angles of the joints from the base to the hand, radians; empty where the arm does not say.
+    /// Angles of the joints from the base to the hand, radians; empty if there is no recent reading.
     pub joints_rad: Vec<f64>,
     /// Positions of the fingers, in the arm's own units.
     pub fingers: Vec<f64>,
 }
 
-/// What the hand is to do.
+/// The commanded opening of the hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Opening {
     /// Open the fingers.
     Open,
-    /// Close them, as far as what is between them lets.
+    /// Close them until they meet or are blocked.
     Closed,
 }
 
-/// What is between fingers that were closed.
+/// What the closed fingers hold, judged by where they stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Between {
-    /// They stopped before they met: something is there.
+pub enum HandContents {
+    /// They stopped before they met: something is between them.
     Something,
-    /// They met: nothing is.
+    /// They met: the hand is empty.
     Nothing,
-    /// Their positions do not tell.
+    /// Their positions do not decide it.
     Unknown,
 }
 
-/// Why a motion is not to go on.
+/// How a watch callback ends a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Halt {
-    /// It is to end for now; the arm stays enabled. Fingers, and a tool that is almost there, go on to their end.
+    /// Pause: the arm stays enabled. Finger motions, and a tool close to its target, run to their end.
     Pause,
-    /// It is to end, and the arm to be stopped.
+    /// End the motion and stop the arm.
     Stop(ArmError),
 }
 
-/// Is shown each state while an arm moves, and may end the motion.
+/// A callback that gets each state while an arm moves, and may end the motion.
 pub type Watch<'w> = dyn FnMut(&ArmState) -> Result<(), Halt> + 'w;
 
 /// An arm with a hand.
 ///
-/// Nothing that is stopped moves again before [`Arm::enable`], which nothing here calls by itself. An error of
-/// [`Arm::move_tool`] or [`Arm::move_fingers`] says nothing of whether the arm is at rest, but for [`ArmError::Paused`]:
-/// whoever gets another stops it.
+/// A stopped arm does not move again until [`Arm::enable`], which a driver never calls by itself. After an error of
+/// [`Arm::move_tool`] or [`Arm::move_fingers`] other than [`ArmError::Paused`] the arm may still be moving: the caller
+/// must stop it.
 pub trait Arm {
     /// Returns its name, e.g. `j2n6s200`.
     fn name(&self) -> String;
 
-    /// Returns the time of a clock that never goes back, seconds.
+    /// Returns the time of a monotonic clock, seconds.
     fn now_s(&self) -> f64;
 
-    /// Lets time pass.
+    /// Waits.
     fn wait(&mut self, seconds: f64);
 
-    /// Returns what the arm says of itself; fails where it said nothing lately.
+    /// Returns the arm's state; fails if its readings are stale.
     fn state(&mut self) -> Result<ArmState, ArmError>;
 
-    /// Brings the tool to a pose, in a straight line, and verifies that it is there and at rest.
+    /// Moves the tool to a pose in a straight line, and verifies that it arrived and is at rest.
     ///
     /// - `to`: `base_from_tool`.
-    /// - `speed_m_s`: how fast at the most; an arm whose node takes no speed is watched only.
+    /// - `speed_m_s`: the highest speed. A node that takes no speed is only monitored.
     fn move_tool(
         &mut self,
         to: &Isometry3<f64>,
@@ -93,17 +93,17 @@ pub trait Arm {
         watch: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError>;
 
-    /// Opens or closes the hand, and says what is between the fingers.
+    /// Opens or closes the hand, and returns what is between the fingers.
     fn move_fingers(
         &mut self,
         opening: Opening,
         watch: &mut Watch<'_>,
-    ) -> Result<Between, ArmError>;
+    ) -> Result<HandContents, ArmError>;
 
-    /// Stops the arm and verifies that it takes no motion any more.
+    /// Stops the arm and verifies that it refuses motion.
     fn stop(&mut self) -> Result<(), ArmError>;
 
-    /// Lets a stopped arm move again: only where a person said so.
+    /// Enables a stopped arm. Call it only at a person's request.
     fn enable(&mut self) -> Result<(), ArmError>;
 }
 
@@ -137,7 +137,7 @@ impl<A: Arm + ?Sized> Arm for Box<A> {
         &mut self,
         opening: Opening,
         watch: &mut Watch<'_>,
-    ) -> Result<Between, ArmError> {
+    ) -> Result<HandContents, ArmError> {
         (**self).move_fingers(opening, watch)
     }
 

@@ -1,8 +1,8 @@
-//! A chain of joints, and where it brings its links and its tool.
+//! A kinematic chain and its forward kinematics.
 //!
-//! In: the angles of the joints, radians, from the base to the hand. Out: frames in the base frame, metres, and how
-//! the tool moves with each joint. Limits are stated here and kept by those who choose angles; the forward direction
-//! takes any angle, since an arm may report one that lies past its limit.
+//! In: joint angles, radians, from the base to the hand. Out: link and tool frames in the base frame, metres, and the
+//! Jacobian. Joint limits are stated here and enforced by the callers that choose angles: forward kinematics accepts any
+//! angle, because an arm may report one past its limit.
 
 use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector3, Vector6};
 use std::f64::consts::TAU;
@@ -167,12 +167,12 @@ impl Chain {
         (tool, jacobian)
     }
 
-    /// Returns how far the last joint must turn so that the tool, brought to `tool` now, is turned as at `wanted`; where
+    /// Returns how far the last joint must turn so that the tool, brought to `tool` now, is turned as at `target`; where
     /// their hands point elsewhere, as near as that joint can bring them.
-    pub(super) fn last_joint_between(&self, tool: &Isometry3<f64>, wanted: &Isometry3<f64>) -> f64 {
+    pub(super) fn last_joint_between(&self, tool: &Isometry3<f64>, target: &Isometry3<f64>) -> f64 {
         let last_from_tool = self.last_from_tool.rotation;
         let between =
-            last_from_tool * tool.rotation.inverse() * wanted.rotation * last_from_tool.inverse();
+            last_from_tool * tool.rotation.inverse() * target.rotation * last_from_tool.inverse();
         2.0 * between.k.atan2(between.w)
     }
 

@@ -1,10 +1,9 @@
-//! Joint angles that bring the tool to a pose.
+//! Inverse kinematics: joint angles that move the tool to a pose.
 //!
-//! In: a pose of the tool in the base frame, and angles to stay near. Out: angles within the limits, else how near the
-//! best attempt came and what stood in the way. From each of a fixed list of starts, damped least squares with the
-//! damping of Sugihara ("Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method", 2011): it
-//! grows with the error that is left, so that no step needs to be taken back. Equal input gives equal angles. Whether
-//! the arm hits itself or anything else on its way is not looked at.
+//! In: a tool pose in the base frame, and angles to stay near. Out: angles within the limits, else how near the best
+//! attempt came and what blocked it. Damped least squares runs from each of a fixed list of starts, with the damping of
+//! Sugihara ("Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method", 2011): it grows with the
+//! remaining error, so no step has to be undone. Equal input gives equal angles. Collisions are not checked.
 
 use super::chain::{BadAngles, Chain, JOINTS, METRES_PER_RAD, nearest_turn};
 use super::starts;
@@ -48,7 +47,7 @@ pub enum NoSolution {
         distance_m: f64,
         /// How far it was turned against it, radians.
         angle_rad: f64,
-        /// What stood in the way.
+        /// What blocked it.
         obstacle: Obstacle,
     },
 }
@@ -213,7 +212,7 @@ impl Chain {
             .fixed_rows_mut::<3>(0)
             .scale_mut(1.0 / METRES_PER_RAD);
         let mut step = damped(&weighted, error);
-        let mut held = false;
+        let mut is_clamped = false;
         for (index, joint) in self.joints().iter().enumerate() {
             let Some([least, most]) = joint.limits_rad else {
                 continue;
@@ -222,10 +221,10 @@ impl Chain {
                 || (angles[index] >= most && step[index] > 0.0)
             {
                 weighted.column_mut(index).fill(0.0);
-                held = true;
+                is_clamped = true;
             }
         }
-        if held {
+        if is_clamped {
             step = damped(&weighted, error);
         }
         step

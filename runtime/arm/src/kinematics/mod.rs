@@ -1,8 +1,8 @@
-//! Where an arm's joints bring its tool, which joints bring it to a pose, and what it reaches.
+//! Forward and inverse kinematics of an arm, straight paths, and reach.
 //!
-//! In: a model's name; angles, poses and points in the base frame, metres and radians. Out: frames, angles, straight
-//! ways, and the range that a hand pointing down reaches. Whether the arm hits itself, the table or anything else on
-//! its way is not looked at here.
+//! In: a model's name; angles, poses and points in the base frame, metres and radians. Out: frames, angles, straight paths,
+//! and the range that a hand pointing down reaches. Collisions of the arm with itself, the table or anything else are not
+//! checked here.
 
 pub mod chain;
 pub mod inverse;

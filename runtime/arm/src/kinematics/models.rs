@@ -1,7 +1,7 @@
-//! The arms that are known, read from `models.toml`.
+//! The supported arms, read from `models.toml`.
 //!
-//! In: a model's name. Out: its [`Chain`], or the names that are known. The figures and where each comes from stand in
-//! `models.toml`; nothing here changes them but their units.
+//! In: a model's name. Out: its [`Chain`], or the names of the supported models. `models.toml` holds the figures and the
+//! source of each; only their units are converted here.
 
 use super::chain::{Chain, JOINTS, Joint};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
@@ -11,12 +11,12 @@ const MODELS: &str = include_str!("models.toml");
 
 /// A model that is not known.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{name}` is not a model of an arm that is known: {}", .known.iter().map(|known| format!("`{known}`")).collect::<Vec<_>>().join(", "))]
+#[error("`{name}` is not a model of an arm that is known: {}", .available.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "))]
 pub struct UnknownModel {
     /// What was asked for.
     pub name: String,
     /// The models that are known.
-    pub known: Vec<String>,
+    pub available: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -61,7 +61,7 @@ impl Chain {
             .find(|chain| chain.models.iter().any(|model| model == name))
             .ok_or_else(|| UnknownModel {
                 name: name.to_owned(),
-                known: Chain::models(),
+                available: Chain::models(),
             })?;
         let last_from_tool = isometry(figures.hand_xyz_m, figures.hand_rpy_deg);
         Ok(Chain::new(name, figures.joint.map(joint), last_from_tool))

@@ -1,11 +1,10 @@
-//! What a hand that points straight down reaches.
+//! The reach of a hand that points straight down.
 //!
-//! In: a point in the base frame, and the heights over it that the hand must come to as well. Out: joint angles at the
-//! point from which the hand can go straight up, else how far the point is from the base, what is reached at that
-//! height, and why the point is not. Since the last joint turns without end, what is reached does not depend on how the
-//! hand is turned. Three things beyond the joints' limits are kept: the elbow stays over the point by more than a link
-//! is thick, since below the point lies the table; the hand stays off the base; and the way up is straight. Other
-//! collisions of the arm are not looked at.
+//! In: a point in the base frame, and heights above it that the hand must reach too. Out: joint angles at the point from
+//! which the hand can go straight up; else the point's distance from the base, the range at that height, and why the point
+//! is not reached. The last joint turns without limit, so reach does not depend on the rotation of the hand. Three
+//! conditions apply beyond the joint limits: the elbow stays above the point by more than a link's thickness, because the
+//! table lies below the point; the hand stays off the base; and the path up is straight. Other collisions are not checked.
 //!
 //! At the height of the base, the tool comes to within 0.18 m of the first axis and 0.70 m away from it (`j2n6s200`,
 //! `j2n6s300`), or 0.16 m and 0.72 m (`j2s6s200`).
@@ -30,7 +29,7 @@ const ELBOW_UP_M: f64 = 0.05;
 /// (meshes `shoulder.stl` and `hand_3finger_main.stl` of dm_control).
 const HAND_OFF_BASE_M: f64 = 0.11;
 
-/// The longest step of the way up, metres.
+/// The longest step of the path up, metres.
 const STEP_M: f64 = 0.02;
 
 /// The largest coordinate or height that is looked at, metres; no arm comes near it.
@@ -40,11 +39,11 @@ const MAX_M: f64 = 10.0;
 const RANGE_STEP_M: f64 = 0.02;
 const RANGE_HALVINGS: usize = 8;
 
-/// What is reached is kept for heights rounded to this, metres.
-const KEPT_M: f64 = 0.005;
+/// Ranges are cached for heights rounded to this, metres.
+const CACHE_STEP_M: f64 = 0.005;
 
-/// The most heights for which it is kept.
-const MAX_KEPT: usize = 4096;
+/// The most heights in the cache.
+const MAX_CACHED: usize = 4096;
 
 /// How the hand is turned about the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +63,7 @@ pub struct Range {
     pub farthest_m: f64,
 }
 
-/// A point that the hand does not reach pointing down, or not with the way up.
+/// A point that the hand does not reach pointing down, or cannot leave straight up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutOfReach {
     /// How far the point is from the first joint's axis, metres.
@@ -90,7 +89,7 @@ pub enum WhyNot {
     Height,
     /// It lies in a narrow gap of what is reached.
     Gap,
-    /// Each posture for the point ends at a limit on the straight way up, or would need another.
+    /// Each posture for the point reaches a limit on the straight path up, or would have to change.
     WayUp,
 }
 
@@ -111,7 +110,7 @@ impl fmt::Display for OutOfReach {
         let Some(range) = self.range else {
             return write!(out, "it reaches nothing");
         };
-        // Rounded inwards, so that what is refused by a millimetre is not said to be reached.
+        // Rounded inwards, so that a point refused by a millimetre is not reported as within range.
         let centimetre = |metres: f64, round: fn(f64) -> f64| round(metres * 100.0) / 100.0;
         let nearest_m = centimetre(range.nearest_m, f64::ceil);
         let farthest_m = centimetre(range.farthest_m, f64::floor);
@@ -189,14 +188,14 @@ impl Reach {
         if height_m.is_nan() || height_m.abs() > 2.0 * MAX_M {
             return None;
         }
-        let key = (height_m / KEPT_M).round();
+        let key = (height_m / CACHE_STEP_M).round();
         let mut ranges = self.ranges.lock().unwrap_or_else(PoisonError::into_inner);
-        if ranges.len() >= MAX_KEPT {
+        if ranges.len() >= MAX_CACHED {
             ranges.clear();
         }
         *ranges
             .entry(key as i64)
-            .or_insert_with(|| self.search_range(key * KEPT_M))
+            .or_insert_with(|| self.search_range(key * CACHE_STEP_M))
     }
 
     fn search_range(&self, height_m: f64) -> Option<Range> {

@@ -1,7 +1,7 @@
-//! Joint angles along a straight way of the tool.
+//! Joint angles along a straight path of the tool.
 //!
-//! In: two poses, and where the arm is. Out: angles at points of the line between them, each found from the ones
-//! before it alone, so that the arm stays in one posture; else where on the way that ends, and why.
+//! In: two poses, and the arm's current angles. Out: angles at points on the line between them. Each is solved from the
+//! angles before it, so that the arm keeps its posture; else where on the line that fails, and why.
 
 use super::chain::{Chain, JOINTS};
 use super::inverse::{NoSolution, is_pose};
@@ -17,7 +17,7 @@ const MAX_TURN_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// The most points of a line; 20 m in steps of 10 mm.
 const MAX_POINTS: f64 = 2000.0;
 
-/// Why a straight way cannot be gone.
+/// Why a straight path is not possible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotStraight {
     /// The steps are no lengths, or so short that there would be too many.
@@ -25,7 +25,7 @@ pub enum NotStraight {
         "a way of `{way_m}` m cannot be divided into steps of `{step_m}` m: at most 2000 steps"
     )]
     Steps {
-        /// Length of the way, metres.
+        /// Length of the path, metres.
         way_m: f64,
         /// The step that was asked for, metres.
         step_m: f64,
@@ -58,7 +58,7 @@ impl Chain {
     ///
     /// - `from`, `to`: `base_from_tool` at the ends.
     /// - `near_rad`: where the arm is; the first point is found from there.
-    /// - `step_m`: the longest way between two points, metres, above 0; a turn is divided into steps of 5 degrees.
+    /// - `step_m`: the largest distance between two points, metres, above 0; a rotation is divided into steps of 5 degrees.
     pub fn straight(
         &self,
         from: &Isometry3<f64>,
@@ -118,10 +118,10 @@ fn jump(angles: &[f64; JOINTS], before: &[f64; JOINTS]) -> Option<(usize, f64)> 
         .map(|(index, turned)| (index + 1, turned))
 }
 
-/// Returns the pose at a part, 0 to 1, of the way between two.
+/// Interpolates between two poses, at a share from 0 to 1.
 fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, part: f64) -> Isometry3<f64> {
     let place = from.translation.vector.lerp(&to.translation.vector, part);
-    // Half a turn has no shorter way; any is as good.
+    // Half a turn has no shorter direction; any will do.
     let turned = from.rotation.try_slerp(&to.rotation, part, 1e-9);
     let rotation = turned.unwrap_or_else(|| {
         let way = (to.rotation * from.rotation.inverse()).scaled_axis() * part;

@@ -1,17 +1,17 @@
-//! The postures in which the hand points straight down at a distance and a height.
+//! All postures in which the hand points straight down, at a given distance and height.
 //!
-//! In: a chain; how far the tool is from the first joint's axis, and how high. Out: joint angles within the limits, all
-//! there are but for one family, so that where there are none the place is out of reach. Pointing down, the last joint's axis is
-//! vertical: that joint turns the hand and nothing else. Of the others, the fifth is gone through in steps; with its
-//! angle the direction of the forearm is known, and with that where the elbow would have to be. It can be there where
-//! the upper arm is as long as the way from the shoulder: a root in one unknown.
+//! In: a chain; the tool's distance from the first joint's axis, and its height. Out: joint angles within the limits. The
+//! list is complete but for one family, so an empty list means out of reach. With the hand down, the last joint's axis is
+//! vertical: that joint only turns the hand. The fifth joint is scanned in steps. Its angle fixes the direction of the
+//! forearm, and with that the position of the elbow. The elbow can be there if its distance from the shoulder equals the
+//! length of the upper arm: a root in one unknown.
 //!
 //! One family is left out: at the two angles of the fifth joint at which forearm and hand are parallel, both may be
-//! vertical with any angle of the fourth. It adds places less than 0.16 m from the axis, and from its postures most ways
-//! lead nowhere.
+//! vertical with any angle of the fourth. It adds positions less than 0.16 m from the axis, from which most paths lead
+//! nowhere.
 //!
-//! This needs what all known arms share: the first axis is the base's vertical, the second and the third are horizontal
-//! and parallel, and the fourth lies along the plane in which those two move the arm. A test holds each model to it.
+//! This relies on what all supported arms share: the first axis is the base's vertical, the second and the third are
+//! horizontal and parallel, and the fourth lies in the plane in which those two move the arm. A test checks each model.
 
 use super::chain::{Chain, JOINTS, about_z, nearest_turn};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector2, Vector3};

@@ -1,7 +1,7 @@
-//! Whether an arm's settings can be used: every number, and what one part needs of another.
+//! Checks an arm's settings: every number, and what one section requires of another.
 //!
-//! In: settings as they were read. Out: nothing, or the first thing that is wrong: the key, its value and what would be
-//! right. Whether the arm reaches what the settings ask for is left to `fabc robot check`.
+//! In: parsed settings. Out: nothing, or the first fault: the key, its value and what would be right. Whether the arm
+//! reaches the configured places is left to `fabc robot check`.
 
 use super::{
     CameraSettings, CameraSource, DriverKind, FingerSettings, MotionSettings, RosSettings,

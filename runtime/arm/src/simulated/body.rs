@@ -1,4 +1,4 @@
-//! Joints and fingers of a simulated arm, and what lies under its hand.
+//! Joints and fingers of a simulated arm, and the table under its hand.
 
 use super::Simulation;
 use crate::kinematics::chain::{Chain, JOINTS};
@@ -12,32 +12,32 @@ use std::rc::Rc;
 /// Speed of the fingers: a second from open to closed.
 const FINGER_S: f64 = 1.0;
 
-/// Cloth holds the fingers open by this share of their way.
+/// Cloth holds the fingers open by this share of their travel.
 const CLOTH_SHARE: f64 = 0.08;
 
 /// The longest step between two points of a motion, metres.
 const STEP_M: f64 = 0.02;
 
 /// A table with cloth on it, under a hand.
-pub trait Table {
-    /// Lets time pass while the hand is where it is.
+pub trait SimulatedTable {
+    /// Advances time with the hand at a pose.
     ///
     /// - `tool`: `base_from_tool`.
     /// - `are_closed`: whether the fingers are closed as far as they go.
     fn advance(&mut self, seconds: f64, tool: &Isometry3<f64>, are_closed: bool);
 
-    /// Tells whether cloth is between the fingers, where they are.
-    fn is_between(&self, tool: &Isometry3<f64>) -> bool;
+    /// Returns whether cloth is between the fingers at a tool pose.
+    fn is_cloth_between_fingers(&self, tool: &Isometry3<f64>) -> bool;
 
-    /// Is told once that the camera over it gives no picture any more.
+    /// Makes the camera over the table stop giving pictures.
     fn lose_camera(&mut self) {}
 }
 
-/// A motion of the joints under way.
+/// A joint motion in progress.
 struct Motion {
     points: Vec<Waypoint>,
     for_s: f64,
-    /// Whether it waits while the arm is stopped and then goes on, as what a controller of trajectories was sent.
+    /// Whether it waits during a stop and then resumes, as a trajectory in its controller does.
     outlives_stop: bool,
 }
 
@@ -48,15 +48,18 @@ pub(super) struct Body {
     motion: Option<Motion>,
     fingers: Vec<f64>,
     finger_goal: Option<f64>,
-    table: Option<Rc<RefCell<dyn Table>>>,
+    table: Option<Rc<RefCell<dyn SimulatedTable>>>,
     chance: Chance,
-    is_held: bool,
+    is_stopped: bool,
     is_stuck: bool,
     are_fingers_stuck: bool,
 }
 
 impl Body {
-    pub(super) fn new(simulation: Simulation, table: Option<Rc<RefCell<dyn Table>>>) -> Body {
+    pub(super) fn new(
+        simulation: Simulation,
+        table: Option<Rc<RefCell<dyn SimulatedTable>>>,
+    ) -> Body {
         let FingerSettings { count, open, .. } = simulation.fingers;
         Body {
             joints_rad: simulation.joints_rad.clone(),
@@ -65,7 +68,7 @@ impl Body {
             finger_goal: None,
             table,
             chance: Chance::seeded(simulation.seed),
-            is_held: false,
+            is_stopped: false,
             is_stuck: false,
             are_fingers_stuck: false,
             simulation,
@@ -89,10 +92,14 @@ impl Body {
         tool.expect("a body's joints are its chain's")
     }
 
-    /// Begins a straight motion to near a pose; says why not where the joints do not lead there.
+    /// Starts a straight motion to a pose, within the repeatability; fails if there is no joint path.
     ///
-    /// - `short_m`: how much before the pose it ends.
-    pub(super) fn go(&mut self, to: &Isometry3<f64>, short_m: f64) -> Result<(), String> {
+    /// - `short_m`: distance before the pose at which it ends.
+    pub(super) fn move_straight(
+        &mut self,
+        to: &Isometry3<f64>,
+        short_m: f64,
+    ) -> Result<(), String> {
         let from = self.tool();
         let way = to.translation.vector - from.translation.vector;
         let way_m = way.norm();
@@ -124,7 +131,7 @@ impl Body {
         Ok(())
     }
 
-    /// Begins a motion through points; says what is wrong with them.
+    /// Starts a motion through points; fails if they do not fit the arm.
     pub(super) fn follow(&mut self, points: &[Waypoint]) -> Result<(), String> {
         let fit = points.iter().all(|point| {
             point.joints_rad.len() == JOINTS
@@ -142,7 +149,7 @@ impl Body {
         Ok(())
     }
 
-    /// Begins a motion through points that a stop does not end; says what is wrong with them.
+    /// Starts a motion through points that a stop only suspends; fails if they do not fit the arm.
     ///
     /// - `short_share`: the share of the last step that is left out.
     pub(super) fn stream(&mut self, points: &[Waypoint], short_share: f64) -> Result<(), String> {
@@ -159,8 +166,8 @@ impl Body {
         Ok(())
     }
 
-    /// Begins a motion of the fingers.
-    pub(super) fn close_to(&mut self, position: f64) {
+    /// Starts a motion of the fingers.
+    pub(super) fn move_fingers(&mut self, position: f64) {
         self.finger_goal = Some(position);
     }
 
@@ -170,16 +177,16 @@ impl Body {
         self.finger_goal = None;
     }
 
-    /// Takes no motion until `start`.
+    /// Suspends all motion until `start`.
     pub(super) fn stop(&mut self) {
-        self.is_held = true;
+        self.is_stopped = true;
         self.finger_goal = None;
         self.motion = self.motion.take().filter(|motion| motion.outlives_stop);
     }
 
-    /// Takes motion again, and goes on with what a stop does not end.
+    /// Allows motion again, and resumes what a stop only suspended.
     pub(super) fn start(&mut self) {
-        self.is_held = false;
+        self.is_stopped = false;
     }
 
     pub(super) fn stick(&mut self) {
@@ -197,7 +204,7 @@ impl Body {
         }
     }
 
-    /// Turns the first joint, whatever was asked for.
+    /// Turns the first joint, whatever the goal is.
     pub(super) fn run_away(&mut self, seconds: f64) {
         self.motion = None;
         if !self.is_stuck {
@@ -205,9 +212,9 @@ impl Body {
         }
     }
 
-    /// Lets time pass.
+    /// Advances time.
     pub(super) fn advance(&mut self, seconds: f64) {
-        if !self.is_stuck && !self.is_held {
+        if !self.is_stuck && !self.is_stopped {
             self.advance_joints(seconds);
         }
         let tool = self.tool();
@@ -239,7 +246,7 @@ impl Body {
             self.motion = None;
             return;
         };
-        // Towards the next point, as much of the way as the time is of what is left to it.
+        // Interpolate towards the next point by the share of the remaining time.
         let share = ((now_s - before_s) / (next.at_s - before_s)).min(1.0);
         for (angle, goal) in self.joints_rad.iter_mut().zip(&next.joints_rad) {
             *angle += share * (goal - *angle);
@@ -252,11 +259,11 @@ impl Body {
         };
         let FingerSettings { open, closed, .. } = self.simulation.fingers;
         let step = (closed - open).abs() * seconds / FINGER_S;
-        let is_between = self
+        let is_cloth_between_fingers = self
             .table
             .as_ref()
-            .is_some_and(|table| table.borrow().is_between(tool));
-        let stop = match is_between {
+            .is_some_and(|table| table.borrow().is_cloth_between_fingers(tool));
+        let stop = match is_cloth_between_fingers {
             true => closed - CLOTH_SHARE * (closed - open),
             false => closed,
         };

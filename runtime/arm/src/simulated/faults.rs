@@ -1,4 +1,4 @@
-//! What can go wrong with an arm, for tests and rehearsals.
+//! Faults that can be injected into a simulated arm, for tests and rehearsals.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,31 +19,31 @@ pub enum FaultKind {
     LostGoal,
     /// The next three goals do not arrive.
     LostGoals,
-    /// The word that the next goal is over does not arrive.
+    /// The result of the next goal does not arrive.
     LostResult,
     /// The next cancellation does not arrive.
     LostCancel,
-    /// The next stop gives no answer, and has no effect.
+    /// The next stop gets no answer and has no effect.
     LostStop,
-    /// No reading arrives any more.
+    /// No reading arrives from then on.
     Silence,
     /// No reading arrives for 0.6 s.
     ShortSilence,
-    /// The arm comes to a stop on its way and moves no more.
+    /// The arm jams during a motion and never moves again.
     StuckJoint,
     /// Somebody presses the stop.
     PressedStop,
-    /// The next motion comes to rest 7 mm short of its goal, which the node calls reached.
+    /// The next motion ends 7 mm short of its goal, and the node reports it as reached.
     FallsShort,
     /// Every motion does.
     FallsShortAlways,
-    /// The node gives the next goal up.
+    /// The node aborts the next goal.
     AbortedGoal,
-    /// The arm turns away from its way, without end.
+    /// The arm leaves its path and keeps turning.
     Runaway,
-    /// The fingers do not move any more.
+    /// The fingers never move again.
     StuckFingers,
-    /// The camera gives no picture any more.
+    /// The camera never gives a picture again.
     NoPicture,
 }
 
@@ -68,7 +68,7 @@ impl FaultKind {
     ];
 }
 
-/// The faults of an arm that are yet to come or have come.
+/// Pending and active faults of an arm.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Faults {
     pending: Vec<Fault>,
@@ -85,12 +85,12 @@ impl Faults {
         }
     }
 
-    /// Adds one that is yet to come.
+    /// Adds a pending fault.
     pub(super) fn add(&mut self, fault: Fault) {
         self.pending.push(fault);
     }
 
-    /// Takes a fault of a kind that is due and happens once; tells whether there was one.
+    /// Consumes a due one-time fault of a kind; returns whether there was one.
     pub(super) fn take(&mut self, kind: FaultKind, now_s: f64) -> bool {
         let due = |fault: &Fault| fault.kind == kind && fault.from_s <= now_s;
         let Some(index) = self.pending.iter().position(due) else {
@@ -100,7 +100,7 @@ impl Faults {
         true
     }
 
-    /// Tells whether a goal that is sent now is lost.
+    /// Returns whether a goal that is sent now is lost.
     pub(super) fn loses_goal(&mut self, now_s: f64) -> bool {
         if self.take(FaultKind::LostGoals, now_s) {
             self.goals_to_lose += 3;
@@ -113,15 +113,15 @@ impl Faults {
         is_lost
     }
 
-    /// Tells whether a fault of a kind that lasts has begun.
-    pub(super) fn lasts(&mut self, kind: FaultKind, now_s: f64) -> bool {
+    /// Returns whether a lasting fault of a kind has started.
+    pub(super) fn is_active(&mut self, kind: FaultKind, now_s: f64) -> bool {
         if self.take(kind, now_s) {
             self.lasting.push(kind);
         }
         self.lasting.contains(&kind)
     }
 
-    /// Returns since when a fault has been due that is looked at again and again.
+    /// Returns the start time of a pending fault of a kind.
     pub(super) fn since_s(&self, kind: FaultKind) -> Option<f64> {
         let fault = self.pending.iter().find(|fault| fault.kind == kind);
         fault.map(|fault| fault.from_s)

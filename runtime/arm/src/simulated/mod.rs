@@ -1,23 +1,23 @@
-//! An arm that this program simulates, with the habits of the real one's node.
+//! A simulated arm that behaves like the node of the real one.
 //!
-//! In: the messages of a [`Port`], on a clock that only [`Port::wait`] moves. Out: joints and fingers that move, words
-//! that arrive late or never, and cloth under the hand. Like kinova-ros: readings come ten times a second; a goal counts
-//! as reached within 10 mm and 2 degrees; a goal that is cancelled, gives way to another or stalls makes the node stop
-//! the arm and *start it again*; a stopped arm aborts every goal, but for a trajectory, which waits until the arm is let go
-//! and is given up after twice its time. No dynamics: a motion keeps its speed and ends at once.
+//! In: the messages of a [`Port`], on a clock that only [`Port::wait`] advances. Out: moving joints and fingers, reports
+//! that arrive late or never, and cloth under the hand. As with kinova-ros, readings come ten times a second; a goal
+//! counts as reached within 10 mm and 2 degrees; a goal that is cancelled, preempted or stalls makes the node stop the arm
+//! and *start it again*; and a stopped arm aborts every goal, except a trajectory, which waits until the arm is enabled and
+//! is aborted after twice its duration. There are no dynamics: a motion has constant speed and ends at once.
 
 mod body;
 mod faults;
 mod node;
 mod shared;
 
-pub use body::Table;
+pub use body::SimulatedTable;
 pub use faults::{Fault, FaultKind};
 pub use shared::SharedArm;
 
 use super::kinematics::chain::Chain;
 use super::kinematics::reach::{Reach, Turn};
-use super::port::{Goal, GoalId, GoalState, Heard, Port, PortError, Readings};
+use super::port::{Goal, GoalId, GoalState, Port, PortError, Reading, Readings};
 use super::settings::{FingerSettings, Settings};
 use body::Body;
 use faults::Faults;
@@ -42,9 +42,9 @@ pub struct SimulatedArm {
     read_s: f64,
     /// Where the tool was when the arm was stopped, and how far it has been from there since, metres.
     since_stop: Option<(Isometry3<f64>, f64)>,
-    /// Every pose of the tool so far is within these, metres: least and largest.
+    /// Bounds of all tool positions so far, metres: least and largest.
     extent_m: [[f64; 3]; 2],
-    is_blind: bool,
+    has_lost_camera: bool,
 }
 
 /// How an arm is simulated.
@@ -67,7 +67,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Simulates the arm of some settings, resting where they say; says why it cannot rest there.
+    /// Simulates the arm of the settings, starting at `rest_m`; the error says why it cannot be there.
     pub fn of(settings: &Settings) -> Result<Simulation, String> {
         let chain = Chain::of_model(&settings.model).map_err(|error| error.to_string())?;
         let [x, y, z] = settings.workspace.rest_m;
@@ -88,8 +88,11 @@ impl Simulation {
 }
 
 impl SimulatedArm {
-    /// Sets an arm up, over a table where there is one.
-    pub fn new(simulation: Simulation, table: Option<Rc<RefCell<dyn Table>>>) -> SimulatedArm {
+    /// Sets up an arm, over a table if there is one.
+    pub fn new(
+        simulation: Simulation,
+        table: Option<Rc<RefCell<dyn SimulatedTable>>>,
+    ) -> SimulatedArm {
         let faults = Faults::new(simulation.faults.clone());
         let body = Body::new(simulation, table);
         let at: [f64; 3] = body.tool().translation.vector.into();
@@ -102,63 +105,62 @@ impl SimulatedArm {
             read_s: f64::NEG_INFINITY,
             since_stop: None,
             extent_m: [at, at],
-            is_blind: false,
+            has_lost_camera: false,
         };
         arm.read();
         arm
     }
 
-    /// Tells whether the arm takes no motion.
+    /// Returns whether the arm is stopped.
     pub fn is_stopped(&self) -> bool {
         self.node.is_stopped()
     }
 
-    /// Returns how far the tool has been, at the most, from where it was when the arm was last stopped, metres; none
-    /// where it was not stopped, or a person let it go again.
+    /// Returns the largest distance of the tool from where it was at the last stop, metres; `None` if the arm is not stopped.
     pub fn moved_after_stop_m(&self) -> Option<f64> {
         self.since_stop.map(|(_, moved_m)| moved_m)
     }
 
-    /// Returns the least and the largest coordinates at which the tool ever was, metres, base frame.
+    /// Returns the least and the largest coordinates of the tool so far, metres, base frame.
     pub fn extent_m(&self) -> [[f64; 3]; 2] {
         self.extent_m
     }
 
-    /// Returns where the tool is, `base_from_tool`, which a driver hears later.
+    /// Returns the true pose of the tool, `base_from_tool`; readings of it arrive later.
     pub fn tool(&self) -> Isometry3<f64> {
         self.body.tool()
     }
 
-    /// Lets something go wrong from now on.
+    /// Injects a fault from now on.
     pub fn fail(&mut self, kind: FaultKind) {
         let from_s = self.clock_s;
         self.faults.add(Fault { kind, from_s });
     }
 
-    /// Tells whether the camera gives no picture any more.
-    pub fn is_blind(&mut self) -> bool {
+    /// Returns whether the camera has stopped giving pictures.
+    pub fn has_lost_camera(&mut self) -> bool {
         if self.faults.take(FaultKind::NoPicture, self.clock_s) {
-            self.is_blind = true;
+            self.has_lost_camera = true;
             self.body.lose_camera();
         }
-        self.is_blind
+        self.has_lost_camera
     }
 
     fn tick(&mut self) {
         self.clock_s += TICK_S;
         if self.faults.take(FaultKind::PressedStop, self.clock_s) {
-            self.be_stopped();
+            self.stop_body();
         }
-        if self.faults.lasts(FaultKind::StuckJoint, self.clock_s) {
+        if self.faults.is_active(FaultKind::StuckJoint, self.clock_s) {
             self.body.stick();
         }
-        if self.faults.lasts(FaultKind::StuckFingers, self.clock_s) {
+        if self.faults.is_active(FaultKind::StuckFingers, self.clock_s) {
             self.body.stick_fingers();
         }
-        self.is_blind();
+        self.has_lost_camera();
         let runs_away = !self.node.is_stopped()
             && self.node.is_busy()
-            && self.faults.lasts(FaultKind::Runaway, self.clock_s);
+            && self.faults.is_active(FaultKind::Runaway, self.clock_s);
         if runs_away {
             self.body.run_away(TICK_S);
         }
@@ -181,7 +183,7 @@ impl SimulatedArm {
     }
 
     fn read(&mut self) {
-        if self.faults.lasts(FaultKind::Silence, self.clock_s) {
+        if self.faults.is_active(FaultKind::Silence, self.clock_s) {
             return;
         }
         if let Some(since_s) = self.faults.since_s(FaultKind::ShortSilence)
@@ -192,24 +194,24 @@ impl SimulatedArm {
         self.read_s = self.clock_s;
         let at_s = self.clock_s;
         self.readings = Readings {
-            tool: Some(Heard {
+            tool: Some(Reading {
                 value: self.body.tool(),
                 at_s,
             }),
-            joints_rad: Some(Heard {
+            joints_rad: Some(Reading {
                 value: self.body.joints_rad().to_vec(),
                 at_s,
             }),
-            fingers: Some(Heard {
+            fingers: Some(Reading {
                 value: self.body.fingers().to_vec(),
                 at_s,
             }),
         };
     }
 
-    fn be_stopped(&mut self) {
+    fn stop_body(&mut self) {
         self.node.stop(&mut self.body);
-        // A second stop says nothing of how far the arm went after the first.
+        // A second stop must not reset the distance since the first.
         self.since_stop.get_or_insert((self.body.tool(), 0.0));
     }
 }
@@ -231,7 +233,7 @@ impl Port for SimulatedArm {
     }
 
     fn state(&mut self, goal: &GoalId) -> GoalState {
-        self.node.told(goal, self.clock_s)
+        self.node.goal_state(goal, self.clock_s)
     }
 
     fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError> {
@@ -249,7 +251,7 @@ impl Port for SimulatedArm {
                 why: "no answer within 1 s".to_owned(),
             });
         }
-        self.be_stopped();
+        self.stop_body();
         Ok(())
     }
 

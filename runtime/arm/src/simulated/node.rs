@@ -1,16 +1,16 @@
-//! The node that moves a simulated arm: its action servers, with their habits.
+//! The node that moves a simulated arm: its action servers, with the behaviour of the real ones.
 
 use super::body::Body;
 use super::faults::{FaultKind, Faults};
-use crate::driver::Off;
+use crate::driver::Deviation;
 use crate::port::{Ending, Goal, GoalId, GoalState, Waypoint};
 use std::collections::BTreeMap;
 use std::mem::discriminant;
 
-/// How long a message is on its way, seconds.
+/// Latency of a message, seconds.
 const LATENCY_S: f64 = 0.03;
 
-/// Time between two looks of a server at the arm, seconds (kinova-ros: `rate_hz` 10).
+/// Cycle time of a server, seconds (kinova-ros: `rate_hz` 10).
 const LOOK_S: f64 = 0.1;
 
 /// A pose this near counts as reached: metres, radians.
@@ -25,23 +25,23 @@ const STALL_M: f64 = 0.000_5;
 const STALL_S: f64 = 1.0;
 const FINGER_STALL_S: f64 = 0.5;
 
-/// How much before its goal a motion ends that falls short, metres.
+/// Distance before its goal at which a motion with the fault `FallsShort` ends, metres.
 const SHORT_M: f64 = 0.007;
 
-/// How much of the last step of a trajectory that is: steps are 10 mm.
+/// The same as a share of the last step of a trajectory: steps are 10 mm.
 const SHORT_SHARE: f64 = 0.7;
 
-/// A trajectory that takes longer than twice its time and so much is given up, seconds.
+/// A trajectory is aborted after twice its duration plus this, seconds.
 const TRAJECTORY_S: f64 = 3.0;
 
-/// The most goals of which the end is remembered.
+/// The most ended goals that are remembered.
 const MAX_REMEMBERED: usize = 64;
 
-/// A goal that a server works on.
+/// A goal that a server is executing.
 struct Active {
     id: GoalId,
     goal: Goal,
-    /// What a server compares with to see whether anything still moves: position of the tool, fingers.
+    /// The last measured motion, to detect a stall: position of the tool, fingers.
     last: (nalgebra::Vector3<f64>, f64),
     last_moved_s: f64,
     begun_s: f64,
@@ -51,11 +51,11 @@ struct Active {
 #[derive(Default)]
 pub(super) struct Node {
     sent: u64,
-    /// Goals and cancellations on their way, with the time of their arrival.
-    on_their_way: Vec<(f64, Message)>,
+    /// Goals and cancellations in transit, with their arrival times.
+    in_transit: Vec<(f64, Message)>,
     /// At most one for each server.
     active: Vec<Active>,
-    /// How goals ended, and when that is heard; infinity where it never is.
+    /// How goals ended, and when the report arrives; infinity if it never does.
     ended: BTreeMap<GoalId, (Ending, f64)>,
     is_stopped: bool,
     looked_s: f64,
@@ -80,18 +80,18 @@ impl Node {
         let id = GoalId(format!("goal-{:06}", self.sent));
         if !faults.loses_goal(now_s) {
             let message = Message::Goal(id.clone(), goal.clone());
-            self.on_their_way.push((now_s + LATENCY_S, message));
+            self.in_transit.push((now_s + LATENCY_S, message));
         }
         id
     }
 
     pub(super) fn cancel(&mut self, goal: &GoalId, now_s: f64) {
         let message = Message::Cancel(goal.clone());
-        self.on_their_way.push((now_s + LATENCY_S, message));
+        self.in_transit.push((now_s + LATENCY_S, message));
     }
 
-    /// Returns what somebody who sent a goal knows of it by now.
-    pub(super) fn told(&self, goal: &GoalId, now_s: f64) -> GoalState {
+    /// Returns the state of a goal as its sender sees it by now.
+    pub(super) fn goal_state(&self, goal: &GoalId, now_s: f64) -> GoalState {
         match self.ended.get(goal) {
             Some((ending, heard_s)) if *heard_s <= now_s => GoalState::Ended(*ending),
             Some(_) => GoalState::Active,
@@ -110,13 +110,13 @@ impl Node {
         body.start();
     }
 
-    /// Takes messages that have arrived, and looks at the arm where it is time to.
+    /// Handles messages that have arrived, and runs a server cycle when it is due.
     pub(super) fn advance(&mut self, now_s: f64, body: &mut Body, faults: &mut Faults) {
         let arrived: Vec<Message> = {
-            let (here, later) = std::mem::take(&mut self.on_their_way)
+            let (here, later) = std::mem::take(&mut self.in_transit)
                 .into_iter()
                 .partition(|(at_s, _)| *at_s <= now_s);
-            self.on_their_way = later;
+            self.in_transit = later;
             let here: Vec<(f64, Message)> = here;
             here.into_iter().map(|(_, message)| message).collect()
         };
@@ -139,20 +139,20 @@ impl Node {
         let same = |active: &Active| discriminant(&active.goal) == server;
         self.preempt(same, now_s, body, faults);
         let started = match (self.is_stopped, &goal) {
-            // Its controller takes a trajectory at any time, and a stop only holds the joints.
+            // The controller accepts a trajectory at any time; a stop only holds the joints.
             (_, Goal::Trajectory(points)) => {
                 let is_motion = !is_near(body, points);
-                let falls_short = faults.lasts(FaultKind::FallsShortAlways, now_s)
+                let falls_short = faults.is_active(FaultKind::FallsShortAlways, now_s)
                     || is_motion && faults.take(FaultKind::FallsShort, now_s);
                 body.stream(points, if falls_short { SHORT_SHARE } else { 0.0 })
             }
             (true, _) => Err(String::new()),
             (false, Goal::ToolPose(pose)) => {
-                // A goal that is no motion cannot fall short, and leaves the fault to the next that is one.
-                let is_motion = Off::between(&body.tool(), pose).position_m > REACHED_M;
-                let falls_short = faults.lasts(FaultKind::FallsShortAlways, now_s)
+                // A goal at the current pose cannot fall short; the fault waits for the next real motion.
+                let is_motion = Deviation::between(&body.tool(), pose).position_m > REACHED_M;
+                let falls_short = faults.is_active(FaultKind::FallsShortAlways, now_s)
                     || is_motion && faults.take(FaultKind::FallsShort, now_s);
-                body.go(pose, if falls_short { SHORT_M } else { 0.0 })
+                body.move_straight(pose, if falls_short { SHORT_M } else { 0.0 })
             }
             (false, Goal::JointAngles(joints_rad)) => body.follow(&[Waypoint {
                 joints_rad: joints_rad.clone(),
@@ -160,7 +160,7 @@ impl Node {
             }]),
             (false, Goal::Fingers(positions)) => match positions.first() {
                 Some(position) if position.is_finite() => {
-                    body.close_to(*position);
+                    body.move_fingers(*position);
                     Ok(())
                 }
                 _ => Err(String::new()),
@@ -183,8 +183,8 @@ impl Node {
         });
     }
 
-    /// Ends a goal under way as kinova-ros does: it stops the arm and starts it again, but for a trajectory, of which it
-    /// empties the controller.
+    /// Preempts an active goal as kinova-ros does: it stops the arm and starts it again; for a trajectory it empties the
+    /// controller instead.
     fn preempt(
         &mut self,
         is_meant: impl Fn(&Active) -> bool,
@@ -225,7 +225,7 @@ impl Node {
         for (id, ending) in over {
             match ending {
                 Ending::Preempted => self.preempt(|active| active.id == id, now_s, body, faults),
-                // Where it is reached the arm goes on to the goal by itself: only the server is done with it.
+                // On success the arm continues to the goal by itself: only the server is done.
                 _ => {
                     self.active.retain(|active| active.id != id);
                     self.end(id, ending, now_s, faults);
@@ -236,7 +236,7 @@ impl Node {
 }
 
 impl Active {
-    /// Returns how a look of the server ends the goal, where it does.
+    /// Returns how a server cycle ends the goal, if it does.
     fn ending(&mut self, is_stopped: bool, now_s: f64, body: &Body) -> Option<Ending> {
         let measured = measure(body);
         let moved =
@@ -247,8 +247,9 @@ impl Active {
         }
         let (is_reached, stall_s) = match &self.goal {
             Goal::ToolPose(pose) => {
-                let off = Off::between(&body.tool(), pose);
-                let is_reached = off.position_m < REACHED_M && off.angle_rad < REACHED_RAD;
+                let deviation = Deviation::between(&body.tool(), pose);
+                let is_reached =
+                    deviation.position_m < REACHED_M && deviation.angle_rad < REACHED_RAD;
                 (is_reached, STALL_S)
             }
             Goal::Fingers(positions) => {
@@ -258,11 +259,11 @@ impl Active {
             }
             Goal::JointAngles(joints_rad) => (near(body, joints_rad), STALL_S),
             Goal::Trajectory(points) => {
-                // What its controller was sent goes on when it is given up, or waits for the arm to be let go.
-                let lasts_s = points.last().map_or(0.0, |last| last.at_s);
+                // The controller keeps the trajectory after an abort, or holds it until the arm is enabled.
+                let duration_s = points.last().map_or(0.0, |last| last.at_s);
                 return match is_near(body, points) {
                     true => Some(Ending::Succeeded),
-                    false => (now_s - self.begun_s > 2.0 * lasts_s + TRAJECTORY_S)
+                    false => (now_s - self.begun_s > 2.0 * duration_s + TRAJECTORY_S)
                         .then_some(Ending::Aborted),
                 };
             }
@@ -275,14 +276,14 @@ impl Active {
     }
 }
 
-/// Tells whether the joints are near the end of a trajectory.
+/// Returns whether the joints are near the end of a trajectory.
 fn is_near(body: &Body, points: &[Waypoint]) -> bool {
     points
         .last()
         .is_some_and(|last| near(body, &last.joints_rad))
 }
 
-/// Tells whether the joints are within a degree of some angles.
+/// Returns whether the joints are within a degree of the given angles.
 fn near(body: &Body, joints_rad: &[f64]) -> bool {
     let off = |(a, b): (&f64, &f64)| (a - b).abs();
     body.joints_rad()

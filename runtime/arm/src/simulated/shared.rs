@@ -1,11 +1,11 @@
-//! A simulated arm that is driven by one and looked at by another.
+//! A simulated arm that a driver moves while a test inspects it.
 
 use super::SimulatedArm;
 use crate::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
 use std::cell::{RefCell, RefMut};
 use std::rc::Rc;
 
-/// A simulated arm that several hold; clones are the same arm.
+/// A shared handle to a simulated arm; clones refer to the same arm.
 #[derive(Clone)]
 pub struct SharedArm(Rc<RefCell<SimulatedArm>>);
 
@@ -15,7 +15,7 @@ impl SharedArm {
         SharedArm(Rc::new(RefCell::new(arm)))
     }
 
-    /// Returns the arm, to look at; panics where what was returned before is still held.
+    /// Borrows the arm for inspection; panics if an earlier borrow is still alive.
     pub fn arm(&self) -> RefMut<'_, SimulatedArm> {
         self.0.borrow_mut()
     }

@@ -1,7 +1,7 @@
-//! Printed sheets around the cloth's place on a simulated table, by which a moved camera is noticed.
+//! Printed sheets around the cloth on a simulated table, which make a moved camera detectable.
 //!
-//! In: a place of the table. Out: what is printed there. They are grey, so that a mask by colour leaves them aside, and lie
-//! where a cloth in the middle of the table does not.
+//! In: a point on the table. Out: what is printed there. The sheets are grey, so that a colour mask ignores them, and lie
+//! outside the area of a cloth in the middle of the table.
 
 /// Middles of the sheets, metres, world frame.
 const MIDDLES_M: [[f64; 2]; 12] = [

@@ -1,7 +1,7 @@
-//! A driver believes no server: the traps of the real arm's node, one by one, whichever way motions are said.
+//! A driver trusts no server: each trap of the real arm's node, in both command modes.
 
 use super::*;
-use crate::driver::{ArmError, Between, Opening};
+use crate::driver::{ArmError, HandContents, Opening};
 use crate::kinematics::tool_down::tool_down;
 use crate::settings::FingerSettings;
 
@@ -69,11 +69,18 @@ fn a_goal_called_reached_too_early_is_corrected() {
 fn a_goal_that_is_never_reached_is_no_success() {
     for by in By::BOTH {
         let mut bench = Bench::driven(by, &[(FaultKind::FallsShortAlways, 0.0)]);
-        let Err(ArmError::NotThere { said, off }) = go(&mut bench) else {
+        let Err(ArmError::NotReached {
+            reported,
+            deviation,
+        }) = go(&mut bench)
+        else {
             panic!("7 mm short, and called reached");
         };
-        assert_eq!(said, "reached");
-        assert!((0.003..0.010).contains(&off.position_m), "{by:?}: {off}");
+        assert_eq!(reported, "reached");
+        assert!(
+            (0.003..0.010).contains(&deviation.position_m),
+            "{by:?}: {deviation}"
+        );
     }
 }
 
@@ -87,12 +94,12 @@ fn cloth_between_the_fingers_is_told_by_their_place() {
             .move_tool(&over, SPEED_M_S, &mut nobody)
             .unwrap();
         let between = bench.driver().move_fingers(Opening::Closed, &mut nobody);
-        assert_eq!(between, Ok(Between::Something));
+        assert_eq!(between, Ok(HandContents::Something));
         let opened = bench.driver().move_fingers(Opening::Open, &mut nobody);
-        assert_eq!(opened, Ok(Between::Unknown));
+        assert_eq!(opened, Ok(HandContents::Unknown));
         bench.take_cloth_away();
         let between = bench.driver().move_fingers(Opening::Closed, &mut nobody);
-        assert_eq!(between, Ok(Between::Nothing));
+        assert_eq!(between, Ok(HandContents::Nothing));
     }
 }
 
@@ -113,17 +120,21 @@ fn fingers_are_told_by_their_place_in_whichever_units() {
         let port = SimulatedArm::new(simulation(&settings, 0, &[]), None);
         let mut arm = by.drive(port, &settings);
         let close = |arm: &mut Driven| arm.move_fingers(Opening::Closed, &mut nobody);
-        assert_eq!(close(&mut arm), Ok(Between::Nothing), "{open} to {closed}");
+        assert_eq!(
+            close(&mut arm),
+            Ok(HandContents::Nothing),
+            "{open} to {closed}"
+        );
         let opened = arm.move_fingers(Opening::Open, &mut nobody);
-        assert_eq!(opened, Ok(Between::Unknown), "{open} to {closed}");
+        assert_eq!(opened, Ok(HandContents::Unknown), "{open} to {closed}");
         let cloth = Patch {
             at: Point3::from(arm.port().tool().translation.vector),
-            is_held: false,
+            is_grasped: false,
         };
         let table = Rc::new(RefCell::new(cloth));
         let port = SimulatedArm::new(simulation(&settings, 0, &[]), Some(table));
         let between = close(&mut by.drive(port, &settings));
-        assert_eq!(between, Ok(Between::Something), "{open} to {closed}");
+        assert_eq!(between, Ok(HandContents::Something), "{open} to {closed}");
     }
 }
 
@@ -155,12 +166,15 @@ fn an_arm_that_stalls_says_so_and_can_be_stopped() {
     for by in By::BOTH {
         let mut bench = Bench::driven(by, &[(FaultKind::StuckJoint, ON_THE_WAY_S)]);
         // A controller of trajectories knows no stall: it gives up when the time is long over.
-        let off = match go(&mut bench) {
-            Err(ArmError::Stalled { off }) if by == By::Poses => off,
-            Err(ArmError::NotThere { said, off }) if said == "aborted" => off,
+        let deviation = match go(&mut bench) {
+            Err(ArmError::Stalled { deviation }) if by == By::Poses => deviation,
+            Err(ArmError::NotReached {
+                reported,
+                deviation,
+            }) if reported == "aborted" => deviation,
             moved => panic!("a joint that is stuck: {moved:?}"),
         };
-        assert!(off.position_m > 0.05, "{off}");
+        assert!(deviation.position_m > 0.05, "{deviation}");
         // The node that gave the goal up let the arm go again.
         assert!(!bench.port().is_stopped());
         bench.driver().stop().unwrap();

@@ -1,10 +1,10 @@
-//! A pick and place from its first segment to its last, and what ends it early.
+//! A pick and place from its first segment to its last, and everything that ends it early.
 
 use super::*;
-use crate::driver::{ArmError, Between};
+use crate::driver::{ArmError, HandContents};
 use crate::log::{ARM_FILE, Entry};
-use crate::route::Name;
-use crate::supervisor::{Asked, NoWatchdog, Unattended};
+use crate::route::SegmentName;
+use crate::supervisor::{MotionRequest, NoWatchdog, Unattended};
 use fab_world::start::Start;
 use std::fs;
 
@@ -14,7 +14,7 @@ fn entries(folder: &Path) -> Vec<Entry> {
     lines.collect()
 }
 
-fn begun(folder: &Path) -> Vec<Name> {
+fn begun(folder: &Path) -> Vec<SegmentName> {
     let names = entries(folder).into_iter().filter_map(|entry| match entry {
         Entry::Begin { segment, .. } => Some(segment),
         _ => None,
@@ -44,18 +44,18 @@ impl<F: FnMut() -> bool> At<F> {
 }
 
 impl<F: FnMut() -> bool> Supervisor for At<F> {
-    fn lays_cloth(&mut self, _: &Start) -> bool {
+    fn confirm_cloth(&mut self, _: &Start) -> bool {
         true
     }
 
-    fn allows(&mut self, asked: Asked<'_>) -> bool {
-        if let Asked::Segment(_) = asked {
+    fn confirm(&mut self, asked: MotionRequest<'_>) -> bool {
+        if let MotionRequest::Segment(_) = asked {
             self.now += 1;
         }
         true
     }
 
-    fn is_holding(&mut self) -> bool {
+    fn motion_allowed(&mut self) -> bool {
         if self.now == self.segment {
             self.looked += 1;
             if self.looked == self.looks {
@@ -69,13 +69,13 @@ impl<F: FnMut() -> bool> Supervisor for At<F> {
 #[test]
 fn a_pick_and_place_ends_where_it_says() {
     let mut bench = Bench::with(&[]);
-    let names: Vec<Name> = bench
+    let names: Vec<SegmentName> = bench
         .segments()
         .iter()
         .map(|segment| segment.name)
         .collect();
     let done = bench.run(&mut Unattended, &mut NoWatchdog).unwrap();
-    assert_eq!(done.between, Between::Something);
+    assert_eq!(done.contents, HandContents::Something);
     assert!((done.grasped_at - Point3::from(PICK_M)).norm() < 0.003);
     assert!((done.released_at - Point3::from(PLACE_M)).norm() < 0.003);
     assert!((bench.cloth.borrow().at - Point3::from(PLACE_M)).norm() < 0.003);
@@ -94,11 +94,11 @@ fn a_pick_and_place_ends_where_it_says() {
 fn every_motion_is_written_down_before_it_begins() {
     struct Counter(usize);
     impl Supervisor for Counter {
-        fn lays_cloth(&mut self, _: &Start) -> bool {
+        fn confirm_cloth(&mut self, _: &Start) -> bool {
             true
         }
-        fn allows(&mut self, asked: Asked<'_>) -> bool {
-            self.0 += usize::from(matches!(asked, Asked::Segment(_)));
+        fn confirm(&mut self, asked: MotionRequest<'_>) -> bool {
+            self.0 += usize::from(matches!(asked, MotionRequest::Segment(_)));
             true
         }
     }
@@ -176,7 +176,7 @@ fn a_key_that_is_let_go_ends_no_segment() {
         // Let go at its sixth look, and held again at the next.
         let mut lets_go = At::new(segment, 6, || false);
         let done = bench.run(&mut lets_go, &mut NoWatchdog).unwrap();
-        assert_eq!(done.between, Between::Something, "{segment}");
+        assert_eq!(done.contents, HandContents::Something, "{segment}");
         assert!((bench.cloth.borrow().at - Point3::from(PLACE_M)).norm() < 0.003);
         assert!(bench.off_m(bench.settings.workspace.rest_m) < 0.003);
         let again = usize::from(lets_go.looked >= 6);
@@ -188,13 +188,13 @@ fn a_key_that_is_let_go_ends_no_segment() {
 fn an_arm_does_not_move_while_the_key_is_not_held() {
     struct Never(Interrupt, u32);
     impl Supervisor for Never {
-        fn lays_cloth(&mut self, _: &Start) -> bool {
+        fn confirm_cloth(&mut self, _: &Start) -> bool {
             true
         }
-        fn allows(&mut self, _: Asked<'_>) -> bool {
+        fn confirm(&mut self, _: MotionRequest<'_>) -> bool {
             true
         }
-        fn is_holding(&mut self) -> bool {
+        fn motion_allowed(&mut self) -> bool {
             self.1 += 1;
             if self.1 > 100 {
                 self.0.raise();
@@ -215,9 +215,15 @@ fn an_empty_grasp_takes_the_short_way() {
     let mut bench = Bench::with(&[]);
     bench.take_cloth_away();
     let done = bench.run(&mut Unattended, &mut NoWatchdog).unwrap();
-    assert_eq!(done.between, Between::Nothing);
+    assert_eq!(done.contents, HandContents::Nothing);
     let names = begun(bench.folder());
-    let tail = [Name::Grasp, Name::Up, Name::Release, Name::Away, Name::Rest];
+    let tail = [
+        SegmentName::Grasp,
+        SegmentName::Up,
+        SegmentName::Release,
+        SegmentName::Away,
+        SegmentName::Rest,
+    ];
     assert_eq!(names[names.len() - 5..], tail);
     assert!(bench.off_m(bench.settings.workspace.rest_m) < 0.003);
 }

@@ -1,7 +1,7 @@
-//! Whatever goes wrong, and whenever: a pick and place ends, within its box, and an arm that is stopped stays there.
+//! Any fault at any time: a pick and place ends, the tool stays in its workspace, and a stopped arm stays stopped.
 
 use super::*;
-use crate::driver::{ArmError, Between};
+use crate::driver::{ArmError, HandContents};
 use crate::supervisor::{NoWatchdog, Unattended};
 use fab_base::chance::Chance;
 
@@ -12,7 +12,7 @@ const LATER_S: f64 = 60.0;
 /// box is 0.92 m from the axis, a reading is up to 0.1 s old, and it is looked at every 0.05 s, with a tick to each.
 const RUNAWAY_M: f64 = 0.3 * 0.92 * (0.1 + 0.05 + 0.02);
 
-/// Carries a pick and place out with one fault; returns whether it was carried out all the same.
+/// Executes a pick and place with one fault; returns whether it was completed all the same.
 fn survives(by: By, seed: u64, usual_s: f64) -> bool {
     let mut chance = Chance::seeded(seed);
     let kind = FaultKind::ALL[chance.below(FaultKind::ALL.len())];
@@ -40,7 +40,7 @@ fn survives(by: By, seed: u64, usual_s: f64) -> bool {
         Ok(done) => {
             let off_m = bench.off_m(workspace.rest_m);
             assert!(off_m <= 0.003, "{told}: {off_m}");
-            if done.between == Between::Something {
+            if done.contents == HandContents::Something {
                 let off_m = (bench.cloth.borrow().at - Point3::from(PLACE_M)).norm();
                 assert!(off_m < 0.004, "{told}: cloth {off_m} m off");
             }

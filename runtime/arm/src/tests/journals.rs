@@ -1,9 +1,9 @@
-//! What a journal that a crash cut short says of the arm.
+//! The run state that a journal shows after a crash truncated it.
 
 use super::*;
 use crate::driver::Opening;
-use crate::log::{ARM_FILE, Entry, Left, left};
-use crate::route::Name;
+use crate::log::{ARM_FILE, Entry, RunState, run_state};
+use crate::route::SegmentName;
 use crate::supervisor::{NoWatchdog, Unattended};
 use std::fs;
 
@@ -15,7 +15,7 @@ fn a_journal_cut_anywhere_tells_whether_cloth_may_be_held() {
     let folder = tempfile::tempdir().unwrap();
     for cut in 0..=bytes.len() {
         fs::write(folder.path().join(ARM_FILE), &bytes[..cut]).unwrap();
-        let said = left(folder.path()).unwrap();
+        let said = run_state(folder.path()).unwrap();
         // What is known of the lines that are whole: from the beginning of the grasp to the verified release.
         let text = std::str::from_utf8(&bytes[..cut]).unwrap();
         let whole = text
@@ -24,17 +24,17 @@ fn a_journal_cut_anywhere_tells_whether_cloth_may_be_held() {
         let whole: Vec<Entry> = whole
             .map(|line| serde_json::from_str(line).unwrap())
             .collect();
-        let begins = |name: Name| {
+        let begins = |name: SegmentName| {
             whole
                 .iter()
                 .position(|entry| matches!(entry, Entry::Begin { segment, .. } if *segment == name))
         };
-        let is_released = begins(Name::Release).is_some_and(|begun| whole.len() > begun + 1);
-        let holds = begins(Name::Grasp).is_some() && !is_released;
+        let is_released = begins(SegmentName::Release).is_some_and(|begun| whole.len() > begun + 1);
+        let holds = begins(SegmentName::Grasp).is_some() && !is_released;
         let is_done = matches!(whole.last(), Some(Entry::Done { .. }) | None);
         match said {
-            Left::Clear => assert!(is_done && !holds, "{cut}"),
-            Left::Unclear {
+            RunState::Clear => assert!(is_done && !holds, "{cut}"),
+            RunState::NeedsRecovery {
                 may_hold,
                 is_verified,
                 ..
@@ -44,7 +44,7 @@ fn a_journal_cut_anywhere_tells_whether_cloth_may_be_held() {
             }
         }
     }
-    assert_eq!(left(folder.path()), Ok(Left::Clear));
+    assert_eq!(run_state(folder.path()), Ok(RunState::Clear));
 }
 
 #[test]
@@ -58,7 +58,7 @@ fn a_journal_that_was_cut_is_gone_on_with() {
         let how = "moved away by hand".to_owned();
         let mut log = ArmLog::open(folder.path()).unwrap();
         log.write(&Entry::Recovered { how }).unwrap();
-        assert_eq!(left(folder.path()), Ok(Left::Clear), "{cut}");
+        assert_eq!(run_state(folder.path()), Ok(RunState::Clear), "{cut}");
     }
 }
 
@@ -77,11 +77,15 @@ fn a_release_that_was_not_verified_may_hold_cloth_ever_after() {
         why: "interrupted".to_owned(),
         stopped: Some(true),
     };
-    for entry in [begin(Name::Release), halted, begin(Name::Rise)] {
+    for entry in [
+        begin(SegmentName::Release),
+        halted,
+        begin(SegmentName::Rise),
+    ] {
         log.write(&entry).unwrap();
-        let said = left(folder.path()).unwrap();
+        let said = run_state(folder.path()).unwrap();
         assert!(
-            matches!(said, Left::Unclear { may_hold: true, .. }),
+            matches!(said, RunState::NeedsRecovery { may_hold: true, .. }),
             "{said:?}"
         );
     }

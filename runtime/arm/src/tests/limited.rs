@@ -1,4 +1,4 @@
-//! What limits let pass stays within them.
+//! Motions that the limits allow stay within them.
 
 use super::*;
 use crate::driver::{ArmError, Opening};

@@ -1,5 +1,4 @@
-//! Tests of the arm's core over a simulated arm: what its driver believes, what its limits let pass, and where a pick and
-//! place ends when something goes wrong.
+//! Tests of the driver, the limits and the execution of a pick and place, over a simulated arm with faults.
 
 #![allow(clippy::unwrap_used)]
 
@@ -13,14 +12,14 @@ mod simulations;
 mod trajectories;
 
 use super::driver::{Arm, ArmState, Halt, PortArm};
-use super::execute::{Broken, Done, Execution, without_cloth};
+use super::execute::{CompletedAction, Execution, FailedAction, without_cloth};
 use super::kinematics::chain::Chain;
 use super::limits::Limited;
 use super::log::ArmLog;
 use super::port::{Goal, GoalId, GoalState, Port, PortError, Readings};
 use super::route::{Segment, segments};
 use super::settings::Settings;
-use super::simulated::{Fault, FaultKind, SimulatedArm, Simulation, Table};
+use super::simulated::{Fault, FaultKind, SimulatedArm, SimulatedTable, Simulation};
 use super::supervisor::{Supervisor, Watchdog};
 use fab_base::interrupt::Interrupt;
 use nalgebra::{Isometry3, Point3};
@@ -52,18 +51,18 @@ fn settings() -> Settings {
 /// A small piece of cloth, which goes where closed fingers take it.
 struct Patch {
     at: Point3<f64>,
-    is_held: bool,
+    is_grasped: bool,
 }
 
-impl Table for Patch {
+impl SimulatedTable for Patch {
     fn advance(&mut self, _: f64, tool: &Isometry3<f64>, are_closed: bool) {
-        self.is_held = are_closed && (self.is_held || self.is_between(tool));
-        if self.is_held {
+        self.is_grasped = are_closed && (self.is_grasped || self.is_cloth_between_fingers(tool));
+        if self.is_grasped {
             self.at = Point3::from(tool.translation.vector);
         }
     }
 
-    fn is_between(&self, tool: &Isometry3<f64>) -> bool {
+    fn is_cloth_between_fingers(&self, tool: &Isometry3<f64>) -> bool {
         (self.at.coords - tool.translation.vector).norm() < 0.02
     }
 }
@@ -119,7 +118,7 @@ impl Bench {
         let settings = settings();
         let cloth = Rc::new(RefCell::new(Patch {
             at: Point3::from(PICK_M),
-            is_held: false,
+            is_grasped: false,
         }));
         let simulation = simulation(&settings, seed, faults);
         let arm = by.drive(
@@ -165,12 +164,12 @@ impl Bench {
         segments(&self.settings, &here, &PICK_M.into(), &PLACE_M.into())
     }
 
-    /// Carries a pick and place out.
+    /// Executes a pick and place.
     fn run(
         &mut self,
         supervisor: &mut dyn Supervisor,
         watchdog: &mut dyn Watchdog,
-    ) -> Result<Done, Broken> {
+    ) -> Result<CompletedAction, FailedAction> {
         let segments = self.segments();
         let tail = without_cloth(&segments, &PICK_M.into(), self.settings.motion.retreat_m);
         let mut log = ArmLog::open(self.folder()).unwrap();

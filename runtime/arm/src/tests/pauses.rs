@@ -1,4 +1,4 @@
-//! A motion that is paused: the arm comes to rest under every eye, and a pressed stop stays.
+//! Pausing a motion: the arm comes to rest under supervision, and a pressed stop stays.
 
 use super::*;
 use crate::driver::{ArmError, Opening};

@@ -1,4 +1,4 @@
-//! The simulated arm has the habits that it says it has.
+//! The simulated arm behaves as its documentation says.
 
 use super::*;
 use crate::port::{Ending, Goal, GoalState, Waypoint};

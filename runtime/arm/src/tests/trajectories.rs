@@ -1,4 +1,4 @@
-//! What only a driver by trajectories has to mind: a controller that knows no stop, and joints that it chooses itself.
+//! Traps of the driver with joint trajectories: a controller that ignores the stop, and joint paths planned here.
 
 use super::*;
 use crate::driver::ArmError;
@@ -78,7 +78,10 @@ fn an_arm_is_not_let_go_while_its_controller_takes_nothing() {
     bench.driver().stop().unwrap();
     bench.port().wait(1.0);
     let enabled = bench.driver().enable();
-    assert!(matches!(enabled, Err(ArmError::Late { .. })), "{enabled:?}");
+    assert!(
+        matches!(enabled, Err(ArmError::TimedOut { .. })),
+        "{enabled:?}"
+    );
     bench.stays_stopped();
     bench.driver().enable().unwrap();
     go(bench.driver()).unwrap();
@@ -88,7 +91,7 @@ fn an_arm_is_not_let_go_while_its_controller_takes_nothing() {
 fn a_trajectory_that_never_arrived_is_no_obstacle_to_a_stop() {
     let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::LostGoals, 0.1)]);
     let late = go(bench.driver());
-    assert!(matches!(late, Err(ArmError::Late { .. })), "{late:?}");
+    assert!(matches!(late, Err(ArmError::TimedOut { .. })), "{late:?}");
     bench.driver().stop().unwrap();
     bench.stays_stopped();
 }
@@ -124,7 +127,7 @@ fn joints_do_not_come_below_the_table() {
     // As if the table were as high as the wrist: nothing else brings a joint of this posture below it.
     let mut high = arm(0.35);
     let before = high.port().tool();
-    let Err(ArmError::NoWay(why)) = go(&mut high) else {
+    let Err(ArmError::NoPath(why)) = go(&mut high) else {
         panic!("joints below the table");
     };
     assert!(why.contains("below the table"), "{why}");

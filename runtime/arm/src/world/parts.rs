@@ -1,4 +1,4 @@
-//! What an arm's world is made of: files, and who watches.
+//! The parts of an arm's world: its files, supervisor and watchdog.
 
 use super::FlatPicture;
 use crate::calibration::Calibration;
@@ -11,7 +11,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
-/// Everything that an arm's world is made of.
+/// Everything that an arm's world consists of.
 pub struct Parts {
     /// The settings.
     pub settings: Settings,
@@ -23,15 +23,15 @@ pub struct Parts {
     pub sight: Sight,
     /// Side of the square picture that the task's camera takes, pixels.
     pub image_px: u32,
-    /// Who gives leave to move.
+    /// Who confirms motion.
     pub supervisor: Box<dyn Supervisor>,
-    /// Who stops the arm when this program hangs.
+    /// Stops the arm if this program hangs.
     pub watchdog: Box<dyn Watchdog>,
-    /// The run folder, for the arm's journal; without it nothing moves.
+    /// The run folder, for the arm's journal; without one nothing moves.
     pub folder: Option<PathBuf>,
 }
 
-/// Returns the world frame of some settings, which has its origin at the middle of the table.
+/// Returns the pose of the world frame, whose origin is the middle of the table.
 pub fn base_from_world(settings: &Settings) -> Isometry3<f64> {
     let [x, y, z] = settings.table.center_m;
     Isometry3::from_parts(
@@ -40,7 +40,7 @@ pub fn base_from_world(settings: &Settings) -> Isometry3<f64> {
     )
 }
 
-/// Reads the settings and the calibration that a world is made of; says what is wrong with either.
+/// Reads the settings and the calibration of a world; the error says what is wrong with either.
 pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
     let settings = Settings::load(path).map_err(|error| error.to_string())?;
     let text = fab_base::files::read(path, 1 << 20)
@@ -55,7 +55,7 @@ pub fn load(path: &Path) -> Result<(Settings, String, Calibration), String> {
     Ok((settings, hash.concat(), calibration))
 }
 
-/// Returns what the world of a settings file will say of itself; says what is wrong with any of the files otherwise.
+/// Returns the identity of the world of a settings file; the error says which file is wrong.
 pub fn about(path: &Path) -> Result<About, String> {
     let (settings, settings_hash, calibration) = load(path)?;
     let flat = FlatPicture::load(path, &settings, &calibration)?;

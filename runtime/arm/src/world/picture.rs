@@ -1,7 +1,7 @@
-//! What a task sees of the camera's own picture, and the picture of the flat cloth.
+//! The task's square picture, cut from the camera's full picture; and the picture of the flat cloth.
 //!
-//! In: a shot in the camera's own size, or the file that the settings name. Out: the square picture that the task's camera
-//! takes, with its camera. Taking pictures, and noticing a moved camera, is left to the world.
+//! In: a shot in the camera's full size, or the file that the settings name. Out: the square picture of the task's camera,
+//! with its camera model. Taking pictures and detecting a moved camera are left to the world.
 
 use super::Parts;
 use super::base_from_world;
@@ -90,7 +90,7 @@ pub(super) fn square(parts: &Parts, shot: &Shot, time_s: f64) -> Result<Observat
         true => rgb,
         false => imageops::resize(&rgb, image_px, image_px, FilterType::Triangle),
     };
-    // The mean of a near and a far reading is none, so that depth is taken from one pixel each.
+    // Averaging a near and a far depth gives a point on neither surface, so depth is sampled from one pixel.
     let depth_m = DepthImage::from_fn(image_px, image_px, |column, row| {
         let raw = |at: u32| (2 * u64::from(at) + 1) * u64::from(side) / (2 * u64::from(image_px));
         *shot

@@ -1,12 +1,11 @@
-//! An arm's world in which nothing moves: the first action is planned, drawn, and the rollout ends.
+//! An arm's world in which nothing moves: the first action is planned and drawn, and the rollout ends.
 //!
 //! In: what [`ArmWorld`] takes, without an arm. Out: pictures, and for the first motion a [`Plan`] in the run folder as
-//! `plan.json` and `plan.png`. No arm is connected, so that none can move: the tool is taken to be where the settings let it
-//! rest.
+//! `plan.json` and `plan.png`. No arm is connected, so none can move; the tool is assumed to be at `rest_m`.
 
-use super::within::base_point;
+use super::reach::base_point;
 use super::{ArmWorld, FlatPicture, Parts, motion};
-use crate::driver::resting::Resting;
+use crate::driver::parked::ParkedArm;
 use crate::kinematics::chain::Chain;
 use crate::kinematics::tool_down::tool_down;
 use crate::plan::Plan;
@@ -30,7 +29,7 @@ pub const PLAN_PICTURE: &str = "plan.png";
 /// The longest plan that is read, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// A table under a camera, and an arm that is planned for.
+/// A table under a camera, and an arm to plan for.
 pub struct PlanningWorld {
     world: ArmWorld,
     chain: Chain,
@@ -56,13 +55,13 @@ impl PlanningWorld {
 
     /// Sets up a table that a camera sees.
     pub fn new(mut parts: Parts, camera: Box<dyn RgbdSource>) -> Result<PlanningWorld, WorldError> {
-        // What does not move has no journal of motions.
+        // Without motion there is no journal.
         let folder = parts.folder.take();
         let settings = &parts.settings;
         let chain = Chain::of_model(&settings.model).map_err(|why| motion(why.to_string()))?;
         let turn_rad = settings.motion.hand_turn_deg.to_radians();
         let at = tool_down(&settings.workspace.rest_m.into(), turn_rad);
-        let arm = Resting::at(&settings.model, at);
+        let arm = ParkedArm::at(&settings.model, at);
         let world = ArmWorld::new(parts, Box::new(arm), camera)?;
         Ok(PlanningWorld {
             world,
@@ -80,7 +79,7 @@ impl PlanningWorld {
     }
 
     /// Writes a plan and its drawing into the run folder.
-    fn keep(&self, plan: &Plan) -> Result<(), WorldError> {
+    fn save(&self, plan: &Plan) -> Result<(), WorldError> {
         let Some(folder) = &self.folder else {
             return Err(motion("there is no run folder for the plan".to_owned()));
         };
@@ -107,7 +106,7 @@ impl PlanningWorld {
     }
 }
 
-/// Reads the plan of a run folder; says why it cannot be read.
+/// Reads the plan in a run folder; the error says why it cannot be read.
 pub fn read_plan(folder: &Path) -> Result<Plan, String> {
     let path = folder.join(PLAN_FILE);
     let text = files::read_text(&path, MAX_BYTES)?;
@@ -132,7 +131,7 @@ impl Around for PlanningWorld {
         let at_rest = self.world.arm.arm().state();
         let from = at_rest.map_err(|error| motion(error.to_string()))?.tool;
         let plan = Plan::make(&self.world.parts.settings, &self.chain, &from, points);
-        self.keep(&plan)?;
+        self.save(&plan)?;
         match plan.refusal() {
             Some(why) => Err(motion(why)),
             None => Err(WorldError::PlannedOnly),

@@ -1,6 +1,6 @@
-//! An arm's world that this program simulates, and what may go wrong in it.
+//! A simulated arm's world with injected faults.
 //!
-//! In: the parts of a world, and faults. Out: a world like any other, and a hold on the arm in it, to look at afterwards.
+//! In: the parts of a world, and faults. Out: a world like any other, and a handle to its arm for inspection afterwards.
 
 use super::{ArmWorld, Parts, base_from_world, motion};
 use crate::driver::PortArm;
@@ -11,7 +11,7 @@ use fab_world::WorldError;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// A simulated world, and the arm that moves in it.
+/// A simulated world, and a handle to its arm.
 pub struct Rehearsal {
     /// The world.
     pub world: ArmWorld,
@@ -25,9 +25,9 @@ impl ArmWorld {
         ArmWorld::rehearsed(parts, Vec::new()).map(|rehearsal| rehearsal.world)
     }
 
-    /// Sets them up so that something goes wrong.
+    /// Sets them up with injected faults.
     ///
-    /// - `faults`: at times of the arm's clock, which begins at 0 and which nothing but the arm's own work moves.
+    /// - `faults`: their times are on the arm's clock, which starts at 0 and advances only while the arm works.
     pub fn rehearsed(parts: Parts, faults: Vec<Fault>) -> Result<Rehearsal, WorldError> {
         let settings = &parts.settings;
         if settings.driver != DriverKind::Simulated {

@@ -189,5 +189,5 @@ fn encoded(key: &[u8]) -> Vec<Vec<u8>> {
 }
 
 #[cfg(test)]
-#[path = "tests/hidden.rs"]
+#[path = "tests/redaction.rs"]
 mod tests;

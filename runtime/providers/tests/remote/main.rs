@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod canary;
+mod answer_cache;
+mod connections;
 mod faults;
-mod kept;
-mod lost;
-mod stopped;
+mod interrupts;
+mod leaked_keys;
 mod support;

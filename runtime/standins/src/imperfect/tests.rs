@@ -71,7 +71,7 @@ fn each_slip_is_what_it_is_called() {
         serde_json::from_str(&spoil(Slip::OffTheList, "").unwrap()).unwrap();
     let pick = astray["pick"].as_str().unwrap();
     assert!(
-        offered::point(pick).is_some() && !CORNERS.contains(&pick),
+        choices::point(pick).is_some() && !CORNERS.contains(&pick),
         "{pick}"
     );
     assert_eq!(spoil(Slip::Malformed, ""), None);

@@ -79,9 +79,12 @@ fn a_slip_shows_while_typing() {
     let grid = Truth::usual().grid(4, 0.8);
     let mut session = Session::new(&terms, Vec::new(), None);
     for pair in &grid[..6] {
-        assert!(matches!(session.line(&csv_line(pair)), Said::Added(_)));
+        assert!(matches!(
+            session.line(&csv_line(pair)),
+            LineOutcome::Added(_)
+        ));
     }
-    let Said::Added(said) = session.line(&csv_line(&grid[6])) else {
+    let LineOutcome::Added(said) = session.line(&csv_line(&grid[6])) else {
         panic!("a point")
     };
     assert_eq!(
@@ -90,7 +93,7 @@ fn a_slip_shows_while_typing() {
     );
     let mut wrong = grid[7];
     wrong.base_m[0] += 0.05;
-    let Said::Added(said) = session.line(&csv_line(&wrong)) else {
+    let LineOutcome::Added(said) = session.line(&csv_line(&wrong)) else {
         panic!("a point")
     };
     assert_eq!(
@@ -99,7 +102,7 @@ fn a_slip_shows_while_typing() {
     );
     assert_eq!(
         session.line("undo"),
-        Said::TakenBack("point 8 is taken back".to_owned())
+        LineOutcome::Undone("point 8 is taken back".to_owned())
     );
     assert_eq!(session.pairs(), &grid[..7]);
     for (line, wanted) in [
@@ -113,13 +116,15 @@ fn a_slip_shows_while_typing() {
     ] {
         let said = session.line(line);
         assert!(
-            matches!(&said, Said::Wrong(why) if why.contains(wanted)),
+            matches!(&said, LineOutcome::Invalid(why) if why.contains(wanted)),
             "{said:?}"
         );
     }
-    assert_eq!(session.line(" "), Said::Nothing(String::new()));
-    assert!(matches!(session.line("list"), Said::Nothing(list) if list.lines().count() == 7));
-    assert_eq!(session.line("done"), Said::Over);
+    assert_eq!(session.line(" "), LineOutcome::Unchanged(String::new()));
+    assert!(
+        matches!(session.line("list"), LineOutcome::Unchanged(list) if list.lines().count() == 7)
+    );
+    assert_eq!(session.line("done"), LineOutcome::Finished);
     assert_eq!(session.pairs().len(), 7);
 }
 
@@ -134,10 +139,12 @@ fn an_arm_says_where_its_tool_is() {
     let tool = move || places.pop().unwrap();
     let mut session = Session::new(&terms, Vec::new(), Some(Box::new(tool)));
     let [u, v] = grid[0].pixel;
-    assert!(matches!(session.line("1,2,3,4,5"), Said::Wrong(why) if why.contains("type `u,v`")));
+    assert!(
+        matches!(session.line("1,2,3,4,5"), LineOutcome::Invalid(why) if why.contains("type `u,v`"))
+    );
     assert!(matches!(
         session.line(&format!("{u},{v},1.01")),
-        Said::Added(_)
+        LineOutcome::Added(_)
     ));
     let wanted = Pair {
         depth_m: Some(1.01),
@@ -146,7 +153,7 @@ fn an_arm_says_where_its_tool_is() {
     assert_eq!(session.pairs(), [wanted]);
     assert_eq!(
         session.line(&format!("{u},{v}")),
-        Said::Wrong("the arm said nothing for 2 s".to_owned())
+        LineOutcome::Invalid("the arm said nothing for 2 s".to_owned())
     );
 }
 

@@ -197,7 +197,7 @@ fn a_slip_below_the_limit_stands_out() {
         .collect();
     pairs[6].base_m[0] += 0.008;
     let made = Calibration::make(terms(Method::Plane), pairs, "2026-11-22", None).unwrap();
-    assert_eq!(made.accuracy.standing_out(made.terms.limit_mm), [7]);
+    assert_eq!(made.accuracy.outliers(made.terms.limit_mm), [7]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::kinematics::tool_down::tool_down;
-use crate::port::{Goal, GoalId, GoalState, Heard, Port, PortError, Readings};
+use crate::port::{Goal, GoalId, GoalState, Port, PortError, Reading, Readings};
 
 const AT_M: [f64; 3] = [0.4, 0.1, 0.02];
 
@@ -46,7 +46,7 @@ impl<F: Fn(f64) -> Isometry3<f64>> Port for Guided<F> {
         let at_s = (self.clock_s * 10.0).floor() / 10.0;
         let at_s = at_s.min(self.until_s);
         Readings {
-            tool: (at_s > 0.0).then(|| Heard {
+            tool: (at_s > 0.0).then(|| Reading {
                 value: (self.pose)(at_s),
                 at_s,
             }),

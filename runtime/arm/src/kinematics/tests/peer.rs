@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 const SAMPLES: usize = 300;
 
 #[derive(Deserialize)]
-struct Said {
+struct MujocoOutput {
     fingers: usize,
     limits_rad: [Option<[f64; 2]>; JOINTS],
     poses: Vec<Poses>,
@@ -40,7 +40,7 @@ impl Pose {
     }
 }
 
-fn ask_mujoco(angles: &[Vec<f64>]) -> Said {
+fn ask_mujoco(angles: &[Vec<f64>]) -> MujocoOutput {
     let python = std::env::var_os("FABC_PEER_PYTHON").expect("make test-peers names a Python");
     let script = concat!(
         env!("CARGO_MANIFEST_DIR"),
@@ -76,9 +76,9 @@ fn samples(chain: &Chain) -> Vec<Vec<f64>> {
 fn peer_mujoco_has_every_link_where_the_chain_has_it() {
     let chain = chain_of("j2n6s300");
     let angles = samples(&chain);
-    let said = ask_mujoco(&angles);
-    assert_eq!(said.fingers, 3);
-    for (joint, limits) in chain.joints().iter().zip(said.limits_rad) {
+    let output = ask_mujoco(&angles);
+    assert_eq!(output.fingers, 3);
+    for (joint, limits) in chain.joints().iter().zip(output.limits_rad) {
         let apart = |ours: [f64; 2], theirs: [f64; 2]| {
             (ours[0] - theirs[0]).abs().max((ours[1] - theirs[1]).abs())
         };
@@ -90,9 +90,9 @@ fn peer_mujoco_has_every_link_where_the_chain_has_it() {
             other => panic!("{other:?}"),
         }
     }
-    assert_eq!(said.poses.len(), SAMPLES);
+    assert_eq!(output.poses.len(), SAMPLES);
     let tool_from_wrist = Isometry3::translation(0.0, 0.0, -0.160);
-    for (angles, poses) in angles.iter().zip(&said.poses) {
+    for (angles, poses) in angles.iter().zip(&output.poses) {
         let frames = chain.frames(angles).unwrap();
         let wrist = frames[JOINTS] * tool_from_wrist;
         let ours = frames[..JOINTS].iter().chain([&wrist]);
@@ -120,9 +120,9 @@ fn peer_mujoco_lands_where_inverse_kinematics_was_sent() {
         .iter()
         .map(|target| chain.solve(target, &HOME_RAD).unwrap())
         .collect();
-    let said = ask_mujoco(&solved);
-    assert_eq!(said.poses.len(), SAMPLES);
-    for (target, poses) in targets.iter().zip(&said.poses) {
+    let output = ask_mujoco(&solved);
+    assert_eq!(output.poses.len(), SAMPLES);
+    for (target, poses) in targets.iter().zip(&output.poses) {
         let landed = poses.wrist.isometry() * Isometry3::translation(0.0, 0.0, 0.160);
         assert!(distance_m(&landed, target) < 1.2e-4, "{landed} {target}");
         assert!(angle_deg(&landed, target) < 0.012, "{landed} {target}");

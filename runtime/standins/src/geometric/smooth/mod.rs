@@ -3,14 +3,14 @@
 //! In: a conversation whose opening question shows the cloth and may list its corners. Out: an answer in the asked
 //! form. Where the cloth lies and which way its faces show is read from the picture ([`view`]), the choices, the
 //! scale and the limits from the words ([`brief`]). What each choice looks like is put into numbers ([`features`]) and
-//! its gain estimated from them ([`estimate`]); [`pulls`] are ordered by that, and [`refused`] says which of them a
+//! its gain estimated from them ([`estimate`]); [`pulls`] are ordered by that, and [`corrections`] says which of them a
 //! correction has ruled out. It knows no state of the cloth besides.
 
 mod brief;
+mod corrections;
 mod estimate;
 mod features;
 mod pulls;
-mod refused;
 mod rim;
 mod view;
 
@@ -104,7 +104,7 @@ impl Question {
         if pulls.is_empty() {
             return Err("no pull leads outward and ends where the rules allow".to_owned());
         }
-        pulls.retain(|pull| refused::leaves(later, &brief, pull));
+        pulls.retain(|pull| corrections::leaves(later, &brief, pull));
         if pulls.is_empty() {
             return Err("every pull that the rules allow was refused".to_owned());
         }

@@ -1,7 +1,7 @@
 //! The four forms: what is sent, what is read, and that no bytes make the reading panic.
 
-mod read;
-mod sent;
+mod replies;
+mod requests;
 
 use super::*;
 use crate::remote::BaseUrl;

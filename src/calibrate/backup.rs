@@ -1,15 +1,15 @@
-//! Keeps what is about to be replaced, under a name of its own.
+//! Copies a file that is about to be replaced to a free name.
 
 use crate::exit::Failure;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The most earlier files of a name.
-const MAX_EARLIER: u32 = 9999;
+/// The most backups of a file.
+const MAX_BACKUPS: u32 = 9999;
 
 /// Copies a file to the first free `FILE.before-N`; returns that name, or `None` where there is no file.
-pub fn keep(path: &Path) -> Result<Option<PathBuf>, Failure> {
+pub fn copy(path: &Path) -> Result<Option<PathBuf>, Failure> {
     let failed = |error| {
         Failure::environment(format!(
             "cannot keep a copy of `{}`, so it is not replaced: {error}",
@@ -21,7 +21,7 @@ pub fn keep(path: &Path) -> Result<Option<PathBuf>, Failure> {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(failed(error)),
     };
-    for number in 1..=MAX_EARLIER {
+    for number in 1..=MAX_BACKUPS {
         let mut name = path.file_name().unwrap_or_default().to_owned();
         name.push(format!(".before-{number}"));
         let earlier = path.with_file_name(name);

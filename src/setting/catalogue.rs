@@ -1,7 +1,7 @@
-//! Finds what is known of models, and where the user keeps it: files, folders, the day.
+//! Loads the model catalogue, and locates the user's files for it.
 //!
-//! In: flags and the environment. Out: a [`Catalogue`], paths, a [`Date`]. The only place of the command that says
-//! where such files lie.
+//! In: flags and the environment. Out: a [`Catalogue`], paths, today's [`Date`]. No other part of the command knows where
+//! such files are.
 
 use crate::exit::Failure;
 use fab_providers::catalogue::{Catalogue, Date, Profile};
@@ -61,8 +61,8 @@ fn user_file(variable: &str, name: &str) -> Option<UserFile> {
     })
 }
 
-/// Returns what is known of models, the user's file laid over the embedded facts.
-pub fn catalogue(flag: Option<&Path>) -> Result<Catalogue, Failure> {
+/// Returns the embedded catalogue, overlaid by the user's file.
+pub fn load(flag: Option<&Path>) -> Result<Catalogue, Failure> {
     let builtin = Catalogue::builtin();
     match facts_file(flag).filter(UserFile::counts) {
         Some(file) => builtin
@@ -72,9 +72,9 @@ pub fn catalogue(flag: Option<&Path>) -> Result<Catalogue, Failure> {
     }
 }
 
-/// Returns what is known of a provider's model, `PROVIDER:NAME`.
+/// Returns the catalogue's entry for a model, `PROVIDER:NAME`.
 pub fn profile(name: &str, models: Option<&Path>) -> Result<Profile, Failure> {
-    let catalogue = catalogue(models)?;
+    let catalogue = load(models)?;
     let found = catalogue.find(name);
     found.map_err(|error| Failure::usage(error.to_string()))
 }

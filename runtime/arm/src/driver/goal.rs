@@ -1,10 +1,10 @@
-//! Carries one goal out: sends it, watches the arm, and says how it ended.
+//! Executes one goal: sends it, watches the arm, and returns how the goal ended.
 //!
-//! In: a goal, a time limit, somebody who watches. Out: the server's word, or that there was none. A goal of which
-//! nothing is heard may have been lost and is sent again; it names a place and no way, so that twice is as once.
+//! In: a goal, a time limit, a watch callback. Out: the server's terminal status, or a timeout. A goal that no server
+//! acknowledges may have been lost, so it is sent again; goals are absolute poses, so resending is idempotent.
 
-use super::look::{LOOK_S, state};
 use super::pause::{Track, pause};
+use super::state::{POLL_S, state};
 use super::{ArmError, Halt, Watch};
 use crate::port::{Ending, Goal, GoalId, GoalState, Port};
 use crate::settings::Tolerance;
@@ -12,45 +12,44 @@ use crate::settings::Tolerance;
 /// How long a server may take to accept a goal before it counts as lost, seconds.
 const ACCEPT_S: f64 = 1.0;
 
-/// How often a goal is sent again that nobody took.
+/// How often an unacknowledged goal is sent again.
 const RESENDS: u32 = 2;
 
-/// What is heard of a goal at its end.
+/// How a goal ended, as far as the server reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Word {
-    /// The server's word.
+pub(super) enum Outcome {
+    /// The server reported this status.
     Ended(Ending),
-    /// The time was up, and no server had said that it is over.
-    None,
+    /// The time limit passed without a terminal status.
+    TimedOut,
 }
 
-impl Word {
-    /// Returns the word as errors print it.
+impl Outcome {
+    /// Returns the outcome as errors print it.
     pub(super) fn name(self) -> &'static str {
         match self {
-            Word::Ended(Ending::Succeeded) => "reached",
-            Word::Ended(Ending::Preempted) => "given up",
-            Word::Ended(Ending::Aborted) => "aborted",
-            Word::Ended(Ending::Rejected) => "refused",
-            Word::None => "nothing",
+            Outcome::Ended(Ending::Succeeded) => "reached",
+            Outcome::Ended(Ending::Preempted) => "given up",
+            Outcome::Ended(Ending::Aborted) => "aborted",
+            Outcome::Ended(Ending::Rejected) => "refused",
+            Outcome::TimedOut => "nothing",
         }
     }
 }
 
-/// Sends a goal and waits until it is over, at most `limit_s`.
+/// Sends a goal and waits for its end, at most `limit_s` seconds.
 ///
-/// Where nothing is heard of its end, the waiting ends all the same once the time is up. [`ArmError::Paused`] is of an arm
-/// that came to rest.
+/// Returns [`Outcome::TimedOut`] where no end was reported by then. After [`ArmError::Paused`] the arm is at rest.
 ///
-/// - `sent`: becomes the goal that was sent last.
-pub(super) fn carry_out<P: Port>(
+/// - `sent`: set to the id that was sent last.
+pub(super) fn execute<P: Port>(
     port: &mut P,
     goal: &Goal,
     limit_s: f64,
     tolerance: &Tolerance,
     sent: &mut Option<GoalId>,
     watch: &mut Watch<'_>,
-) -> Result<Word, ArmError> {
+) -> Result<Outcome, ArmError> {
     let begun_s = port.now_s();
     let mut sent_s = begun_s;
     let mut resends = 0;
@@ -58,17 +57,17 @@ pub(super) fn carry_out<P: Port>(
     let mut id = port.send(goal)?;
     *sent = Some(id.clone());
     loop {
-        port.wait(LOOK_S);
+        port.wait(POLL_S);
         let now_s = port.now_s();
         let state = state(port, tolerance)?;
-        track.look(&state);
+        track.record(&state);
         match watch(&state) {
             Ok(()) => {}
             Err(Halt::Pause) => return Err(pause(port, goal, &id, track, tolerance, watch)),
             Err(Halt::Stop(why)) => return Err(why),
         }
         match port.state(&id) {
-            GoalState::Ended(ending) => return Ok(Word::Ended(ending)),
+            GoalState::Ended(ending) => return Ok(Outcome::Ended(ending)),
             GoalState::Sent if now_s - sent_s > ACCEPT_S && resends < RESENDS => {
                 resends += 1;
                 sent_s = now_s;
@@ -78,7 +77,7 @@ pub(super) fn carry_out<P: Port>(
             GoalState::Sent | GoalState::Active => {}
         }
         if now_s - begun_s > limit_s {
-            return Ok(Word::None);
+            return Ok(Outcome::TimedOut);
         }
     }
 }

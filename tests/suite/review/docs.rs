@@ -84,7 +84,7 @@ fn the_chapter_names_every_option_and_field() {
         assert!(is_common || chapter.contains(option), "{option}");
     }
     let folder = tempfile::tempdir().unwrap();
-    super::made::each_kind(&folder.path().join("snapshots"));
+    super::fixtures::each_kind(&folder.path().join("snapshots"));
     let said =
         finish(fabc(folder.path()).args(["review", "--json", "--reject", "half@start.points"]));
     let value: Value = serde_json::from_str(&said.stdout).unwrap();

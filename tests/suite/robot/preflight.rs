@@ -2,7 +2,7 @@
 
 use super::super::support::{Said, fabc, finish, project, root};
 use super::{GRASP, ROBOT, journal, left, robot};
-use fab_arm::last;
+use fab_arm::last_run;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -41,7 +41,7 @@ fn an_arm_that_a_run_left_in_the_middle_is_not_moved_again_before_a_person_has_l
     fs::write(folder.path().join("robot.toml"), real()).unwrap();
     let run = fs::canonicalize(folder.path().join("run")).unwrap();
     bring_calibration(folder.path());
-    last::note(&folder.path().join("robot.toml"), &run).unwrap();
+    last_run::record(&folder.path().join("robot.toml"), &run).unwrap();
     let again = || run_of(folder.path());
     let said = again();
     assert_eq!(said.code, 2);

@@ -1,21 +1,21 @@
-//! Whether this program may move a real arm: no other one does, and the last run did not leave it in the middle.
+//! Checks before a real arm is moved: no other fabc uses it, and its last run left nothing to recover.
 //!
-//! In: the arm's settings file and the note beside it. Out: nothing, or what stands against it and what to do. An arm that
-//! this program simulates ends with it, so that nothing is asked of one.
+//! In: the arm's settings file and the record of its last run beside it. Out: nothing, or what prevents motion and what to
+//! do about it. A simulated arm ends with its program, so it needs no checks.
 
-use super::recover::in_words;
+use super::recover::describe;
 use crate::output;
-use fab_arm::last;
-use fab_arm::last::Standing;
-use fab_arm::log::{Left, left};
+use fab_arm::last_run;
+use fab_arm::last_run::Recovery;
+use fab_arm::log::{RunState, run_state};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// The settings files that this process has locked; they are let go at its end, however it ends.
+/// The settings files that this process has locked; the system unlocks them when it ends.
 static CLAIMED: Mutex<Vec<(PathBuf, File)>> = Mutex::new(Vec::new());
 
-/// Keeps every other fabc from this arm until this process ends; says why it cannot.
+/// Locks the arm for this process; fails if another fabc uses it.
 pub fn claim(robot: &Path) -> Result<(), String> {
     let unreadable = |error: std::io::Error| format!("`{}`: {error}", robot.display());
     let path = std::fs::canonicalize(robot).map_err(unreadable)?;
@@ -29,7 +29,7 @@ pub fn claim(robot: &Path) -> Result<(), String> {
             "another fabc uses the arm of `{}`: wait until it has ended",
             robot.display()
         )),
-        // Not every file system has locks; without them the user takes care.
+        // Not every file system has locks; without them the user must take care.
         Ok(()) | Err(TryLockError::Error(_)) => {
             claimed.push((path, file));
             Ok(())
@@ -37,13 +37,13 @@ pub fn claim(robot: &Path) -> Result<(), String> {
     }
 }
 
-/// Says how a run left the arm, where it is in the middle of a motion or its hand may hold something.
-pub fn say_left(run: &Path) {
-    match left(run) {
-        Ok(Left::Clear) => {}
-        Ok(left) => output::talk(&format!(
+/// Reports how a run left the arm, if the arm needs recovery.
+pub fn report_run_state(run: &Path) {
+    match run_state(run) {
+        Ok(RunState::Clear) => {}
+        Ok(state) => output::talk(&format!(
             "note: this is how the arm was left: {}; see to it, and say so with `fabc robot recover {}`",
-            in_words(&left),
+            describe(&state),
             run.display()
         )),
         Err(error) => output::talk(&format!(
@@ -52,19 +52,19 @@ pub fn say_left(run: &Path) {
     }
 }
 
-/// Fails where the last run left the arm in the middle of a motion, or with something in its hand.
+/// Fails if the arm needs recovery after its last run.
 pub fn check(robot: &Path) -> Result<(), String> {
     let file = robot.display();
-    match last::standing(robot).map_err(|error| error.to_string())? {
-        Standing::Clear => Ok(()),
-        Standing::Unclear { run, left } => {
-            let (run, left) = (run.display(), in_words(&left));
+    match last_run::recovery(robot).map_err(|error| error.to_string())? {
+        Recovery::NotNeeded => Ok(()),
+        Recovery::Needed { run, state } => {
+            let (run, state) = (run.display(), describe(&state));
             Err(format!(
-                "nothing is moved: the last run with the arm of `{file}` left it in the middle: {left}; see to the arm, and say \
+                "nothing is moved: the last run with the arm of `{file}` left it in the middle: {state}; see to the arm, and say \
                  so with `fabc robot recover {run}`"
             ))
         }
-        Standing::Unknown { why, .. } => Err(format!(
+        Recovery::Unknown { why, .. } => Err(format!(
             "nothing is moved: in what state the last run left the arm of `{file}` is not known: {why}; see to the arm, and \
              say so with `fabc robot recover --robot {file}`"
         )),

@@ -1,34 +1,34 @@
-//! Looks where an arm is, and whether it is at rest.
+//! Reads an arm's state, and decides whether the arm is at rest.
 //!
-//! In: what is heard of an arm, with when it was heard. Out: a state that is not older than allowed, or what the arm was
-//! silent of. Rest is what two looks agree on, since no server is believed.
+//! In: the port's readings with their times. Out: a state no older than `stale_s`, or the reading that is missing. The arm
+//! is at rest when two readings agree; what a server reports is not trusted.
 
-use super::{ArmError, ArmState, Halt, Off, Watch};
-use crate::port::{Heard, Port};
+use super::{ArmError, ArmState, Deviation, Halt, Watch};
+use crate::port::{Port, Reading};
 use crate::settings::Tolerance;
 
-/// How often the arm is looked at, seconds.
-pub(super) const LOOK_S: f64 = 0.05;
+/// Interval between two polls of the arm, seconds.
+pub(super) const POLL_S: f64 = 0.05;
 
-/// A tool that moves less than this between two looks is at rest, metres.
+/// A tool that moves less than this between two readings is at rest, metres.
 const REST_M: f64 = 0.000_5;
 
-/// How far apart in time two such looks are, seconds: more than the 0.1 s between two reports of kinova-ros.
+/// Time between those two readings, seconds: more than the 0.1 s between two messages of kinova-ros.
 const REST_S: f64 = 0.25;
 
 fn fresh<T>(
-    heard: Option<Heard<T>>,
+    heard: Option<Reading<T>>,
     what: &'static str,
     now_s: f64,
     stale_s: f64,
-) -> Result<Heard<T>, ArmError> {
+) -> Result<Reading<T>, ArmError> {
     let for_s = heard.as_ref().map_or(now_s, |heard| now_s - heard.at_s);
     heard
         .filter(|_| for_s <= stale_s)
         .ok_or(ArmError::Silent { what, for_s })
 }
 
-/// Returns what an arm says of itself, where that is not older than allowed; of its joints nothing where that is.
+/// Returns the arm's state. Fails on a stale tool or finger reading; stale joint angles are left empty.
 pub(super) fn state<P: Port>(port: &mut P, tolerance: &Tolerance) -> Result<ArmState, ArmError> {
     let now_s = port.now_s();
     let readings = port.readings();
@@ -60,7 +60,7 @@ pub(super) fn state<P: Port>(port: &mut P, tolerance: &Tolerance) -> Result<ArmS
     })
 }
 
-/// Returns the same, and fails where the arm has not said lately where its joints are.
+/// Returns the arm's state; stale joint angles are an error too.
 pub(super) fn state_with_joints<P: Port>(
     port: &mut P,
     tolerance: &Tolerance,
@@ -71,8 +71,8 @@ pub(super) fn state_with_joints<P: Port>(
     state(port, tolerance)
 }
 
-/// Looks at the arm and shows it to whoever watches, who may stop it; a wish to pause is left aside.
-pub(super) fn looked_at<P: Port>(
+/// Reads the state and passes it to the watch callback, which may stop the arm; a pause request is ignored.
+pub(super) fn watched_state<P: Port>(
     port: &mut P,
     tolerance: &Tolerance,
     watch: &mut Watch<'_>,
@@ -84,8 +84,8 @@ pub(super) fn looked_at<P: Port>(
     }
 }
 
-/// Waits until the tool is at rest; fails where it does not come to rest in time. A wish to pause is left aside.
-pub(super) fn come_to_rest<P: Port>(
+/// Waits until the tool is at rest; fails after `settle_s`. A pause request is ignored.
+pub(super) fn wait_until_at_rest<P: Port>(
     port: &mut P,
     tolerance: &Tolerance,
     watch: &mut Watch<'_>,
@@ -94,25 +94,25 @@ pub(super) fn come_to_rest<P: Port>(
     let mut before = state(port, tolerance)?;
     while port.now_s() - begun_s <= tolerance.settle_s {
         port.wait(REST_S);
-        let now = looked_at(port, tolerance, watch)?;
-        // Only something that was said since tells of rest.
+        let now = watched_state(port, tolerance, watch)?;
+        // Only a new reading can show rest.
         if now.at_s > before.at_s {
-            if Off::between(&now.tool, &before.tool).position_m < REST_M {
+            if Deviation::between(&now.tool, &before.tool).position_m < REST_M {
                 return Ok(now);
             }
             before = now;
         }
     }
-    Err(ArmError::Late {
+    Err(ArmError::TimedOut {
         after_s: port.now_s() - begun_s,
     })
 }
 
-/// Tells whether the tool stays where it is for a while.
+/// Returns whether the tool stays in place for two rest intervals.
 pub(super) fn is_at_rest<P: Port>(port: &mut P, tolerance: &Tolerance) -> Result<bool, ArmError> {
     let before = state(port, tolerance)?;
     port.wait(2.0 * REST_S);
     let after = state(port, tolerance)?;
-    let moved_m = Off::between(&before.tool, &after.tool).position_m;
+    let moved_m = Deviation::between(&before.tool, &after.tool).position_m;
     Ok(after.at_s > before.at_s && moved_m < REST_M)
 }

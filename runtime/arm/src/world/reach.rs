@@ -1,7 +1,7 @@
-//! What an arm reaches, and a world in which that alone can be done though no arm is there.
+//! The reach of an arm, and a world that refuses points outside it without an arm.
 //!
-//! In: an arm's settings, and points of the world frame. Out: why nothing can be picked or placed there, in words for a
-//! model. The world is for questions before a rollout: it asks nobody, and nothing real moves in it.
+//! In: an arm's settings, and points in the world frame. Out: why nothing can be picked or placed there, worded for a
+//! model. The world answers questions before a rollout: it asks nobody, and nothing real moves in it.
 
 use super::base_from_world;
 use crate::kinematics::chain::Chain;
@@ -12,11 +12,11 @@ use crate::{limits, route};
 use fab_world::{Around, World, WorldError, WorldPoint};
 use nalgebra::{Isometry3, Point3};
 
-/// What an arm reaches with its hand pointing down.
+/// The reach of an arm with its hand pointing down.
 pub(super) struct ArmReach(Reach);
 
 impl ArmReach {
-    /// Finds what the arm of some settings reaches.
+    /// Computes the reach of the arm in the settings.
     pub(super) fn of(settings: &Settings) -> Result<ArmReach, WorldError> {
         let chain = Chain::of_model(&settings.model).map_err(|why| WorldError::Motion {
             why: why.to_string(),
@@ -25,12 +25,12 @@ impl ArmReach {
         Ok(ArmReach(Reach::tool_down(&chain, turn)))
     }
 
-    /// Returns what is reached in the base frame.
+    /// Returns the reach in the base frame.
     pub(super) fn reach(&self) -> &Reach {
         &self.0
     }
 
-    /// Says why nothing can be done at a point of the world frame, as [`World::out_of_reach`] does.
+    /// Returns why a point in the world frame is out of reach, as [`World::out_of_reach`] does.
     pub(super) fn out_of_reach(&self, settings: &Settings, point: &WorldPoint) -> Option<String> {
         let at = base_point(settings, point);
         let motion = &settings.motion;
@@ -42,7 +42,7 @@ impl ArmReach {
             top_m.max(0.0),
         ];
         let margin_m = settings.tolerance.position_m;
-        // At the rim, an arm that comes to rest as far off as is tolerated finds no way to the point.
+        // Near the rim, an arm that is off by its tolerance finds no path to the point.
         let radius_m = at.x.hypot(at.y).max(f64::MIN_POSITIVE);
         for by_m in [0.0, margin_m, -margin_m] {
             let share = 1.0 + by_m / radius_m;
@@ -73,14 +73,14 @@ impl ArmReach {
     }
 }
 
-/// Returns a point of the world in the base frame, not below the table.
+/// Returns a world point in the base frame, raised to the table if it lies below.
 pub(super) fn base_point(settings: &Settings, point: &WorldPoint) -> Point3<f64> {
     let mut at = base_from_world(settings) * point;
     at.z = at.z.max(settings.table.center_m[2]);
     at
 }
 
-/// A world in which nothing can be done where an arm does not reach.
+/// A world in which points out of an arm's reach are refused.
 pub struct WithinReach {
     world: Box<dyn World>,
     settings: Settings,
@@ -88,7 +88,7 @@ pub struct WithinReach {
 }
 
 impl WithinReach {
-    /// Puts an arm's reach around a world that has none of its own; fails for a model of an arm that is not known.
+    /// Adds an arm's reach to a world that has none; fails for an unknown arm model.
     pub fn new(world: Box<dyn World>, settings: Settings) -> Result<WithinReach, WorldError> {
         Ok(WithinReach {
             world,
@@ -119,8 +119,7 @@ mod tests {
     use crate::world::load;
     use std::path::Path;
 
-    /// At the rim lies a point to which one posture leads and no other near it: an arm a millimetre beside it does not come
-    /// there.
+    /// A point at the rim can be reached in one posture only: an arm that is a millimetre off does not get there.
     #[test]
     fn points_at_the_rim_are_left_out_by_what_an_arm_may_be_off() {
         let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tasks/real/simulated.toml");

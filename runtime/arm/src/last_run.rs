@@ -1,9 +1,9 @@
-//! Which run moved an arm last, kept beside the arm's settings.
+//! The last run that moved an arm, recorded beside the arm's settings.
 //!
-//! In: a settings file, a run folder. Out: `NAME.last-run.json`, and in what state that run left the arm, so that none is
-//! begun over an open motion. Two settings files of one arm do not know of each other.
+//! In: a settings file, a run folder. Out: `NAME.last-run.json`, and whether a person must recover the arm before the next
+//! run, so that no run starts over an unfinished motion. Two settings files for one arm do not know about each other.
 
-use super::log::{ARM_FILE, Left, LogError, left};
+use super::log::{ARM_FILE, LogError, RunState, run_state};
 use fab_base::files;
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -12,29 +12,29 @@ use std::path::{Path, PathBuf};
 /// The longest such file that is read.
 const MAX_BYTES: u64 = 64 << 10;
 
-/// The file.
+/// The contents of the file.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Note {
+struct LastRun {
     /// The run folder.
     run: PathBuf,
-    /// What a person did about it, where its own journal cannot say so.
+    /// What a person did to recover the arm, if the run's own journal is gone.
     recovered: Option<String>,
 }
 
-/// In what state the last run left an arm.
+/// Whether the arm needs recovery after its last run.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Standing {
-    /// There was no run, or it left the arm at rest with an empty hand, or a person has looked after it.
-    Clear,
-    /// A motion is open, or the hand holds something.
-    Unclear {
+pub enum Recovery {
+    /// There was no run, or it left the arm at rest with an empty hand, or a person has recovered the arm.
+    NotNeeded,
+    /// A motion is unfinished, or the hand holds something.
+    Needed {
         /// The run folder.
         run: PathBuf,
-        /// What is known.
-        left: Left,
+        /// The state in which the run left the arm.
+        state: RunState,
     },
-    /// Its journal is gone, or cannot be read.
+    /// The run's journal is gone, or cannot be read.
     Unknown {
         /// Where the run folder was.
         run: PathBuf,
@@ -43,13 +43,13 @@ pub enum Standing {
     },
 }
 
-/// Returns the file beside some settings that names the last run.
+/// Returns the path of the file that names the last run, beside a settings file.
 pub fn file_beside(settings: &Path) -> PathBuf {
     settings.with_extension("last-run.json")
 }
 
-/// Notes that a run is about to move the arm; its journal must be there.
-pub fn note(settings: &Path, run: &Path) -> Result<(), LogError> {
+/// Records that a run is about to move the arm; its folder must exist.
+pub fn record(settings: &Path, run: &Path) -> Result<(), LogError> {
     // The next run may be begun in another folder.
     let run = fs::canonicalize(run).map_err(|error| LogError {
         path: run.to_owned(),
@@ -57,69 +57,69 @@ pub fn note(settings: &Path, run: &Path) -> Result<(), LogError> {
     })?;
     write(
         settings,
-        &Note {
+        &LastRun {
             run,
             recovered: None,
         },
     )
 }
 
-/// Returns the folder of the last run; none where there was no run.
-pub fn run(settings: &Path) -> Result<Option<PathBuf>, LogError> {
-    Ok(read(settings)?.map(|note| note.run))
+/// Returns the folder of the last run; `None` if there was no run.
+pub fn folder(settings: &Path) -> Result<Option<PathBuf>, LogError> {
+    Ok(read(settings)?.map(|last| last.run))
 }
 
-/// Says in what state the last run left the arm; fails where the file that names it cannot be read.
-pub fn standing(settings: &Path) -> Result<Standing, LogError> {
-    let Some(Note { run, recovered }) = read(settings)? else {
-        return Ok(Standing::Clear);
+/// Returns whether the arm needs recovery; fails if the file that names the last run cannot be read.
+pub fn recovery(settings: &Path) -> Result<Recovery, LogError> {
+    let Some(LastRun { run, recovered }) = read(settings)? else {
+        return Ok(Recovery::NotNeeded);
     };
     if recovered.is_some() {
-        return Ok(Standing::Clear);
+        return Ok(Recovery::NotNeeded);
     }
     if !run.join(ARM_FILE).is_file() {
         let why = format!("`{}` is gone", run.join(ARM_FILE).display());
-        return Ok(Standing::Unknown { run, why });
+        return Ok(Recovery::Unknown { run, why });
     }
-    Ok(match left(&run) {
-        Ok(Left::Clear) => Standing::Clear,
-        Ok(left) => Standing::Unclear { run, left },
-        Err(error) => Standing::Unknown {
+    Ok(match run_state(&run) {
+        Ok(RunState::Clear) => Recovery::NotNeeded,
+        Ok(state) => Recovery::Needed { run, state },
+        Err(error) => Recovery::Unknown {
             why: error.to_string(),
             run,
         },
     })
 }
 
-/// Notes what a person did about an arm whose last run has no journal any more that could say so.
-pub fn recover(settings: &Path, how: &str) -> Result<(), LogError> {
-    let Some(note) = read(settings)? else {
+/// Records what a person did to recover an arm whose last run has lost its journal.
+pub fn record_recovery(settings: &Path, how: &str) -> Result<(), LogError> {
+    let Some(last) = read(settings)? else {
         return Ok(());
     };
     let recovered = Some(how.to_owned());
-    write(settings, &Note { recovered, ..note })
+    write(settings, &LastRun { recovered, ..last })
 }
 
-fn read(settings: &Path) -> Result<Option<Note>, LogError> {
+fn read(settings: &Path) -> Result<Option<LastRun>, LogError> {
     let path = file_beside(settings);
     if !path.exists() {
         return Ok(None);
     }
     let read = files::read(&path, MAX_BYTES);
-    let note = read.and_then(|bytes| {
+    let last = read.and_then(|bytes| {
         serde_json::from_slice(&bytes).map_err(|error| {
             format!("it should name the arm's last run, and cannot be read ({error}); see to the arm, then remove it")
         })
     });
-    match note {
-        Ok(note) => Ok(Some(note)),
+    match last {
+        Ok(last) => Ok(Some(last)),
         Err(why) => Err(LogError { path, why }),
     }
 }
 
-fn write(settings: &Path, note: &Note) -> Result<(), LogError> {
+fn write(settings: &Path, last: &LastRun) -> Result<(), LogError> {
     let path = file_beside(settings);
-    let text = serde_json::to_vec_pretty(note).map_err(|error| error.to_string());
+    let text = serde_json::to_vec_pretty(last).map_err(|error| error.to_string());
     let written = text.and_then(|mut text| {
         text.push(b'\n');
         files::write_whole(&path, &text).map_err(|error| error.to_string())
@@ -145,28 +145,28 @@ mod tests {
         if let Some(journal) = journal {
             fs::write(run.join(ARM_FILE), journal).unwrap();
         }
-        note(&settings, &run).unwrap();
+        record(&settings, &run).unwrap();
         let run = fs::canonicalize(run).unwrap();
         (folder, settings, run)
     }
 
     #[test]
     fn the_last_runs_journal_decides() {
-        let name = |standing: &Standing| match standing {
-            Standing::Clear => "clear",
-            Standing::Unclear { .. } => "unclear",
-            Standing::Unknown { .. } => "unknown",
+        let name = |recovery: &Recovery| match recovery {
+            Recovery::NotNeeded => "not needed",
+            Recovery::Needed { .. } => "needed",
+            Recovery::Unknown { .. } => "unknown",
         };
         let released = BEGUN.replace("grasp", "release");
         for (journal, expected) in [
-            (Some(String::new()), "clear"),
-            (Some(format!("{BEGUN}\n")), "unclear"),
-            (Some(format!("{BEGUN}\n{DONE}\n")), "unclear"),
+            (Some(String::new()), "not needed"),
+            (Some(format!("{BEGUN}\n")), "needed"),
+            (Some(format!("{BEGUN}\n{DONE}\n")), "needed"),
             (
                 Some(format!("{BEGUN}\n{DONE}\n{released}\n{DONE}\n")),
-                "clear",
+                "not needed",
             ),
-            (Some(format!("{BEGUN}\n{RECOVERED}\n")), "clear"),
+            (Some(format!("{BEGUN}\n{RECOVERED}\n")), "not needed"),
             (
                 Some(format!("{{\"type\":\"flown\"}}\n{BEGUN}\n")),
                 "unknown",
@@ -174,46 +174,46 @@ mod tests {
             (None, "unknown"),
         ] {
             let (_folder, settings, _) = after(journal.as_deref());
-            let standing = standing(&settings).unwrap();
-            assert_eq!(name(&standing), expected, "{journal:?}");
+            let recovery = recovery(&settings).unwrap();
+            assert_eq!(name(&recovery), expected, "{journal:?}");
         }
     }
 
     #[test]
-    fn without_a_run_the_arm_is_clear_and_another_run_takes_its_place() {
+    fn without_a_run_no_recovery_is_needed_and_another_run_takes_its_place() {
         let (folder, settings, first) = after(Some(&format!("{BEGUN}\n")));
         assert_eq!(
-            standing(&folder.path().join("other.toml")).unwrap(),
-            Standing::Clear
+            recovery(&folder.path().join("other.toml")).unwrap(),
+            Recovery::NotNeeded
         );
-        assert_eq!(run(&settings).unwrap(), Some(first));
+        assert_eq!(super::folder(&settings).unwrap(), Some(first));
         let second = folder.path().join("second");
         fs::create_dir(&second).unwrap();
         fs::write(second.join(ARM_FILE), "").unwrap();
-        note(&settings, &second).unwrap();
-        assert_eq!(standing(&settings).unwrap(), Standing::Clear);
+        record(&settings, &second).unwrap();
+        assert_eq!(recovery(&settings).unwrap(), Recovery::NotNeeded);
     }
 
     #[test]
-    fn a_run_that_is_gone_is_unknown_until_a_person_has_looked() {
+    fn a_run_that_is_gone_is_unknown_until_a_person_recovers_the_arm() {
         let (folder, settings, run) = after(Some(&format!("{BEGUN}\n")));
         fs::rename(&run, folder.path().join("moved")).unwrap();
-        let Standing::Unknown { why, .. } = standing(&settings).unwrap() else {
+        let Recovery::Unknown { why, .. } = recovery(&settings).unwrap() else {
             panic!("a run that is gone is known");
         };
         assert!(why.ends_with("arm.jsonl` is gone"), "{why}");
-        recover(&settings, "by hand").unwrap();
-        assert_eq!(standing(&settings).unwrap(), Standing::Clear);
-        // What was said of one run does not hold for the next.
-        note(&settings, &folder.path().join("moved")).unwrap();
+        record_recovery(&settings, "by hand").unwrap();
+        assert_eq!(recovery(&settings).unwrap(), Recovery::NotNeeded);
+        // The recovery of one run does not count for the next.
+        record(&settings, &folder.path().join("moved")).unwrap();
         assert!(matches!(
-            standing(&settings).unwrap(),
-            Standing::Unclear { .. }
+            recovery(&settings).unwrap(),
+            Recovery::Needed { .. }
         ));
     }
 
     #[test]
-    fn a_file_that_cannot_be_read_is_never_clear() {
+    fn a_file_that_cannot_be_read_is_an_error() {
         let (_folder, settings, _) = after(None);
         for text in [
             "",
@@ -223,10 +223,10 @@ mod tests {
             "{\"run\": \"x\", \"is_clear\": true}",
         ] {
             fs::write(file_beside(&settings), text).unwrap();
-            let error = standing(&settings).unwrap_err().to_string();
+            let error = recovery(&settings).unwrap_err().to_string();
             assert!(error.contains("then remove it"), "{text}: {error}");
         }
         fs::write(file_beside(&settings), vec![b' '; 1 << 17]).unwrap();
-        assert!(standing(&settings).is_err());
+        assert!(recovery(&settings).is_err());
     }
 }

@@ -1,7 +1,7 @@
 //! What `fabc review` finds: files that cannot be read, files of others, links, pictures, and paths as ids.
 
 use super::super::support::{Said, fabc, finish};
-use super::made::{accepted, each_kind, files, left, one_edit, pending, png, prompt, write};
+use super::fixtures::{accepted, each_kind, files, left, one_edit, pending, png, prompt, write};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;

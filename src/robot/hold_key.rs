@@ -1,52 +1,52 @@
-//! Whether a key is held on the terminal: it repeats while it is.
+//! The hold-to-run key: whether the space bar is held on the terminal.
 //!
-//! In: bytes of the terminal, unechoed while keys are looked for. Out: whether the space bar came lately, and whether it
-//! did not any more. A terminal sends no word of a key that is let go, so that this is noticed after [`HELD`] alone.
+//! In: bytes from the terminal, without echo. Out: whether the key is held, was just released, or is up. A terminal sends
+//! repeats of a held key but no event for its release, so a release is noticed only after [`HOLD_TIMEOUT`].
 
 use std::time::{Duration, Instant};
 
-/// How long a key counts as held after it came; repeats come 10 to 30 times a second, the first after up to 0.66 s.
-pub const HELD: Duration = Duration::from_millis(600);
+/// How long the key counts as held after a byte; repeats come 10 to 30 times a second, the first after up to 0.66 s.
+pub const HOLD_TIMEOUT: Duration = Duration::from_millis(600);
 
-/// The key that is held.
-const KEY: u8 = b' ';
+/// The hold-to-run key.
+const SPACE: u8 = b' ';
 
-/// When the key came last.
+/// Tracks the hold-to-run key.
 #[derive(Debug, Default)]
-pub struct Held {
+pub struct HoldKey {
     last: Option<Instant>,
 }
 
-/// What is known of the key.
+/// The state of the key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Key {
+pub enum KeyState {
     /// It is held.
     Held,
-    /// It was held until now.
-    LetGo,
-    /// It is not held, as before.
+    /// It was held until this update.
+    Released,
+    /// It is not held, and was not before.
     Up,
 }
 
-impl Held {
-    /// Takes note of what was typed up to now, and tells whether the key is held.
-    pub fn look(&mut self, typed: &[u8], now: Instant) -> Key {
-        if typed.contains(&KEY) {
+impl HoldKey {
+    /// Takes in the bytes that were typed since the last update, and returns the state of the key.
+    pub fn update(&mut self, typed: &[u8], now: Instant) -> KeyState {
+        if typed.contains(&SPACE) {
             self.last = Some(now);
         }
         match self.last {
-            Some(last) if now.saturating_duration_since(last) < HELD => Key::Held,
+            Some(last) if now.saturating_duration_since(last) < HOLD_TIMEOUT => KeyState::Held,
             Some(_) => {
                 self.last = None;
-                Key::LetGo
+                KeyState::Released
             }
-            None => Key::Up,
+            None => KeyState::Up,
         }
     }
 }
 
 #[cfg(unix)]
-pub use unix::{Keys, forget_typed, has_input, restore};
+pub use unix::{Keys, discard_typed, has_input, restore};
 
 #[cfg(unix)]
 mod unix {
@@ -56,37 +56,37 @@ mod unix {
     use std::os::fd::AsFd;
     use std::sync::{Mutex, PoisonError};
 
-    /// How the terminal was before keys were looked for; none while they are not.
+    /// The terminal's settings before keys were watched; `None` while they are not.
     static BEFORE: Mutex<Option<Termios>> = Mutex::new(None);
 
-    /// Has the terminal as it was before keys were looked for: for an end at which nothing is dropped.
+    /// Restores the terminal's settings: for exits that skip destructors.
     pub fn restore() {
         let before = BEFORE.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(before) = before {
-            // Where the terminal is gone, nothing of it is left to be as before.
+            // If the terminal is gone, there is nothing to restore.
             let _ = tcsetattr(stdin(), SetArg::TCSANOW, &before);
         }
     }
 
-    /// Forgets what was typed up to now.
-    pub fn forget_typed() {
-        // Where stdin is no terminal, nobody typed anything.
+    /// Discards what was typed up to now.
+    pub fn discard_typed() {
+        // If stdin is not a terminal, nobody typed anything.
         let _ = tcflush(stdin(), FlushArg::TCIFLUSH);
     }
 
-    /// Waits until there is something to read on stdin, or its end, but not for long; tells whether there is.
+    /// Waits for input or end of input on stdin, at most `most_ms`; returns whether there is any.
     pub fn has_input(most_ms: u8) -> bool {
         let stdin = stdin();
         let mut polled = [PollFd::new(stdin.as_fd(), PollFlags::POLLIN)];
-        // A signal ends the waiting, and says nothing of what is there.
+        // A signal ends the wait without input.
         poll(&mut polled, PollTimeout::from(most_ms)).is_ok_and(|count| count > 0)
     }
 
-    /// The terminal while keys are looked for; it is as before once this is dropped.
+    /// The terminal while keys are watched; dropping this restores it.
     pub struct Keys;
 
     impl Keys {
-        /// Has keys come at once and unseen; says why not where stdin is no terminal. Ctrl-C works as ever.
+        /// Turns off line buffering and echo; fails if stdin is not a terminal. Ctrl-C still works.
         pub fn watch() -> Result<Keys, String> {
             let stdin = stdin();
             let before = tcgetattr(&stdin).map_err(|error| error.to_string())?;
@@ -102,7 +102,7 @@ mod unix {
             Ok(Keys)
         }
 
-        /// Returns what was typed since the last call, without waiting; nothing where the terminal is gone.
+        /// Returns what was typed since the last call, without waiting; nothing if the terminal is gone.
         pub fn typed(&mut self) -> Vec<u8> {
             let mut bytes = vec![0; 256];
             let count = match has_input(0) {
@@ -121,13 +121,13 @@ mod unix {
     }
 }
 
-/// Keys, where this system has no way to see them held.
+/// Keys, on a system that cannot watch them.
 #[cfg(not(unix))]
 pub struct Keys;
 
 #[cfg(not(unix))]
 impl Keys {
-    /// Says that it cannot be.
+    /// Always fails.
     pub fn watch() -> Result<Keys, String> {
         Err("this system has no terminal of that kind".to_owned())
     }
@@ -142,11 +142,11 @@ impl Keys {
 #[cfg(not(unix))]
 pub fn restore() {}
 
-/// Does nothing: what was typed is not told from what will be.
+/// Does nothing: this system cannot discard typed input.
 #[cfg(not(unix))]
-pub fn forget_typed() {}
+pub fn discard_typed() {}
 
-/// Says that there is: whoever reads waits for it.
+/// Returns true: the reader waits for input itself.
 #[cfg(not(unix))]
 pub fn has_input(_: u8) -> bool {
     true
@@ -159,19 +159,19 @@ mod tests {
     #[test]
     fn a_key_is_held_for_a_while_after_it_came() {
         let start = Instant::now();
-        let mut held = Held::default();
+        let mut key = HoldKey::default();
         for (typed, after_ms, expected) in [
-            (&b""[..], 0, Key::Up),
-            (b"yx\n", 0, Key::Up),
-            (b"  ", 0, Key::Held),
-            (b"", 599, Key::Held),
-            (b"x", 600, Key::LetGo),
-            (b"x", 601, Key::Up),
-            (b"a ", 700, Key::Held),
-            (b"", 2000, Key::LetGo),
+            (&b""[..], 0, KeyState::Up),
+            (b"yx\n", 0, KeyState::Up),
+            (b"  ", 0, KeyState::Held),
+            (b"", 599, KeyState::Held),
+            (b"x", 600, KeyState::Released),
+            (b"x", 601, KeyState::Up),
+            (b"a ", 700, KeyState::Held),
+            (b"", 2000, KeyState::Released),
         ] {
             let now = start + Duration::from_millis(after_ms);
-            assert_eq!(held.look(typed, now), expected, "{typed:?} {after_ms}");
+            assert_eq!(key.update(typed, now), expected, "{typed:?} {after_ms}");
         }
     }
 }

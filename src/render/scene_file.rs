@@ -8,13 +8,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A scene whose points come from a file; its masks and boxes are not known.
-pub struct Listed {
+pub struct SceneFile {
     points: BTreeMap<String, Vec<PixelPoint>>,
 }
 
-impl Listed {
+impl SceneFile {
     /// Reads the points of every keypoint.
-    pub fn read(program: &Program, path: &Path) -> Result<Listed, Failure> {
+    pub fn read(program: &Program, path: &Path) -> Result<SceneFile, Failure> {
         let wrong = |why: String| {
             Failure::environment(format!(
                 "the scene `{}` cannot be used: {why}",
@@ -39,11 +39,11 @@ impl Listed {
                 _ => {}
             }
         }
-        Ok(Listed { points })
+        Ok(SceneFile { points })
     }
 }
 
-impl SceneView for Listed {
+impl SceneView for SceneFile {
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>> {
         self.points.get(keypoint).cloned()
     }

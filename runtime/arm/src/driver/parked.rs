@@ -1,20 +1,20 @@
-//! An arm at rest that takes no motion: what plans are made for.
+//! An arm that stays in one pose and refuses motion. Plans are made for it.
 
-use super::{Arm, ArmError, ArmState, Between, Opening, Watch};
+use super::{Arm, ArmError, ArmState, HandContents, Opening, Watch};
 use nalgebra::Isometry3;
 use std::time::{Duration, Instant};
 
-/// An arm that stays where it is: nothing is connected to it, so that nothing can move.
-pub struct Resting {
+/// An arm that is parked at a pose. No hardware is connected, so nothing can move.
+pub struct ParkedArm {
     model: String,
     at: Isometry3<f64>,
     since: Instant,
 }
 
-impl Resting {
-    /// Takes an arm of a model to rest at a pose, `base_from_tool`.
-    pub fn at(model: &str, at: Isometry3<f64>) -> Resting {
-        Resting {
+impl ParkedArm {
+    /// Parks an arm of a model at a pose, `base_from_tool`.
+    pub fn at(model: &str, at: Isometry3<f64>) -> ParkedArm {
+        ParkedArm {
             model: model.to_owned(),
             at,
             since: Instant::now(),
@@ -26,7 +26,7 @@ impl Resting {
     }
 }
 
-impl Arm for Resting {
+impl Arm for ParkedArm {
     fn name(&self) -> String {
         self.model.clone()
     }
@@ -56,11 +56,11 @@ impl Arm for Resting {
         _: f64,
         _: &mut Watch<'_>,
     ) -> Result<ArmState, ArmError> {
-        Err(Resting::refusal())
+        Err(ParkedArm::refusal())
     }
 
-    fn move_fingers(&mut self, _: Opening, _: &mut Watch<'_>) -> Result<Between, ArmError> {
-        Err(Resting::refusal())
+    fn move_fingers(&mut self, _: Opening, _: &mut Watch<'_>) -> Result<HandContents, ArmError> {
+        Err(ParkedArm::refusal())
     }
 
     fn stop(&mut self) -> Result<(), ArmError> {
@@ -68,6 +68,6 @@ impl Arm for Resting {
     }
 
     fn enable(&mut self) -> Result<(), ArmError> {
-        Err(Resting::refusal())
+        Err(ParkedArm::refusal())
     }
 }

@@ -1,7 +1,7 @@
 //! The command with a provider that is paid: kept answers, roles, interrupts, and suites with a cap.
 
-use super::asked::{calls, command, run};
 use super::provider::{Fate, Provider};
+use super::provider_commands::{calls, command, run};
 use super::support::{bring_library, finish, project};
 use serde_json::{Value, json};
 use std::fs;

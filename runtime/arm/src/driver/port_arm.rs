@@ -1,0 +1,356 @@
+//! Drives an arm through a port, and verifies each motion by measurement.
+//!
+//! The node reports a goal as reached when the tool is up to 10 mm and 2 degrees off, a cancelled or stalled goal leaves
+//! the arm enabled, and only a refused pose reveals a stop. So each motion starts with a probe (a goal at the current
+//! pose) and ends with measurements of the pose; a stop is requested until a probe is refused. After a stop nothing is
+//! cancelled and nothing else is sent, because the node takes either as a reason to enable the arm. The exception is the
+//! trajectory controller: it ignores the stop and would resume once the arm is enabled, so its trajectory is ended.
+
+use super::command::{CommandMode, duration_s, hold_position};
+use super::fingers::move_fingers;
+use super::goal::{Outcome, execute};
+use super::state::{is_at_rest, state, state_with_joints, wait_until_at_rest};
+use super::{Arm, ArmError, ArmState, Deviation, Halt, HandContents, Opening, Watch};
+use crate::kinematics::chain::Chain;
+use crate::port::{Ending, Goal, GoalId, GoalState, Port};
+use crate::settings::{FingerSettings, Tolerance};
+use nalgebra::Isometry3;
+
+/// How long a probe may take, seconds, and how often it is sent if its end is not reported.
+const PROBE_S: f64 = 3.0;
+const PROBES: u32 = 2;
+
+/// How often a stop is requested until it is verified.
+const STOPS: u32 = 3;
+
+/// How long a cancelled trajectory may take to end, seconds, and how often that is polled.
+const CANCEL_S: f64 = 0.5;
+const CANCEL_LOOK_S: f64 = 0.02;
+
+/// An arm behind a port.
+pub struct PortArm<P: Port> {
+    port: P,
+    name: String,
+    mode: CommandMode,
+    fingers: FingerSettings,
+    tolerance: Tolerance,
+    /// Whether this driver stopped the arm, or found it stopped, and it was not enabled since.
+    is_stopped: bool,
+    /// The last trajectory that was sent to the controller.
+    trajectory: Option<GoalId>,
+}
+
+impl<P: Port> PortArm<P> {
+    /// Drives the node of kinova-ros with tool poses.
+    ///
+    /// The node solves the inverse kinematics and does not report the joint path, so nothing here can check that elbow and
+    /// wrist clear the table. A person has to watch them.
+    pub fn by_poses(
+        port: P,
+        name: &str,
+        fingers: FingerSettings,
+        tolerance: Tolerance,
+    ) -> PortArm<P> {
+        PortArm {
+            port,
+            name: name.to_owned(),
+            mode: CommandMode::Poses,
+            fingers,
+            tolerance,
+            is_stopped: false,
+            trajectory: None,
+        }
+    }
+
+    /// Drives a `FollowJointTrajectory` controller with joint trajectories.
+    ///
+    /// The node of kinova-ros must run as well: its pose server reveals a stop, while the controller accepts trajectories
+    /// even when the arm is stopped.
+    pub fn by_trajectories(
+        port: P,
+        chain: Chain,
+        fingers: FingerSettings,
+        tolerance: Tolerance,
+    ) -> PortArm<P> {
+        let name = chain.model().to_owned();
+        PortArm {
+            mode: CommandMode::by_trajectories(chain),
+            ..PortArm::by_poses(port, &name, fingers, tolerance)
+        }
+    }
+
+    /// Refuses trajectories in which a joint goes below a height. Has no effect with tool poses, whose joint path is unknown.
+    ///
+    /// - `floor_m`: base frame, metres.
+    pub fn with_floor(mut self, floor_m: f64) -> PortArm<P> {
+        if let CommandMode::Trajectories(trajectories) = &mut self.mode {
+            trajectories.floor_m = floor_m;
+        }
+        self
+    }
+
+    /// Returns the port, e.g. to inspect a simulated arm.
+    pub fn port(&mut self) -> &mut P {
+        &mut self.port
+    }
+
+    /// Returns the arm's state, with joint angles if the command mode needs them.
+    fn current_state(&mut self) -> Result<ArmState, ArmError> {
+        match self.mode {
+            CommandMode::Poses => state(&mut self.port, &self.tolerance),
+            CommandMode::Trajectories(_) => state_with_joints(&mut self.port, &self.tolerance),
+        }
+    }
+
+    /// Executes a goal, and remembers a trajectory that was sent and a stop that was found.
+    fn execute(
+        &mut self,
+        goal: &Goal,
+        limit_s: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<Outcome, ArmError> {
+        let mut sent = None;
+        let outcome = execute(
+            &mut self.port,
+            goal,
+            limit_s,
+            &self.tolerance,
+            &mut sent,
+            watch,
+        );
+        if let (Goal::Trajectory(_), Some(id)) = (goal, sent) {
+            self.trajectory = Some(id);
+        }
+        if outcome == Err(ArmError::Stopped) {
+            self.is_stopped = true;
+        }
+        outcome
+    }
+
+    /// Re-sends the current pose; a stopped arm aborts it, which reveals the stop.
+    fn probe(&mut self, watch: &mut Watch<'_>) -> Result<Outcome, ArmError> {
+        let here = state(&mut self.port, &self.tolerance)?;
+        self.execute(&Goal::ToolPose(here.tool), PROBE_S, watch)
+    }
+
+    /// Fails if the arm is stopped.
+    fn check_enabled(&mut self, watch: &mut Watch<'_>) -> Result<(), ArmError> {
+        if self.is_stopped {
+            return Err(ArmError::Stopped);
+        }
+        for _ in 0..PROBES {
+            match self.probe(watch)? {
+                Outcome::Ended(Ending::Succeeded) => return Ok(()),
+                Outcome::Ended(Ending::Aborted | Ending::Rejected) => {
+                    self.is_stopped = true;
+                    return Err(ArmError::Stopped);
+                }
+                Outcome::Ended(Ending::Preempted) => break,
+                // The report of its end may have been lost.
+                Outcome::TimedOut => {}
+            }
+        }
+        Err(ArmError::TimedOut { after_s: PROBE_S })
+    }
+
+    /// Returns the arm's state if the watch callback allows motion.
+    fn check_motion_allowed(&mut self, watch: &mut Watch<'_>) -> Result<ArmState, ArmError> {
+        let here = self.current_state()?;
+        match watch(&here) {
+            Ok(()) => Ok(here),
+            Err(Halt::Pause) => Err(ArmError::Paused),
+            Err(Halt::Stop(why)) => Err(why),
+        }
+    }
+
+    fn is_reached(&self, deviation: Deviation) -> bool {
+        deviation.position_m <= self.tolerance.position_m
+            && deviation.angle_rad <= self.tolerance.angle_deg.to_radians()
+    }
+
+    /// Returns whether a stop is verified: the arm is at rest and refuses a probe.
+    fn is_stop_verified(&mut self) -> Result<bool, ArmError> {
+        if !is_at_rest(&mut self.port, &self.tolerance)? {
+            return Ok(false);
+        }
+        let outcome = self.probe(&mut |_: &ArmState| Ok(()))?;
+        Ok(matches!(
+            outcome,
+            Outcome::Ended(Ending::Aborted | Ending::Rejected)
+        ))
+    }
+
+    /// Ends the controller's last trajectory, so that it does not resume once the arm is enabled.
+    fn end_trajectory(&mut self) -> Result<(), ArmError> {
+        let Some(id) = self.trajectory.clone() else {
+            return Ok(());
+        };
+        match self.port.state(&id) {
+            GoalState::Ended(Ending::Succeeded | Ending::Preempted | Ending::Rejected) => {
+                self.trajectory = None;
+                return Ok(());
+            }
+            // The server is done with it, but the controller may not be: only another trajectory replaces it.
+            GoalState::Ended(Ending::Aborted) => {
+                let joints = state_with_joints(&mut self.port, &self.tolerance)?.joints_rad;
+                self.trajectory = Some(self.port.send(&hold_position(&joints))?);
+            }
+            GoalState::Sent | GoalState::Active => self.port.cancel(&id)?,
+        }
+        let begun_s = self.port.now_s();
+        let mut last = GoalState::Sent;
+        while self.port.now_s() - begun_s < CANCEL_S && !matches!(last, GoalState::Ended(_)) {
+            self.port.wait(CANCEL_LOOK_S);
+            last = match &self.trajectory {
+                Some(id) => self.port.state(id),
+                None => return Ok(()),
+            };
+        }
+        match last {
+            GoalState::Ended(_) => self.trajectory = None,
+            // The goal never arrived.
+            GoalState::Sent => {}
+            GoalState::Active => return Err(ArmError::TimedOut { after_s: CANCEL_S }),
+        }
+        Ok(())
+    }
+
+    /// Stops the arm, and returns whether the stop is verified.
+    fn try_stop(&mut self) -> Result<bool, ArmError> {
+        let stopped = self.port.stop();
+        if self.trajectory.is_some() {
+            self.end_trajectory()?;
+            // Some versions of the controller also enable the arm on a cancellation.
+            self.port.stop()?;
+        }
+        stopped?;
+        self.is_stop_verified()
+    }
+}
+
+impl<P: Port> Arm for PortArm<P> {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn now_s(&self) -> f64 {
+        self.port.now_s()
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        self.port.wait(seconds);
+    }
+
+    fn state(&mut self) -> Result<ArmState, ArmError> {
+        state(&mut self.port, &self.tolerance)
+    }
+
+    fn move_tool(
+        &mut self,
+        to: &Isometry3<f64>,
+        speed_m_s: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<ArmState, ArmError> {
+        self.check_enabled(watch)?;
+        let mut corrections = 0;
+        loop {
+            let from = self.check_motion_allowed(watch)?;
+            let goal = self.mode.goal(&from, to, speed_m_s)?;
+            let travel_s = Deviation::between(&from.tool, to).position_m / speed_m_s;
+            let limit_s = 2.0 * duration_s(&goal).unwrap_or(travel_s) + self.tolerance.settle_s;
+            let outcome = self.execute(&goal, limit_s, watch)?;
+            let now = wait_until_at_rest(&mut self.port, &self.tolerance, watch)?;
+            let deviation = Deviation::between(&now.tool, to);
+            if self.is_reached(deviation) {
+                return Ok(now);
+            }
+            match outcome {
+                Outcome::Ended(Ending::Preempted) => return Err(ArmError::Stalled { deviation }),
+                Outcome::Ended(Ending::Aborted | Ending::Rejected) => {
+                    // Refused because the arm is stopped, or for another reason.
+                    self.check_enabled(watch)?;
+                    return Err(ArmError::NotReached {
+                        reported: outcome.name().to_owned(),
+                        deviation,
+                    });
+                }
+                Outcome::TimedOut => {
+                    // A stop does not end a trajectory. A pose goal in progress would be preempted by the probe.
+                    if let CommandMode::Trajectories(_) = self.mode {
+                        self.check_enabled(watch)?;
+                    }
+                    return Err(ArmError::TimedOut { after_s: limit_s });
+                }
+                Outcome::Ended(Ending::Succeeded) if corrections < self.tolerance.corrections => {
+                    corrections += 1;
+                }
+                Outcome::Ended(Ending::Succeeded) => {
+                    return Err(ArmError::NotReached {
+                        reported: outcome.name().to_owned(),
+                        deviation,
+                    });
+                }
+            }
+        }
+    }
+
+    fn move_fingers(
+        &mut self,
+        opening: Opening,
+        watch: &mut Watch<'_>,
+    ) -> Result<HandContents, ArmError> {
+        self.check_enabled(watch)?;
+        let (fingers, tolerance) = (self.fingers, self.tolerance);
+        let result = move_fingers(&mut self.port, &fingers, &tolerance, opening, watch);
+        // Probe only when no goal is in progress: the probe would preempt it, and the node then enables a stopped arm.
+        let may_be_stopped = match &result {
+            Ok(result) => result.was_aborted,
+            Err(error) => matches!(error, ArmError::Fingers { .. }),
+        };
+        if may_be_stopped {
+            // If the arm was stopped meanwhile, report that and not the finger positions.
+            self.check_enabled(watch)?;
+        }
+        result.map(|result| result.contents)
+    }
+
+    fn stop(&mut self) -> Result<(), ArmError> {
+        self.is_stopped = true;
+        let mut why = String::new();
+        for _ in 0..STOPS {
+            match self.try_stop() {
+                Ok(true) => return Ok(()),
+                Ok(false) => why = "it still takes goals, or moves".to_owned(),
+                Err(error) => why = error.to_string(),
+            }
+        }
+        Err(ArmError::NotStopped { why })
+    }
+
+    fn enable(&mut self) -> Result<(), ArmError> {
+        let unwatched = &mut |_: &ArmState| Ok(());
+        if let CommandMode::Trajectories(_) = self.mode {
+            // Replace whatever trajectory the controller still has, whoever sent it.
+            let joints = state_with_joints(&mut self.port, &self.tolerance)?.joints_rad;
+            let outcome = self.execute(&hold_position(&joints), PROBE_S, unwatched)?;
+            // Acceptance is enough: servers differ in whether a held arm counts as arrived.
+            let is_accepted = match (outcome, &self.trajectory) {
+                (Outcome::Ended(ending), _) => ending != Ending::Rejected,
+                (Outcome::TimedOut, Some(id)) => self.port.state(id) == GoalState::Active,
+                (Outcome::TimedOut, None) => false,
+            };
+            if !is_accepted {
+                return Err(ArmError::TimedOut { after_s: PROBE_S });
+            }
+        }
+        self.port.start()?;
+        self.is_stopped = false;
+        if !is_at_rest(&mut self.port, &self.tolerance)? {
+            self.stop()?;
+            return Err(ArmError::OutOfLimits(
+                "the arm moved by itself when it was let go".to_owned(),
+            ));
+        }
+        self.check_enabled(unwatched)
+    }
+}
