@@ -22,6 +22,7 @@ mod colour_alone;
 mod completions;
 mod demos;
 mod explain;
+mod external_world;
 mod free_pick;
 mod job_options;
 mod journal;

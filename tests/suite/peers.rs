@@ -1,7 +1,9 @@
 //! Tests against foreign programs; `make test-peers` runs them.
 
 use super::support::{fabc, finish, project};
+use fab_agent::record::Record;
 use std::process::Command;
+use std::time::Instant;
 
 #[test]
 #[ignore = "needs Python with numpy: make test-peers"]
@@ -36,4 +38,49 @@ fn peer_python_recomputes_the_printed_error_from_the_journal() {
         (recomputed - printed).abs() < 1e-6,
         "Python has {recomputed}, fabc printed {printed}"
     );
+}
+
+/// The share of pixels that two silhouettes have in common, and the place of the end among the bundled cloth's.
+#[test]
+#[ignore = "needs Python with mujoco: make test-peers"]
+fn peer_mujoco_folds_double_triangle_as_a_world_in_another_language() {
+    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-peers sets FABC_PEER_PYTHON");
+    let folder = tempfile::tempdir().unwrap();
+    let world = format!(
+        "exec:'{python}' '{}'",
+        project("docs/examples/mujoco_world.py")
+    );
+    let task = project("tasks/double_triangle.fab");
+    let begun = Instant::now();
+    let said = finish(fabc(folder.path()).args(["run", &task, "--world", &world, "--out", "run"]));
+    assert!([0, 3].contains(&said.code), "{}", said.stderr);
+    println!("{}\nin {:.0} s", said.stdout, begun.elapsed().as_secs_f64());
+    let record = Record::read(&folder.path().join("run")).unwrap();
+    assert_eq!(record.header.world, "mujoco");
+    let last = record.steps.last().unwrap().result.unwrap();
+    assert!(last.subgoal == 2 && last.overlap >= 0.85, "{last:?}");
+    let report = record.end.unwrap().report;
+    let judged_by = report.judged_by.unwrap();
+    assert_eq!(
+        (judged_by.world.as_str(), judged_by.grid),
+        ("sim", [55, 55])
+    );
+    let distance_mm = report.mean_particle_distance_mm.unwrap();
+    assert!(
+        distance_mm < 40.0,
+        "{distance_mm} mm from the bundled cloth's end"
+    );
+}
+
+#[test]
+#[ignore = "needs Python with mujoco: make test-peers"]
+fn peer_mujoco_keeps_the_promises_of_every_world() {
+    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-peers sets FABC_PEER_PYTHON");
+    let folder = tempfile::tempdir().unwrap();
+    let world = format!(
+        "exec:'{python}' '{}'",
+        project("docs/examples/mujoco_world.py")
+    );
+    let said = finish(fabc(folder.path()).args(["world", "check", &world]));
+    assert_eq!(said.code, 0, "{}{}", said.stdout, said.stderr);
 }

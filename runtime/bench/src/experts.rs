@@ -3,7 +3,7 @@
 //! In: the suite's programs and laid starts. Out: ends in the cache before any rollout asks for them, and distances
 //! to them. The ends of folds that go a fraction of their way are those of the same sequences, each fold shortened.
 
-use super::laid::Laid;
+use super::lay::Laid;
 use super::play::{Phase, Spent, at, place, program_of};
 use super::record::Rollout;
 use super::{Bench, BenchError};

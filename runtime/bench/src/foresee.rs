@@ -1,6 +1,6 @@
 //! What a suite would ask in the first step of each of its entries, before anything is asked.
 
-use super::laid::lay_one;
+use super::lay::lay_one;
 use super::play::{at, place, program_of};
 use super::{Bench, BenchError};
 use fab_agent::rollout::{FirstQuestion, Job, first_questions};

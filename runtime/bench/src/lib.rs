@@ -21,7 +21,7 @@ pub mod table;
 
 mod experts;
 mod foresee;
-mod laid;
+mod lay;
 
 pub use foresee::first_questions_of;
 

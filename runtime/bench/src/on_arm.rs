@@ -4,7 +4,7 @@
 //! arm's sake or left it otherwise than at rest with an empty hand, after which nothing more is begun. A rollout that was cut off is not gone on with: the table is no longer as
 //! it was. Nothing here moves: that is done by the world of each rollout.
 
-use super::laid::Laid;
+use super::lay::Laid;
 use super::metric::Metric;
 use super::play::{self, Ended, Phase, Played, Stop, Which};
 use super::record;

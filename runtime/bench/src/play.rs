@@ -4,7 +4,7 @@
 //! over its jobs with as many threads as asked for, and a job starts none of its own: expert ends are there
 //! before the first rollout asks for them.
 
-use super::laid::{self, Laid};
+use super::lay::{self, Laid};
 use super::on_arm::{self, LeftArm};
 use super::record::{self, Found, Identity, Rollout};
 use super::{Bench, BenchError, Entry, experts};
@@ -103,11 +103,11 @@ pub fn play(
 ) -> Result<Results, BenchError> {
     let mut results = Results::default();
     let begun = Instant::now();
-    let Some(laid) = laid::lay(bench, progress)? else {
+    let Some(laid) = lay::lay(bench, progress)? else {
         return Ok(interrupted(results));
     };
     results.spent.starts_s = begun.elapsed().as_secs_f64();
-    laid::refuse_examples(bench, &laid)?;
+    lay::refuse_examples(bench, &laid)?;
     if let Some(task) = bench.tasks.first() {
         let about = about(bench, &task.program).map_err(|error| at(&task.name, error))?;
         (results.world, results.params) = (about.name, about.parameters);

@@ -1,0 +1,183 @@
+//! A world that is another program: the bundled simulator over lines, and what becomes of lines that are wrong.
+#![cfg(unix)]
+
+use super::support::{self, fabc, finish, project};
+use fab_base::child::CommandLine;
+use fab_base::interrupt::Interrupt;
+use fab_program::Picker;
+use fab_world::conformance::{PROMISES, camera};
+use fab_world::start::Start;
+use fab_world::{ExternalWorld, Motion, World, WorldError, WorldPoint};
+use std::path::Path;
+
+const FABC: &str = env!("CARGO_BIN_EXE_fabc");
+
+/// The bundled simulator as a program, with what it says changed by an editor of streams.
+fn edited(script: &str) -> CommandLine {
+    let pipe = format!("'{FABC}' world serve | sed -u -e '{script}'");
+    let quoted = shlex::try_quote(&pipe).unwrap();
+    CommandLine::parse(&format!("sh -c {quoted}")).unwrap()
+}
+
+fn started(command: &CommandLine) -> Result<ExternalWorld, WorldError> {
+    ExternalWorld::start(
+        command,
+        &camera(),
+        Picker::default(),
+        None,
+        &Interrupt::default(),
+    )
+}
+
+/// Lays a small cloth, looks, and folds a corner.
+fn played(command: &CommandLine) -> Result<(), WorldError> {
+    let mut world = started(command)?;
+    let start = Start::flat(&support::small_task().cloth);
+    world.reset(&start)?;
+    world.observe()?;
+    let [x, y, z] = start.positions[0].map(f64::from);
+    let motion = Motion {
+        pick: WorldPoint::new(x, y, z),
+        place: WorldPoint::new(0.0, 0.0, 0.005),
+    };
+    world.act(&motion, &Interrupt::default()).map(drop)
+}
+
+#[test]
+fn the_simulator_over_lines_keeps_every_promise() {
+    let command = CommandLine::parse(&format!("'{FABC}' world serve")).unwrap();
+    for promise in PROMISES {
+        let make = || started(&command).map(|world| Box::new(world) as Box<dyn World>);
+        let kept = promise.check(&make);
+        assert!(kept.is_ok(), "{}: {}", promise.name, kept.unwrap_err());
+    }
+}
+
+#[test]
+fn wrong_answers_are_named_with_their_values() {
+    for (script, words) in [
+        ("s/\"code\":\"[^\"]*\",//", "which is no answer"),
+        (
+            "s/\"limits_s\":{}/\"limits_s\":{\"dance\":1}/",
+            "states the limit `dance` as 1 s; the questions are `hello`",
+        ),
+        ("s/particles.npy/gone.npy/", "`sim`: its positions `"),
+        (
+            "s/\"focal_px\":\\[[0-9.]*/\"focal_px\":[0.0/",
+            "`focal_px` is [0, 270.3919189857867], and both have to be above 0",
+        ),
+        (
+            "s/\"world_from_camera\":\\[\\[1.0/\"world_from_camera\":[[2.0/",
+            "`world_from_camera` is no pose",
+        ),
+        ("s/rgb.png/depth.npy/", "is not a readable PNG picture"),
+        (
+            "s/depth.npy/rgb.png/",
+            "it does not begin as a .npy file does",
+        ),
+        (
+            "s/\"time_s\":[0-9.]*/\"refused\":\"the lens is dirty\"/",
+            "it refuses `observe`: the lens is dirty",
+        ),
+        (
+            "s/\"grasp\":{[^}]*}/\"grasp\":\"maybe\"/",
+            "which is no answer",
+        ),
+        (
+            "s/\"duration_s\":[0-9.]*/\"duration_s\":-1/",
+            "negative duration",
+        ),
+        (
+            "s/^{}$/{\"refused\":\"only flat cloths\"}/",
+            "the start `flat` cannot be laid on the table: only flat cloths",
+        ),
+        (
+            "s/\"limits_s\":{}/\"limits_s\":{\"act\":1}/; /duration_s/d",
+            "did not answer within 1 s",
+        ),
+        ("/duration_s/q", ""),
+    ] {
+        let done = played(&edited(script));
+        if words.is_empty() {
+            // It ends after its last answer; the question for particles finds that out.
+            assert!(
+                done.unwrap_err()
+                    .to_string()
+                    .contains("ended before it answered")
+            );
+            continue;
+        }
+        let error = done.expect_err(script).to_string();
+        assert!(error.contains(words), "{script}: {error}");
+    }
+}
+
+fn run(folder: &Path, world: &str, out: &str) -> support::Said {
+    let task = project("tasks/double_triangle.fab");
+    finish(fabc(folder).args(["run", &task, "--world", world, "--out", out]))
+}
+
+#[test]
+fn a_rollout_over_lines_comes_out_as_in_the_simulator_and_can_be_gone_on_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let over_lines = format!("exec:'{FABC}' world serve");
+    let here = run(folder.path(), "sim", "here");
+    let there = run(folder.path(), &over_lines, "there");
+    assert_eq!((here.code, there.code), (0, 0), "{}", there.stderr);
+    let record =
+        |name: &str| std::fs::read_to_string(folder.path().join(name).join("rollout.jsonl"));
+    let whole = record("there").unwrap();
+    assert_eq!(record("here").unwrap(), whole);
+    assert!(folder.path().join("there/world.stderr.txt").exists());
+
+    let cut = whole.match_indices('\n').nth(1).unwrap().0 + 1;
+    std::fs::write(folder.path().join("there/rollout.jsonl"), &whole[..cut]).unwrap();
+    let again = finish(fabc(folder.path()).args(["resume", "there"]));
+    assert_eq!(again.code, 0, "{}", again.stderr);
+    assert_eq!(record("there").unwrap(), whole);
+}
+
+#[test]
+fn a_world_that_does_not_repeat_is_not_gone_on_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("once.sh");
+    let text = format!("'{FABC}' world serve | sed -u 's/\"repeats\":true/\"repeats\":false/'");
+    std::fs::write(&script, text).unwrap();
+    let world = format!("exec:sh '{}'", script.display());
+    let done = run(folder.path(), &world, "once");
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let record = folder.path().join("once/rollout.jsonl");
+    let whole = std::fs::read_to_string(&record).unwrap();
+    let cut = whole.match_indices('\n').nth(1).unwrap().0 + 1;
+    std::fs::write(&record, &whole[..cut]).unwrap();
+    let again = finish(fabc(folder.path()).args(["resume", "once"]));
+    assert_eq!(again.code, 2);
+    assert!(
+        again
+            .stderr
+            .contains("the world `sim` says that it cannot lay a start again"),
+        "{}",
+        again.stderr
+    );
+    assert_eq!(std::fs::read_to_string(&record).unwrap(), whole[..cut]);
+}
+
+#[test]
+fn world_check_says_each_promise_and_exits_by_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = format!("exec:'{FABC}' world serve");
+    let done = finish(fabc(folder.path()).args(["world", "check", &good, "--json"]));
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let value: serde_json::Value = serde_json::from_str(&done.stdout).unwrap();
+    assert_eq!(value["broken"], 0);
+    assert_eq!(value["promises"].as_array().unwrap().len(), PROMISES.len());
+
+    let bad = "exec:sh -c 'while read line; do echo \"{}\"; done'";
+    let done = finish(fabc(folder.path()).args(["world", "check", bad]));
+    assert_eq!(done.code, 2, "{}", done.stderr);
+    assert!(
+        done.stderr.contains("wrote `{}`, which is no answer"),
+        "{}",
+        done.stderr
+    );
+}
