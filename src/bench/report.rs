@@ -2,6 +2,7 @@
 
 use crate::cli::bench::Shard;
 use crate::exit::Failure;
+use fab_agent::outcome::Outcome;
 use fab_base::files;
 use fab_bench::Bench;
 use fab_bench::play::{Results, Stop};
@@ -142,6 +143,7 @@ impl Report<'_> {
                 self.results.found, self.results.planned
             ));
         }
+        lines.extend(self.failed());
         lines.extend(self.cut_off());
         lines.extend(self.arm_left());
         let calls = self.bench.budget.spent();
@@ -170,6 +172,27 @@ impl Report<'_> {
             self.bench.out.display()
         ));
         lines.join("\n")
+    }
+
+    /// Says why rollouts failed: of each kind of failure, how many there are and the words of the first.
+    fn failed(&self) -> Vec<String> {
+        let failures = [
+            Outcome::ModelFailed,
+            Outcome::PolicyFailed,
+            Outcome::WorldFailed,
+        ];
+        let line = |outcome: Outcome| {
+            let rollouts = self.results.rollouts.iter();
+            let reports = rollouts.map(|played| &played.rollout.report);
+            let failed: Vec<_> = reports.filter(|it| it.outcome == outcome).collect();
+            let why = failed.first()?.stopped.as_deref().unwrap_or_default();
+            Some(format!(
+                "warning: {} ended `{}`, the first one so: {why}",
+                counted(failed.len(), "rollout"),
+                outcome.name()
+            ))
+        };
+        failures.into_iter().filter_map(line).collect()
     }
 
     /// Names the rollouts on an arm that are not gone on with.

@@ -6,10 +6,12 @@ use fab_agent::outcome::Outcome;
 use fab_agent::policy::{Attempt, Finding};
 use fab_agent::record::{CoverageSource, JudgedBy};
 use fab_agent::rollout::{Ended, Event};
+use fab_agent::sheet::SHEET_FILE;
 use fab_model::calls::Spent;
 use fab_program::verify::Verdict;
 use fab_program::{Goal, Metric};
 use fab_world::Grasp;
+use std::path::Path;
 
 /// Shows one event on stderr, unless it is of one of the `earlier` steps, which were shown when they were new.
 pub fn show(event: Event<'_>, earlier: u32) {
@@ -35,6 +37,7 @@ pub fn show(event: Event<'_>, earlier: u32) {
             step,
             horizon,
             action,
+            without,
             grasp,
             seconds,
             spent,
@@ -44,13 +47,17 @@ pub fn show(event: Event<'_>, earlier: u32) {
             } else {
                 format!(", taken at {} on the cloth", action.pick_on_cloth_px)
             };
+            let without = match without {
+                [] => String::new(),
+                names => format!(", accepted without `{}`", names.join("`, `")),
+            };
             let missed = match grasp {
                 Grasp::Missed => ", nothing grasped",
                 Grasp::Unverified => ", grasp not verified",
                 Grasp::Particle(_) | Grasp::Held => "",
             };
             output::talk(&format!(
-                "step {step}/{horizon}: pick {}{moved}, place {}{missed}   {seconds:.1} s{}",
+                "step {step}/{horizon}: pick {}{moved}, place {}{missed}{without}   {seconds:.1} s{}",
                 action.pick_px,
                 action.place_px,
                 so_far(&spent)
@@ -173,10 +180,11 @@ pub fn summary(report: &Ended, goal: Option<&Goal>) -> String {
             report.took.experts_simulated
         ));
     }
-    lines.push(format!(
-        "run folder: {} (contact sheet: sheet.png)",
-        report.took.run_dir
-    ));
+    let sheet = match Path::new(&report.took.run_dir).join(SHEET_FILE).exists() {
+        true => format!(" (contact sheet: {SHEET_FILE})"),
+        false => String::new(),
+    };
+    lines.push(format!("run folder: {}{sheet}", report.took.run_dir));
     lines.join("\n")
 }
 

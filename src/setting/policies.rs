@@ -17,7 +17,7 @@ const DEFAULT_SEED: u64 = 0;
 /// A policy, with what it needs beside a rollout.
 pub enum Deciding {
     /// Models answer the task's prompts.
-    Prompted(Answering),
+    Prompted(Box<Answering>),
     /// Draws from the action space.
     Random(Random),
     /// Follows the demonstration.
@@ -44,7 +44,7 @@ impl Deciding {
         let name = arguments.name();
         if name == "prompted" {
             let answering = models::models(models, purpose, interrupt)?;
-            return Ok(Deciding::Prompted(answering));
+            return Ok(Deciding::Prompted(Box::new(answering)));
         }
         let found = Deciding::without_models(name, arguments.limit())?;
         if !models.model.is_empty() {

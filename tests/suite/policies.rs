@@ -175,7 +175,7 @@ fn particles_are_there_only_for_who_asks_for_them() {
         assert_eq!((ended.steps, ended.sees_particles), (2, sees));
         let request = &record(&run).steps[1].attempts[0].request;
         let request = std::fs::read_to_string(run.join(request.as_ref().unwrap())).unwrap();
-        assert_eq!(request.contains("particles"), sees);
+        assert_eq!(request.contains("\"particles\""), sees);
         assert_eq!(run.join("step_2/particles.npy").exists(), sees);
         assert_eq!(ended.policy.contains("sees true particles"), sees);
     }

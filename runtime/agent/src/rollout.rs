@@ -123,6 +123,8 @@ pub enum Event<'a> {
         horizon: u32,
         /// What was executed.
         action: &'a Action,
+        /// The checks that were left out to accept it.
+        without: &'a [String],
         /// What was held.
         grasp: Grasp,
         /// Wall time of the whole step, seconds.

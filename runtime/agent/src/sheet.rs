@@ -18,11 +18,10 @@ const MIN_CELL_PX: u32 = 32;
 const MAX_HEIGHT_PX: u32 = 8000;
 const PAPER: Rgb<u8> = Rgb([255, 255, 255]);
 const INK: [u8; 3] = [30, 30, 30];
-const CAPTIONS: [&str; 3] = [
-    "shown to the model",
-    "chosen pick and place",
-    "after the step",
-];
+const CAPTIONS: [&str; 3] = ["to be done", "chosen pick and place", "after the step"];
+
+/// Name of the contact sheet in a run folder.
+pub const SHEET_FILE: &str = "sheet.png";
 
 /// The rows of a contact sheet.
 #[derive(Debug, Default)]
@@ -39,7 +38,7 @@ impl Sheet {
 
     /// Adds an executed step, from 1.
     ///
-    /// Where there is no subgoal, the first picture is what the model was shown.
+    /// The first picture is the subgoal with its arrow; where there is none, the scene with the task's layers.
     pub fn row(&mut self, step: u32, shown: &RgbImage, action: RgbImage, after: RgbImage) {
         // Shrunk at once: a long rollout with a large camera would fill the memory with pictures.
         let row = [shown, &action, &after].map(|picture| fit(picture, MAX_CELL_PX));

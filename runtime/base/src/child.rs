@@ -115,10 +115,14 @@ pub enum ChildError {
         stderr: String,
     },
     /// It wrote an endless line.
-    #[error("`{command}` wrote {MAX_LINE_BYTES} bytes without the end of a line and was ended")]
+    #[error(
+        "`{command}` wrote {MAX_LINE_BYTES} bytes without the end of a line and was ended{stderr}"
+    )]
     Flooded {
         /// The command line.
         command: String,
+        /// The end of its stderr, as the message's end.
+        stderr: String,
     },
     /// It wrote more than one line for a question.
     #[error(
@@ -131,7 +135,7 @@ pub enum ChildError {
         line: String,
     },
     /// Its answer is none.
-    #[error("`{command}` wrote `{line}`, which is no answer: {why}")]
+    #[error("`{command}` wrote `{line}`, which is no answer: {why}; an answer is one line of JSON")]
     NoAnswer {
         /// The command line.
         command: String,
@@ -310,7 +314,10 @@ impl Child {
             },
             Output::Flood => {
                 self.kill();
-                ChildError::Flooded { command }
+                ChildError::Flooded {
+                    command,
+                    stderr: self.last_errors(),
+                }
             }
         }
     }

@@ -14,7 +14,7 @@ use fab_model::Reply;
 use fab_picture::camera::Pinhole;
 use fab_picture::png;
 use fab_program::{ActionField, Arrow, Choices, PixelPoint, Proposal, SubgoalStep, Value, space};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::{Map, Value as Json, json};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -67,7 +67,10 @@ impl Policy for External {
         }
         Description {
             kind: Kind::Program,
-            name: format!("exec:{}", self.command),
+            name: match self.sight {
+                Sight::Camera => format!("exec:{}", self.command),
+                Sight::Particles => format!("exec+particles:{}", self.command),
+            },
             sees_particles: self.sight == Sight::Particles,
             models: None,
             code: Some(digest::hex(&code.finalize())),
@@ -151,14 +154,14 @@ impl External {
     }
 }
 
-/// What a program answers.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-enum Line {
+/// What a program answers: one of the two.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Line {
     /// What each gripper does.
-    Grips(Vec<Map<String, Json>>),
+    grips: Option<Vec<Map<String, Json>>>,
     /// Nothing further, and why.
-    Refuse(String),
+    refuse: Option<String>,
 }
 
 fn read(step: &StepView<'_>, line: &str) -> Answer {
@@ -167,11 +170,20 @@ fn read(step: &StepView<'_>, line: &str) -> Answer {
         message,
     };
     match serde_json::from_str(line) {
-        Ok(Line::Refuse(why)) => Answer::Stop {
+        Ok(Line {
+            grips: None,
+            refuse: Some(why),
+        }) => Answer::Stop {
             outcome: Outcome::PolicyStopped,
-            why,
+            why: match why.trim() {
+                "" => "the policy gives no reason".to_owned(),
+                why => why.to_owned(),
+            },
         },
-        Ok(Line::Grips(grips)) => match grips.as_slice() {
+        Ok(Line {
+            grips: Some(grips),
+            refuse: None,
+        }) => match grips.as_slice() {
             [grip] => match proposal(step, grip) {
                 Ok(proposal) => Answer::Grip(proposal),
                 Err((field, message)) => unreadable(&field, message),
@@ -184,6 +196,10 @@ fn read(step: &StepView<'_>, line: &str) -> Answer {
                 ),
             ),
         },
+        Ok(_) => unreadable(
+            "grips",
+            "one of `grips` and `refuse` is due, and the answer has both or neither".to_owned(),
+        ),
         Err(error) => unreadable("grips", error.to_string()),
     }
 }
@@ -314,6 +330,21 @@ fn question(
         });
         Json::Object(fields.collect())
     };
+    let lengths = program
+        .actions
+        .iter()
+        .filter_map(|field| match &field.choices {
+            Choices::Lengths { choices, .. } => {
+                let texts = choices.iter().map(|choice| {
+                    let length = Value::Length {
+                        length: choice.value,
+                    };
+                    (space::text(field, &length), json!(choice.m))
+                });
+                Some((field.name.clone(), Json::Object(texts.collect())))
+            }
+            _ => None,
+        });
     let refusals = refusals.iter().map(|refusal| {
         let grips = refusal.proposal.iter().map(grip);
         json!({ "grips": grips.collect::<Vec<_>>(), "check": refusal.check, "why": refusal.why })
@@ -337,11 +368,18 @@ fn question(
         "camera": Pinhole::of(&step.observation.camera),
         "keypoints": step.scene.to_json(),
         "offered": Json::Object(offered.collect()),
-        "last": step.last.map(|last| grip(&last.proposal)),
+        "lengths_m": Json::Object(lengths.collect()),
+        "last": step.last.map(|last| json!({
+            "grips": [grip(&last.proposal)],
+            "pick_px": last.pick,
+            "place_px": last.place,
+        })),
+        "attempts": program.verify.attempts,
         "refusals": refusals.collect::<Vec<_>>(),
     });
     if let Some(particles) = &files.particles {
         question["particles"] = json!(place(particles));
+        question["grid"] = json!(program.cloth);
     }
     question
 }

@@ -57,11 +57,15 @@ pub(super) struct Refusal {
     pub why: String,
 }
 
+/// Proposes an action, after these refusals.
+type Propose<'p> =
+    dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Proposed, PolicyError> + 'p;
+
 /// Takes proposals until one passes every check.
 pub(super) fn until_accepted(
     step: &StepView<'_>,
     exchange: &mut Exchange<'_, '_>,
-    propose: &mut dyn FnMut(&[Refusal], &mut Exchange<'_, '_>) -> Result<Proposed, PolicyError>,
+    propose: &mut Propose<'_>,
 ) -> Result<Decision, PolicyError> {
     let texts = BTreeMap::new();
     let facts = step.facts(&texts, step.pixels());
@@ -71,6 +75,13 @@ pub(super) fn until_accepted(
         let begun = Instant::now();
         let proposed = propose(&refusals, exchange)?;
         let took = begun.elapsed();
+        if let Answer::Stop {
+            outcome: outcome @ Outcome::Interrupted,
+            why,
+        } = proposed.answer
+        {
+            return Ok(Decision::Stop { outcome, why });
+        }
         let finding = match &proposed.answer {
             Answer::Grip(proposal) => Finding::Action {
                 fields: proposal.fields.clone(),

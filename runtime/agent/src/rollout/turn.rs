@@ -262,6 +262,7 @@ impl<'j> Turn<'j> {
             step: number,
             horizon: job.horizon(),
             action: &action,
+            without: self.line.accepted.as_ref().map_or(&[], |it| &it.without),
             grasp,
             seconds: begun.elapsed().as_secs_f64(),
             spent: keeper.asking.spent(),

@@ -15,7 +15,7 @@ use crate::record::{
     self, End, ExpertDistance, Header, JudgedBy, Line, Measures, Progress, Report, Spent,
     StartFile, StepSpent, Took,
 };
-use crate::sheet::Sheet;
+use crate::sheet::{SHEET_FILE, Sheet};
 use fab_base::{digest, npy};
 use fab_picture::png;
 use fab_world::World;
@@ -279,7 +279,7 @@ impl<'j> Keeper<'j> {
         }
         // A rollout that is done is not lost for want of a picture of it.
         let sheet = match sheet.picture(&report).unwrap_or_default() {
-            Some(picture) => Some(self.folder.keep("sheet.png", &png::encode(&picture))?),
+            Some(picture) => Some(self.folder.keep(SHEET_FILE, &png::encode(&picture))?),
             None => None,
         };
         let experts = score.map(|score| {
