@@ -81,7 +81,7 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
         WorldChoice::Program(command) => worlds::external(command, &program, None, &interrupt),
         _ => setting::world(&program),
     };
-    let first = first.map_err(Failure::environment)?;
+    let first = first.map_err(worlds::failure)?;
     if let Into::Again(_) = into {
         worlds::check_repeats(first.as_ref())?;
     }
@@ -97,6 +97,8 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
             &interrupt,
         )?,
     };
+    // A program's world is started anew for the rollout: a robot is there once.
+    drop(first);
     if let Some(number) = examples.demonstrates(&start) {
         return Err(Failure::environment(format!(
             "the start `{}` is that of demonstration {number}, which the model is told: a result from it would be no test; choose another start",
@@ -217,7 +219,9 @@ pub fn play(arguments: &RunArguments, into: Into<'_>) -> Result<Exit, Failure> {
     }
     let report = done.map_err(|error| match error {
         // Nobody lays a cloth for a program that is asked to end.
-        RunError::World(WorldError::Start { .. }) if interrupt.is_raised() => {
+        RunError::World(WorldError::Start { .. } | WorldError::Interrupted)
+            if interrupt.is_raised() =>
+        {
             Failure::interrupted()
         }
         error => Failure::environment(error),

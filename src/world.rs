@@ -2,7 +2,7 @@
 
 use crate::cli::world::{CheckArguments, WorldArguments, WorldVerb};
 use crate::exit::{Exit, Failure};
-use crate::setting::worlds::WorldChoice;
+use crate::setting::worlds::{self, WorldChoice};
 use crate::{output, setting};
 use fab_program::Picker;
 use fab_world::conformance::{Broken, Kept, PROMISES, camera};
@@ -42,7 +42,7 @@ fn check(arguments: &CheckArguments) -> Result<Exit, Failure> {
             "an arm is checked by `fabc robot check`; `fabc world check` is for `exec:\"CMD ARG...\"`",
         ));
     }
-    let name = make().map_err(Failure::environment)?.name().to_owned();
+    let name = make().map_err(worlds::failure)?.name().to_owned();
     let mut found = Vec::new();
     for promise in PROMISES {
         let (state, why) = match promise.check(&make) {

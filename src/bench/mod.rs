@@ -20,14 +20,14 @@ use crate::{output, setting};
 use fab_agent::outcome::Outcome;
 use fab_agent::rollout::FirstQuestion;
 use fab_base::cache::Cache;
-use fab_bench::on_arm::OnArm;
+use fab_bench::on_arm::{Cloths, OnArm};
 use fab_bench::play;
 use fab_bench::play::{Phase, Results, Stop};
 use fab_bench::{Bench, BenchError, Elsewhere, Entry, first_questions_of, rows};
 use fab_model::calls::Budget;
 use fab_program::Program;
 use fab_providers::estimate::Estimate;
-use fab_world::About;
+use fab_world::{About, ExternalWorld, World};
 use prepare::{DecidingBy, named_by};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -81,21 +81,37 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         )
     };
     let make_look = |program: &Program| setting::arm::look(program, &arguments.arm);
-    let make_elsewhere = |program: &Program, folder: &Path| match &arguments.world {
-        WorldChoice::Program(command) => {
-            worlds::external(command, program, Some(folder), &interrupt)
-        }
-        _ => setting::world(program),
+    let world_command = match &arguments.world {
+        WorldChoice::Program(command) => Some(command),
+        WorldChoice::Sim | WorldChoice::Jaco => None,
     };
-    let elsewhere = match (&arguments.world, prepared.first()) {
-        (WorldChoice::Program(command), Some(first)) => {
-            let world = worlds::external(command, &first.task.program, None, &interrupt);
+    for command in deciding
+        .values()
+        .filter_map(Deciding::command)
+        .chain(world_command)
+    {
+        output::talk(&format!("each rollout that asks for it starts `{command}`"));
+    }
+    let make_elsewhere;
+    let elsewhere = match world_command.zip(prepared.first()) {
+        Some((command, first)) => {
+            let camera = &first.task.program.camera;
+            let picker = first.task.program.picker;
+            let world = ExternalWorld::start(command, camera, picker, None, &interrupt);
+            let world = world.map_err(worlds::failure)?;
+            if !world.hello().particles {
+                Cloths::ByHand.check(&suite).map_err(Failure::environment)?;
+            }
+            make_elsewhere = |program: &Program, folder: &Path| {
+                worlds::external(command, program, Some(folder), &interrupt)
+            };
             Some(Elsewhere {
-                about: About::of(world.map_err(Failure::environment)?.as_ref()),
+                about: About::of(&world),
+                repeats: world.repeats(),
                 make_world: &make_elsewhere,
             })
         }
-        _ => None,
+        None => None,
     };
     let bench = Bench {
         suite: &suite,
@@ -131,13 +147,6 @@ pub fn run(arguments: &BenchArguments) -> Result<Exit, Failure> {
         return Ok(foresee(&bench, &questions, &deciding, arguments.json));
     }
     output::talk(&report::plan(&found.name, &bench, arguments.shard));
-    let world = match &arguments.world {
-        WorldChoice::Program(command) => Some(command),
-        _ => None,
-    };
-    for command in deciding.values().filter_map(Deciding::command).chain(world) {
-        output::talk(&format!("each of its rollouts starts `{command}`"));
-    }
     let results = play::play(&bench, &|phase, done, of| show(phase, done, of, &budget));
     output::progress("");
     let results = results.map_err(failure)?;

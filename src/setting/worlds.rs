@@ -75,6 +75,14 @@ pub fn external(
     Ok(Box::new(world))
 }
 
+/// Returns what a world that cannot be made ends a verb with.
+pub fn failure(error: WorldError) -> Failure {
+    match error {
+        WorldError::Interrupted => Failure::interrupted(),
+        error => Failure::environment(error),
+    }
+}
+
 /// Fails where a rollout cannot be gone on with in a world, which cannot lay its start again.
 pub fn check_repeats(world: &dyn World) -> Result<(), Failure> {
     match world.repeats() {

@@ -2,6 +2,7 @@
 
 use super::support::{fabc, finish, project};
 use fab_agent::record::Record;
+use std::io::Write;
 use std::process::Command;
 use std::time::Instant;
 
@@ -54,7 +55,7 @@ fn peer_mujoco_folds_double_triangle_as_a_world_in_another_language() {
     let begun = Instant::now();
     let said = finish(fabc(folder.path()).args(["run", &task, "--world", &world, "--out", "run"]));
     assert!([0, 3].contains(&said.code), "{}", said.stderr);
-    println!("{}\nin {:.0} s", said.stdout, begun.elapsed().as_secs_f64());
+    let seconds = begun.elapsed().as_secs_f64();
     let record = Record::read(&folder.path().join("run")).unwrap();
     assert_eq!(record.header.world, "mujoco");
     let last = record.steps.last().unwrap().result.unwrap();
@@ -66,10 +67,13 @@ fn peer_mujoco_folds_double_triangle_as_a_world_in_another_language() {
         ("sim", [55, 55])
     );
     let distance_mm = report.mean_particle_distance_mm.unwrap();
-    assert!(
-        distance_mm < 40.0,
-        "{distance_mm} mm from the bundled cloth's end"
+    // Past the test's own capture: how near another simulator comes is worth knowing each time.
+    let figures = format!(
+        "MuJoCo's cloth ends {distance_mm:.1} mm from the bundled cloth's, overlaps the subgoal by {:.3}, after {seconds:.0} s\n",
+        last.overlap
     );
+    std::io::stderr().write_all(figures.as_bytes()).unwrap();
+    assert!(distance_mm < 40.0, "{figures}");
 }
 
 #[test]

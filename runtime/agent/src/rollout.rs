@@ -250,7 +250,7 @@ pub fn run(
     let asking = asking.map_err(JournalError::from)?;
     let mut keeper = Keeper::open(job, folder, asking, who.clone(), world.as_ref())?;
     let mut sheet = Sheet::new();
-    let mut memory = Memory::new(job.start.digest());
+    let mut memory = Memory::new(job.start.digest(), who.sees_particles);
     let mut covered = Covered::at_start(job, world.as_mut())?;
     let mut end = Outcome::HorizonReached;
     let mut tries = Tries::default();
@@ -300,8 +300,11 @@ pub fn run(
     if end == Outcome::HorizonReached {
         end = keeper.outcome_at_horizon(covered.meets_goal(job));
     }
+    if end == Outcome::PolicyStopped && covered.meets_goal(job) {
+        end = Outcome::GoalReached;
+    }
     let score = match end {
-        Outcome::HorizonReached | Outcome::GoalReached => {
+        Outcome::HorizonReached | Outcome::GoalReached | Outcome::PolicyStopped => {
             score(job, world.as_ref(), &mut keeper, progress)?
         }
         _ => Scored::Absent,

@@ -1,7 +1,7 @@
 //! The contact sheet: a rollout on one picture.
 //!
 //! One row per executed step: the subgoal with its arrow, the cloth with the chosen action, the cloth
-//! after it. The headline names the task, the model (and that it is a stand-in), and the result.
+//! after it. The headline names the task, the policy and what must be known of it, and the result.
 
 use crate::record::Report;
 use fab_program::PixelPoint;

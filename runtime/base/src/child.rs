@@ -161,6 +161,8 @@ enum Output {
 pub struct Child {
     command: CommandLine,
     process: process::Child,
+    /// Whether its group was ended; the number may be another's by then.
+    is_killed: bool,
     /// None once stdin is to be closed.
     stdin: Option<Sender<Vec<u8>>>,
     stdout: Receiver<Output>,
@@ -171,13 +173,14 @@ pub struct Child {
 impl Child {
     /// Starts a program in the working folder.
     ///
-    /// - `stderr`: where what it writes there is kept, up to 1 MiB.
+    /// - `stderr`: where what it writes there is added, up to 1 MiB.
     pub fn start(command: &CommandLine, stderr: Option<&Path>) -> Result<Child, ChildError> {
         let failed = |why: std::io::Error| ChildError::NotStarted {
             command: command.to_string(),
             why: why.to_string(),
         };
-        let kept = stderr.map(File::create).transpose().map_err(failed)?;
+        let kept = stderr.map(|path| File::options().create(true).append(true).open(path));
+        let kept = kept.transpose().map_err(failed)?;
         let [program, arguments @ ..] = command.words.as_slice() else {
             unreachable!("a command line has at least one word");
         };
@@ -212,6 +215,7 @@ impl Child {
                 Arc::clone(&tail),
             )),
             stderr: tail,
+            is_killed: false,
             process,
         })
     }
@@ -229,6 +233,8 @@ impl Child {
     }
 
     /// Sends a line; fails where the program wrote one that is no answer to anything.
+    ///
+    /// Panics where the question holds a path that is no UTF-8.
     pub fn send(&mut self, question: &impl Serialize) -> Result<(), ChildError> {
         match self.stdout.try_recv() {
             Err(TryRecvError::Empty) => {}
@@ -241,13 +247,19 @@ impl Child {
             Ok(other) => return Err(self.broken(other)),
             Err(TryRecvError::Disconnected) => return Err(self.ended()),
         }
-        let mut line = serde_json::to_vec(question).expect("a question has string keys");
+        self.tell(question);
+        Ok(())
+    }
+
+    /// Sends a line, whatever the program has written since.
+    pub fn tell(&mut self, question: &impl Serialize) {
+        let mut line =
+            serde_json::to_vec(question).expect("a question has string keys and paths of UTF-8");
         line.push(b'\n');
         // Where nobody reads any more, the wait for the answer finds out why.
         if let Some(stdin) = &self.stdin {
             let _ = stdin.send(line);
         }
-        Ok(())
     }
 
     /// Waits for the next line.
@@ -267,9 +279,10 @@ impl Child {
             if interrupt.is_raised() {
                 return Err(ChildError::Interrupted);
             }
-            // A process that it started may hold the pipe open.
             if matches!(self.process.try_wait(), Ok(Some(_)) | Err(_)) {
-                return match self.stdout.recv_timeout(TICK) {
+                // A process that it started may hold the pipe open; what it wrote last is still on its way.
+                self.kill();
+                return match self.stdout.recv_timeout(GRACE) {
                     Ok(Output::Line(line)) => Ok(line),
                     Ok(other) => Err(self.broken(other)),
                     Err(_) => Err(self.ended()),
@@ -349,6 +362,9 @@ impl Child {
     /// Ends the program and everything that it started.
     fn kill(&mut self) {
         self.stdin = None;
+        if std::mem::replace(&mut self.is_killed, true) {
+            return;
+        }
         #[cfg(unix)]
         if let Ok(group) = i32::try_from(self.process.id()) {
             use nix::sys::signal::{Signal, killpg};
@@ -437,8 +453,8 @@ fn read_errors(
     })
 }
 
-/// Shortens a line for a message.
-fn excerpt(line: &[u8]) -> String {
+/// Shortens what a program wrote, for a message.
+pub fn excerpt(line: &[u8]) -> String {
     let text = String::from_utf8_lossy(&line[..line.len().min(EXCERPT_BYTES)]);
     let text = text
         .trim_end()

@@ -73,6 +73,9 @@ pub fn decode(bytes: &[u8]) -> Option<Vec<[f32; 3]>> {
     let &[count, 3] = array.shape() else {
         return None;
     };
+    if array.order() != npyz::Order::C {
+        return None;
+    }
     // A damaged header may promise more than there is; never reserve memory on its word.
     if count.checked_mul(12)? > bytes.len() as u64 {
         return None;

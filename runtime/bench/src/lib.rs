@@ -83,6 +83,8 @@ pub type MakeWorldOf<'a> = dyn Fn(&Program) -> Result<Box<dyn World>, WorldError
 pub struct Elsewhere<'a> {
     /// What it says of itself.
     pub about: About,
+    /// Whether it can lay a start again as it lay.
+    pub repeats: bool,
     /// Makes it for a rollout of a program, whose run folder is given.
     pub make_world: &'a MakeRolloutWorld<'a>,
 }

@@ -282,11 +282,12 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
     };
     let about = about(bench, program).map_err(|error| at(&place(bench, entry, start), error))?;
     let identity = identity(&job, entry, about);
-    let is_on_arm = bench.arm.is_some();
+    // What was cut off there cannot be done again from its start.
+    let is_once = bench.arm.is_some() || bench.elsewhere.as_ref().is_some_and(|it| !it.repeats);
     let (rollout, was_found) = match record::find(&folder, &identity) {
         // What a model or a program failed in is tried again, unless an arm has moved the cloth since.
         Found::Finished(rollout)
-            if is_on_arm
+            if is_once
                 || !matches!(
                     rollout.report.outcome,
                     Outcome::ModelFailed | Outcome::PolicyFailed
@@ -295,7 +296,7 @@ pub(super) fn one(bench: &Bench<'_>, laid: &Laid, which: Which) -> Result<Ended,
             (*rollout, true)
         }
         Found::Other(why) => return Err(BenchError::Other { folder, why }),
-        Found::Unfinished if is_on_arm && on_arm::has_begun(&folder) => return Ok(Ended::CutOff),
+        Found::Unfinished if is_once && on_arm::has_begun(&folder) => return Ok(Ended::CutOff),
         Found::Finished(_) | Found::Unfinished => match run(&job, &folder, &identity)? {
             Ok(rollout) => (rollout, false),
             Err(stop) => return Ok(Ended::Stopped(stop)),
@@ -348,7 +349,9 @@ fn run(
     let open = open.map_err(|error| failed(error.into()))?;
     let rollout::Ended { report, took } = match rollout::run(job, open, &mut |_| {}) {
         // Nobody lays a cloth for a program that is asked to end.
-        Err(RunError::World(WorldError::Start { .. })) if job.interrupt.is_raised() => {
+        Err(RunError::World(WorldError::Start { .. } | WorldError::Interrupted))
+            if job.interrupt.is_raised() =>
+        {
             return Ok(Err(Stop::Interrupted));
         }
         done => done.map_err(failed)?,

@@ -54,6 +54,10 @@ impl<W: Around> World for W {
         self.inner().code()
     }
 
+    fn repeats(&self) -> bool {
+        self.inner().repeats()
+    }
+
     fn reset(&mut self, start: &Start) -> Result<(), WorldError> {
         self.inner_mut().reset(start)
     }

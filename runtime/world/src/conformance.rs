@@ -8,6 +8,13 @@ use crate::start::Start;
 use crate::{Grasp, Motion, World, WorldError, WorldPoint};
 use fab_base::interrupt::Interrupt;
 use fab_program::{Camera, Cloth, ClothStart, ImageUp};
+use std::time::{Duration, Instant};
+
+/// How long a world may take to end what was interrupted.
+const LONGEST_HALT: Duration = Duration::from_millis(4500);
+
+/// An action that takes less cannot be interrupted.
+const INSTANT: Duration = Duration::from_millis(500);
 
 /// A promise of every world.
 pub struct Promise {
@@ -257,9 +264,21 @@ fn an_interrupt_ends_an_action(make: &MakeWorld<'_>) -> Result<Kept, Broken> {
     world.reset(&start())?;
     let interrupt = Interrupt::default();
     interrupt.raise();
-    match world.act(&corner_to_center(), &interrupt) {
-        Err(WorldError::Interrupted | WorldError::Halted { .. }) => Ok(Kept::Whole),
+    let begun = Instant::now();
+    let done = world.act(&corner_to_center(), &interrupt);
+    let took = begun.elapsed();
+    match done {
+        Err(WorldError::Interrupted | WorldError::Halted { .. }) if took < LONGEST_HALT => {
+            Ok(Kept::Whole)
+        }
+        Err(WorldError::Interrupted | WorldError::Halted { .. }) => Err(Broken::Promise(format!(
+            "it takes {:.1} s to end what was interrupted",
+            took.as_secs_f64()
+        ))),
         Err(other) => Err(other.into()),
+        Ok(_) if took < INSTANT => Ok(Kept::Refused(
+            "an action is over before an interrupt can reach it".to_owned(),
+        )),
         Ok(_) => Err(Broken::Promise(
             "it carries an action out that was interrupted".to_owned(),
         )),

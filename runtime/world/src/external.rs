@@ -4,7 +4,7 @@
 //! Whatever the program answers is checked here before anybody uses it.
 
 use crate::protocol::{
-    Answer, Done, Hello, LIMITS_S, Laid, Lie, Nothing, PROTOCOL, Positions, Question, Reached, Seen,
+    Done, Hello, LIMITS_S, Laid, Lie, Nothing, PROTOCOL, Positions, Question, Reached, Seen,
 };
 use crate::start::Start;
 use crate::{Executed, Motion, World, WorldError, WorldPoint, simulated};
@@ -15,7 +15,9 @@ use fab_picture::observation::Observation;
 use fab_picture::{DepthImage, png};
 use fab_program as program;
 use fab_program::{Cloth, ClothStart, Picker};
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 use std::cell::RefCell;
 use std::path::Path;
 use std::time::Duration;
@@ -46,6 +48,8 @@ pub struct ExternalWorld {
     /// How many starts were written.
     n_starts: RefCell<u32>,
     particles: Option<Vec<[f32; 3]>>,
+    /// Why a question failed whose asker cannot fail; the next one that can says it.
+    failed: RefCell<Option<String>>,
 }
 
 /// What a question came to.
@@ -55,6 +59,11 @@ enum Answered<T> {
 }
 
 impl ExternalWorld {
+    /// Returns what the program says of itself.
+    pub fn hello(&self) -> &Hello {
+        &self.about
+    }
+
     /// Starts a program and asks what it is.
     ///
     /// - `run`: the run folder, where its stderr is kept.
@@ -68,6 +77,12 @@ impl ExternalWorld {
         let failed = |why: String| WorldError::Program { why };
         let folder = tempfile::Builder::new().prefix("fabc-world-").tempdir();
         let folder = folder.map_err(|error| failed(error.to_string()))?;
+        if folder.path().to_str().is_none() {
+            return Err(failed(format!(
+                "the folder for files, `{}`, is no UTF-8, so no line can name it: set TMPDIR to another one",
+                folder.path().display()
+            )));
+        }
         let stderr = run.map(|run| run.join(STDERR_FILE));
         let mut child = Child::start(command, stderr.as_deref()).map_err(of_child)?;
         let hello = Question::Hello {
@@ -75,7 +90,23 @@ impl ExternalWorld {
             folder: folder.path().to_owned(),
         };
         let limit = Duration::from_secs(limit_s("hello"));
-        let about: Hello = child.ask(&hello, limit, interrupt).map_err(of_child)?;
+        let about: Value = child.ask(&hello, limit, interrupt).map_err(of_child)?;
+        if let Some(refused) = about.get("refused").and_then(Value::as_str) {
+            return Err(failed(format!("`{command}` refuses `hello`: {refused}")));
+        }
+        let about = Hello::deserialize(&about)
+            .map_err(|error| failed(format!("`{command}` answers `hello` wrongly: {error}")))?;
+        for (key, value) in [
+            ("name", &about.name),
+            ("parameters", &about.parameters),
+            ("code", &about.code),
+        ] {
+            if value.trim().is_empty() {
+                return Err(failed(format!(
+                    "`{command}` states an empty `{key}`, and results are kept under it"
+                )));
+            }
+        }
         for (question, limit_s) in &about.limits_s {
             if !LIMITS_S.iter().any(|(known, _)| known == question)
                 || !(1..=MAX_LIMIT_S).contains(limit_s)
@@ -96,6 +127,7 @@ impl ExternalWorld {
             is_laid: false,
             n_starts: RefCell::new(0),
             particles: None,
+            failed: RefCell::default(),
         })
     }
 
@@ -106,29 +138,36 @@ impl ExternalWorld {
         interrupt: &Interrupt,
     ) -> Result<Answered<T>, WorldError> {
         let name = question.name();
+        if let Some(why) = self.failed.borrow_mut().take() {
+            return Err(WorldError::Program { why });
+        }
         let own = self.about.limits_s.get(name).copied();
         let limit = Duration::from_secs(own.unwrap_or_else(|| limit_s(name)));
         let mut child = self.child.borrow_mut();
         child.send(question).map_err(of_child)?;
         let line = match child.receive(limit, interrupt) {
             Err(ChildError::Interrupted) => {
-                child.send(&Question::Interrupt).map_err(of_child)?;
-                match child.receive(HALT_LIMIT, &Interrupt::default()) {
-                    Err(ChildError::Silent { .. }) => return Err(WorldError::Interrupted),
-                    received => received,
-                }
+                child.tell(&Question::Interrupt);
+                // Whatever becomes of it now, the rollout was interrupted.
+                let last = child.receive(HALT_LIMIT, &Interrupt::default());
+                last.map_err(|_| WorldError::Interrupted)?
             }
-            received => received,
+            received => received.map_err(of_child)?,
         };
-        let line = line.map_err(of_child)?;
-        match child.read(&line).map_err(of_child)? {
-            Answer::Given(answer) => Ok(Answered::Given(answer)),
-            Answer::Refused { refused } => Ok(Answered::Refused(refused)),
-            Answer::Interrupted { interrupted: true } => Err(WorldError::Interrupted),
-            Answer::Interrupted { .. } => Err(of_child(
-                child.no_answer(&line, "`interrupted` is stated as false"),
-            )),
-            Answer::Halted { halted } => Err(WorldError::Halted { told: halted }),
+        let answer: Value = child.read(&line).map_err(of_child)?;
+        let words = |key: &str| answer.get(key).and_then(Value::as_str).map(str::to_owned);
+        if let Some(refused) = words("refused") {
+            return Ok(Answered::Refused(refused));
+        }
+        if let Some(told) = words("halted") {
+            return Err(WorldError::Halted { told });
+        }
+        if answer.get("interrupted") == Some(&Value::Bool(true)) {
+            return Err(WorldError::Interrupted);
+        }
+        match T::deserialize(&answer) {
+            Ok(answer) => Ok(Answered::Given(answer)),
+            Err(error) => Err(of_child(child.no_answer(&line, error))),
         }
     }
 
@@ -369,9 +408,9 @@ impl World for ExternalWorld {
         self.particles.clone()
     }
 
-    /// A program that fails to answer has no point in reach: the words say how it failed.
+    /// Where the program fails to answer, the next action says so.
     fn out_of_reach(&self, point: &WorldPoint) -> Option<String> {
-        if !self.about.reach {
+        if !self.about.reach || self.failed.borrow().is_some() {
             return None;
         }
         let question = Question::Reach {
@@ -379,7 +418,10 @@ impl World for ExternalWorld {
         };
         match self.get::<Reached>(&question, &self.interrupt) {
             Ok(Reached { why }) => why,
-            Err(error) => Some(error.to_string()),
+            Err(error) => {
+                *self.failed.borrow_mut() = Some(error.to_string());
+                None
+            }
         }
     }
 }

@@ -110,29 +110,6 @@ pub enum Lie {
     Positions,
 }
 
-/// An answer, or why there is none.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Answer<T> {
-    /// It cannot be done.
-    Refused {
-        /// Why, and what would be right.
-        refused: String,
-    },
-    /// It was ended early, and there is nothing to say of it.
-    Interrupted {
-        /// Always true.
-        interrupted: bool,
-    },
-    /// It was ended early.
-    Halted {
-        /// What is held, and where.
-        halted: String,
-    },
-    /// The answer.
-    Given(T),
-}
-
 /// What a world says of itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hello {
@@ -165,6 +142,7 @@ fn yes() -> bool {
 
 /// Done, and nothing to say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Nothing {}
 
 /// What the camera sees.

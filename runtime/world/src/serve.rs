@@ -3,7 +3,7 @@
 //! In: questions of [`protocol`], line by line. Out: their answers. It shows what is asked and answered, and a rollout in it
 //! comes out as one in [`SimulatedWorld`], bit for bit.
 
-use crate::protocol::{self, Answer, Done, Hello, Laid, Nothing, Positions, Question, Seen};
+use crate::protocol::{self, Done, Hello, Laid, Nothing, Positions, Question, Seen};
 use crate::start::Start;
 use crate::{Motion, SimulatedWorld, World, WorldError, WorldPoint, conformance};
 use fab_base::interrupt::Interrupt;
@@ -12,11 +12,10 @@ use fab_picture::camera::Pinhole;
 use fab_picture::png;
 use fab_program::Picker;
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::io::{self, BufRead, Write};
 use std::path::PathBuf;
 use std::sync::mpsc::channel;
-use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
 /// The longest file of positions that is read, bytes.
@@ -26,38 +25,31 @@ const MAX_BYTES: u64 = 256 << 20;
 ///
 /// Fails where an answer cannot be written. What is no question is refused.
 pub fn serve(questions: impl BufRead + Send + 'static, answers: &mut impl Write) -> io::Result<()> {
-    // What is under way; an interrupt that comes when nothing is means nothing.
-    let under_way: Arc<Mutex<Option<Interrupt>>> = Arc::default();
-    let interrupted = Arc::clone(&under_way);
+    // Each question has an interrupt of its own, so that one that comes too late means nothing.
     let (send, lines) = channel();
     thread::spawn(move || {
+        let mut newest = Interrupt::default();
         for line in questions.lines().map_while(Result::ok) {
             let question = serde_json::from_str(&line);
             if let Ok(Question::Interrupt) = question {
-                let under_way = interrupted.lock().unwrap_or_else(PoisonError::into_inner);
-                under_way.iter().for_each(Interrupt::raise);
-            } else if send.send(question).is_err() {
+                newest.raise();
+                continue;
+            }
+            newest = Interrupt::default();
+            if send.send((question, newest.clone())).is_err() {
                 break;
             }
         }
     });
     let mut served = Served::default();
-    while let Ok(question) = lines.recv() {
-        let interrupt = Interrupt::default();
-        let set = |interrupt| {
-            *under_way.lock().unwrap_or_else(PoisonError::into_inner) = interrupt;
-        };
-        set(Some(interrupt.clone()));
+    while let Ok((question, interrupt)) = lines.recv() {
         let answer = match question {
             Ok(question) => served.answer(question, &interrupt),
             Err(error) => Err(Stopped::Refused(format!("it is no question: {error}"))),
         };
-        set(None);
-        let answer = answer.unwrap_or_else(|stopped| {
-            written(match stopped {
-                Stopped::Refused(refused) => Answer::<Nothing>::Refused { refused },
-                Stopped::Interrupted => Answer::Interrupted { interrupted: true },
-            })
+        let answer = answer.unwrap_or_else(|stopped| match stopped {
+            Stopped::Refused(why) => json!({ "refused": why }),
+            Stopped::Interrupted => json!({ "interrupted": true }),
         });
         writeln!(answers, "{answer}")?;
         answers.flush()?;

@@ -8,7 +8,7 @@
 use super::proposing::{Answer, Proposed, Refusal, until_accepted};
 use super::{Decision, Description, Exchange, Kind, Policy, PolicyError, Question, StepView};
 use crate::outcome::Outcome;
-use fab_base::child::{Child, ChildError, CommandLine};
+use fab_base::child::{Child, ChildError, CommandLine, excerpt};
 use fab_base::{digest, files, npy};
 use fab_model::Reply;
 use fab_picture::camera::Pinhole;
@@ -41,6 +41,8 @@ pub struct External {
     command: CommandLine,
     sight: Sight,
     limit: Duration,
+    /// SHA-256 of the files that the command line names.
+    code: String,
     child: Option<Child>,
 }
 
@@ -50,6 +52,7 @@ impl External {
     /// - `limit`: how long one answer may take.
     pub fn new(command: CommandLine, sight: Sight, limit: Duration) -> External {
         External {
+            code: digest::of_files(command.files()),
             command,
             sight,
             limit,
@@ -60,11 +63,6 @@ impl External {
 
 impl Policy for External {
     fn description(&self) -> Description {
-        let mut code = Sha256::new();
-        for file in self.command.files() {
-            // A file that cannot be read now cannot be run either.
-            code.update(std::fs::read(file).unwrap_or_default());
-        }
         Description {
             kind: Kind::Program,
             name: match self.sight {
@@ -73,7 +71,7 @@ impl Policy for External {
             },
             sees_particles: self.sight == Sight::Particles,
             models: None,
-            code: Some(digest::hex(&code.finalize())),
+            code: Some(self.code.clone()),
         }
     }
 
@@ -86,6 +84,13 @@ impl Policy for External {
             let why = "a program is asked in a rollout only: it gets files by their paths";
             return Err(PolicyError::Unfit(why.to_owned()));
         };
+        let folder = &std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+        if folder.to_str().is_none() {
+            return Err(PolicyError::Unfit(format!(
+                "the run folder `{}` is no UTF-8, so no line can name it: name another one with `--out`",
+                folder.display()
+            )));
+        }
         let files = Files::write(step, folder).map_err(|(name, error)| {
             crate::journal::JournalError::Unwritable {
                 path: folder.join(name),
@@ -96,10 +101,7 @@ impl Policy for External {
             // Equal wherever the run folder lies.
             let relative = question(step, &files, refusals, &|name| PathBuf::from(name));
             let key = digest::hex(&Sha256::digest(relative.to_string()));
-            let sent = question(step, &files, refusals, &|name| {
-                let path = folder.join(name);
-                std::path::absolute(&path).unwrap_or(path)
-            });
+            let sent = question(step, &files, refusals, &|name| folder.join(name));
             let interrupt = exchange.interrupt;
             let asked = exchange
                 .asking
@@ -177,7 +179,7 @@ fn read(step: &StepView<'_>, line: &str) -> Answer {
             outcome: Outcome::PolicyStopped,
             why: match why.trim() {
                 "" => "the policy gives no reason".to_owned(),
-                why => why.to_owned(),
+                why => excerpt(why.as_bytes()),
             },
         },
         Ok(Line {
@@ -213,8 +215,9 @@ fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, (
     };
     let is_unknown = |name: &&String| !declared.iter().any(|field| field.name == **name);
     if let Some(name) = grip.keys().find(is_unknown) {
+        let name = excerpt(name.as_bytes());
         let message = format!("the task has no field `{name}`; it has {}", names());
-        return Err((name.clone(), message));
+        return Err((name, message));
     }
     let mut fields = Vec::with_capacity(declared.len());
     for field in declared {
@@ -233,8 +236,9 @@ fn proposal(step: &StepView<'_>, grip: &Map<String, Json>) -> Result<Proposal, (
                 false => format!("one of {}", space::listed(field, &space::declared(field))),
             };
             wrong(format!(
-                "`{}` is {stated}, and has to be {right}",
-                field.name
+                "`{}` is {}, and has to be {right}",
+                field.name,
+                excerpt(stated.to_string().as_bytes())
             ))
         })?;
         fields.push((field.name.clone(), value));

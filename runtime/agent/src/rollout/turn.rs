@@ -23,14 +23,17 @@ use std::time::{Duration, Instant};
 pub(super) struct Memory {
     /// Digest of the start.
     start: String,
+    /// Whether the policy looks at true particles.
+    sees_particles: bool,
     first_scene: Option<Scene>,
     last: Option<ExecutedAction>,
 }
 
 impl Memory {
-    pub(super) fn new(start: String) -> Memory {
+    pub(super) fn new(start: String, sees_particles: bool) -> Memory {
         Memory {
             start,
+            sees_particles,
             first_scene: None,
             last: None,
         }
@@ -138,7 +141,7 @@ impl<'j> Turn<'j> {
             Ok(pictures) => pictures,
             Err(error) => return Ok(self.stop(Outcome::WorldFailed, &error.to_string())),
         };
-        let particles = match policy.description().sees_particles {
+        let particles = match memory.sees_particles {
             true => world.particles(),
             false => None,
         };

@@ -2,7 +2,7 @@
 //!
 //! In: a scene, its observation, and a world's word on points of the table. Out: the scene whose lists lack these points,
 //! and which says why. Answers that lead elsewhere, by a direction or to any pixel of a mask, are judged when they are
-//! there (`agent/reach.rs`).
+//! there (`policy/reach.rs`).
 
 use super::{Found, Scene, SceneError};
 use crate::action;
