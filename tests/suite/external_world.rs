@@ -56,7 +56,18 @@ fn the_simulator_over_lines_keeps_every_promise() {
 #[test]
 fn wrong_answers_are_named_with_their_values() {
     for (script, words) in [
-        ("s/\"code\":\"[^\"]*\",//", "which is no answer"),
+        (
+            "s/\"code\":\"[^\"]*\",//",
+            "answers `hello` wrongly: missing field `code`",
+        ),
+        (
+            "s/\"code\":\"[^\"]*\"/\"code\":\"\"/",
+            "states an empty `code`, and results are kept under it",
+        ),
+        (
+            "s/\"name\":\"sim\"/\"refused\":\"no licence\"/",
+            "refuses `hello`: no licence",
+        ),
         (
             "s/\"limits_s\":{}/\"limits_s\":{\"dance\":1}/",
             "states the limit `dance` as 1 s; the questions are `hello`",
@@ -176,7 +187,8 @@ fn world_check_says_each_promise_and_exits_by_them() {
     let done = finish(fabc(folder.path()).args(["world", "check", bad]));
     assert_eq!(done.code, 2, "{}", done.stderr);
     assert!(
-        done.stderr.contains("wrote `{}`, which is no answer"),
+        done.stderr
+            .contains("answers `hello` wrongly: missing field `name`"),
         "{}",
         done.stderr
     );
