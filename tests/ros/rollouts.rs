@@ -58,7 +58,7 @@ const CASES: [(What, &str, End); 23] = [
     (Fails(StuckJoint), "over_pick", Stopped("stalled")),
     (Fails(StuckJoint), "over", Stopped("stalled")),
     (Fails(StuckFingers), "grasp", Stopped("the fingers are at")),
-    (Fails(AbortedGoal), "pre_pick", Stopped("takes no motion")),
+    (Fails(AbortedGoal), "pre_pick", Stopped("says `aborted`")),
     (Fails(FallsShortAlways), "lift", Stopped("says `reached`")),
     (Fails(Runaway), "over_pick", Stopped("workspace")),
     (Fails(PressedStop), "over", Stopped("takes no motion")),
@@ -82,7 +82,7 @@ const UNDER_WAY: Duration = Duration::from_millis(500);
 const LET_GO: Duration = Duration::from_millis(2500);
 
 /// The longest until the watchdog has stopped the arm: 1.5 s without a sign of life, and time on a busy machine.
-const STOPPED_WITHIN: Duration = Duration::from_secs(8);
+const STOPPED_WITHIN: Duration = Duration::from_secs(20);
 
 /// The longest until a rollout has ended after something went wrong: a stop is asked for three times, and the motion that
 /// is under way is let end where nothing is heard.

@@ -37,7 +37,7 @@ pub enum FaultKind {
     FallsShort,
     /// Every motion does.
     FallsShortAlways,
-    /// The node aborts the next goal.
+    /// The node aborts the next goal that is a motion.
     AbortedGoal,
     /// The arm leaves its path and keeps turning.
     Runaway,

@@ -138,18 +138,21 @@ impl Node {
         let server = discriminant(&goal);
         let same = |active: &Active| discriminant(&active.goal) == server;
         self.preempt(same, now_s, body, faults);
+        // A goal at the current pose is a question. It can neither fall short nor be aborted: such a fault waits for a motion.
+        let is_motion = match &goal {
+            Goal::Trajectory(points) => !is_near(body, points),
+            Goal::ToolPose(pose) => Deviation::between(&body.tool(), pose).position_m > REACHED_M,
+            Goal::JointAngles(_) | Goal::Fingers(_) => true,
+        };
         let started = match (self.is_stopped, &goal) {
             // The controller accepts a trajectory at any time; a stop only holds the joints.
             (_, Goal::Trajectory(points)) => {
-                let is_motion = !is_near(body, points);
                 let falls_short = faults.is_active(FaultKind::FallsShortAlways, now_s)
                     || is_motion && faults.take(FaultKind::FallsShort, now_s);
                 body.stream(points, if falls_short { SHORT_SHARE } else { 0.0 })
             }
             (true, _) => Err(String::new()),
             (false, Goal::ToolPose(pose)) => {
-                // A goal at the current pose cannot fall short; the fault waits for the next real motion.
-                let is_motion = Deviation::between(&body.tool(), pose).position_m > REACHED_M;
                 let falls_short = faults.is_active(FaultKind::FallsShortAlways, now_s)
                     || is_motion && faults.take(FaultKind::FallsShort, now_s);
                 body.move_straight(pose, if falls_short { SHORT_M } else { 0.0 })
@@ -166,7 +169,8 @@ impl Node {
                 _ => Err(String::new()),
             },
         };
-        let is_aborted = started.is_err() || faults.take(FaultKind::AbortedGoal, now_s);
+        let is_aborted =
+            started.is_err() || is_motion && faults.take(FaultKind::AbortedGoal, now_s);
         if is_aborted {
             if !self.is_stopped {
                 body.halt();
