@@ -13,7 +13,6 @@ pub enum Exit {
     /// A file, the network, a model or the robot failed.
     Environment,
     /// The job ended without reaching its goal.
-    #[cfg(feature = "runtime")]
     Unreached,
     /// The command line is wrong.
     Usage,
@@ -28,7 +27,6 @@ impl Exit {
             Exit::Done => 0,
             Exit::Author => 1,
             Exit::Environment => 2,
-            #[cfg(feature = "runtime")]
             Exit::Unreached => 3,
             Exit::Usage => 64,
             Exit::Interrupted => 130,
@@ -80,13 +78,11 @@ impl Failure {
     }
 
     /// A cap stopped it before there was anything to report.
-    #[cfg(feature = "runtime")]
     pub fn capped(error: impl fmt::Display) -> Failure {
         Failure::new(Exit::Unreached, error.to_string())
     }
 
     /// The user stopped it before there was anything to report.
-    #[cfg(feature = "runtime")]
     pub fn interrupted() -> Failure {
         Failure::new(Exit::Interrupted, "interrupted".to_owned())
     }

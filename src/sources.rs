@@ -1,14 +1,31 @@
 //! Reads `.fab` files from disk and compiles them.
 
-use crate::cli::TaskArguments;
 use crate::exit::Failure;
-use crate::output;
+use crate::io::Io;
+use clap::Args;
+use clap::ValueHint;
 use fab_compiler::{Compiled, LoadError, Loader, diag};
 use fab_program::Program;
+use serde::Deserialize;
+use serde::Serialize;
 use serde_json::json;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
+
+/// Which task of a file is meant.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+pub struct TaskArguments {
+    /// The file that declares the task.
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub file: String,
+    /// The task, where the file declares several.
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// The variant of the task; default: the task itself.
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
+}
 
 /// The largest source file that is read.
 const MAX_BYTES: u64 = 1 << 22;
@@ -128,10 +145,10 @@ pub fn findings(compiled: &Compiled, color: diag::Color) -> String {
 }
 
 /// Compiles a file and returns its tasks with their variants, or those of the one that is wanted; at least one.
-pub fn compile_tasks(file: &str, wanted: Option<&str>) -> Result<Vec<Program>, Failure> {
+pub fn compile_tasks(file: &str, wanted: Option<&str>, io: &Io) -> Result<Vec<Program>, Failure> {
     let compiled = compile(file)?;
     if !compiled.diagnostics.is_empty() {
-        output::talk(&findings(&compiled, output::talk_color()));
+        io.talk(&findings(&compiled, io.talk_color()));
     }
     runnable(compiled, file, wanted)
 }
@@ -169,32 +186,38 @@ fn runnable(compiled: Compiled, file: &str, wanted: Option<&str>) -> Result<Vec<
 /// Compiles a file and returns the task to work on, after showing what is wrong with the file.
 ///
 /// A task has to be named where the file declares several; without a variant it is the task itself.
-pub fn compile_task(wanted: &TaskArguments) -> Result<Program, Failure> {
-    chosen(compile_tasks(&wanted.file, wanted.task.as_deref())?, wanted)
+pub fn compile_task(wanted: &TaskArguments, io: &Io) -> Result<Program, Failure> {
+    chosen(
+        compile_tasks(&wanted.file, wanted.task.as_deref(), io)?,
+        wanted,
+    )
 }
 
 /// Compiles the task again for a cloth of another grid; only errors are shown, the rest is known already.
 ///
 /// - `grid`: particles along X and along Y.
-#[cfg(feature = "runtime")]
-pub fn compile_task_for(wanted: &TaskArguments, grid: [u32; 2]) -> Result<Program, Failure> {
+pub fn compile_task_for(
+    wanted: &TaskArguments,
+    grid: [u32; 2],
+    io: &Io,
+) -> Result<Program, Failure> {
     chosen(
-        compile_tasks_for(&wanted.file, wanted.task.as_deref(), grid)?,
+        compile_tasks_for(&wanted.file, wanted.task.as_deref(), grid, io)?,
         wanted,
     )
 }
 
 /// Compiles a file again for a cloth of another grid; returns what [`compile_tasks`] does.
-#[cfg(feature = "runtime")]
 pub fn compile_tasks_for(
     file: &str,
     wanted: Option<&str>,
     grid: [u32; 2],
+    io: &Io,
 ) -> Result<Vec<Program>, Failure> {
     let compiled = fab_compiler::compile_for(file, &Disk::beside(file), Some(grid))
         .map_err(|error| Failure::environment(error.message))?;
     if compiled.has_errors() {
-        output::talk(&findings(&compiled, output::talk_color()));
+        io.talk(&findings(&compiled, io.talk_color()));
     }
     runnable(compiled, file, wanted)
 }

@@ -7,11 +7,11 @@
 pub mod inputs;
 
 use crate::exit::{Exit, Failure};
-use crate::output;
+use crate::io::Io;
+use fab_base::interrupt::Interrupt;
 use notify::{RecommendedWatcher, RecursiveMode, Watcher};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant, SystemTime};
@@ -22,8 +22,10 @@ const QUIET: Duration = Duration::from_millis(120);
 const LONGEST_UNREST: Duration = Duration::from_secs(2);
 /// How often files are looked at without any event, since not every file system tells of changes.
 const UNASKED: Duration = Duration::from_secs(2);
+/// How often an interrupt is looked for.
+const INTERRUPTIBLE: Duration = Duration::from_millis(100);
 
-/// Runs a verb, then again after each change, until Ctrl-C ends the process.
+/// Runs a verb, then again after each change, until Ctrl-C.
 ///
 /// - `entries`: the `.fab` files; what they use is watched too.
 /// - `others`: further files that the command line names.
@@ -31,21 +33,24 @@ pub fn run(
     entries: &[String],
     others: &[PathBuf],
     verb: impl Fn() -> Result<Exit, Failure>,
+    io: &Io,
 ) -> Result<Exit, Failure> {
-    ctrlc::set_handler(|| std::process::exit(i32::from(Exit::Interrupted.code())))
-        .map_err(|error| Failure::environment(format!("cannot listen for interrupts: {error}")))?;
+    let interrupt = io.interrupt()?;
     let mut folders = Folders::new()?;
     loop {
         let files = inputs::files(entries, others);
         folders.watch(&files)?;
         // Taken before the verb reads them, so that a change while it runs counts.
         let seen = stamps(&files);
-        clear_terminal();
+        io.clear();
         if let Err(failure) = verb() {
-            output::talk(&format!("error: {failure}"));
+            io.talk(&format!("error: {failure}"));
         }
-        say_watching(&seen);
-        wait_for_change(&files, seen, &mut folders)?;
+        say_watching(&seen, io);
+        wait_for_change(&files, seen, &mut folders, &interrupt, io)?;
+        if interrupt.is_raised() {
+            return Ok(Exit::Interrupted);
+        }
     }
 }
 
@@ -64,21 +69,23 @@ fn stamps(files: &BTreeSet<PathBuf>) -> Stamps {
         .collect()
 }
 
-/// Returns once a file has changed and all that there were are there.
+/// Returns once a file has changed and all that there were are there, or on an interrupt.
 fn wait_for_change(
     files: &BTreeSet<PathBuf>,
     seen: Stamps,
     folders: &mut Folders,
+    interrupt: &Interrupt,
+    io: &Io,
 ) -> Result<(), Failure> {
     let mut reported = BTreeSet::new();
-    loop {
+    while !interrupt.is_raised() {
         folders.watch(files)?;
         let now = stamps(files);
         let gone = |path: &&PathBuf| seen[*path].is_some() && now[*path].is_none();
         let gone: BTreeSet<PathBuf> = files.iter().filter(gone).cloned().collect();
         for path in gone.difference(&reported) {
             let shown = path.display();
-            output::talk(&format!("`{shown}` is gone; waiting until it is back"));
+            io.talk(&format!("`{shown}` is gone; waiting until it is back"));
         }
         // A file that came back is worth a run even if it is as it was, since its loss was told.
         let is_back = gone.is_empty() && !reported.is_empty();
@@ -86,22 +93,15 @@ fn wait_for_change(
             return Ok(());
         }
         reported.extend(gone);
-        folders.sleep();
+        folders.sleep(interrupt);
     }
+    Ok(())
 }
 
-fn say_watching(seen: &Stamps) {
+fn say_watching(seen: &Stamps, io: &Io) {
     let present = seen.values().flatten().count();
     let files = if present == 1 { "file" } else { "files" };
-    output::talk(&format!("watching {present} {files}; Ctrl-C ends"));
-}
-
-/// Empties a terminal, with what has scrolled out of it; elsewhere nothing.
-fn clear_terminal() {
-    let mut stdout = std::io::stdout().lock();
-    if stdout.is_terminal() {
-        let _ = write!(stdout, "\x1b[H\x1b[2J\x1b[3J").and_then(|()| stdout.flush());
-    }
+    io.talk(&format!("watching {present} {files}; Ctrl-C ends"));
 }
 
 /// The folders in which something may happen. Files themselves are not watched: a new file of the same name would not be.
@@ -155,9 +155,12 @@ impl Folders {
     }
 
     /// Sleeps until something has happened and is over, or until it is time to look unasked.
-    fn sleep(&self) {
-        if self.woken.recv_timeout(UNASKED).is_err() {
-            return;
+    fn sleep(&self, interrupt: &Interrupt) {
+        let begun = Instant::now();
+        while self.woken.recv_timeout(INTERRUPTIBLE).is_err() {
+            if begun.elapsed() > UNASKED || interrupt.is_raised() {
+                return;
+            }
         }
         let begun = Instant::now();
         while begun.elapsed() < LONGEST_UNREST && self.woken.recv_timeout(QUIET).is_ok() {}

@@ -1,7 +1,7 @@
 //! Which files a verb reads for a task.
 
-use crate::cli::render::RenderArguments;
 use crate::sources::{self, Disk};
+use crate::verbs::render::RenderArguments;
 use fab_compiler::{LoadError, Loader};
 use fab_program::{ClothStart, FileRef, Program, Subgoals};
 use std::cell::RefCell;
@@ -29,11 +29,7 @@ pub fn files(entries: &[String], others: &[PathBuf]) -> BTreeSet<PathBuf> {
 /// Returns the files that `render` reads beside the task's own.
 pub fn rendered(arguments: &RenderArguments) -> Vec<PathBuf> {
     let files = arguments.scene.iter().cloned();
-    #[cfg(feature = "runtime")]
-    let files = files
-        .chain(arguments.start.start.iter().map(PathBuf::from))
-        .chain(arguments.shown.facts.models.iter().cloned());
-    files.collect()
+    files.chain(arguments.camera.files()).collect()
 }
 
 /// Reads from disk and keeps what was asked for.

@@ -6,9 +6,7 @@ use super::support::{Said, bring_robot, fabc, finish};
 use fab_arm::log::{RunState, run_state};
 use serde_json::Value;
 use std::fs;
-use std::io::Write;
 use std::path::Path;
-use std::process::Stdio;
 use tempfile::TempDir;
 
 /// A folder with a suite of two folds of a small cloth, and a simulated arm.
@@ -26,24 +24,12 @@ fn lab(edits: &[(&str, &str)]) -> TempDir {
 
 /// Carries the suite out on the arm, with these lines typed.
 fn carried(folder: &Path, more: &[&str], lines: &str) -> Said {
-    let mut command = fabc(folder);
-    command
-        .args(["bench", "tiny", "--world", "jaco", "--json", "--out", "out"])
-        .args(more)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped());
-    let mut child = command.spawn().unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    // Where nothing is asked, nobody reads.
-    let _ = stdin.write_all(lines.as_bytes());
-    drop(stdin);
-    let output = child.wait_with_output().unwrap();
-    Said {
-        code: output.status.code().unwrap_or(-1),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    }
+    finish(
+        fabc(folder)
+            .args(["bench", "tiny", "--world", "jaco", "--json", "--out", "out"])
+            .args(more)
+            .stdin(lines),
+    )
 }
 
 fn document(said: &Said) -> Value {
@@ -218,17 +204,14 @@ fn suites_and_options_that_an_arm_cannot_do_are_refused() {
 fn the_operator_of_a_single_run_is_asked_too() {
     let lab = lab(&[]);
     let ask = |more: &[&str]| {
-        let mut command = fabc(lab.path());
-        command
-            .args(["run", "tasks/tiny.fab", "--operator"])
-            .args(more)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped());
-        let mut child = command.spawn().unwrap();
-        let lines = b"no\ndetection\na corner lay hidden\n";
-        child.stdin.take().unwrap().write_all(lines).unwrap();
-        String::from_utf8(child.wait_with_output().unwrap().stdout).unwrap()
+        let lines = "no\ndetection\na corner lay hidden\n";
+        finish(
+            fabc(lab.path())
+                .args(["run", "tasks/tiny.fab", "--operator"])
+                .args(more)
+                .stdin(lines),
+        )
+        .stdout
     };
     let report: Value = serde_json::from_str(&ask(&["--json"])).unwrap();
     assert_eq!(

@@ -1,6 +1,6 @@
 //! `fabc run --world jaco` with the arm that is simulated: the whole loop, without a robot.
 
-use super::support::{bring_robot, fabc, root};
+use super::support::{Said, bring_robot, fabc, finish, root};
 use fab_arm::log::{RunState, run_state};
 use serde_json::Value;
 
@@ -10,15 +10,15 @@ fn the_simulated_arm_folds_a_double_triangle() {
     let run = folder.path().join("run");
     let robot = root().join("tasks/real/simulated.toml");
     let task = root().join("tasks/real/double_triangle.fab");
-    let output = fabc(folder.path())
-        .args(["run", task.to_str().unwrap(), "--world", "jaco"])
-        .args(["--robot", robot.to_str().unwrap(), "--json", "--out"])
-        .arg(&run)
-        .output()
-        .unwrap();
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let output = finish(
+        fabc(folder.path())
+            .args(["run", task.to_str().unwrap(), "--world", "jaco"])
+            .args(["--robot", robot.to_str().unwrap(), "--json", "--out"])
+            .arg(&run),
+    );
+    let report: Value = serde_json::from_str(&output.stdout).unwrap();
     assert_eq!(report["outcome"], "goal_reached", "{report}");
-    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(output.code, 0);
     // Every motion was written down before it and verified after it, and the hand is empty.
     assert_eq!(run_state(&run).unwrap(), RunState::Clear);
     let journal = std::fs::read_to_string(run.join("arm.jsonl")).unwrap();
@@ -27,16 +27,8 @@ fn the_simulated_arm_folds_a_double_triangle() {
     assert!(count("begin") >= 24, "{}", count("begin"));
     assert_eq!(count("halted"), 0);
 
-    let again = fabc(folder.path())
-        .args(["resume"])
-        .arg(&run)
-        .output()
-        .unwrap();
-    assert_eq!(
-        again.status.code(),
-        Some(0),
-        "an ended run has nothing to go on with"
-    );
+    let again = finish(fabc(folder.path()).args(["resume"]).arg(&run));
+    assert_eq!(again.code, 0, "an ended run has nothing to go on with");
 }
 
 #[test]
@@ -44,37 +36,37 @@ fn an_arm_without_settings_is_told_so() {
     let folder = tempfile::tempdir().unwrap();
     let missing = folder.path().join("none.toml");
     let task = root().join("tasks/real/double_triangle.fab");
-    let output = fabc(folder.path())
-        .args(["run", task.to_str().unwrap(), "--world", "jaco"])
-        .args(["--robot", missing.to_str().unwrap(), "--out"])
-        .arg(folder.path().join("run"))
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(2));
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let output = finish(
+        fabc(folder.path())
+            .args(["run", task.to_str().unwrap(), "--world", "jaco"])
+            .args(["--robot", missing.to_str().unwrap(), "--out"])
+            .arg(folder.path().join("run")),
+    );
+    assert_eq!(output.code, 2);
+    let said = output.stderr;
     assert!(said.contains("none.toml"), "{said}");
 }
 
 /// Runs the fold with the arm's settings changed, and returns the folder and what came of it.
-fn planned(edits: &[(&str, &str)]) -> (tempfile::TempDir, std::process::Output) {
+fn planned(edits: &[(&str, &str)]) -> (tempfile::TempDir, Said) {
     let folder = tempfile::tempdir().unwrap();
     bring_robot(folder.path(), edits);
     let task = root().join("tasks/real/double_triangle.fab");
-    let output = fabc(folder.path())
-        .args(["run", task.to_str().unwrap(), "--world", "jaco"])
-        .args(["--plan-only", "--out", "run", "--json"])
-        .output()
-        .unwrap();
+    let output = finish(
+        fabc(folder.path())
+            .args(["run", task.to_str().unwrap(), "--world", "jaco"])
+            .args(["--plan-only", "--out", "run", "--json"]),
+    );
     (folder, output)
 }
 
 #[test]
 fn a_plan_is_drawn_and_nothing_moves() {
     let (folder, output) = planned(&[]);
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let report: Value = serde_json::from_str(&output.stdout).unwrap();
     assert_eq!(report["outcome"], "planned", "{report}");
     assert_eq!(report["steps"], 0, "{report}");
-    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(output.code, 0);
     let run = folder.path().join("run");
     let read = std::fs::read(run.join("plan.json")).unwrap();
     let plan: Value = serde_json::from_slice(&read).unwrap();
@@ -96,9 +88,9 @@ fn a_plan_is_drawn_and_nothing_moves() {
 fn a_plan_that_is_not_possible_is_drawn_up_to_there() {
     let zone = "rest_m = [0.30, -0.40, 0.25]\nkeep_out = [{ name = 'lamp', min_m = [0.40, -0.1, 0.0], max_m = [0.5, 0.1, 0.4] }]";
     let (folder, output) = planned(&[("rest_m = [0.30, -0.40, 0.25]", zone)]);
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let report: Value = serde_json::from_str(&output.stdout).unwrap();
     assert_eq!(report["outcome"], "world_failed", "{report}");
-    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(output.code, 2);
     let why = report["plan"]["refused"].as_str().unwrap_or_default();
     assert!(why.contains("`lamp`"), "{report}");
     assert!(folder.path().join("run/plan.png").exists());
@@ -108,12 +100,9 @@ fn a_plan_that_is_not_possible_is_drawn_up_to_there() {
 fn plans_are_for_arms_alone() {
     let folder = tempfile::tempdir().unwrap();
     let task = root().join("tasks/double_triangle.fab");
-    let output = fabc(folder.path())
-        .args(["run", task.to_str().unwrap(), "--plan-only"])
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(64));
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let output = finish(fabc(folder.path()).args(["run", task.to_str().unwrap(), "--plan-only"]));
+    assert_eq!(output.code, 64);
+    let said = output.stderr;
     assert!(said.contains("--world jaco"), "{said}");
 }
 
@@ -129,13 +118,13 @@ fn a_camera_that_was_moved_since_its_calibration_is_noticed_before_anything_move
         let folder = tempfile::tempdir().unwrap();
         bring_robot(folder.path(), &[(from, to)]);
         let task = root().join("tasks/real/double_triangle.fab");
-        let output = fabc(folder.path())
-            .args(["run", task.to_str().unwrap(), "--world", "jaco"])
-            .args(["--out", "run", "--json"])
-            .output()
-            .unwrap();
-        assert_eq!(output.status.code(), Some(2), "{to}");
-        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let output = finish(
+            fabc(folder.path())
+                .args(["run", task.to_str().unwrap(), "--world", "jaco"])
+                .args(["--out", "run", "--json"]),
+        );
+        assert_eq!(output.code, 2, "{to}");
+        let report: Value = serde_json::from_str(&output.stdout).unwrap();
         assert_eq!(report["outcome"], "world_failed", "{report}");
         let why = report["stopped"].as_str().unwrap();
         assert!(

@@ -299,6 +299,7 @@ fn a_closed_pipe_is_no_error() {
     demonstrated(folder.path());
     let mut child = fabc(folder.path())
         .args(["render", "small.fab"])
+        .process()
         .stdout(std::process::Stdio::piped())
         .stderr(std::process::Stdio::piped())
         .spawn()

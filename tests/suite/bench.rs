@@ -292,6 +292,7 @@ fn an_interrupt_ends_with_what_has_finished_and_130() {
     ));
     let mut child = fabc(folder.path())
         .args(["bench", "tiny", "--json", "--out", "out", "--jobs", "1"])
+        .process()
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()

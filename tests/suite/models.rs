@@ -1,13 +1,12 @@
 //! `fabc models`, `doctor` and `probe`: what they say, and how they end.
 
-use super::support::{Said, fabc, finish};
+use super::support::{Fabc, Said, fabc, finish};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 /// The command with settings in the test's own folder, and no key of the machine's.
-fn alone(folder: &Path) -> Command {
+fn alone(folder: &Path) -> Fabc {
     let mut command = fabc(folder);
     command
         .env("HOME", folder)

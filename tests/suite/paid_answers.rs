@@ -95,6 +95,7 @@ fn an_interrupt_ends_a_waiting_call_and_the_run_goes_on_later() {
             provider.base_url(),
         ],
     )
+    .process()
     .stdout(Stdio::null())
     .stderr(Stdio::null())
     .spawn()

@@ -64,6 +64,7 @@ fn serve(folder: &Path) -> (Running, String) {
     let mut command = fabc(folder);
     command.args(["serve", "--port", "0"]);
     let mut child = command
+        .process()
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()

@@ -2,7 +2,7 @@
 
 use super::bench::project;
 use super::seen_coverage::{Blind, flat};
-use super::support::{self, ProjectFiles, fabc};
+use super::support::{self, ProjectFiles, fabc, finish};
 use fab_agent::examples::Examples;
 use fab_agent::policy::{Policy, Prompted};
 use fab_agent::record::Report;
@@ -23,9 +23,7 @@ use fab_world::{SimulatedWorld, World, WorldError};
 use serde_json::Value;
 use std::collections::{BTreeMap, VecDeque};
 use std::fs;
-use std::io::Write;
 use std::path::Path;
-use std::process::{Output, Stdio};
 use std::sync::Mutex;
 
 pub(super) const SUITE: &str = r#"
@@ -50,21 +48,16 @@ source = "a paper"
 
 /// Runs the small suite with these lines typed, and returns its document and what was said.
 fn typed(folder: &Path, lines: &str) -> (Value, String) {
-    let mut command = fabc(folder);
-    command
-        .args(["bench", "tiny", "--operator", "--json", "--out", "out"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped());
-    let mut child = command.spawn().unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    // Where nothing is asked, nobody reads.
-    let _ = stdin.write_all(lines.as_bytes());
-    drop(stdin);
-    let Output { stdout, stderr, .. } = child.wait_with_output().unwrap();
-    let stderr = String::from_utf8(stderr).unwrap();
-    let document = serde_json::from_slice(&stdout).unwrap_or_else(|_| panic!("{stderr}"));
-    (document, stderr)
+    let said = finish(
+        fabc(folder)
+            .args(["bench", "tiny", "--operator", "--json", "--out", "out"])
+            .stdin(lines),
+    );
+    let document = serde_json::from_str(&said.stdout);
+    (
+        document.unwrap_or_else(|_| panic!("{}", said.stderr)),
+        said.stderr,
+    )
 }
 
 fn rows_of(document: &Value) -> Vec<Value> {

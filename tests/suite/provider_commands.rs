@@ -1,11 +1,10 @@
 //! The command with a provider, before anything is sent: estimates, settings, refusals, and prompts as they would be sent.
 
 use super::provider::Provider;
-use super::support::{fabc, finish, project};
+use super::support::{Fabc, fabc, finish, project};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 /// Facts that give the embedded model behind `compatible` a price, and a temperature that it does not take.
 const FACTS: &str = "\
@@ -21,7 +20,7 @@ source = \"a test\"
 ";
 
 /// The command, with files and a cache that are the test's own.
-pub fn command(folder: &Path, arguments: &[&str]) -> Command {
+pub fn command(folder: &Path, arguments: &[&str]) -> Fabc {
     let mut command = fabc(folder);
     command
         .args(arguments)

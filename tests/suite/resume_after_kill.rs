@@ -1,12 +1,12 @@
 //! `fabc run` with a provider, killed at many points and gone on with: nothing is bought twice and nothing lost.
 
 use super::provider::Provider;
-use super::support::{bring_library, fabc, finish, project};
+use super::support::{Fabc, bring_library, fabc, finish, project};
 use fab_model::calls::ledger;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -28,7 +28,7 @@ task small extends folding {
 ";
 
 /// The command, with a cache of answers that is the run's own.
-fn command(folder: &Path, arguments: &[&str]) -> Command {
+fn command(folder: &Path, arguments: &[&str]) -> Fabc {
     let mut command = fabc(folder);
     command
         .args(arguments)
@@ -54,8 +54,9 @@ fn run_arguments(provider: &Provider) -> [String; 11] {
 }
 
 fn start(folder: &Path, arguments: &[&str]) -> Child {
-    let mut command = command(folder, arguments);
+    let command = command(folder, arguments);
     command
+        .process()
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()

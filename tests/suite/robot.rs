@@ -5,9 +5,7 @@ mod preflight;
 use super::support::{Said, fabc, finish, root};
 use serde_json::Value;
 use std::fs;
-use std::io::Write;
 use std::path::Path;
-use std::process::Stdio;
 use tempfile::TempDir;
 
 const ROBOT: &str = "\
@@ -27,22 +25,7 @@ const GRASP: &str = "\
 ";
 
 fn robot(folder: &Path, arguments: &[&str], typed: &str) -> Said {
-    let mut child = fabc(folder)
-        .arg("robot")
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // A command that ended early has closed its end.
-    let _ = child.stdin.take().unwrap().write_all(typed.as_bytes());
-    let output = child.wait_with_output().unwrap();
-    Said {
-        code: output.status.code().unwrap_or(-1),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    }
+    finish(fabc(folder).arg("robot").args(arguments).stdin(typed))
 }
 
 /// A folder with a run that was stopped as the fingers closed.

@@ -163,6 +163,7 @@ fn an_interrupted_replay_keeps_what_is_finished() {
     let mut command = fabc(folder.path());
     command.args(["sim", "replay", "set", "--json"]);
     let child = command
+        .process()
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()

@@ -18,8 +18,10 @@ use fab_program::Program;
 use fab_standins::Geometric;
 use fab_world::start::Start;
 use fab_world::{Look, SimulatedWorld, World, WorldError};
-use std::collections::VecDeque;
-use std::path::Path;
+use fabc::Io;
+use std::collections::{BTreeMap, VecDeque};
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Mutex;
 
@@ -34,24 +36,116 @@ pub fn project(path: &str) -> String {
 }
 
 /// The command, in a folder of its own and with an expert cache that all tests share.
-pub fn fabc(folder: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_fabc"));
-    command
-        .current_dir(folder)
-        .env("NO_COLOR", "1")
-        .env("FABC_CACHE_DIR", root().join("target/test-cache"));
-    command
+///
+/// It runs in this process; [`Fabc::process`] is for signals, terminals and the real exit.
+pub fn fabc(folder: &Path) -> Fabc {
+    Fabc {
+        folder: folder.to_owned(),
+        arguments: Vec::new(),
+        variables: BTreeMap::from([
+            ("NO_COLOR".into(), "1".into()),
+            (
+                "FABC_CACHE_DIR".into(),
+                root().join("target/test-cache").into(),
+            ),
+        ]),
+        removed: Vec::new(),
+        stdin: Vec::new(),
+    }
+}
+
+/// A command that is put together as [`Command`] is.
+pub struct Fabc {
+    folder: PathBuf,
+    arguments: Vec<OsString>,
+    variables: BTreeMap<OsString, OsString>,
+    removed: Vec<OsString>,
+    stdin: Vec<u8>,
+}
+
+impl Fabc {
+    pub fn arg(&mut self, argument: impl AsRef<OsStr>) -> &mut Fabc {
+        self.arguments.push(argument.as_ref().to_owned());
+        self
+    }
+
+    pub fn args(&mut self, arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> &mut Fabc {
+        for argument in arguments {
+            self.arg(argument);
+        }
+        self
+    }
+
+    pub fn env(&mut self, name: impl AsRef<OsStr>, value: impl AsRef<OsStr>) -> &mut Fabc {
+        let (name, value) = (name.as_ref().to_owned(), value.as_ref().to_owned());
+        self.variables.insert(name, value);
+        self
+    }
+
+    /// A variable that a process of its own does not inherit.
+    pub fn env_remove(&mut self, name: impl AsRef<OsStr>) -> &mut Fabc {
+        self.variables.remove(name.as_ref());
+        self.removed.push(name.as_ref().to_owned());
+        self
+    }
+
+    /// What is typed or piped to it.
+    pub fn stdin(&mut self, bytes: impl Into<Vec<u8>>) -> &mut Fabc {
+        self.stdin = bytes.into();
+        self
+    }
+
+    /// What it works in, where it runs in this process.
+    pub fn io(&self) -> Io {
+        let io = Io::new(&self.folder)
+            .with_stdin(self.stdin.clone())
+            .with_program(env!("CARGO_BIN_EXE_fabc"));
+        let variables = self.variables.iter();
+        variables.fold(io, |io, (name, value)| io.with_variable(name, value))
+    }
+
+    /// Runs it in these surroundings.
+    pub fn run(&self, io: &Io) -> Said {
+        let program = OsString::from("fabc");
+        let words = std::iter::once(&program).chain(&self.arguments);
+        let code = fabc::run(words, io);
+        let fabc::Said { stdout, stderr } = io.said();
+        Said {
+            code: code.into(),
+            stdout,
+            stderr,
+        }
+    }
+
+    /// The same as a process of its own.
+    pub fn process(&self) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_fabc"));
+        command
+            .current_dir(&self.folder)
+            .args(&self.arguments)
+            .envs(&self.variables);
+        for name in &self.removed {
+            command.env_remove(name);
+        }
+        command
+    }
 }
 
 /// What a finished command said.
+#[derive(Debug)]
 pub struct Said {
     pub code: i32,
     pub stdout: String,
     pub stderr: String,
 }
 
-/// Runs a command to its end.
-pub fn finish(command: &mut Command) -> Said {
+/// Runs a command to its end in this process.
+pub fn finish(command: &mut Fabc) -> Said {
+    command.run(&command.io())
+}
+
+/// Runs a process to its end.
+pub fn finish_process(command: &mut Command) -> Said {
     let Output {
         status,
         stdout,

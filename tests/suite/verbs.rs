@@ -1,6 +1,6 @@
 //! One test per verb, through the command itself.
 
-use super::support::{bring_library, fabc, finish, project};
+use super::support::{bring_library, fabc, finish, finish_process, project};
 use serde_json::Value;
 
 fn json(text: &str) -> Value {
@@ -290,6 +290,7 @@ fn an_interrupt_ends_a_run_with_130_and_keeps_what_was_finished() {
             "run",
             "--json",
         ])
+        .process()
         .stdout(std::process::Stdio::piped())
         .stderr(std::process::Stdio::piped())
         .spawn()
@@ -361,6 +362,11 @@ fn a_result_that_cannot_be_written_is_an_error() {
     };
     let folder = tempfile::tempdir().unwrap();
     let file = project("tasks/double_straight.fab");
-    let said = finish(fabc(folder.path()).args(["check", &file]).stdout(full));
+    let said = finish_process(
+        fabc(folder.path())
+            .args(["check", &file])
+            .process()
+            .stdout(full),
+    );
     assert_eq!(said.code, 2, "{}", said.stderr);
 }

@@ -23,6 +23,7 @@ impl Watching {
         let mut command = fabc(folder);
         command.args(arguments);
         let mut child = command
+            .process()
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()

@@ -4,7 +4,7 @@
 #![cfg(target_os = "linux")]
 
 use super::pty::{Mode, Session};
-use super::support::{Said, fabc, root, task, world};
+use super::support::{Fabc, Said, fabc, root, task, world};
 use fab_agent::arm_sight::SIGHT;
 use fab_agent::examples::Examples;
 use fab_agent::journal::RunFolder;
@@ -38,7 +38,7 @@ const USUAL: Mode = Mode {
 };
 
 /// A fold by the simulated arm, into the folder `run`.
-fn fold(folder: &Path, more: &[&str]) -> Command {
+fn fold(folder: &Path, more: &[&str]) -> Fabc {
     let project = |path: &str| root().join(path);
     let mut command = fabc(folder);
     command
@@ -52,7 +52,7 @@ fn fold(folder: &Path, more: &[&str]) -> Command {
 }
 
 fn watched(folder: &Path, more: &[&str]) -> Session {
-    Session::in_window(&fold(folder, more))
+    Session::in_window(&fold(folder, more).process())
 }
 
 /// The report in the run folder, as the last line of the journal holds it.
@@ -206,6 +206,7 @@ fn ctrl_c_while_the_key_is_waited_for_leaves_the_terminal_as_it_was() {
 /// Sends a signal to a fold that is under way, in its `n`th motion.
 fn signalled(folder: &Path, signal: &str, n: usize) -> Said {
     let child = fold(folder, &["--json"])
+        .process()
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

@@ -10,7 +10,7 @@
 //! | `LANGUAGE from=PATH` | stands in that file of the project, however deep |
 //! | `console` | commands behind `$ `, what they print, and `? N` where they end with another code than 0 |
 //! | `console slow` | likewise, in the slow test only |
-//! | `console not-run: REASON` | read by the command line's own parser (`src/cli/book.rs`), and not run |
+//! | `console not-run: REASON` | read by the command line's own parser (`book_calls.rs`), and not run |
 //! | `sh` | targets of the Makefile, and commands that are listed here with the reason |
 //! | `text` | nothing |
 //! | `json` | read as JSON |
@@ -279,7 +279,7 @@ impl Walk<'_> {
         let (program, arguments) = words.split_first().ok_or("a command has a name")?;
         let folder = self.folder.path();
         let mut command = match program.as_str() {
-            "fabc" => fabc(folder),
+            "fabc" => fabc(folder).process(),
             tool if TOOLS.contains(&tool) => Command::new(tool),
             other => return Err(format!("`{other}` is no command of a console block")),
         };

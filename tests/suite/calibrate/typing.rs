@@ -1,31 +1,19 @@
 //! Points typed one a line: each is judged as it comes, and none is lost.
 
 use super::{json, lab};
-use crate::suite::support::{Said, fabc};
+use crate::suite::support::{Said, fabc, finish};
 use fab_arm::calibration::{Calibration, Pair, csv_line};
 use std::fs;
-use std::io::Write;
 use std::path::Path;
-use std::process::Stdio;
 
 /// Calibrates with typed lines.
 fn typed(folder: &Path, lines: &str, more: &[&str]) -> Said {
-    let mut child = fabc(folder)
-        .args(["calibrate", "--robot", "robot.toml"])
-        .args(more)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // A command that ended early has closed its end.
-    let _ = child.stdin.take().unwrap().write_all(lines.as_bytes());
-    let output = child.wait_with_output().unwrap();
-    Said {
-        code: output.status.code().unwrap_or(-1),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    }
+    finish(
+        fabc(folder)
+            .args(["calibrate", "--robot", "robot.toml"])
+            .args(more)
+            .stdin(lines),
+    )
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What `docs/review.md` shows: the workflow is one, and keys and JSON fields are those there are.
 
-use super::super::support::{fabc, finish, project};
+use super::super::support::{fabc, finish, finish_process, project};
 use serde_json::Value;
 use std::fs;
 #[cfg(unix)]
@@ -64,7 +64,7 @@ fn the_workflow_says_which_variable_is_not_set() {
             .env("RUNNER_TEMP", folder.path())
             .env("FABC_REPOSITORY", repository)
             .env("FABC_REF", reference);
-        let said = finish(&mut shell);
+        let said = finish_process(&mut shell);
         assert_eq!(said.code, 1, "{}", said.stderr);
         let words = format!("::error::the variable {missing} is not set");
         assert!(said.stdout.starts_with(&words), "{}", said.stdout);

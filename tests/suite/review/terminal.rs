@@ -9,7 +9,7 @@ use std::path::Path;
 fn start(folder: &Path, columns: u16, arguments: &[&str]) -> Session {
     let mut command = fabc(folder);
     command.arg("review").args(arguments);
-    Session::start(command, columns)
+    Session::start(command.process(), columns)
 }
 
 const PROMPT: &str = "[q]uit [?] ";

@@ -99,6 +99,7 @@ fn started(folder: &std::path::Path) -> (Child, BufReader<ChildStdout>, Value) {
 fn started_with(folder: &std::path::Path, model: &str) -> (Child, BufReader<ChildStdout>, Value) {
     let mut child = fabc(folder)
         .args(["serve", "--port", "0", "--json", "--model", model])
+        .process()
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()

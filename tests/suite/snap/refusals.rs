@@ -167,6 +167,7 @@ fn a_killed_snap_leaves_all_that_it_proposes_or_nothing() {
     for moment in 0..24u32 {
         let mut child = fabc(folder.path())
             .args(["snap", "half.fab"])
+            .process()
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()

@@ -1,0 +1,474 @@
+//! What a command reaches beyond its arguments: streams, working folder, environment, clock, interrupts.
+//!
+//! In: [`Io::process`], the process's own, or [`Io::new`], made for one command within a process. Out: what verbs read,
+//! write and look up. Data goes to stdout, talk to stderr; a closed pipe is no error.
+//!
+//! Not covered: what third-party libraries read themselves (proxy variables, certificates) and raw keys of a terminal,
+//! which only the process's own streams can have.
+
+use crate::exit::{Exit, Failure};
+use fab_base::interrupt::Interrupt;
+use fab_compiler::diag::Color;
+use std::collections::BTreeMap;
+use std::ffi::{OsStr, OsString};
+use std::io::{BufRead, BufReader, Cursor, ErrorKind, IsTerminal, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::SystemTime;
+
+/// Width of help texts where no terminal tells its own, columns.
+const HELP_COLUMNS: usize = 100;
+
+/// The surroundings of one command. Cloning shares the streams.
+#[derive(Clone)]
+pub struct Io {
+    streams: Arc<Streams>,
+    folder: Option<PathBuf>,
+    /// `None`: those of the process.
+    variables: Option<Arc<BTreeMap<OsString, OsString>>>,
+    /// `None`: the system's clock.
+    now: Option<SystemTime>,
+    /// `None`: raised by SIGINT and SIGTERM.
+    interrupt: Option<Interrupt>,
+    /// `None`: the running one.
+    program: Option<PathBuf>,
+}
+
+struct Streams {
+    stdin: Mutex<Box<dyn BufRead + Send>>,
+    stdout: Mutex<Sink>,
+    stderr: Mutex<Sink>,
+    /// Which of the three are terminals.
+    terminals: [bool; 3],
+    /// Whether these are the process's own.
+    is_process: bool,
+    /// Why data could not be written, where that happened.
+    lost: OnceLock<String>,
+}
+
+enum Sink {
+    Kept(Vec<u8>),
+    To(Box<dyn Write + Send>),
+}
+
+impl Sink {
+    fn write(&mut self, text: &str) -> std::io::Result<()> {
+        let writer = self.writer();
+        writer.write_all(text.as_bytes())?;
+        writer.flush()
+    }
+
+    fn writer(&mut self) -> &mut dyn Write {
+        match self {
+            Sink::Kept(bytes) => bytes,
+            Sink::To(writer) => writer,
+        }
+    }
+
+    fn kept(&self) -> String {
+        match self {
+            Sink::Kept(bytes) => String::from_utf8_lossy(bytes).into_owned(),
+            Sink::To(_) => String::new(),
+        }
+    }
+}
+
+/// What a command has written, as far as [`Io`] kept it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Said {
+    /// Data.
+    pub stdout: String,
+    /// Talk.
+    pub stderr: String,
+}
+
+fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Io {
+    /// Returns the process's own streams, folder, environment, clock and signals.
+    pub fn process() -> Io {
+        Io {
+            streams: Arc::new(Streams {
+                stdin: Mutex::new(Box::new(BufReader::new(std::io::stdin()))),
+                stdout: Mutex::new(Sink::To(Box::new(std::io::stdout()))),
+                stderr: Mutex::new(Sink::To(Box::new(std::io::stderr()))),
+                terminals: [
+                    std::io::stdin().is_terminal(),
+                    std::io::stdout().is_terminal(),
+                    std::io::stderr().is_terminal(),
+                ],
+                is_process: true,
+                lost: OnceLock::new(),
+            }),
+            folder: None,
+            variables: None,
+            now: None,
+            interrupt: None,
+            program: None,
+        }
+    }
+
+    /// Makes surroundings with an empty stdin, kept output, no variables, and nobody who interrupts.
+    ///
+    /// The command works in `folder`: paths of its command line are relative to it.
+    pub fn new(folder: impl Into<PathBuf>) -> Io {
+        Io {
+            streams: Arc::new(Streams {
+                stdin: Mutex::new(Box::new(Cursor::new(Vec::new()))),
+                stdout: Mutex::new(Sink::Kept(Vec::new())),
+                stderr: Mutex::new(Sink::Kept(Vec::new())),
+                terminals: [false; 3],
+                is_process: false,
+                lost: OnceLock::new(),
+            }),
+            folder: Some(folder.into()),
+            variables: Some(Arc::default()),
+            now: None,
+            interrupt: Some(Interrupt::default()),
+            program: None,
+        }
+    }
+
+    /// The same with something to read on stdin.
+    pub fn with_stdin(self, bytes: impl Into<Vec<u8>>) -> Io {
+        *lock(&self.streams.stdin) = Box::new(Cursor::new(bytes.into()));
+        self
+    }
+
+    /// The same with data written to a stream in place of being kept.
+    pub fn with_stdout(self, writer: impl Write + Send + 'static) -> Io {
+        *lock(&self.streams.stdout) = Sink::To(Box::new(writer));
+        self
+    }
+
+    /// The same with talk written to a stream in place of being kept.
+    pub fn with_stderr(self, writer: impl Write + Send + 'static) -> Io {
+        *lock(&self.streams.stderr) = Sink::To(Box::new(writer));
+        self
+    }
+
+    /// The same with a variable of the environment.
+    pub fn with_variable(mut self, name: impl Into<OsString>, value: impl Into<OsString>) -> Io {
+        let variables = self.variables.get_or_insert_default();
+        Arc::make_mut(variables).insert(name.into(), value.into());
+        self
+    }
+
+    /// The same with a clock that stands.
+    pub fn with_clock(mut self, now: SystemTime) -> Io {
+        self.now = Some(now);
+        self
+    }
+
+    /// The same, interrupted whenever `interrupt` is raised.
+    pub fn with_interrupt(mut self, interrupt: Interrupt) -> Io {
+        self.interrupt = Some(interrupt);
+        self
+    }
+
+    /// The same with another program to start as a helper of this one.
+    pub fn with_program(mut self, program: impl Into<PathBuf>) -> Io {
+        self.program = Some(program.into());
+        self
+    }
+
+    /// Returns what the command has written, as far as it was kept.
+    pub fn said(&self) -> Said {
+        Said {
+            stdout: lock(&self.streams.stdout).kept(),
+            stderr: lock(&self.streams.stderr).kept(),
+        }
+    }
+
+    // --- Output ------------------------------------------------------------------------
+
+    /// Writes data and a line end to stdout.
+    pub(crate) fn data(&self, text: &str) {
+        // A reader that has seen enough (`| head`) closes the pipe; nobody is left to be told.
+        if let Err(error) = lock(&self.streams.stdout).write(&format!("{text}\n"))
+            && error.kind() != ErrorKind::BrokenPipe
+        {
+            self.streams.lost.get_or_init(|| error.to_string());
+        }
+    }
+
+    /// Writes one JSON document to stdout.
+    pub(crate) fn json(&self, value: &serde_json::Value) {
+        self.data(&serde_json::to_string_pretty(value).expect("a JSON value can be written"));
+    }
+
+    /// Writes what a verb found out: for programs where `--json` asks for it, else for people.
+    pub(crate) fn report(
+        &self,
+        json: bool,
+        to_json: impl FnOnce() -> serde_json::Value,
+        to_text: impl FnOnce() -> String,
+    ) {
+        match json {
+            true => self.json(&to_json()),
+            false => self.data(&to_text()),
+        }
+    }
+
+    /// Writes a line of talk to stderr.
+    pub(crate) fn talk(&self, text: &str) {
+        let _ = lock(&self.streams.stderr).write(&format!("{text}\n"));
+    }
+
+    /// Shows how far a long job is, in one line of a terminal that the next call replaces; elsewhere nothing.
+    ///
+    /// An empty text takes the line away.
+    pub(crate) fn progress(&self, text: &str) {
+        if self.streams.terminals[2] {
+            // Carriage return, text, and "erase to the end of the line".
+            let _ = lock(&self.streams.stderr).write(&format!("\r{text}\x1b[K"));
+        }
+    }
+
+    /// Empties a terminal on stdout, with what has scrolled out of it; elsewhere does nothing.
+    pub(crate) fn clear(&self) {
+        if self.streams.terminals[1] {
+            let _ = lock(&self.streams.stdout).write("\x1b[H\x1b[2J\x1b[3J");
+        }
+    }
+
+    /// Returns why some data could not be written; a reader that closed the pipe is no such reason.
+    pub(crate) fn lost(&self) -> Option<&str> {
+        self.streams.lost.get().map(String::as_str)
+    }
+
+    /// Returns whether talk may be coloured.
+    pub(crate) fn talk_color(&self) -> Color {
+        self.color(self.streams.terminals[2])
+    }
+
+    /// Returns whether data may be coloured.
+    pub(crate) fn data_color(&self) -> Color {
+        self.color(self.streams.terminals[1])
+    }
+
+    fn color(&self, is_terminal: bool) -> Color {
+        let refused = self
+            .variable("NO_COLOR")
+            .is_some_and(|value| !value.is_empty());
+        match is_terminal && !refused {
+            true => Color::Ansi,
+            false => Color::Plain,
+        }
+    }
+
+    /// Gives a command line the width of its help.
+    pub(crate) fn command(&self, command: clap::Command) -> clap::Command {
+        match self.is_process() {
+            true => command,
+            false => command.term_width(HELP_COLUMNS),
+        }
+    }
+
+    /// Writes a help text, or what is wrong with a command line.
+    pub(crate) fn help(&self, error: &clap::Error) {
+        if self.is_process() {
+            // A reader that closed the pipe has seen enough of the help.
+            let _ = error.print();
+            return;
+        }
+        let sink = match error.use_stderr() {
+            true => &self.streams.stderr,
+            false => &self.streams.stdout,
+        };
+        let _ = lock(sink).write(&error.render().to_string());
+    }
+
+    // --- Input -------------------------------------------------------------------------
+
+    /// Reads from stdin.
+    pub(crate) fn read<T>(&self, read: impl FnOnce(&mut dyn BufRead) -> T) -> T {
+        read(&mut **lock(&self.streams.stdin))
+    }
+
+    /// Returns stdin as a stream that can be moved to another thread.
+    pub(crate) fn input(&self) -> Input {
+        Input(self.clone())
+    }
+
+    /// Returns stdout as a stream, for data in lines of its own.
+    pub(crate) fn output(&self) -> Output<'_> {
+        Output(self)
+    }
+
+    /// Returns whether the streams are the process's own.
+    pub(crate) fn is_process(&self) -> bool {
+        self.streams.is_process
+    }
+
+    /// Returns whether somebody can be asked: stdin is a terminal.
+    pub(crate) fn has_terminal_input(&self) -> bool {
+        self.streams.terminals[0]
+    }
+
+    /// Returns whether stdin and stdout are a terminal.
+    pub(crate) fn is_interactive(&self) -> bool {
+        self.streams.terminals[0] && self.streams.terminals[1]
+    }
+
+    // --- Surroundings ------------------------------------------------------------------
+
+    /// Returns a variable of the environment.
+    pub(crate) fn variable(&self, name: impl AsRef<OsStr>) -> Option<OsString> {
+        match &self.variables {
+            None => std::env::var_os(name),
+            Some(variables) => variables.get(name.as_ref()).cloned(),
+        }
+    }
+
+    /// Returns the time.
+    pub(crate) fn now(&self) -> SystemTime {
+        self.now.unwrap_or_else(SystemTime::now)
+    }
+
+    /// Returns the program to start as a helper of this one.
+    pub(crate) fn program(&self) -> std::io::Result<PathBuf> {
+        match &self.program {
+            Some(program) => Ok(program.clone()),
+            None => std::env::current_exe(),
+        }
+    }
+
+    /// Lets the user stop work between two of its steps.
+    ///
+    /// A second SIGINT ends the process at once.
+    pub(crate) fn interrupt(&self) -> Result<Interrupt, Failure> {
+        match &self.interrupt {
+            Some(interrupt) => Ok(interrupt.clone()),
+            None => signals(),
+        }
+    }
+
+    /// Returns whether the user wants work to stop, since [`Io::interrupt`] was called.
+    pub(crate) fn is_interrupted(&self) -> bool {
+        match &self.interrupt {
+            Some(interrupt) => interrupt.is_raised(),
+            None => RAISED.get().is_some_and(Interrupt::is_raised),
+        }
+    }
+
+    /// The same in another folder.
+    pub(crate) fn within(&self, folder: &Path) -> Io {
+        Io {
+            folder: Some(folder.to_owned()),
+            ..self.clone()
+        }
+    }
+
+    /// Does work with the working folder of these surroundings, on a thread of its own where that is not the process's.
+    pub(crate) fn in_folder<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
+        let Some(folder) = &self.folder else {
+            return Ok(work());
+        };
+        let entered = folder::with(folder, work);
+        entered.map_err(|error| {
+            Failure::environment(format!(
+                "the folder `{}` cannot be entered: {error}",
+                folder.display()
+            ))
+        })
+    }
+}
+
+/// Stdin as a stream.
+pub(crate) struct Input(Io);
+
+impl Read for Input {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        self.0.read(|stdin| stdin.read(buffer))
+    }
+}
+
+/// Stdout as a stream.
+pub(crate) struct Output<'io>(&'io Io);
+
+impl Write for Output<'_> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        lock(&self.0.streams.stdout).writer().write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        lock(&self.0.streams.stdout).writer().flush()
+    }
+}
+
+/// What SIGINT and SIGTERM raise: there is one handler in a process.
+static RAISED: OnceLock<Interrupt> = OnceLock::new();
+
+/// What has to be put right before the process ends on a second signal, which drops nothing.
+static AT_EXIT: OnceLock<fn()> = OnceLock::new();
+
+/// Has something done before the process ends on a second signal; the first call counts.
+pub(crate) fn at_exit(restore: fn()) {
+    AT_EXIT.get_or_init(|| restore);
+}
+
+fn signals() -> Result<Interrupt, Failure> {
+    static LISTENING: OnceLock<Result<(), String>> = OnceLock::new();
+    let interrupt = RAISED.get_or_init(Interrupt::default).clone();
+    let raised = interrupt.clone();
+    let listening = LISTENING.get_or_init(|| {
+        let set = ctrlc::set_handler(move || {
+            if raised.is_raised() {
+                if let Some(restore) = AT_EXIT.get() {
+                    restore();
+                }
+                std::process::exit(i32::from(Exit::Interrupted.code()));
+            }
+            raised.raise();
+        });
+        set.map_err(|error| error.to_string())
+    });
+    match listening {
+        Ok(()) => Ok(interrupt),
+        Err(why) => Err(Failure::environment(format!(
+            "cannot listen for interrupts: {why}"
+        ))),
+    }
+}
+
+/// Work in a folder of its own.
+#[cfg(target_os = "linux")]
+mod folder {
+    use nix::sched::{CloneFlags, unshare};
+    use std::path::Path;
+
+    /// Does work on a thread that shares its working folder with no other one but those that it starts.
+    pub fn with<T: Send>(folder: &Path, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
+        std::thread::scope(|scope| {
+            let thread = scope.spawn(|| {
+                unshare(CloneFlags::CLONE_FS)?;
+                std::env::set_current_dir(folder)?;
+                Ok(work())
+            });
+            let done = thread.join();
+            done.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        })
+    }
+}
+
+/// Work in a folder of its own, one at a time: here a process has but one working folder.
+#[cfg(not(target_os = "linux"))]
+mod folder {
+    use std::path::Path;
+    use std::sync::{Mutex, PoisonError};
+
+    static ENTERED: Mutex<()> = Mutex::new(());
+
+    /// Does work with another working folder, while no other work does.
+    pub fn with<T: Send>(folder: &Path, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
+        let _one = ENTERED.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = std::env::current_dir()?;
+        std::env::set_current_dir(folder)?;
+        let done = work();
+        std::env::set_current_dir(before)?;
+        Ok(done)
+    }
+}

@@ -1,0 +1,77 @@
+//! The `fabc` command: parse, run one verb, report.
+//!
+//! [`run`] does in this process what the program does in its own. Whatever a command reaches beyond its arguments is in
+//! its [`Io`]: this package is the only place that knows the command line, prints, reads the environment, and chooses exit
+//! codes. Data goes to stdout, talk to stderr.
+//!
+//! ```
+//! let io = fabc::Io::new(env!("CARGO_MANIFEST_DIR"));
+//! let code = fabc::run(["fabc", "check", "tasks/triangle.fab"], &io);
+//! assert_eq!((code, io.said().stdout.as_str()), (0, ""));
+//! ```
+
+// Verbs for authors use less of what all verbs share.
+#![cfg_attr(not(feature = "runtime"), allow(dead_code))]
+
+mod exit;
+mod io;
+mod snapshots;
+mod sources;
+mod verbs;
+mod watch;
+
+pub use clap::Error as UsageError;
+pub use io::{Io, Said};
+
+use clap::error::ErrorKind;
+use clap::{ArgMatches, CommandFactory, FromArgMatches};
+use exit::Exit;
+use std::ffi::OsString;
+use verbs::Cli;
+
+/// Runs one command; returns its exit code.
+///
+/// - `args`: the words of the command line, the program's name first.
+/// - `io`: what the command reads, writes and looks up.
+pub fn run<A: Into<OsString> + Clone>(args: impl IntoIterator<Item = A>, io: &Io) -> u8 {
+    let parsed = io.command(Cli::command()).try_get_matches_from(args);
+    let exit = match parsed.and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches))) {
+        Ok((cli, matches)) => io
+            .in_folder(|| act(&cli, &matches, io))
+            .unwrap_or_else(|failure| {
+                io.talk(&format!("error: {failure}"));
+                failure.exit()
+            }),
+        Err(error) => {
+            io.help(&error);
+            match error.kind() {
+                ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Exit::Done,
+                _ => Exit::Usage,
+            }
+        }
+    };
+    match io.lost() {
+        Some(why) if exit == Exit::Done => {
+            io.talk(&format!(
+                "error: the result could not be written to stdout: {why}"
+            ));
+            Exit::Environment.code()
+        }
+        _ => exit.code(),
+    }
+}
+
+/// Returns the declaration of the command line.
+pub fn command() -> clap::Command {
+    Cli::command()
+}
+
+fn act(cli: &Cli, matches: &ArgMatches, io: &Io) -> Exit {
+    cli.verb.run(io).unwrap_or_else(|failure| {
+        io.talk(&format!("error: {failure}"));
+        if verbs::wants_json(matches) {
+            io.json(&failure.to_json());
+        }
+        failure.exit()
+    })
+}

@@ -1,0 +1,117 @@
+//! The verbs of the command line: one file each, with its arguments, what it does and what it reports.
+//!
+//! A new verb is a file here, its `mod` line and its row below. Verbs that need the simulator, pictures or models are in
+//! [`runtime`], behind one gate.
+
+pub mod build;
+pub mod check;
+pub mod completions;
+pub mod explain;
+pub mod new;
+pub mod render;
+pub mod review;
+#[cfg(feature = "runtime")]
+pub mod runtime;
+pub mod snap;
+pub mod test;
+pub mod vocabulary;
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use clap::{ArgMatches, Parser, Subcommand};
+
+const EXIT_CODES: &str = "Exit codes: 0 done (and the goal reached), 1 the .fab file is wrong, 2 the environment failed, \
+3 ended without reaching the goal, 64 wrong usage, 130 interrupted.";
+
+/// Compiles cloth-manipulation tasks (.fab) to prompts and a verifier, and runs them.
+#[derive(Parser)]
+#[command(name = "fabc", version, after_help = EXIT_CODES)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+/// What to do.
+#[derive(Subcommand)]
+pub enum Verb {
+    #[command(flatten)]
+    Author(Author),
+    #[cfg(feature = "runtime")]
+    #[command(flatten)]
+    Runtime(runtime::Verb),
+    #[command(flatten)]
+    Shell(Shell),
+}
+
+impl Verb {
+    /// Does it.
+    pub fn run(&self, io: &Io) -> Result<Exit, Failure> {
+        match self {
+            Verb::Author(verb) => verb.run(io),
+            #[cfg(feature = "runtime")]
+            Verb::Runtime(verb) => verb.run(io),
+            Verb::Shell(verb) => verb.run(io),
+        }
+    }
+}
+
+/// Returns whether a command line asks for one JSON document on stdout.
+pub fn wants_json(matches: &ArgMatches) -> bool {
+    match matches.subcommand() {
+        Some((_, of_verb)) => wants_json(of_verb),
+        None => matches!(matches.try_get_one("json"), Ok(Some(true))),
+    }
+}
+
+/// Makes the enumeration of verbs from its rows: `Name(module::Arguments)`, where the module has `run(arguments, io)`.
+macro_rules! verbs {
+    ($(#[$about:meta])* $enum:ident: $($(#[$help:meta])* $name:ident($module:ident::$arguments:ident),)*) => {
+        $(#[$about])*
+        #[derive(clap::Subcommand)]
+        pub enum $enum {
+            $($(#[$help])* $name($module::$arguments),)*
+        }
+
+        impl $enum {
+            /// Does it.
+            pub fn run(&self, io: &$crate::io::Io) -> Result<$crate::exit::Exit, $crate::exit::Failure> {
+                match self {
+                    $($enum::$name(arguments) => $module::run(arguments, io),)*
+                }
+            }
+        }
+    };
+}
+#[cfg(feature = "runtime")]
+use verbs;
+
+verbs! {
+    /// Verbs for those who write tasks: no camera, no model, no system library.
+    Author:
+    /// Writes a commented task that runs at once.
+    New(new::NewArguments),
+    /// Says what is wrong with .fab files, and repairs what is certain.
+    Check(check::CheckArguments),
+    /// Runs the tests that tasks carry: what comes of an answer, without a model or a camera.
+    Test(test::TestArguments),
+    /// Says what a diagnostic means and what to do, by an example.
+    Explain(explain::ExplainArguments),
+    /// Lists every word of the language with its arguments, ranges and meaning.
+    Vocabulary(vocabulary::VocabularyArguments),
+    /// Prints the exact messages that a model gets, without asking one.
+    Render(render::RenderArguments),
+    /// Pins what tasks say to models as snapshots beside their files; `--check` fails where they differ.
+    Snap(snap::SnapArguments),
+    /// Writes tasks as prompt templates, an answer schema and verifiers for other systems.
+    Build(build::BuildArguments),
+    /// Shows what changed in prompts, scenes and pictures, and accepts or rejects it.
+    Review(review::ReviewArguments),
+}
+
+verbs! {
+    /// Verbs about the command line itself.
+    Shell:
+    /// Writes what a shell needs to complete words of this command line.
+    Completions(completions::CompletionsArguments),
+}

@@ -1,0 +1,86 @@
+//! `fabc build`: writes tasks as files that other systems use without this command.
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::sources;
+use clap::Args;
+use clap::ValueEnum;
+use clap::ValueHint;
+use fab_base::files;
+use fab_emit::{self, Artifact, Target};
+use serde_json::json;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `build`.
+#[derive(Args)]
+pub struct BuildArguments {
+    /// The file that declares the tasks.
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub file: String,
+    /// The folder that gets one folder per task.
+    #[arg(short = 'o', long = "out", value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub out: PathBuf,
+    /// Only this task.
+    #[arg(long, value_name = "NAME")]
+    pub task: Option<String>,
+    /// What is written beside the prompts and the schema.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "program")]
+    pub emit: Vec<EmitArgument>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What `build` writes beside the prompts and the schema.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum EmitArgument {
+    /// program.json: the whole task as data, and the list of the other files.
+    Program,
+    /// verifier.rs: the checks as a Rust module without dependencies.
+    Rust,
+    /// verifier.py: the checks as a Python module without dependencies.
+    Python,
+}
+
+/// Writes every artefact whole, and lists the files.
+pub fn run(arguments: &BuildArguments, io: &Io) -> Result<Exit, Failure> {
+    let programs = sources::compile_tasks(&arguments.file, arguments.task.as_deref(), io)?;
+    let targets: Vec<Target> = arguments.emit.iter().map(|it| target(*it)).collect();
+    let artifacts = fab_emit::emit(&programs, &targets)
+        .map_err(|error| Failure::author(error.to_string(), json!([])))?;
+    let mut files = Vec::with_capacity(artifacts.len());
+    for artifact in &artifacts {
+        files.push(write(&arguments.out, artifact)?);
+    }
+    let names: Vec<String> = files.iter().map(|it| it.display().to_string()).collect();
+    io.report(
+        arguments.json,
+        || json!({ "files": names }),
+        || names.join("\n"),
+    );
+    Ok(Exit::Done)
+}
+
+fn target(argument: EmitArgument) -> Target {
+    match argument {
+        EmitArgument::Program => Target::Program,
+        EmitArgument::Rust => Target::Rust,
+        EmitArgument::Python => Target::Python,
+    }
+}
+
+/// Writes one file and the folders above it; returns its path.
+fn write(folder: &Path, artifact: &Artifact) -> Result<PathBuf, Failure> {
+    let path = folder.join(&artifact.path);
+    let above = path.parent().unwrap_or(folder);
+    let written = fs::create_dir_all(above)
+        .and_then(|()| files::write_whole(&path, artifact.text.as_bytes()));
+    match written {
+        Ok(()) => Ok(path),
+        Err(error) => Err(Failure::environment(format!(
+            "cannot write `{}`: {error}",
+            path.display()
+        ))),
+    }
+}

@@ -1,0 +1,131 @@
+//! `fabc check`: what is wrong with files, and how often a model can be asked at most.
+
+mod fix;
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::{sources, watch};
+use clap::Args;
+use clap::ValueHint;
+use fab_compiler::diag;
+use fab_program::Program;
+use serde_json::{Value, json};
+
+/// Arguments of `check`.
+#[derive(Args)]
+pub struct CheckArguments {
+    /// The files to check.
+    #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub files: Vec<String>,
+    /// Repair what can be meant in one way only; the rest is reported.
+    #[arg(long)]
+    pub fix: bool,
+    /// Do it again whenever a file that it used changes, until Ctrl-C.
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Checks every file, once or whenever one changes.
+pub fn run(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
+    match arguments.watch {
+        true => watch::run(&arguments.files, &[], || check(arguments, io), io),
+        false => check(arguments, io),
+    }
+}
+
+/// Checks every file, whatever the others hold.
+fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
+    let mut exit = Exit::Done;
+    let mut diagnostics = Vec::new();
+    let mut tasks = Vec::new();
+    let mut errors = Vec::new();
+    let mut left_out = 0;
+    for file in &arguments.files {
+        let compiled = if arguments.fix {
+            fix::run(file, io)
+        } else {
+            sources::compile(file)
+        };
+        let compiled = match compiled {
+            Ok(compiled) => compiled,
+            Err(failure) => {
+                io.talk(&format!("error: {failure}"));
+                errors.push(failure.to_string());
+                exit = Exit::Environment;
+                continue;
+            }
+        };
+        if compiled.has_errors() && exit == Exit::Done {
+            exit = Exit::Author;
+        }
+        left_out += compiled.left_out;
+        if arguments.json {
+            if let Value::Array(found) = diag::to_json(&compiled.diagnostics, &compiled.sources) {
+                diagnostics.extend(found);
+            }
+        } else if !compiled.diagnostics.is_empty() {
+            io.data(&sources::findings(&compiled, io.data_color()));
+        }
+        for (number, program) in compiled.programs.iter().enumerate() {
+            let per_step = program.calls_per_step();
+            let calls = u64::from(per_step) * u64::from(program.horizon);
+            if !arguments.json && program.variant.is_none() {
+                io.data(&format!(
+                    "{file}: task `{}` is right; at most {per_step} model calls per step, {calls} in {} steps{}{}",
+                    program.task,
+                    program.horizon,
+                    notes(program),
+                    variants(&compiled.programs[number + 1..])
+                ));
+            }
+            let mut task = json!({
+                "task": program.task,
+                "variant": program.variant,
+                "file": file,
+                "program": program.hash(),
+                "horizon": program.horizon,
+                "max_calls_per_step": per_step,
+                "max_calls": calls,
+            });
+            for (name, note) in program.notes() {
+                task[name] = json!(note);
+            }
+            tasks.push(task);
+        }
+        if !arguments.json && compiled.programs.is_empty() && !compiled.has_errors() {
+            io.data(&format!(
+                "{file}: right, and declares no task that can run by itself"
+            ));
+        }
+    }
+    if arguments.json {
+        io.json(
+            &json!({ "diagnostics": diagnostics, "diagnostics_left_out": left_out, "tasks": tasks, "errors": errors }),
+        );
+    }
+    Ok(exit)
+}
+
+/// Writes what a task says of itself, a line each.
+fn notes(program: &Program) -> String {
+    let notes = program.notes().into_iter();
+    notes
+        .map(|(name, note)| format!("\n  {name}: {note}"))
+        .collect()
+}
+
+/// Lists the variants of a task, which follow it.
+fn variants(following: &[Program]) -> String {
+    let names: Vec<&str> = following
+        .iter()
+        .map_while(|program| program.variant.as_deref())
+        .collect();
+    if names.is_empty() {
+        String::new()
+    } else {
+        format!("\n  so are its variants: {}", names.join(", "))
+    }
+}

@@ -1,0 +1,113 @@
+//! A fold that is drafted from the user's pictures, as a task's text.
+//!
+//! In: files, and what `fab_agent::draft` finds in them. Out: a [`Draft`]; its text and its guesses are written by `page`.
+
+use super::page::Page;
+use super::pictures;
+use crate::exit::Failure;
+use crate::io::Io;
+use crate::sources;
+use crate::verbs::new::NewFoldArguments;
+use crate::verbs::new::{Draft, FOLDING, file_of, folder_of, shown};
+use fab_agent::draft;
+use fab_agent::draft::{DraftError, Named, Stated};
+use fab_picture::png;
+use fab_program::{Camera, Picker};
+use fab_world::{SimulatedWorld, World, WorldError};
+use std::path::{Path, PathBuf};
+
+/// Looks at the pictures and writes the task.
+pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Draft, Failure> {
+    let paths = arguments.pictures.from_images.iter();
+    let pictures: Vec<Named> = paths
+        .map(|path| pictures::load(path))
+        .collect::<Result<_, _>>()?;
+    let stated = Stated {
+        height_m: arguments.pictures.height,
+        longer_m: arguments.pictures.cloth,
+    };
+    let found = look(&pictures, &stated, io)?;
+    let (places, brought) = places(arguments, &pictures);
+    let page = Page {
+        name: &arguments.task.name,
+        stated: &stated,
+        pictures: &pictures,
+        places: &places,
+        found: &found,
+    };
+    let file = shown(&file_of(&arguments.task));
+    let sheet = file_of(&arguments.task).with_extension("png");
+    Ok(Draft {
+        text: page.text(),
+        library: FOLDING,
+        pictures: brought,
+        guesses: page.guesses(),
+        next: vec![
+            format!("fabc subgoals {file} --sheet {}", shown(&sheet)),
+            format!("fabc render {file}"),
+            format!("fabc run {file}"),
+        ],
+    })
+}
+
+fn look(pictures: &[Named], stated: &Stated, io: &Io) -> Result<draft::Draft, Failure> {
+    let interrupt = io.interrupt()?;
+    let make_world = |camera: &Camera| -> Result<Box<dyn World>, WorldError> {
+        let world = SimulatedWorld::new(camera, Picker::PutDown)?;
+        Ok(Box::new(world))
+    };
+    let announce = |step: usize, tries: usize| {
+        let folds = if tries == 1 { "fold" } else { "folds" };
+        let steps = pictures.len() - 1;
+        io.progress(&format!("step {step}/{steps}: trying {tries} {folds}"));
+    };
+    let found = draft::draft(pictures, stated, &make_world, &interrupt, &announce);
+    io.progress("");
+    found.map_err(|error| match error {
+        DraftError::World(WorldError::Interrupted) => Failure::interrupted(),
+        DraftError::Count { .. } => Failure::usage(error.to_string()),
+        DraftError::Size { ref name, .. } => {
+            Failure::environment(&error).saying(&pictures::conversion(name))
+        }
+        error => Failure::environment(error),
+    })
+}
+
+/// Returns what the task calls each picture, and those that are to be brought beside it.
+///
+/// One that lies there already is named where it is.
+fn places(
+    arguments: &NewFoldArguments,
+    pictures: &[Named],
+) -> (Vec<String>, Vec<(PathBuf, Vec<u8>)>) {
+    let folder = folder_of(&arguments.task);
+    let mut brought = Vec::new();
+    let numbered = arguments
+        .pictures
+        .from_images
+        .iter()
+        .zip(pictures)
+        .enumerate();
+    let places = numbered.map(|(number, (path, named))| {
+        beside(&folder, path).unwrap_or_else(|| {
+            let place = format!("{}.images/{number}.png", arguments.task.name);
+            brought.push((PathBuf::from(&place), png::encode(&named.picture)));
+            place
+        })
+    });
+    (places.collect(), brought)
+}
+
+/// Returns a picture's path from the task's folder, where it lies in it under a name that a task can state.
+fn beside(folder: &Path, path: &Path) -> Option<String> {
+    let real = sources::inside(folder, path).ok()?;
+    let folder = match folder.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => folder,
+    };
+    let below = real.strip_prefix(folder.canonicalize().ok()?).ok()?;
+    let parts = below.iter().map(|part| part.to_str());
+    let path = parts.collect::<Option<Vec<&str>>>()?.join("/");
+    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "._-/".contains(letter);
+    path.chars().all(is_plain).then_some(path)
+}

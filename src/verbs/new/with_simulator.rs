@@ -1,0 +1,70 @@
+//! What `fabc new` does with the simulator: drafts a fold from pictures, and draws subgoal pictures.
+
+mod from_images;
+mod page;
+mod pictures;
+mod points;
+mod subgoals;
+
+pub use points::point_text;
+pub use subgoals::Drawn;
+
+use super::{Draft, NewFoldArguments};
+use crate::exit::Failure;
+use crate::io::Io;
+use clap::{Args, ValueHint};
+use std::path::PathBuf;
+
+/// The verbs to go on with.
+pub const NEXT: [&str; 3] = ["render", "test", "run"];
+
+/// Pictures to draft a fold from.
+#[derive(Args)]
+pub struct PictureArguments {
+    /// Pictures of your own, the flat cloth first and then one after each step: the steps are found in them. Arrows that
+    /// they carry are found where they are black, with a ring at the tail and a head at the tip; others are proposed.
+    #[arg(long, value_name = "PNG", num_args = 1.., value_hint = ValueHint::FilePath)]
+    pub from_images: Vec<PathBuf>,
+    /// The flat cloth's longer side, such as `340mm`; without `--height` the camera's height follows from it.
+    #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = cloth)]
+    pub cloth: Option<f64>,
+    /// The camera's height above the table, such as `65cm`; without `--cloth` the cloth's size follows from it. With both
+    /// the camera's field of view follows.
+    #[arg(long, value_name = "LENGTH", requires = "from_images", value_parser = height)]
+    pub height: Option<f64>,
+}
+
+/// Reads a cloth's side, metres.
+fn cloth(text: &str) -> Result<f64, String> {
+    length(text, [20.0, 1200.0])
+}
+
+/// Reads a camera's height, metres.
+fn height(text: &str) -> Result<f64, String> {
+    length(text, [100.0, 5000.0])
+}
+
+/// Reads a length with its unit, metres; both ends of what it may be are in millimetres.
+fn length(text: &str, [least_mm, most_mm]: [f64; 2]) -> Result<f64, String> {
+    let units = [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)];
+    let read = |(unit, mm): (&str, f64)| {
+        let number: f64 = text.strip_suffix(unit)?.trim_end().parse().ok()?;
+        Some(number * mm)
+    };
+    let Some(found_mm) = units.into_iter().find_map(read) else {
+        return Err("write a number with its unit, such as `340mm`, `34cm` or `0.34m`".to_owned());
+    };
+    match (least_mm..=most_mm).contains(&found_mm) {
+        // Whole tenths of a millimetre, as the file states them.
+        true => Ok((found_mm * 10.0).round() / 10_000.0),
+        false => Err(format!("right is from {least_mm}mm to {most_mm}mm")),
+    }
+}
+
+/// Drafts a fold from the user's pictures, where there are any.
+pub fn draft(arguments: &NewFoldArguments, io: &Io) -> Result<Option<Draft>, Failure> {
+    match arguments.pictures.from_images.is_empty() {
+        true => Ok(None),
+        false => from_images::draft(arguments, io).map(Some),
+    }
+}

@@ -1,0 +1,232 @@
+//! `fabc render`: the exact messages of each stage, without asking a model.
+//!
+//! Points come from the camera at the chosen step, or from `--scene`. What only a model can say
+//! (an earlier stage's answer) comes from `--reply`, or stands as a typed placeholder, and a line on stderr says so.
+
+#[cfg_attr(feature = "runtime", path = "render/with_camera.rs")]
+#[cfg_attr(not(feature = "runtime"), path = "render/without_camera.rs")]
+pub mod camera;
+pub mod page;
+mod scene_file;
+mod why;
+
+use crate::sources::TaskArguments;
+pub use camera::shown_without_drawing;
+use clap::{Args, ValueHint};
+use std::path::PathBuf;
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::{sources, watch};
+use fab_program::render::{PromptPicture, PromptText};
+use fab_program::{Arrow, Layers, Picture, Program, Read, Stage, SubgoalStep};
+use page::{Shown, ShownPart, ShownStage};
+use scene_file::SceneFile;
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+
+/// Arguments of `render`.
+#[derive(Args)]
+pub struct RenderArguments {
+    #[command(flatten)]
+    pub task: TaskArguments,
+    /// Only this stage.
+    #[arg(long, value_name = "NAME")]
+    pub stage: Option<String>,
+    /// The step whose prompts are shown; earlier steps are done as demonstrated, or as the stand-in decides.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub step: u32,
+    /// Points by keypoint name, as JSON: `{"corners": [[u, v], …], "center": [[u, v]]}`, instead of a camera's.
+    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub camera: camera::CameraArguments,
+    /// Show which component, file and line each line comes from, and what each component weighs in tokens.
+    #[arg(long)]
+    pub why: bool,
+    /// Write the messages and the pictures into this folder.
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub out: Option<PathBuf>,
+    /// Do it again whenever a file that it used changes, until Ctrl-C.
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Renders every stage, or the one that is asked for, once or whenever a file changes.
+pub fn run(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
+    let entry = std::slice::from_ref(&arguments.task.file);
+    match arguments.watch {
+        true => watch::run(
+            entry,
+            &watch::inputs::rendered(arguments),
+            || render(arguments, io),
+            io,
+        ),
+        false => render(arguments, io),
+    }
+}
+
+fn render(arguments: &RenderArguments, io: &Io) -> Result<Exit, Failure> {
+    let declared = sources::compile_task(&arguments.task, io)?;
+    let program = camera::fitted(&declared, arguments, io)?;
+    let stages = chosen_stages(&program, arguments.stage.as_deref())?;
+    if arguments.step > program.horizon {
+        return Err(Failure::usage(format!(
+            "`{}` has {} steps; there is no step {}",
+            program.title(),
+            program.horizon,
+            arguments.step
+        )));
+    }
+    let listed = match &arguments.scene {
+        Some(path) => Some(SceneFile::read(&program, path)?),
+        None => None,
+    };
+    let view = camera::View::at(&program, &declared, arguments, io)?;
+    let shown = view.stages(&program, &stages, listed.as_ref(), arguments)?;
+    say_placeholders(&program, &shown, io);
+    if let Some(folder) = &arguments.out {
+        write(folder, &shown).map_err(|error| {
+            Failure::environment(format!("cannot write into `{}`: {error}", folder.display()))
+        })?;
+    }
+    let folder = sources::folder_of(&arguments.task.file);
+    let rates = view.rates();
+    if arguments.json {
+        let stages = shown.iter().map(|stage| {
+            let mut json = as_json(stage);
+            if arguments.why {
+                json["why"] = why::as_json(stage, &folder, rates);
+            }
+            json
+        });
+        io.json(&json!({ "stages": stages.collect::<Vec<Value>>() }));
+    } else if arguments.out.is_none() || arguments.why {
+        let texts = shown.iter().map(|stage| match arguments.why {
+            true => why::text(stage, &folder, rates),
+            false => format!("=== stage {}\n{}", stage.name, stage.text()),
+        });
+        io.data(texts.collect::<Vec<String>>().join("\n").trim_end());
+    }
+    for stage in &shown {
+        for (finding, number) in stage.findings.iter().zip(1..) {
+            io.talk(&format!("`{}`, answer {number}: {finding}", stage.name));
+        }
+    }
+    Ok(Exit::Done)
+}
+
+fn chosen_stages<'p>(
+    program: &'p Program,
+    wanted: Option<&str>,
+) -> Result<Vec<&'p Stage>, Failure> {
+    let Some(wanted) = wanted else {
+        return Ok(program.stages.iter().collect());
+    };
+    match program.stages.iter().find(|stage| stage.name == wanted) {
+        Some(stage) => Ok(vec![stage]),
+        None => {
+            let names: Vec<String> = program
+                .stages
+                .iter()
+                .map(|stage| format!("`{}`", stage.name))
+                .collect();
+            Err(Failure::usage(format!(
+                "`{}` has no stage `{wanted}`; it has {}",
+                program.task,
+                names.join(", ")
+            )))
+        }
+    }
+}
+
+/// Says which texts stand as placeholders.
+fn say_placeholders(program: &Program, shown: &[ShownStage], io: &Io) {
+    for stage in &program.stages {
+        let Read::Text { name, .. } = &stage.read else {
+            continue;
+        };
+        let placeholder = format!("<{name}: ");
+        let mut texts = shown.iter().flat_map(ShownStage::texts);
+        if texts.any(|said| said.text.contains(&placeholder)) {
+            io.talk(&format!(
+                "note: `{name}` is what a model answers in stage `{}`; it stands as a placeholder",
+                stage.name
+            ));
+        }
+    }
+}
+
+/// Says what a picture of a prompt shows.
+pub fn title(picture: &PromptPicture, step: u32) -> String {
+    match picture {
+        PromptPicture::File(file) => file.path.clone(),
+        PromptPicture::Drawn(Picture::Scene { layers }) => match layers {
+            Layers::Drawn => "scene with annotations".to_owned(),
+            Layers::Absent => "scene".to_owned(),
+        },
+        PromptPicture::Drawn(Picture::Subgoal { which, arrow }) => {
+            let number = match which {
+                SubgoalStep::Now => step - 1,
+                SubgoalStep::Next => step,
+            };
+            let drawn = match arrow {
+                Arrow::Drawn => " with arrow",
+                Arrow::Absent => "",
+            };
+            format!("subgoal {number}{drawn}")
+        }
+    }
+}
+
+/// Returns what a model would be told where an answer is refused; none where the stage reads no action.
+pub fn corrections_of(
+    program: &Program,
+    stage: &Stage,
+    values: fab_program::render::Values<'_>,
+) -> Result<Vec<(String, PromptText)>, fab_program::render::RenderError> {
+    match stage.read {
+        Read::Action => fab_program::render::corrections(program, values),
+        Read::Text { .. } => Ok(Vec::new()),
+    }
+}
+
+fn as_json(stage: &ShownStage) -> Value {
+    let part = |part: &ShownPart| match part {
+        ShownPart::Text(said) => json!({ "type": "text", "text": said.text }),
+        ShownPart::Picture { title, png } => {
+            json!({ "type": "image", "shows": title, "bytes": png.as_ref().map(Vec::len) })
+        }
+    };
+    let message = |message: &Shown| json!({ "role": message.role, "parts": message.parts.iter().map(part).collect::<Vec<_>>() });
+    let correction =
+        |(check, said): &(String, PromptText)| json!({ "check": check, "text": said.text });
+    json!({
+        "stage": stage.name,
+        "messages": stage.messages.iter().map(message).collect::<Vec<_>>(),
+        "corrections": stage.corrections.iter().map(correction).collect::<Vec<_>>(),
+        "findings": stage.findings,
+    })
+}
+
+/// Writes `STAGE.txt` and `STAGE_N.png` for every stage.
+fn write(folder: &Path, shown: &[ShownStage]) -> std::io::Result<()> {
+    fs::create_dir_all(folder)?;
+    for stage in shown {
+        let name = &stage.name;
+        fs::write(folder.join(format!("{name}.txt")), stage.text())?;
+        let parts = stage.messages.iter().flat_map(|message| &message.parts);
+        let pictures = parts.filter_map(|part| match part {
+            ShownPart::Picture { png, .. } => png.as_ref(),
+            ShownPart::Text(_) => None,
+        });
+        for (number, png) in pictures.enumerate() {
+            fs::write(folder.join(format!("{name}_{}.png", number + 1)), png)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,110 @@
+//! Writes what pictures were, are, and how they differ, for people to look at.
+//!
+//! In: a pending picture. Out: a PNG file in the folder that was named, or in a temporary one whose path is told.
+
+use super::find::Pending;
+use super::models;
+use crate::exit::Failure;
+use fab_base::files;
+use std::path::PathBuf;
+
+/// Where such files go.
+pub struct Sheets {
+    /// The folder; none where it is to be made at the first picture.
+    folder: Option<PathBuf>,
+}
+
+/// What differs between two pictures.
+pub struct Compared {
+    /// Before, after and difference side by side, as a PNG file; none where nothing can be drawn.
+    pub png: Option<Vec<u8>>,
+    /// What differs.
+    pub words: String,
+    /// How many pixels differ, where that is known.
+    pub n_changed: Option<u64>,
+    /// Leftmost column, top row, rightmost column and bottom row of those, pixels.
+    pub bounds: Option<[u32; 4]>,
+}
+
+/// A comparison that was written.
+pub struct Sheet {
+    /// The file; none where this build cannot draw, or nothing is there to be drawn.
+    pub path: Option<PathBuf>,
+    /// What differs.
+    pub words: String,
+    /// How many pixels differ, where that is known.
+    pub n_changed: Option<u64>,
+    /// Leftmost column, top row, rightmost column and bottom row of those, pixels.
+    pub bounds: Option<[u32; 4]>,
+}
+
+impl Sheet {
+    /// Says what differs, and which file shows it.
+    pub fn in_words(&self) -> String {
+        match &self.path {
+            Some(path) => format!(
+                "{}\nbefore, after and difference: {}",
+                self.words,
+                path.display()
+            ),
+            None => self.words.clone(),
+        }
+    }
+}
+
+impl Sheets {
+    /// Takes the folder that was named, if one was.
+    pub fn new(folder: Option<PathBuf>) -> Sheets {
+        Sheets { folder }
+    }
+
+    /// Returns whether a folder was named.
+    pub fn has_folder(&self) -> bool {
+        self.folder.is_some()
+    }
+
+    /// Draws the pictures of a pending snapshot under a name; fails where the file cannot be written.
+    pub fn draw(&mut self, name: &str, pending: &Pending) -> Result<Sheet, Failure> {
+        let compared = models::compare(pending);
+        let path = match &compared.png {
+            Some(png) => {
+                let path = self.made()?.join(format!("{name}.png"));
+                files::write_whole(&path, png).map_err(|error| {
+                    Failure::environment(format!("cannot write `{}`: {error}", path.display()))
+                })?;
+                Some(path)
+            }
+            None => None,
+        };
+        Ok(Sheet {
+            path,
+            words: compared.words,
+            n_changed: compared.n_changed,
+            bounds: compared.bounds,
+        })
+    }
+
+    fn made(&mut self) -> Result<PathBuf, Failure> {
+        let unwritable = |path: &std::path::Path, error: std::io::Error| {
+            Failure::environment(format!("cannot write `{}`: {error}", path.display()))
+        };
+        if let Some(folder) = &self.folder {
+            std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, error))?;
+            return Ok(folder.clone());
+        }
+        let mut number = 0;
+        loop {
+            let name = format!("fabc-review-{}-{number}", std::process::id());
+            let folder = std::env::temp_dir().join(name);
+            match std::fs::create_dir(&folder) {
+                Ok(()) => {
+                    self.folder = Some(folder.clone());
+                    return Ok(folder);
+                }
+                // Somebody else's, or one of an earlier process of this number.
+                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => number += 1,
+                Err(error) => return Err(unwritable(&folder, error)),
+            }
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! What `fabc review` shows in a build without models and pictures: neither costs nor drawings.
+
+use super::cost::Pricing;
+use super::find::Pending;
+use super::sheets::Compared;
+use crate::exit::Failure;
+use crate::io::Io;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Nothing: prices and pictures need the runtime.
+#[derive(Args)]
+pub struct ShownArguments {}
+
+impl ShownArguments {
+    /// Names no folder.
+    pub fn folder(&self) -> Option<PathBuf> {
+        None
+    }
+}
+
+/// Returns nothing: this build knows no prices.
+pub fn pricing(_arguments: &ShownArguments, _io: &Io) -> Result<Option<Pricing>, Failure> {
+    Ok(None)
+}
+
+/// Says that this build cannot draw.
+pub fn compare(_pending: &Pending) -> Compared {
+    Compared {
+        png: None,
+        words: "the pictures differ; this build cannot draw them".to_owned(),
+        n_changed: None,
+        bounds: None,
+    }
+}

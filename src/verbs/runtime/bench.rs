@@ -1,0 +1,384 @@
+//! `fabc bench`: a suite of many rollouts, and its table.
+//!
+//! What a suite is, how it is carried out and what is said of it is `fab_bench`; here files are found, tasks
+//! compiled, and tables printed and written.
+
+mod on_arm;
+mod prepare;
+mod report;
+mod suites;
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::verbs::runtime::estimate::{self, Asking};
+use crate::verbs::runtime::operator::Terminal;
+use crate::verbs::runtime::setting;
+use crate::verbs::runtime::setting::arm::ArmArguments;
+use crate::verbs::runtime::setting::arm::ArmMode;
+use crate::verbs::runtime::setting::model_arguments::ModelArguments;
+use crate::verbs::runtime::setting::model_arguments::PolicyArguments;
+use crate::verbs::runtime::setting::model_arguments::SpendArguments;
+use crate::verbs::runtime::setting::models::{self, Answering};
+use crate::verbs::runtime::setting::policies::Deciding;
+use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
+use clap::Args;
+use clap::ValueHint;
+use fab_agent::outcome::Outcome;
+use fab_agent::rollout::FirstQuestion;
+use fab_base::cache::Cache;
+use fab_bench::on_arm::{Cloths, OnArm};
+use fab_bench::play;
+use fab_bench::play::{Phase, Results, Stop};
+use fab_bench::{Bench, BenchError, Elsewhere, Entry, first_questions_of, rows};
+use fab_model::calls::Budget;
+use fab_program::Program;
+use fab_providers::estimate::Estimate;
+use fab_world::{About, ExternalWorld, World};
+use prepare::{DecidingBy, named_by};
+use std::num::NonZero;
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Instant;
+
+/// The most rollouts side by side.
+const MAX_JOBS: i64 = 256;
+
+/// Arguments of `bench`.
+#[derive(Args)]
+pub struct BenchArguments {
+    /// A suite of tasks/suites by its name, or the path of a .toml file.
+    #[arg(value_name = "SUITE")]
+    pub suite: String,
+    /// Who decides, where a method of the suite does not say itself.
+    #[command(flatten)]
+    pub policy: PolicyArguments,
+    /// Who answers, where a method of the suite does not say itself.
+    #[command(flatten)]
+    pub model: ModelArguments,
+    #[command(flatten)]
+    pub spend: SpendArguments,
+    /// Only this variant of the tasks.
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
+    /// Recorded starts in place of the suite's: a folder with manifest.json, or of .npy files with descriptions.
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub starts: Option<PathBuf>,
+    /// Rollouts per start of a model that varies; default: as the suite says.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeats: Option<u32>,
+    /// Rollouts side by side; default: one per core, 8 or more with providers. The figures do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_JOBS))]
+    pub jobs: Option<u16>,
+    /// Only the first N starts of each task.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub limit: Option<u32>,
+    /// Where run folders and tables go; what has ended there is not run again. Default: the next free runs/bench-SUITE-NNNN.
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub out: Option<PathBuf>,
+    /// Only part I of N of the starts, counted from 1; with one `--out`, the last call may leave it away.
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub shard: Option<Shard>,
+    /// Where rollouts are carried out: `sim`, `jaco` (on an arm one at a time), or `exec:"CMD ARG..."`, a program of yours.
+    #[arg(long, value_name = "WORLD", default_value = "sim")]
+    pub world: WorldChoice,
+    #[command(flatten)]
+    pub arm: ArmArguments,
+    /// Ask after each rollout whether the task was reached, and if not, why; rollouts then run one at a time. Default: with
+    /// a real arm, unless `--confirm none` is said or stdin is no terminal.
+    #[arg(long, conflicts_with = "jobs")]
+    pub operator: bool,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A part of the starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Which one, from 1.
+    pub part: u32,
+    /// Of how many.
+    pub of: u32,
+}
+
+/// Reads `--shard`.
+fn shard(text: &str) -> Result<Shard, String> {
+    let parts = text.split_once('/');
+    let parts = parts.and_then(|(part, of)| Some((part.parse().ok()?, of.parse().ok()?)));
+    match parts {
+        Some((part, of)) if 1 <= part && part <= of => Ok(Shard { part, of }),
+        _ => Err("write a part and how many there are, such as 1/3, 2/3 and 3/3".to_owned()),
+    }
+}
+
+/// Carries out a suite and reports it.
+pub fn run(arguments: &BenchArguments, io: &Io) -> Result<Exit, Failure> {
+    let begun = Instant::now();
+    let found = suites::find(&arguments.suite)?;
+    let suite = suites::narrowed(found.suite, arguments.variant.as_deref());
+    let arm = on_arm::check(arguments, &suite, io)?;
+    let has_operator = arguments.operator
+        || arm
+            .as_ref()
+            .is_some_and(|arm| setting::arm::has_operator(&arguments.arm, &arm.settings, io));
+    let interrupt = io.interrupt()?;
+    let deciding = prepare::deciding(
+        &suite,
+        &arguments.policy,
+        &arguments.model,
+        arguments.spend.purpose(),
+        &interrupt,
+        io,
+    )?;
+    let recorder = match arguments.spend.estimate {
+        true => None,
+        false => models::recorder(&arguments.spend)?,
+    };
+    let budget = models::budget(&arguments.spend);
+    let threads = match arguments.jobs {
+        _ if arguments.operator => 1,
+        Some(jobs) => usize::from(jobs),
+        None => usual_jobs(&deciding),
+    };
+    let prepared = prepare::prepare(&suite, &found.folder, arguments, threads, io)?;
+    let out = match arguments.spend.estimate {
+        true => PathBuf::from("runs"),
+        false => out_folder(arguments.out.as_deref(), &found.name)?,
+    };
+    let cache = cache(&out, io);
+    let Some(entries) = prepare::entries(&suite, &prepared, &deciding, arguments, &interrupt, io)?
+    else {
+        return Err(Failure::interrupted());
+    };
+    let make_arm_world = |program: &Program, folder: &Path| {
+        setting::arm::world(
+            program,
+            &arguments.arm,
+            ArmMode::Execute,
+            Some(&folder.to_owned()),
+            io,
+        )
+    };
+    let make_look = |program: &Program| setting::arm::look(program, &arguments.arm);
+    let world_command = match &arguments.world {
+        WorldChoice::Program(command) => Some(command),
+        WorldChoice::Sim | WorldChoice::Jaco => None,
+    };
+    for command in deciding
+        .values()
+        .filter_map(Deciding::command)
+        .chain(world_command)
+    {
+        io.talk(&format!("each rollout that asks for it starts `{command}`"));
+    }
+    let make_elsewhere;
+    let elsewhere = match world_command.zip(prepared.first()) {
+        Some((command, first)) => {
+            let camera = &first.task.program.camera;
+            let picker = first.task.program.picker;
+            let world = ExternalWorld::start(command, camera, picker, None, &interrupt);
+            let world = world.map_err(worlds::failure)?;
+            if !world.hello().particles {
+                Cloths::ByHand.check(&suite).map_err(Failure::environment)?;
+            }
+            make_elsewhere = |program: &Program, folder: &Path| {
+                worlds::external(command, program, Some(folder), &interrupt)
+            };
+            Some(Elsewhere {
+                about: About::of(&world),
+                repeats: world.repeats(),
+                make_world: &make_elsewhere,
+            })
+        }
+        None => None,
+    };
+    let terminal = Terminal(io);
+    let bench = Bench {
+        suite: &suite,
+        tasks: prepared.into_iter().map(|it| it.task).collect(),
+        entries,
+        make_world: &setting::world,
+        arm: arm.map(|arm| OnArm {
+            about: arm.about,
+            cloths: arm.cloths,
+            make_world: &make_arm_world,
+            make_look: &make_look,
+        }),
+        elsewhere,
+        out: out.clone(),
+        threads,
+        cache: &cache,
+        budget: &budget,
+        recorder: recorder.as_ref(),
+        operator: match has_operator {
+            true => Some(&terminal),
+            false => None,
+        },
+        interrupt: &interrupt,
+    };
+    let asks = asks_a_provider(&deciding) || arguments.spend.estimate;
+    let questions = match asks {
+        true => first_questions_of(&bench).map_err(failure)?,
+        false => Vec::new(),
+    };
+    for (entry, questions) in bench.entries.iter().zip(&questions) {
+        if let Some(answering) = answering_of(&deciding, entry) {
+            answering.check(questions)?;
+        }
+    }
+    if arguments.spend.estimate {
+        return Ok(foresee(&bench, &questions, &deciding, arguments.json, io));
+    }
+    io.talk(&report::plan(&found.name, &bench, arguments.shard));
+    let results = play::play(&bench, &|phase, done, of| {
+        show(phase, done, of, &budget, io)
+    });
+    io.progress("");
+    let results = results.map_err(failure)?;
+    let rows = rows::rows(&bench, &results);
+    let report = report::Report {
+        name: &found.name,
+        bench: &bench,
+        results: &results,
+        rows: &rows,
+        wall_s: begun.elapsed().as_secs_f64(),
+    };
+    report.write(&out)?;
+    io.report(arguments.json, || report.json(), || report.text());
+    io.talk(&report.told());
+    Ok(exit_of(&results))
+}
+
+/// Returns how many rollouts run side by side by default: one per core, and more where most of the time is a
+/// provider's.
+fn usual_jobs(deciding: &DecidingBy) -> usize {
+    const WITH_PROVIDERS: usize = 8;
+    let cores = thread::available_parallelism().map_or(1, NonZero::get);
+    match asks_a_provider(deciding) {
+        true => cores.max(WITH_PROVIDERS),
+        false => cores,
+    }
+}
+
+fn asks_a_provider(deciding: &DecidingBy) -> bool {
+    let mut answering = deciding.values().filter_map(Deciding::answering);
+    answering.any(Answering::asks_a_provider)
+}
+
+/// Returns the models of an entry's policy, where it asks any.
+fn answering_of<'d>(deciding: &'d DecidingBy, entry: &Entry<'_>) -> Option<&'d Answering> {
+    deciding.get(&named_by(entry.method))?.answering()
+}
+
+/// Says what the suite would ask and cost.
+fn foresee(
+    bench: &Bench<'_>,
+    questions: &[Vec<FirstQuestion>],
+    deciding: &DecidingBy,
+    json: bool,
+    io: &Io,
+) -> Exit {
+    let entries = bench.entries.iter().zip(questions);
+    let parts = entries.filter_map(|(entry, questions)| {
+        let program = entry.programs.values().next()?;
+        let starts = bench.tasks[entry.task].starts.len() as u64;
+        Some(estimate::estimate(
+            &Asking {
+                program,
+                questions,
+                answering: answering_of(deciding, entry)?,
+                horizon: bench
+                    .suite
+                    .horizons
+                    .last()
+                    .copied()
+                    .unwrap_or(program.horizon),
+                rollouts: starts * u64::from(entry.repeats),
+            },
+            io,
+        ))
+    });
+    estimate::say(&Estimate::total(parts), json, io);
+    Exit::Done
+}
+
+fn failure(error: BenchError) -> Failure {
+    Failure::environment(error)
+}
+
+/// Makes the folder of a suite's runs.
+fn out_folder(named: Option<&Path>, suite: &str) -> Result<PathBuf, Failure> {
+    let cannot = |path: &Path, error: std::io::Error| {
+        Failure::environment(format!(
+            "cannot make the folder `{}`: {error}",
+            path.display()
+        ))
+    };
+    if let Some(path) = named {
+        std::fs::create_dir_all(path).map_err(|error| cannot(path, error))?;
+        return Ok(path.to_owned());
+    }
+    let parent = Path::new("runs");
+    std::fs::create_dir_all(parent).map_err(|error| cannot(parent, error))?;
+    for number in 1..=9999u32 {
+        let path = parent.join(format!("bench-{suite}-{number:04}"));
+        match std::fs::create_dir(&path) {
+            Ok(()) => return Ok(path),
+            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(cannot(&path, error)),
+        }
+    }
+    Err(Failure::environment(format!(
+        "`{}` holds 9999 runs of `{suite}` already; name a folder with `--out`",
+        parent.display()
+    )))
+}
+
+/// Opens the user's cache, else one beside the runs: without any, every rollout would simulate its own experts.
+fn cache(out: &Path, io: &Io) -> Cache {
+    match setting::cache(io) {
+        cache if cache.is_kept() => cache,
+        _ => Cache::at(out.join("cache")),
+    }
+}
+
+fn show(phase: Phase, done: usize, of: usize, budget: &Budget, io: &Io) {
+    let what = match phase {
+        Phase::Starts => "starts laid",
+        Phase::Experts => "expert ends known",
+        Phase::Rollouts => "rollouts finished",
+    };
+    let spent = budget.spent();
+    let spent = match spent.calls {
+        0 => String::new(),
+        calls => format!(", {calls} calls, {}", spent.in_words()),
+    };
+    io.progress(&format!("{done} of {of} {what}{spent}"));
+}
+
+/// A suite is done when its rollouts have ended, however they did; only where none could even be played has
+/// the environment failed.
+fn exit_of(results: &Results) -> Exit {
+    let failed = |outcome: Outcome| {
+        matches!(
+            outcome,
+            Outcome::ModelFailed | Outcome::PolicyFailed | Outcome::WorldFailed
+        )
+    };
+    match results.stopped {
+        Some(Stop::Interrupted) => return Exit::Interrupted,
+        Some(Stop::Capped) => return Exit::Unreached,
+        // As that of the rollout that ended so.
+        Some(Stop::ArmLeft) => return Exit::Environment,
+        None if !results.cut_off.is_empty() => return Exit::Unreached,
+        None => {}
+    }
+    let mut outcomes = results
+        .rollouts
+        .iter()
+        .map(|played| played.rollout.report.outcome);
+    if !results.rollouts.is_empty() && outcomes.all(failed) {
+        return Exit::Environment;
+    }
+    Exit::Done
+}

@@ -1,0 +1,49 @@
+//! The arm of `fabc bench --world jaco`.
+//!
+//! In: the command line and the suite. Out: whether the suite can be carried out on that arm, and its world for each rollout.
+
+use crate::exit::Failure;
+use crate::io::Io;
+use crate::verbs::runtime::bench::BenchArguments;
+use crate::verbs::runtime::setting;
+use crate::verbs::runtime::setting::arm::ArmMode;
+use crate::verbs::runtime::setting::worlds::WorldChoice;
+use fab_arm::settings::{DriverKind, Settings};
+use fab_arm::world;
+use fab_bench::on_arm::Cloths;
+use fab_bench::suite::Suite;
+use fab_world::About;
+
+/// An arm that a suite can be carried out on.
+pub struct Arm {
+    /// What its world says of itself.
+    pub about: About,
+    /// How cloths come to lie on its table.
+    pub cloths: Cloths,
+    /// Its settings.
+    pub settings: Settings,
+}
+
+/// Makes sure before anything else that the suite can be carried out on the arm; none where none is asked for.
+pub fn check(arguments: &BenchArguments, suite: &Suite, io: &Io) -> Result<Option<Arm>, Failure> {
+    if arguments.world != WorldChoice::Jaco {
+        return Ok(None);
+    }
+    if let Some(jobs) = arguments.jobs.filter(|jobs| *jobs != 1) {
+        return Err(Failure::usage(format!(
+            "`--jobs {jobs}` is for the simulator: an arm carries rollouts out one at a time"
+        )));
+    }
+    let settings = Settings::load(&arguments.arm.robot).map_err(Failure::environment)?;
+    let cloths = match settings.driver {
+        DriverKind::Simulated => Cloths::Simulated,
+        DriverKind::Kinova | DriverKind::Trajectory => Cloths::ByHand,
+    };
+    cloths.check(suite).map_err(Failure::environment)?;
+    let settings = setting::arm::check(&arguments.arm, ArmMode::Execute, io)?;
+    Ok(Some(Arm {
+        about: world::about(&arguments.arm.robot).map_err(Failure::environment)?,
+        cloths,
+        settings,
+    }))
+}

@@ -1,0 +1,293 @@
+//! Compiles a suite's tasks, finds its starts and models.
+
+use crate::exit::Failure;
+use crate::io::Io;
+use crate::sources;
+use crate::verbs::runtime::bench::BenchArguments;
+use crate::verbs::runtime::bench::Shard;
+use crate::verbs::runtime::setting;
+use crate::verbs::runtime::setting::model_arguments::ModelArguments;
+use crate::verbs::runtime::setting::model_arguments::PolicyArguments;
+use crate::verbs::runtime::setting::model_arguments::Purpose;
+use crate::verbs::runtime::setting::models::Answering;
+use crate::verbs::runtime::setting::policies::Deciding;
+use fab_agent::examples::Examples;
+use fab_agent::policy::MakePolicy;
+use fab_agent::subgoals::{SubgoalError, SubgoalSet};
+use fab_base::interrupt::Interrupt;
+use fab_base::parallel::in_parallel;
+use fab_bench::suite::{Method, Suite};
+use fab_bench::{Entry, Task, starts};
+use fab_program::Program;
+use fab_world::WorldError;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// A task with all of its variants, for its own cloth and for those of its starts.
+pub struct Prepared {
+    /// The task and its starts.
+    pub task: Task,
+    folder: PathBuf,
+    file: String,
+    /// The task and its variants, for the declared cloth.
+    declared: Vec<Program>,
+    /// Likewise, by the grid of a start.
+    by_grid: BTreeMap<[u32; 2], Vec<Program>>,
+}
+
+/// Who decides for each method, by the policy and the model that the method names; none: those of the command line.
+pub type DecidingBy = BTreeMap<[Option<String>; 2], Deciding>;
+
+/// Returns under what the policy of a method is found.
+pub fn named_by(method: &Method) -> [Option<String>; 2] {
+    [method.policy.clone(), method.model.clone()]
+}
+
+/// Finds every policy and model that a suite asks for.
+pub fn deciding(
+    suite: &Suite,
+    policy: &PolicyArguments,
+    models: &ModelArguments,
+    purpose: Purpose,
+    interrupt: &Interrupt,
+    io: &Io,
+) -> Result<DecidingBy, Failure> {
+    let mut deciding = DecidingBy::new();
+    for method in &suite.methods {
+        let key = named_by(method);
+        if deciding.contains_key(&key) {
+            continue;
+        }
+        // A method that names a model is one that asks it, and one that names a policy is not meant by `--model`.
+        let (policy, model) = match &key {
+            [None, None] => (policy.clone(), models.model.clone()),
+            [None, Some(model)] => (policy.named("prompted".to_owned()), vec![model.clone()]),
+            [Some(own), None] if own == "prompted" => {
+                (policy.named(own.clone()), models.model.clone())
+            }
+            [Some(own), model] => (policy.named(own.clone()), model.iter().cloned().collect()),
+        };
+        let models = ModelArguments {
+            model,
+            ..models.clone()
+        };
+        deciding.insert(key, Deciding::of(&policy, &models, purpose, interrupt, io)?);
+    }
+    Ok(deciding)
+}
+
+/// Compiles the tasks and lists their starts; tasks without recorded starts are left out aloud.
+pub fn prepare(
+    suite: &Suite,
+    folder: &Path,
+    arguments: &BenchArguments,
+    threads: usize,
+    io: &Io,
+) -> Result<Vec<Prepared>, Failure> {
+    let mut tasks = Vec::new();
+    for file in &suite.tasks {
+        let path = folder.join(file);
+        let file = path.display().to_string();
+        let declared = sources::compile_tasks(&file, None, io)?;
+        let mut bare = declared.iter().filter(|program| program.variant.is_none());
+        let (Some(program), None) = (bare.next(), bare.next()) else {
+            return Err(Failure::environment(format!(
+                "`{file}` declares several tasks; a suite needs one a file"
+            )));
+        };
+        let program = program.clone();
+        let points = match &arguments.starts {
+            None => starts::generated(suite.starts_of(&program.task), &program.cloth),
+            Some(recorded) => {
+                starts::recorded(recorded, &program.task).map_err(Failure::environment)?
+            }
+        };
+        let points = chosen(points, arguments.limit, arguments.shard);
+        if points.is_empty() {
+            io.talk(&format!(
+                "`{}` is left out: there is no start for it here",
+                program.task
+            ));
+            continue;
+        }
+        tasks.push(Prepared {
+            task: Task {
+                name: program.task.clone(),
+                program,
+                starts: points,
+            },
+            folder: sources::folder_of(&file),
+            file,
+            declared,
+            by_grid: BTreeMap::new(),
+        });
+    }
+    let is_known = |name: &&String| !tasks.iter().any(|it| it.task.name == **name);
+    if let Some(unknown) = suite.own_starts.keys().find(is_known) {
+        let names: Vec<String> = tasks
+            .iter()
+            .map(|it| format!("`{}`", it.task.name))
+            .collect();
+        return Err(Failure::environment(format!(
+            "the suite states starts of a task `{unknown}`, and has {}",
+            names.join(", ")
+        )));
+    }
+    if tasks.is_empty() {
+        return Err(Failure::environment(
+            "no task of the suite has a start; `--starts` names recorded ones, `--shard` a part of them",
+        ));
+    }
+    compile_all(&mut tasks, threads, io)?;
+    Ok(tasks)
+}
+
+/// Keeps the first starts, and of those every one of a part.
+fn chosen<T>(points: Vec<T>, limit: Option<u32>, shard: Option<Shard>) -> Vec<T> {
+    let limit = limit.map_or(usize::MAX, |limit| limit as usize);
+    let Shard { part, of } = shard.unwrap_or(Shard { part: 1, of: 1 });
+    let first = points.into_iter().take(limit);
+    first.skip(part as usize - 1).step_by(of as usize).collect()
+}
+
+/// Compiles every task for the grid of every start.
+fn compile_all(tasks: &mut [Prepared], threads: usize, io: &Io) -> Result<(), Failure> {
+    let mut jobs = Vec::new();
+    for (number, prepared) in tasks.iter().enumerate() {
+        let grids: BTreeSet<_> = prepared.task.starts.iter().map(|it| it.grid()).collect();
+        jobs.extend(grids.into_iter().map(|grid| (number, grid)));
+    }
+    let compiled = in_parallel(
+        jobs.len(),
+        threads,
+        |index| {
+            let (number, grid) = jobs[index];
+            programs_for(&tasks[number], grid, io).map(Some)
+        },
+        |_| {},
+    )?;
+    for ((number, grid), programs) in jobs.into_iter().zip(compiled) {
+        tasks[number]
+            .by_grid
+            .insert(grid, programs.unwrap_or_default());
+    }
+    Ok(())
+}
+
+fn programs_for(prepared: &Prepared, grid: [u32; 2], io: &Io) -> Result<Vec<Program>, Failure> {
+    let cloth = &prepared.task.program.cloth;
+    if [cloth.dimx, cloth.dimy] == grid {
+        return Ok(prepared.declared.clone());
+    }
+    sources::compile_tasks_for(&prepared.file, None, grid, io)
+}
+
+/// Pairs tasks with methods; None where the user stopped the drawing of subgoals.
+pub fn entries<'a>(
+    suite: &'a Suite,
+    prepared: &[Prepared],
+    deciding: &'a DecidingBy,
+    arguments: &BenchArguments,
+    interrupt: &Interrupt,
+    io: &Io,
+) -> Result<Option<Vec<Entry<'a>>>, Failure> {
+    let mut entries = Vec::new();
+    for (number, prepared) in prepared.iter().enumerate() {
+        for method in &suite.methods {
+            let Some(shown) = variant_of(&prepared.declared, method) else {
+                refuse_or_say(prepared, method, arguments, io)?;
+                continue;
+            };
+            let Some(subgoals) = subgoals(shown, &prepared.folder, interrupt)? else {
+                return Ok(None);
+            };
+            let programs = prepared.by_grid.iter().filter_map(|(grid, programs)| {
+                Some((*grid, variant_of(programs, method)?.clone()))
+            });
+            let Some(deciding) = deciding.get(&named_by(method)) else {
+                continue;
+            };
+            let policy = deciding.make();
+            if let Err(error) = policy.prepare(shown) {
+                if !method.optional {
+                    return Err(Failure::environment(error));
+                }
+                io.talk(&format!("{error}: its row `{}` is left out", method.name));
+                continue;
+            }
+            let examples = Examples::load(shown, &prepared.folder);
+            entries.push(Entry {
+                task: number,
+                method,
+                make_policy: deciding,
+                policy: policy.description(),
+                models: deciding.answering().map(Answering::models),
+                programs: programs.collect(),
+                subgoals,
+                examples: examples.map_err(Failure::environment)?,
+                repeats: match policy.varies() {
+                    true => arguments
+                        .repeats
+                        .or(method.repeats)
+                        .unwrap_or(suite.repeats),
+                    false => 1,
+                },
+            });
+        }
+    }
+    if entries.is_empty() {
+        return Err(Failure::environment(
+            "no task of the suite has a variant that its methods name",
+        ));
+    }
+    Ok(Some(entries))
+}
+
+fn variant_of<'p>(programs: &'p [Program], method: &Method) -> Option<&'p Program> {
+    programs
+        .iter()
+        .find(|program| program.variant == method.variant)
+}
+
+fn refuse_or_say(
+    prepared: &Prepared,
+    method: &Method,
+    arguments: &BenchArguments,
+    io: &Io,
+) -> Result<(), Failure> {
+    let variant = method.variant.as_deref().unwrap_or_default();
+    if method.optional {
+        io.talk(&format!(
+            "`{}` has no variant `{variant}`: its row `{}` is left out",
+            prepared.task.name, method.name
+        ));
+        return Ok(());
+    }
+    let names = prepared
+        .declared
+        .iter()
+        .filter_map(|program| program.variant.as_deref());
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    let there = match names.is_empty() {
+        true => "there is none".to_owned(),
+        false => format!("there is {}", names.join(", ")),
+    };
+    let why = format!("`{}` has no variant `{variant}`; {there}", prepared.file);
+    Err(match arguments.variant.is_some() {
+        true => Failure::usage(why),
+        false => Failure::environment(why),
+    })
+}
+
+/// Finds or draws the pictures of the declared cloth; None where the user stopped it.
+fn subgoals(
+    program: &Program,
+    folder: &Path,
+    interrupt: &Interrupt,
+) -> Result<Option<SubgoalSet>, Failure> {
+    let mut world = setting::world(program).map_err(Failure::environment)?;
+    match SubgoalSet::obtain(program, folder, world.as_mut(), interrupt) {
+        Err(SubgoalError::World(WorldError::Interrupted)) => Ok(None),
+        obtained => Ok(Some(obtained.map_err(Failure::environment)?)),
+    }
+}

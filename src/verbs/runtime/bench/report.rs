@@ -1,0 +1,236 @@
+//! What `fabc bench` prints and writes.
+
+use crate::exit::Failure;
+use crate::verbs::runtime::bench::Shard;
+use fab_agent::outcome::Outcome;
+use fab_base::files;
+use fab_bench::Bench;
+use fab_bench::play::{Results, Stop};
+use fab_bench::rows::Row;
+use fab_bench::{statistics, table};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// A suite that was carried out.
+pub struct Report<'a> {
+    /// The suite's name.
+    pub name: &'a str,
+    /// What was to be done.
+    pub bench: &'a Bench<'a>,
+    /// What was done.
+    pub results: &'a Results,
+    /// The figures.
+    pub rows: &'a [Row],
+    /// Wall time of all, seconds.
+    pub wall_s: f64,
+}
+
+/// Says what a suite is about to do.
+pub fn plan(name: &str, bench: &Bench<'_>, shard: Option<Shard>) -> String {
+    let rollouts: usize = bench
+        .entries
+        .iter()
+        .map(|entry| bench.tasks[entry.task].starts.len() * entry.repeats as usize)
+        .sum();
+    let policies: BTreeSet<String> = bench
+        .entries
+        .iter()
+        .map(|entry| match (entry.policy.is_stand_in(), &entry.models) {
+            (true, _) => format!(
+                "model {} (a stand-in, no vision-language model)",
+                entry.policy.name
+            ),
+            (false, Some(_)) => format!("model {}", entry.policy.name),
+            (false, None) => entry.policy.title(),
+        })
+        .collect();
+    let policies: Vec<String> = policies.into_iter().collect();
+    let part = shard.map_or(String::new(), |Shard { part, of }| {
+        format!(", part {part} of {of} of the starts")
+    });
+    format!(
+        "{name}: {} in `{}`{part}, {} at a time; {}",
+        counted(rollouts, "rollout"),
+        bench.out.display(),
+        bench.side_by_side(),
+        policies.join(", ")
+    )
+}
+
+fn counted(count: usize, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
+    }
+}
+
+impl Report<'_> {
+    /// Returns the document that `--json` prints.
+    pub fn json(&self) -> Value {
+        json!({
+            "suite": self.name,
+            "wall_s": self.wall_s,
+            "params": self.results.params,
+            "out": self.bench.out.display().to_string(),
+            "interrupted": self.results.stopped == Some(Stop::Interrupted),
+            "capped": self.results.stopped == Some(Stop::Capped),
+            "arm_left": self.results.left.as_ref().map(|left| json!({
+                "run_dir": left.folder.display().to_string(),
+                "why": left.why,
+                "is_clear": left.is_clear,
+            })),
+            "cut_off": self.results.cut_off.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>(),
+            "calls": self.bench.budget.spent(),
+            "rollouts": {
+                "planned": self.results.planned,
+                "finished": self.results.rollouts.len(),
+                "found": self.results.found,
+            },
+            "spent": self.results.spent,
+            "planning_s": self.planning_s(),
+            "rows": self.rows,
+        })
+    }
+
+    /// Returns the tables for a terminal.
+    pub fn text(&self) -> String {
+        match self.rows.is_empty() {
+            true => "no rollout has finished: there is nothing to tabulate".to_owned(),
+            false => table::text(self.bench.suite, self.rows),
+        }
+    }
+
+    /// Writes table.csv, table.json and table.md.
+    pub fn write(&self, out: &Path) -> Result<(), Failure> {
+        let json = serde_json::to_string_pretty(&self.json());
+        let json = json.map_err(Failure::environment)?;
+        let files = [
+            ("table.csv", table::csv(self.rows)),
+            ("table.json", json + "\n"),
+            (
+                "table.md",
+                table::markdown(self.name, self.bench.suite, self.rows),
+            ),
+        ];
+        for (name, text) in files {
+            let path = out.join(name);
+            files::write_whole(&path, text.as_bytes()).map_err(|error| {
+                Failure::environment(format!("cannot write `{}`: {error}", path.display()))
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Says what the work took.
+    pub fn told(&self) -> String {
+        let spent = &self.results.spent;
+        let mut lines = Vec::new();
+        if let Some(stop) = self.results.stopped {
+            let why = match stop {
+                Stop::Interrupted => "interrupted",
+                Stop::Capped => "stopped by a cap",
+                Stop::ArmLeft => "ended by the arm",
+            };
+            lines.push(format!(
+                "{why}: {} of {} rollouts have ended; the same `--out` goes on from there",
+                self.results.rollouts.len(),
+                self.results.planned
+            ));
+        } else if self.results.found > 0 {
+            lines.push(format!(
+                "{} of {} rollouts had ended before and were not run again",
+                self.results.found, self.results.planned
+            ));
+        }
+        lines.extend(self.failed());
+        lines.extend(self.cut_off());
+        lines.extend(self.arm_left());
+        let calls = self.bench.budget.spent();
+        if calls.calls > 0 {
+            lines.push(format!("calls: {}, {}", calls.calls, calls.in_words()));
+        }
+        if spent.experts > 0 {
+            let kind = match spent.experts_simulated {
+                0 => "warm: all were kept".to_owned(),
+                count => format!("cold: {count} of {} simulated", spent.experts),
+            };
+            lines.push(format!("expert ends: {:.1} s ({kind})", spent.experts_s));
+        }
+        lines.push(format!(
+            "starts {:.1} s, rollouts {:.1} s, in all {:.1} s",
+            spent.starts_s, spent.rollouts_s, self.wall_s
+        ));
+        if let Some(planning_s) = self.planning_s() {
+            lines.push(format!(
+                "planning without the model: {:.0} ms per action (render, vision, prompt, parse, verify)",
+                planning_s * 1000.0
+            ));
+        }
+        lines.push(format!(
+            "tables: {} (table.csv, table.json, table.md)",
+            self.bench.out.display()
+        ));
+        lines.join("\n")
+    }
+
+    /// Says why rollouts failed: of each kind of failure, how many there are and the words of the first.
+    fn failed(&self) -> Vec<String> {
+        let failures = [
+            Outcome::ModelFailed,
+            Outcome::PolicyFailed,
+            Outcome::WorldFailed,
+        ];
+        let line = |outcome: Outcome| {
+            let rollouts = self.results.rollouts.iter();
+            let reports = rollouts.map(|played| &played.rollout.report);
+            let failed: Vec<_> = reports.filter(|it| it.outcome == outcome).collect();
+            let why = failed.first()?.stopped.as_deref().unwrap_or_default();
+            Some(format!(
+                "warning: {} ended `{}`, the first one so: {why}",
+                counted(failed.len(), "rollout"),
+                outcome.name()
+            ))
+        };
+        failures.into_iter().filter_map(line).collect()
+    }
+
+    /// Names the rollouts on an arm that are not gone on with.
+    fn cut_off(&self) -> Option<String> {
+        let folders = self.results.cut_off.iter();
+        let names: Vec<String> = folders
+            .map(|folder| format!("`{}`", folder.display()))
+            .collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "warning: {} on the arm was cut off earlier, and is neither gone on with nor in the tables: {}; move its folder away to have it carried out from the beginning",
+                counted(names.len(), "rollout"),
+                names.join(", ")
+            )
+        })
+    }
+
+    /// Says after which rollout none was begun for the arm's sake, and why.
+    fn arm_left(&self) -> Option<String> {
+        let left = self.results.left.as_ref()?;
+        let folder = left.folder.display();
+        Some(match left.is_clear {
+            true => format!(
+                "no further rollout was begun after `{folder}`, in which the arm or the camera failed: {}; the arm is at rest",
+                left.why
+            ),
+            false => format!(
+                "the arm was left in the middle of a motion, and no further rollout was begun: {}; look after it, and say so by `fabc robot recover {folder}`",
+                left.why
+            ),
+        })
+    }
+
+    /// Mean over all actions.
+    fn planning_s(&self) -> Option<f64> {
+        let rollouts = self.results.rollouts.iter();
+        let steps = rollouts.flat_map(|played| &played.rollout.steps);
+        let planning: Vec<f64> = steps.filter_map(|step| step.spent.planning_s).collect();
+        statistics::mean(&planning)
+    }
+}

@@ -1,0 +1,308 @@
+//! `fabc calibrate`: from points that the arm touched to a file that says where the camera's pixels lie for it.
+//!
+//! In: the arm's settings, points from a file, typed, or touched by an arm that is guided, the camera's picture. Out: the calibration's file, its picture,
+//! a drawing of the errors, and what they come to. Nothing that was there is lost: it is kept under another name.
+
+mod backup;
+mod report;
+mod typing;
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::verbs::runtime::robot::connect;
+use crate::verbs::runtime::setting::catalogue;
+use clap::Args;
+use clap::ValueEnum;
+use clap::ValueHint;
+use fab_agent::arm_sight::draw_errors;
+use fab_arm::calibration::{
+    Calibration, Method, Pair, Refusal, Terms, ToolReader, place_at_rest, read_pairs,
+};
+use fab_arm::directory::{PictureSelection, last_picture};
+use fab_arm::rgbd::Intrinsics;
+use fab_arm::settings::{CameraSource, Settings};
+use fab_arm::world;
+use fab_base::files;
+use fab_picture::png;
+use image::RgbImage;
+use std::path::{Path, PathBuf};
+
+/// How points are given.
+const POINTS: &str = "\
+Points are lines `u,v,x,y,z` or `u,v,x,y,z,depth`: a pixel of the camera's own picture, then the tool's position in \
+metres in the arm's base frame when the fingertips touch what the pixel shows. Without --pairs they are typed, one a \
+line; `undo` takes the last one back, `list` shows them, `done` or the end of input ends it. What was typed is kept beside \
+the file, as NAME.pairs.csv. With --jog only the pixel is typed, while the fingertips are there: the tool's position is read \
+from the arm, once it is at rest with its hand straight down.
+
+Exit codes: 0 written, 2 refused or a file cannot be used, 64 wrong usage.";
+
+/// Arguments of `calibrate`.
+#[derive(Args)]
+#[command(after_help = POINTS)]
+pub struct CalibrateArguments {
+    /// The arm's settings.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub robot: PathBuf,
+    /// Points, one a line, commas between; a first line may name the columns (`x_mm` is millimetres).
+    #[arg(long, value_name = "CSV", value_hint = ValueHint::FilePath)]
+    pub pairs: Option<PathBuf>,
+    /// Read the tool's position from the arm, which a person guides by hand or by the vendor's joystick; fabc moves nothing.
+    #[arg(long)]
+    pub jog: bool,
+    /// Type further points after those of --pairs.
+    #[arg(long, requires = "pairs")]
+    pub more: bool,
+    /// Say at which pixels points are best touched: so many columns and rows over the window.
+    #[arg(long, value_name = "4x4", value_parser = columns_and_rows)]
+    pub grid: Option<[u32; 2]>,
+    /// How pixels and the base are joined.
+    #[arg(long, value_enum, default_value = "plane")]
+    pub method: MethodArgument,
+    /// The largest root mean square error that is accepted, millimetres; default: 3 by plane, 5 by rigid.
+    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
+    pub limit: Option<f64>,
+    /// The camera's own picture of the table, by which a moved camera is noticed; default: the newest of its folder,
+    /// where the settings name one.
+    #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
+    pub image: Option<PathBuf>,
+    /// Take that picture from the camera itself now, of topics or of its folder, and its intrinsics where the settings state
+    /// none.
+    #[arg(long, conflicts_with = "image")]
+    pub shoot: bool,
+    /// The file; default: the one that the settings name. One that is there is kept as FILE.before-N.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub out: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How pixels and the base are joined.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum MethodArgument {
+    /// A homography to the table's plane; needs no depth.
+    Plane,
+    /// The camera's pose; needs depth at every point, and the camera's intrinsics.
+    Rigid,
+}
+
+impl From<MethodArgument> for Method {
+    fn from(argument: MethodArgument) -> Method {
+        match argument {
+            MethodArgument::Plane => Method::Plane,
+            MethodArgument::Rigid => Method::Rigid,
+        }
+    }
+}
+
+/// Reads `4x4`, columns and rows.
+fn columns_and_rows(text: &str) -> Result<[u32; 2], String> {
+    let read = || {
+        let (columns, rows) = text.split_once('x')?;
+        let sides = [columns.parse().ok()?, rows.parse().ok()?];
+        sides
+            .iter()
+            .all(|side| (2..=20).contains(side))
+            .then_some(sides)
+    };
+    read().ok_or_else(|| "write columns and rows, such as `4x4`; each 2 to 20".to_owned())
+}
+
+/// Calibrates from points of a file, typed ones, or such to which a person brings the arm.
+pub fn run(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
+    match arguments.jog {
+        true => jogged(arguments, io),
+        false => run_with(arguments, None, io),
+    }
+}
+
+/// Calibrates by an arm that a person guides, by hand or by the vendor's joystick; it is looked at and not moved.
+fn jogged(arguments: &CalibrateArguments, io: &Io) -> Result<Exit, Failure> {
+    if arguments.pairs.is_some() && !arguments.more {
+        return Err(Failure::usage(
+            "`--pairs` alone takes its points from the file, and `--jog` from the arm; with `--more` those of the arm follow",
+        ));
+    }
+    let nobody = "nobody can guide it to a point; type points, or give them with `--pairs`";
+    let settings = connect::settings_of_real(&arguments.robot, nobody)?;
+    let mut port = connect::port(&settings).map_err(Failure::environment)?;
+    let stale_s = settings.tolerance.stale_s;
+    let tool = move || place_at_rest(port.as_mut(), stale_s);
+    run_with(arguments, Some(Box::new(tool)), io)
+}
+
+/// Calibrates; with `tool`, only pixels are typed, and the tool's place is read from the arm at each.
+fn run_with(
+    arguments: &CalibrateArguments,
+    tool: Option<Box<ToolReader<'_>>>,
+    io: &Io,
+) -> Result<Exit, Failure> {
+    let settings = Settings::load(&arguments.robot).map_err(Failure::environment)?;
+    let (seen, told) = match seen(arguments, &settings)? {
+        Some(seen) => (Some(seen.rgb), seen.intrinsics),
+        None => (None, None),
+    };
+    let size_px = size_px(&settings, seen.as_ref())?;
+    let method = Method::from(arguments.method);
+    let limit_mm = arguments.limit.unwrap_or_else(|| method.limit_mm());
+    let mut terms = Terms::of(&settings, method, size_px, limit_mm);
+    // What the settings state was chosen by somebody; else the camera knows itself best.
+    terms.intrinsics = terms.intrinsics.or(told);
+    let path = match &arguments.out {
+        Some(path) => path.clone(),
+        None => beside(&arguments.robot, &settings.calibration),
+    };
+    let pairs = pairs(arguments, &terms, tool, &path, seen.as_ref(), io)?;
+    let day = catalogue::today(io).to_string();
+    let reference = seen.as_ref().map(image::imageops::grayscale);
+    let made = Calibration::make(terms, pairs.clone(), &day, reference);
+    let fit = match &made {
+        Ok(calibration) => Some(&calibration.fit),
+        Err(refusal) => refusal.fit.as_deref(),
+    };
+    let drawn = match seen {
+        Some(mut seen) => {
+            draw_errors(&mut seen, &pairs, fit).map_err(Failure::environment)?;
+            let drawn = path.with_extension("points.png");
+            write(&drawn, &png::encode(&seen))?;
+            Some(drawn)
+        }
+        None => None,
+    };
+    let calibration = made.map_err(|refusal| refused(&refusal, drawn.as_deref()))?;
+    let earlier = backup::copy(&path)?;
+    backup::copy(&Calibration::picture_beside(&path))?;
+    calibration.save(&path).map_err(Failure::environment)?;
+    report::say_doubts(&calibration, &settings, io);
+    let written = report::Written {
+        file: &path,
+        reference: calibration
+            .reference
+            .as_ref()
+            .map(|_| Calibration::picture_beside(&path)),
+        drawn: drawn.as_deref(),
+        earlier: earlier.as_deref(),
+    };
+    match arguments.json {
+        true => io.json(&report::as_json(&calibration, &settings, &written)),
+        false => io.data(&report::as_text(&calibration, &settings, &written)),
+    }
+    Ok(Exit::Done)
+}
+
+fn refused(refusal: &Refusal, drawn: Option<&Path>) -> Failure {
+    let shown = match drawn {
+        Some(drawn) => format!("\n`{}` shows the points", drawn.display()),
+        None => String::new(),
+    };
+    Failure::environment(format!(
+        "the points are refused and no calibration is written\n{refusal}{shown}"
+    ))
+}
+
+/// Returns the points of the file, and those that are typed.
+fn pairs(
+    arguments: &CalibrateArguments,
+    terms: &Terms,
+    tool: Option<Box<ToolReader<'_>>>,
+    path: &Path,
+    seen: Option<&RgbImage>,
+    io: &Io,
+) -> Result<Vec<Pair>, Failure> {
+    let given = match &arguments.pairs {
+        Some(file) => read(file)?,
+        None => Vec::new(),
+    };
+    if arguments.pairs.is_some() && !arguments.more {
+        return Ok(given);
+    }
+    let asked = typing::TypingSetup {
+        grid: arguments.grid,
+        path,
+        seen,
+    };
+    io.read(|stdin| typing::type_points(terms, given, tool, &asked, stdin, io))
+}
+
+fn read(file: &Path) -> Result<Vec<Pair>, Failure> {
+    read_pairs(file).map_err(|why| {
+        let file = file.display();
+        Failure::environment(format!("the points in `{file}` cannot be used: {why}"))
+    })
+}
+
+/// A picture of the table, and how its camera projects where it says so itself.
+struct Seen {
+    rgb: RgbImage,
+    intrinsics: Option<Intrinsics>,
+}
+
+/// Returns the camera's own picture: the one that is given or taken now, the newest of the camera's folder, or that of a
+/// simulated table.
+fn seen(arguments: &CalibrateArguments, settings: &Settings) -> Result<Option<Seen>, Failure> {
+    let plain = |rgb| Seen {
+        rgb,
+        intrinsics: None,
+    };
+    if arguments.image.is_none() && settings.camera.source == CameraSource::Simulated {
+        let table = world::simulated_table(settings).map_err(Failure::environment)?;
+        return Ok(Some(plain(table)));
+    }
+    if arguments.shoot {
+        let timeout_s = settings.camera.timeout_s;
+        let camera = connect::camera(
+            settings,
+            &arguments.robot,
+            PictureSelection::Fresh { timeout_s },
+        );
+        let shot = camera.map_err(Failure::environment)?.shoot();
+        let shot = shot.map_err(Failure::environment)?;
+        return Ok(Some(Seen {
+            rgb: shot.rgb,
+            intrinsics: shot.intrinsics,
+        }));
+    }
+    let path = match (
+        &arguments.image,
+        settings.camera.source,
+        &settings.camera.folder,
+    ) {
+        (Some(path), _, _) => Some(path.clone()),
+        (None, CameraSource::Directory, Some(folder)) => {
+            let folder = beside(&arguments.robot, folder);
+            last_picture(&folder).map_err(|why| {
+                Failure::environment(format!(
+                    "cannot read the folder `{}`: {why}",
+                    folder.display()
+                ))
+            })?
+        }
+        _ => None,
+    };
+    let seen = path.map(|path| png::load(&path).map(plain)).transpose();
+    seen.map_err(Failure::environment)
+}
+
+fn size_px(settings: &Settings, seen: Option<&RgbImage>) -> Result<[u32; 2], Failure> {
+    let stated = settings.camera.intrinsics.as_ref().map(|it| it.size_px);
+    let shown = seen.map(|seen| [seen.width(), seen.height()]);
+    shown.or(stated).ok_or_else(|| {
+        Failure::usage(
+            "the size of the camera's picture is not known: give a picture with `--image PNG`, or state \
+             `camera.intrinsics` in the settings",
+        )
+    })
+}
+
+/// Returns a path that a settings file names, relative to it.
+fn beside(robot: &Path, named: &Path) -> PathBuf {
+    robot.parent().unwrap_or(Path::new("")).join(named)
+}
+
+/// Writes a file whole.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    files::write_whole(path, bytes).map_err(|error| {
+        Failure::environment(format!("cannot write `{}`: {error}", path.display()))
+    })
+}

@@ -1,0 +1,104 @@
+//! `fabc demos`: makes in-context examples of a task by the scripted expert.
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::sources;
+use crate::sources::TaskArguments;
+use crate::verbs::runtime::setting;
+use clap::Args;
+use clap::ValueHint;
+use fab_agent::demos;
+use fab_agent::demos::{Demo, Header, MakeError, Making};
+use fab_base::files;
+use fab_world::WorldError;
+use serde::Serialize;
+use serde_json::json;
+use std::fs;
+use std::path::PathBuf;
+
+/// Arguments of `demos`.
+#[derive(Args)]
+pub struct DemosArguments {
+    #[command(flatten)]
+    pub task: TaskArguments,
+    /// How many demonstrations, each from a start of its own; every one gives an example for each step.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub count: u32,
+    /// Draws the starts.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// The file; default: the one that the task names.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub out: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Demonstrates the task and writes the file that it names.
+pub fn run(arguments: &DemosArguments, io: &Io) -> Result<Exit, Failure> {
+    let program = sources::compile_task(&arguments.task, io)?;
+    let interrupt = io.interrupt()?;
+    let make_world = || setting::world(&program);
+    let making = Making {
+        program: &program,
+        count: arguments.count,
+        seed: arguments.seed,
+        make_world: &make_world,
+        interrupt: &interrupt,
+    };
+    let mut announce = |what: &str| io.talk(what);
+    let (header, made) = match demos::make(&making, &mut announce) {
+        Ok(made) => made,
+        Err(MakeError::World(WorldError::Interrupted)) => return Err(Failure::interrupted()),
+        Err(MakeError::Task(why)) => return Err(Failure::usage(why)),
+        Err(error) => return Err(Failure::environment(error)),
+    };
+    let path = match (&arguments.out, &program.demos) {
+        (Some(path), _) => path.clone(),
+        (None, Some(named)) => sources::folder_of(&arguments.task.file).join(&named.file.path),
+        (None, None) => return Err(Failure::usage("the task names no file; give `--out`")),
+    };
+    let unwritable =
+        |error| Failure::environment(format!("cannot write `{}`: {error}", path.display()));
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(unwritable)?;
+    }
+    files::write_whole(&path, lines(&header, &made).as_bytes()).map_err(unwritable)?;
+    let actions: usize = made.iter().map(|demo| demo.steps.len()).sum();
+    io.report(
+        arguments.json,
+        || {
+            json!({
+                "file": path.display().to_string(),
+                "task": program.task,
+                "variant": program.variant,
+                "stage": header.stage,
+                "demos": made.len(),
+                "actions": actions,
+                "seed": header.seed,
+                "params": header.params,
+            })
+        },
+        || {
+            format!(
+                "{}: {} demonstrations, {actions} actions, for the stage `{}`",
+                path.display(),
+                made.len(),
+                header.stage
+            )
+        },
+    );
+    Ok(Exit::Done)
+}
+
+/// Writes the header and each demonstration on a line of its own.
+fn lines(header: &Header, made: &[Demo]) -> String {
+    let mut text = line(header);
+    made.iter().for_each(|demo| text.push_str(&line(demo)));
+    text
+}
+
+fn line(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("demonstrations have string keys and finite numbers") + "\n"
+}

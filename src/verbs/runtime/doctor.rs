@@ -1,0 +1,349 @@
+//! `fabc doctor`: what is set up, what is missing, and the line that sets it up.
+//!
+//! Nothing is sent to any provider; servers on this machine are only connected to. Keys are looked for by name, and
+//! none is held or shown.
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::verbs::runtime::setting;
+use crate::verbs::runtime::setting::catalogue::FactsArguments;
+use crate::verbs::runtime::setting::catalogue::{self, UserFile};
+use crate::verbs::runtime::setting::remote;
+use clap::Args;
+use fab_providers::catalogue::{Catalogue, KeyNeed, Provider};
+use fab_providers::remote::Key;
+use serde::Serialize;
+use serde_json::json;
+use std::net::{SocketAddr, TcpStream};
+use std::path::Path;
+use std::time::Duration;
+
+/// Arguments of `doctor`.
+#[derive(Args)]
+pub struct DoctorArguments {
+    #[command(flatten)]
+    pub facts: FactsArguments,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How long a server on this machine may take to take a connection.
+const CONNECT_TIME: Duration = Duration::from_millis(300);
+
+/// One thing that was looked at.
+#[derive(Serialize)]
+struct Finding {
+    /// What kind of thing it is.
+    about: About,
+    /// Its name.
+    name: String,
+    state: State,
+    /// What was found, in words.
+    found: String,
+    /// The line that sets it up or repairs it.
+    help: Option<String>,
+}
+
+#[derive(Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum About {
+    Version,
+    File,
+    Model,
+    Provider,
+}
+
+#[derive(Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum State {
+    /// It can be used.
+    Ready,
+    /// It is not set up, and need not be.
+    Missing,
+    /// It is set up, and cannot be used.
+    Broken,
+}
+
+impl Finding {
+    fn ready(about: About, name: &str, found: impl Into<String>) -> Finding {
+        Finding {
+            about,
+            name: name.to_owned(),
+            state: State::Ready,
+            found: found.into(),
+            help: None,
+        }
+    }
+
+    fn missing(
+        about: About,
+        name: &str,
+        found: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Finding {
+        Finding {
+            state: State::Missing,
+            help: Some(help.into()),
+            ..Finding::ready(about, name, found)
+        }
+    }
+
+    fn broken(about: About, name: &str, found: impl Into<String>) -> Finding {
+        Finding {
+            state: State::Broken,
+            ..Finding::ready(about, name, found)
+        }
+    }
+}
+
+/// Looks at everything and lists it.
+pub fn run(arguments: &DoctorArguments, io: &Io) -> Result<Exit, Failure> {
+    let mut findings = versions();
+    let (catalogue, facts) = facts(arguments.facts.models.as_deref(), io);
+    findings.push(facts);
+    let (names, keys) = keys(io);
+    findings.push(keys);
+    findings.push(cache(io));
+    let stand_ins = "embedded stand-ins, ready without key or network; no vision-language models";
+    findings.push(Finding::ready(
+        About::Model,
+        "geometric, random, imperfect",
+        stand_ins,
+    ));
+    findings.extend(providers(&catalogue, &names, io));
+    let is_broken = findings
+        .iter()
+        .any(|finding| finding.state == State::Broken);
+    io.report(
+        arguments.json,
+        || json!({ "ready": !is_broken, "findings": findings }),
+        || text(&findings),
+    );
+    Ok(if is_broken {
+        Exit::Environment
+    } else {
+        Exit::Done
+    })
+}
+
+fn versions() -> Vec<Finding> {
+    let library = match fab_vision::library() {
+        Ok(version) => Finding::ready(About::Version, "OpenCV", version),
+        Err(error) => Finding::broken(About::Version, "OpenCV", error.to_string()),
+    };
+    vec![
+        Finding::ready(About::Version, "fabc", env!("CARGO_PKG_VERSION")),
+        library,
+    ]
+}
+
+/// Returns what is known of models; where the user's file cannot be used, what is known without it.
+fn facts(flag: Option<&Path>, io: &Io) -> (Catalogue, Finding) {
+    const NAME: &str = "facts about models";
+    let absent = |path: String| {
+        let help = format!("to add or correct facts, write {path} (`fabc models --help`)");
+        Finding::missing(
+            About::File,
+            NAME,
+            "none of yours; the embedded ones are used",
+            help,
+        )
+    };
+    let Some(file) = catalogue::facts_file(flag, io) else {
+        return (
+            Catalogue::builtin(),
+            absent("a file and name it in FABC_MODELS".to_owned()),
+        );
+    };
+    let path = file.path.display().to_string();
+    if !file.counts() {
+        return (Catalogue::builtin(), absent(path));
+    }
+    match Catalogue::builtin().overlaid_by(&file.path) {
+        Ok(catalogue) => (catalogue, Finding::ready(About::File, NAME, path)),
+        Err(error) => (
+            Catalogue::builtin(),
+            Finding::broken(About::File, NAME, error.to_string()),
+        ),
+    }
+}
+
+/// A file of keys: where it is, and the names in it.
+struct Keys {
+    path: Option<String>,
+    names: Vec<String>,
+}
+
+fn keys(io: &Io) -> (Keys, Finding) {
+    const NAME: &str = "keys";
+    let file = catalogue::keys_file(io);
+    let path = file.as_ref().map(|file| file.path.display().to_string());
+    let mut keys = Keys {
+        path,
+        names: Vec::new(),
+    };
+    let found = match file.filter(UserFile::counts) {
+        None => {
+            let place = keys
+                .path
+                .as_deref()
+                .unwrap_or("a file that FABC_KEYS names");
+            let help = format!(
+                "keys may stand in variables, or in {place} (chmod 600), a line each: NAME = \"KEY\""
+            );
+            Finding::missing(About::File, NAME, "no file of keys", help)
+        }
+        Some(file) => match Key::names_in(&file.path) {
+            Ok(names) => {
+                let listed = if names.is_empty() {
+                    "no key".to_owned()
+                } else {
+                    names.join(", ")
+                };
+                keys.names = names;
+                Finding::ready(
+                    About::File,
+                    NAME,
+                    format!("{}: {listed}", file.path.display()),
+                )
+            }
+            Err(error) => Finding::broken(About::File, NAME, error.to_string()),
+        },
+    };
+    (keys, found)
+}
+
+fn cache(io: &Io) -> Finding {
+    const NAME: &str = "cache";
+    let Some(folder) = setting::cache_folder(io) else {
+        let help = "name a folder in FABC_CACHE_DIR";
+        return Finding::missing(
+            About::File,
+            NAME,
+            "no folder: results are computed anew each time",
+            help,
+        );
+    };
+    let shown = folder.display();
+    // A name of this process's own, so that two doctors do not meet.
+    let trial = folder.join(format!("doctor-{}", std::process::id()));
+    let written = std::fs::create_dir_all(&folder)
+        .and_then(|()| std::fs::write(&trial, "written by fabc doctor"))
+        .and_then(|()| std::fs::remove_file(&trial));
+    match written {
+        Ok(()) => Finding::ready(About::File, NAME, shown.to_string()),
+        Err(error) => Finding {
+            help: Some("make it writable, or name another folder in FABC_CACHE_DIR".to_owned()),
+            ..Finding::broken(
+                About::File,
+                NAME,
+                format!("cannot write into {shown}: {error}"),
+            )
+        },
+    }
+}
+
+fn providers(catalogue: &Catalogue, keys: &Keys, io: &Io) -> Vec<Finding> {
+    let providers = catalogue.providers();
+    // Side by side, so that ten servers that are not there cost no more time than one.
+    std::thread::scope(|scope| {
+        let looks: Vec<_> = providers
+            .iter()
+            .map(|provider| scope.spawn(|| look(provider, keys, io)))
+            .collect();
+        let found = looks
+            .into_iter()
+            .map(|look| look.join().expect("looking at a provider does not panic"));
+        found.collect()
+    })
+}
+
+fn look(provider: &Provider, keys: &Keys, io: &Io) -> Finding {
+    let name = provider.name.as_str();
+    let key = key(provider, keys, io);
+    let with = key
+        .as_ref()
+        .map_or(String::new(), |key| format!(", key: {key}"));
+    if let Some(address) = provider.on_loopback() {
+        return match answers(address) {
+            true => Finding::ready(
+                About::Provider,
+                name,
+                format!("something answers at {address}{with}"),
+            ),
+            false => {
+                let start = provider.start.as_deref().unwrap_or("start its server");
+                let help = format!("{start}, or name its address with --base-url");
+                Finding::missing(
+                    About::Provider,
+                    name,
+                    format!("nothing answers at {address}{with}"),
+                    help,
+                )
+            }
+        };
+    }
+    let Some(base_url) = &provider.base_url else {
+        let found = format!("any server that speaks its interface{with}");
+        return Finding::missing(
+            About::Provider,
+            name,
+            found,
+            "name its address with --base-url",
+        );
+    };
+    match (key, provider.key) {
+        (Some(key), _) => Finding::ready(About::Provider, name, format!("key: {key}; not tried")),
+        (None, KeyNeed::Optional) => {
+            Finding::ready(About::Provider, name, format!("{base_url}, without a key"))
+        }
+        (None, KeyNeed::Required) => {
+            let variable = provider.key_env.first().map_or("its key", String::as_str);
+            let place = keys
+                .path
+                .as_ref()
+                .map_or(String::new(), |path| format!(", or write it into {path}"));
+            let help = format!("export {variable}=…{place}");
+            Finding::missing(About::Provider, name, "no key", help)
+        }
+    }
+}
+
+/// Returns from where a provider's key would be taken.
+fn key(provider: &Provider, keys: &Keys, io: &Io) -> Option<String> {
+    let is_set = |name: &&String| remote::environment(name, io).is_some();
+    let variable = provider.key_env.iter().find(is_set);
+    let in_file = || {
+        provider
+            .key_env
+            .iter()
+            .find(|name| keys.names.contains(name))
+    };
+    variable
+        .map(|name| format!("{name} (environment)"))
+        .or_else(|| in_file().map(|name| format!("{name} (file of keys)")))
+}
+
+fn answers(address: SocketAddr) -> bool {
+    TcpStream::connect_timeout(&address, CONNECT_TIME).is_ok()
+}
+
+fn text(findings: &[Finding]) -> String {
+    let mut lines = Vec::new();
+    for finding in findings {
+        let state = match finding.state {
+            State::Ready => "ready  ",
+            State::Missing => "missing",
+            State::Broken => "BROKEN ",
+        };
+        lines.push(format!("{state}  {}: {}", finding.name, finding.found));
+        lines.extend(
+            finding
+                .help
+                .as_ref()
+                .map(|help| format!("         -> {help}")),
+        );
+    }
+    lines.join("\n")
+}

@@ -1,0 +1,71 @@
+//! `--estimate`: what a run or a suite would ask and cost, while nothing is sent.
+
+use crate::io::Io;
+use crate::verbs::runtime::setting::catalogue;
+use crate::verbs::runtime::setting::models::Answering;
+use fab_agent::rollout::FirstQuestion;
+use fab_program::Program;
+use fab_providers::estimate::{Correction, Estimate, Plan, Question};
+
+/// Rollouts that ask alike.
+pub struct Asking<'a> {
+    /// The task.
+    pub program: &'a Program,
+    /// What its stages are sent at first.
+    pub questions: &'a [FirstQuestion],
+    /// Who answers.
+    pub answering: &'a Answering,
+    /// Steps of a rollout.
+    pub horizon: u32,
+    /// How many rollouts.
+    pub rollouts: u64,
+}
+
+/// Bounds what rollouts ask and cost; what an embedded model is asked is no call.
+pub fn estimate(asking: &Asking<'_>, io: &Io) -> Estimate {
+    let program = asking.program;
+    let sent = asking
+        .questions
+        .iter()
+        .filter_map(|FirstQuestion { stage, request }| {
+            Some(Question {
+                stage,
+                profile: asking.answering.profile(request.role)?,
+                messages: &request.messages,
+                schema: request.schema.as_ref(),
+                max_tokens: asking.answering.longest_answer(request),
+            })
+        });
+    let questions: Vec<Question<'_>> = sent.collect();
+    let plan = Plan {
+        questions: &questions,
+        horizon: asking.horizon,
+        actions_per_step: program.actions_per_step(),
+        attempts: program.verify.attempts,
+        correction: match program.verify.with_picture {
+            true => Correction::Picture,
+            false => Correction::Words,
+        },
+        rollouts: asking.rollouts,
+        today: catalogue::today(io),
+    };
+    plan.estimate()
+}
+
+/// Prints an estimate.
+pub fn say(estimate: &Estimate, wants_json: bool, io: &Io) {
+    if wants_json {
+        io.json(
+            &serde_json::to_value(estimate).expect("an estimate has string keys and whole numbers"),
+        );
+        return;
+    }
+    if estimate.stages.is_empty() {
+        io.data("no call is sent: who answers is embedded, or a recording");
+        return;
+    }
+    io.data(&estimate.to_string());
+    io.talk(
+        "an estimate from the first step; nothing was sent. At least: each step is answered at once; at most: every question, correction and retry, and three times the tokens that the text seems to have",
+    );
+}

@@ -1,0 +1,163 @@
+//! Brings the cloth to a step of a task, and looks at it.
+//!
+//! In: a program, a start, the number of a step. Out: what the camera sees then, and the action before. The steps before
+//! are done as the task demonstrates them; where it demonstrates none, the embedded stand-in decides them.
+
+use crate::exit::Failure;
+use crate::io::Io;
+use fab_agent::action::Action;
+use fab_agent::examples::Examples;
+use fab_agent::pictures::Pictures;
+use fab_agent::policy::{Asking, Decision, Exchange, Policy, Prompted, StepView};
+use fab_agent::scene::Scene;
+use fab_agent::subgoals::SubgoalSet;
+use fab_base::interrupt::Interrupt;
+use fab_model::Models;
+use fab_picture::camera::Camera;
+use fab_picture::observation::Observation;
+use fab_program::Proposal;
+use fab_program::facts::ExecutedAction;
+use fab_program::{Fold, PixelPoint, Program, Subgoals, Value};
+use fab_standins::Geometric;
+use fab_world::expert;
+use fab_world::start::Start;
+use fab_world::{Motion, World};
+
+/// What the camera sees at a step, and the action before it.
+pub struct Seen {
+    /// The keypoints.
+    pub scene: Scene,
+    /// The picture that they were found in.
+    pub observation: Observation,
+    /// The action before.
+    pub last: Option<ExecutedAction>,
+}
+
+/// Lays the cloth, does the steps before `step`, which is counted from 1, and looks.
+///
+/// Fails where the cloth cannot be laid, nothing is found in the picture, or the stand-in gives no answer.
+pub fn at(
+    program: &Program,
+    start: &Start,
+    step: u32,
+    subgoals: &SubgoalSet,
+    world: &mut dyn World,
+    interrupt: &Interrupt,
+    io: &Io,
+) -> Result<Seen, Failure> {
+    let folds = match &program.subgoals {
+        Some(Subgoals::Demonstrate { folds }) => folds.as_slice(),
+        _ => &[],
+    };
+    if step > 1 && folds.is_empty() {
+        io.talk(&format!(
+            "note: what is done before step {step} is decided by `geometric`, the embedded stand-in"
+        ));
+    }
+    world.reset(start).map_err(Failure::environment)?;
+    let mut seen = observe(program, None, None, world)?;
+    let mut first: Option<Scene> = None;
+    for earlier in 1..step {
+        let (motion, done) = match folds.get(earlier as usize - 1) {
+            Some(fold) => demonstrated(fold, start, &seen.observation.camera, world)?,
+            None => decided(program, &seen, earlier, subgoals)?,
+        };
+        world
+            .act(&motion, interrupt)
+            .map_err(Failure::environment)?;
+        let first = first.get_or_insert_with(|| seen.scene.clone());
+        seen = observe(program, Some(first), done, world)?;
+    }
+    Ok(seen)
+}
+
+fn observe(
+    program: &Program,
+    first: Option<&Scene>,
+    last: Option<ExecutedAction>,
+    world: &mut dyn World,
+) -> Result<Seen, Failure> {
+    let observation = world.observe().map_err(Failure::environment)?;
+    let scene = Scene::of(program, &observation, first).map_err(Failure::environment)?;
+    Ok(Seen {
+        scene,
+        observation,
+        last,
+    })
+}
+
+/// Returns the motion of a demonstrated fold, and the action that it stands for, where its ends are in the picture.
+fn demonstrated(
+    fold: &Fold,
+    start: &Start,
+    camera: &Camera,
+    world: &mut dyn World,
+) -> Result<(Motion, Option<ExecutedAction>), Failure> {
+    let motion = expert::motion(fold, start, world).map_err(Failure::environment)?;
+    let pixel = |point| {
+        let [column, row]: [f64; 2] = camera.pixel_from_world(point)?;
+        Some(PixelPoint::new(column.floor() as i32, row.floor() as i32))
+    };
+    let ends = pixel(motion.pick).zip(pixel(motion.place));
+    let done = ends.map(|(pick, place)| {
+        let field = |name: &str, point| (name.to_owned(), Value::Point(point));
+        ExecutedAction {
+            proposal: Proposal {
+                fields: vec![field("pick", pick), field("place", place)],
+            },
+            pick,
+            place,
+        }
+    });
+    Ok((motion, done))
+}
+
+/// Lets the stand-in decide a step.
+fn decided(
+    program: &Program,
+    seen: &Seen,
+    step: u32,
+    subgoals: &SubgoalSet,
+) -> Result<(Motion, Option<ExecutedAction>), Failure> {
+    let Seen {
+        scene,
+        observation,
+        last,
+    } = seen;
+    let last = last.as_ref();
+    let subgoals = subgoals.step(step as usize - 1);
+    let subgoals = subgoals.map_err(Failure::environment)?;
+    let examples = Examples::default();
+    let pictures = Pictures::of(program, scene, observation, last, subgoals, examples)
+        .map_err(Failure::environment)?;
+    let view = StepView::outside(program, scene, observation, step, last, &pictures);
+    let models = Models {
+        vision: &Geometric,
+        text: &Geometric,
+    };
+    let mut exchange = Exchange {
+        asking: &mut Asking::unkept(),
+        record: &mut |_| Ok(()),
+        interrupt: &Interrupt::default(),
+    };
+    let decision = Prompted { models }.decide(&view, &mut exchange);
+    let action = match decision.map_err(Failure::environment)? {
+        Decision::Act { mut grips, .. } => grips.pop().and_then(|proposal| {
+            let action = Action::lower(program, &proposal, scene, observation);
+            action.map(|action| (action, proposal))
+        }),
+        Decision::Skip(_) | Decision::Stop { .. } => None,
+    };
+    let Some((action, proposal)) = action else {
+        return Err(Failure::environment(format!(
+            "`geometric`, the embedded stand-in, finds no action for step {step} of `{}`; give the points with `--scene FILE.json`",
+            program.title()
+        )));
+    };
+    let done = ExecutedAction {
+        proposal,
+        pick: action.pick_on_cloth_px,
+        place: action.place_px,
+    };
+    Ok((action.motion, Some(done)))
+}

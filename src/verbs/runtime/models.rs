@@ -1,0 +1,271 @@
+//! `fabc models`: what is known of models, with the day and the source of it.
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::verbs::runtime::setting::catalogue;
+use crate::verbs::runtime::setting::catalogue::FactsArguments;
+use clap::Args;
+use fab_providers::catalogue::{
+    Catalogue, Date, Facts, ImageTokens, Listed, Price, Profile, Provider, Source, Tokens,
+};
+use fab_providers::probe::SIDES_PX;
+use serde_json::{Value, json};
+
+/// How a file of facts is written.
+const FORM: &str = "\
+A file of facts has the form of the embedded one. The fields that an entry gives replace those there were, the others stay:
+
+  [[model]]
+  provider = \"vllm\"            # as in PROVIDER:NAME
+  id = \"my-model\"              # or: part = \"qwen3\", for all models with these words in their id
+  coordinates = { unit = \"per_mille\", order = \"xy\" }   # pixels, fraction, percent, per_mille; xy, yx
+  price = [{ input = 2, cached_input = 0.1, output = 10 }]  # USD per million tokens
+  as_of = \"2026-11-20\"         # both are required
+  source = \"fabc probe\"";
+
+/// Arguments of `models`.
+#[derive(Args)]
+#[command(after_help = FORM)]
+pub struct ModelsArguments {
+    /// Only those of this provider.
+    #[arg(value_name = "PROVIDER")]
+    pub provider: Option<String>,
+    #[command(flatten)]
+    pub facts: FactsArguments,
+    /// The day whose prices and warnings count; default: today.
+    #[arg(long, value_name = "DATE")]
+    pub on: Option<Date>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Lists the models.
+pub fn run(arguments: &ModelsArguments, io: &Io) -> Result<Exit, Failure> {
+    let catalogue = catalogue::load(arguments.facts.models.as_deref(), io)?;
+    let today = arguments.on.unwrap_or_else(|| catalogue::today(io));
+    let wanted = match &arguments.provider {
+        None => None,
+        Some(name) => {
+            let found = catalogue.provider(name);
+            Some(found.map_err(|error| Failure::usage(error.to_string()))?)
+        }
+    };
+    let profiles = match wanted {
+        None => catalogue.profiles(),
+        Some(provider) => of_provider(&catalogue, provider)?,
+    };
+    let is_wanted = |at: Option<&str>| match (wanted, at) {
+        (Some(wanted), Some(at)) => wanted.owner() == at,
+        _ => true,
+    };
+    let families: Vec<Family<'_>> = catalogue
+        .families()
+        .filter(|(_, at, ..)| is_wanted(*at))
+        .collect();
+    io.report(
+        arguments.json,
+        || as_json(&catalogue, &profiles, &families, today),
+        || as_text(&profiles, &families, today),
+    );
+    Ok(Exit::Done)
+}
+
+/// A family: the words of its ids, its provider, its facts, where they are from.
+type Family<'c> = (&'c str, Option<&'c str>, &'c Facts, &'c [Source]);
+
+fn of_provider(catalogue: &Catalogue, provider: &Provider) -> Result<Vec<Profile>, Failure> {
+    let owner = provider.owner();
+    let own = catalogue
+        .profiles()
+        .into_iter()
+        .filter(|profile| profile.provider.name == owner);
+    own.map(|profile| {
+        catalogue
+            .find(&format!("{}:{}", provider.name, profile.id))
+            .map_err(Failure::environment)
+    })
+    .collect()
+}
+
+fn as_json(
+    catalogue: &Catalogue,
+    profiles: &[Profile],
+    families: &[Family<'_>],
+    today: Date,
+) -> Value {
+    let models = profiles.iter().map(|profile| {
+        let (id, name) = match &profile.listed {
+            Listed::ByName(name) => (None, Some(name)),
+            _ => (Some(&profile.id), None),
+        };
+        let notices: Vec<Value> = shown_notices(profile, today)
+            .map(|notice| {
+                let mut value = json!(notice);
+                value["message"] = json!(notice.to_string());
+                value["warning"] = json!(notice.is_warning());
+                value
+            })
+            .collect();
+        let tokens = SIDES_PX.map(|side| image_tokens(profile.facts.image_tokens.as_ref(), side));
+        json!({
+            "provider": profile.provider.name,
+            "id": id,
+            "name": name,
+            "facts": profile.facts,
+            "price": profile.price_on(today),
+            "image_tokens_224": tokens[0],
+            "image_tokens_720": tokens[1],
+            "undated": profile.is_moving(),
+            "notices": notices,
+            "sources": profile.sources,
+        })
+    });
+    let families = families.iter().map(|(part, provider, facts, sources)| {
+        json!({ "part": part, "provider": provider, "facts": facts, "sources": sources })
+    });
+    json!({
+        "on": today,
+        "providers": catalogue.providers(),
+        "models": models.collect::<Vec<_>>(),
+        "families": families.collect::<Vec<_>>(),
+    })
+}
+
+/// Returns what is to be known of a listed model; that a listed name has no id stands in its own column.
+fn shown_notices(
+    profile: &Profile,
+    today: Date,
+) -> impl Iterator<Item = fab_providers::catalogue::Notice> {
+    use fab_providers::catalogue::Notice;
+    profile
+        .notices(today)
+        .into_iter()
+        .filter(|notice| !matches!(notice, Notice::ByName { .. }))
+}
+
+fn image_tokens(formula: Option<&ImageTokens>, side_px: u32) -> Option<Tokens> {
+    formula.map(|formula| formula.of(side_px, side_px))
+}
+
+const HEADINGS: [&str; 9] = [
+    "model",
+    "USD/M in/cached/out",
+    "vision",
+    "schema",
+    "points",
+    "tokens 224",
+    "tokens 720",
+    "shutdown",
+    "source",
+];
+
+fn as_text(profiles: &[Profile], families: &[Family<'_>], today: Date) -> String {
+    let mut sources: Vec<Source> = Vec::new();
+    let mut rows: Vec<[String; 9]> = vec![HEADINGS.map(str::to_owned)];
+    let mut notes = Vec::new();
+    for profile in profiles {
+        let title = match &profile.listed {
+            Listed::ByName(name) => format!("{}:? ({name})", profile.provider.name),
+            _ => profile.title(),
+        };
+        let price = price(profile.price_on(today));
+        let marks = footnotes(&profile.sources, &mut sources);
+        rows.push(row(title.clone(), price, &profile.facts, marks));
+        let notices = shown_notices(profile, today).filter(|notice| {
+            use fab_providers::catalogue::Notice::{PriceChanges, Retired, RetiresSoon};
+            matches!(
+                notice,
+                PriceChanges { .. } | Retired { .. } | RetiresSoon { .. }
+            )
+        });
+        notes.extend(notices.map(|notice| format!("{title}: {notice}")));
+    }
+    for (part, provider, facts, from) in families {
+        let title = format!("{}:*{part}*", provider.unwrap_or("*"));
+        let marks = footnotes(from, &mut sources);
+        rows.push(row(title, price(None), facts, marks));
+    }
+    let mut text = table(&rows);
+    text.push_str("\n\n?: unknown. *: holds for every model with these words in its id. tokens: estimates for one square picture.");
+    text.push_str("\nOn one's own machine no call is billed, whatever the model.");
+    for note in notes {
+        text.push_str(&format!("\n{note}"));
+    }
+    for (number, source) in sources.iter().enumerate() {
+        text.push_str(&format!(
+            "\n[{}] {}: {}",
+            number + 1,
+            source.as_of,
+            source.source
+        ));
+    }
+    text
+}
+
+fn row(title: String, price: String, facts: &Facts, marks: String) -> [String; 9] {
+    let answer = |known: Option<bool>| {
+        known
+            .map_or("?", |yes| if yes { "yes" } else { "no" })
+            .to_owned()
+    };
+    let tokens = |side| {
+        let tokens = image_tokens(facts.image_tokens.as_ref(), side);
+        tokens.map_or("?".to_owned(), |tokens| tokens.to_string())
+    };
+    [
+        title,
+        price,
+        answer(facts.vision),
+        answer(facts.structured_output),
+        facts
+            .coordinates
+            .map_or("?".to_owned(), |_| facts.lowering().to_string()),
+        tokens(SIDES_PX[0]),
+        tokens(SIDES_PX[1]),
+        facts
+            .shutdown
+            .map_or("?".to_owned(), |date| date.to_string()),
+        marks,
+    ]
+}
+
+fn price(price: Option<Price>) -> String {
+    price.map_or("?".to_owned(), |price| {
+        let cached = price
+            .cached_input
+            .map_or("?".to_owned(), |dollars| dollars.to_string());
+        format!("{} / {cached} / {}", price.input, price.output)
+    })
+}
+
+/// Returns the numbers of sources, and lists those that are new.
+fn footnotes(of: &[Source], sources: &mut Vec<Source>) -> String {
+    let numbers = of.iter().map(|source| {
+        let known = sources.iter().position(|known| known == source);
+        let index = known.unwrap_or_else(|| {
+            sources.push(source.clone());
+            sources.len() - 1
+        });
+        format!("[{}]", index + 1)
+    });
+    numbers.collect::<Vec<_>>().join("")
+}
+
+fn table(rows: &[[String; 9]]) -> String {
+    let width = |column: usize| {
+        rows.iter()
+            .map(|row| row[column].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let widths: [usize; 9] = std::array::from_fn(width);
+    let lines = rows.iter().map(|row| {
+        let cells = row
+            .iter()
+            .zip(widths)
+            .map(|(cell, width)| format!("{cell:<width$}"));
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}

@@ -1,0 +1,156 @@
+//! Asks the person beside the arm, on the terminal, what came of a rollout.
+//!
+//! In: a report, and lines of stdin; a request to end is none. Out: a [`Judgement`]. Questions go to stderr, so that stdout stays data; where stdin ends,
+//! nobody has answered.
+
+use crate::io::Io;
+use crate::verbs::runtime::robot::terminal;
+use fab_agent::judgement::{Cause, Judgement};
+use fab_agent::operator::Operator;
+use fab_agent::record::Report;
+use std::path::Path;
+
+/// How often a question is put again where the answer is none of the offered ones.
+const TRIES: u32 = 10;
+
+/// Asks on the terminal.
+pub struct Terminal<'io>(pub &'io Io);
+
+impl Operator for Terminal<'_> {
+    fn judge(&self, report: &Report, folder: &Path) -> Option<Judgement> {
+        let io = self.0;
+        io.progress("");
+        // Whoever held a key while the arm moved may hold it still, and answers in lines from here on.
+        terminal::restore();
+        io.talk(&format!(
+            "{} has ended: {} after {} actions{}, in `{}`",
+            report.task,
+            report.outcome.name(),
+            report.steps,
+            report
+                .stopped
+                .as_ref()
+                .map_or(String::new(), |why| format!(" ({why})")),
+            folder.display()
+        ));
+        let judgement = asked(&mut || terminal::typed_line(io), &mut |text| io.talk(text));
+        if judgement.is_none() {
+            io.talk("note: nobody answered; the rollout is kept without a judgement");
+        }
+        judgement
+    }
+}
+
+/// Puts the questions; none where the lines end, or none of many answers is an offered one.
+fn asked(
+    lines: &mut dyn FnMut() -> Option<String>,
+    say: &mut dyn FnMut(&str),
+) -> Option<Judgement> {
+    let reached = choice(
+        lines,
+        say,
+        "Was the task reached? y or n:",
+        |answer| match answer {
+            "y" | "yes" => Some(true),
+            "n" | "no" => Some(false),
+            _ => None,
+        },
+    )?;
+    let why = match reached {
+        true => None,
+        false => {
+            let question = "Why not? hardware (the arm, its grasp, the camera), detection (corners, the cloth) or reasoning (what the model chose); h, d or r:";
+            let cause = choice(lines, say, question, |answer| {
+                let mut all = Cause::ALL.into_iter();
+                all.find(|cause| !answer.is_empty() && cause.name().starts_with(answer))
+            })?;
+            Some(cause)
+        }
+    };
+    say("In a few words, or nothing:");
+    let words = line(lines).filter(|words| !words.is_empty());
+    Some(Judgement {
+        reached,
+        why,
+        words,
+    })
+}
+
+fn choice<T>(
+    lines: &mut dyn FnMut() -> Option<String>,
+    say: &mut dyn FnMut(&str),
+    question: &str,
+    meant: impl Fn(&str) -> Option<T>,
+) -> Option<T> {
+    for _ in 0..TRIES {
+        say(question);
+        if let Some(found) = meant(&line(lines)?.to_lowercase()) {
+            return Some(found);
+        }
+    }
+    None
+}
+
+/// Returns what was typed, without what surrounds it; none at the end.
+fn line(lines: &mut dyn FnMut() -> Option<String>) -> Option<String> {
+    lines().map(|line| line.trim().to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn answered(typed: &str) -> (Option<Judgement>, usize) {
+        let mut questions = 0;
+        let mut lines = typed.as_bytes();
+        let judgement = asked(&mut || terminal::line_of(&mut lines), &mut |_| {
+            questions += 1
+        });
+        (judgement, questions)
+    }
+
+    fn judgement(reached: bool, why: Option<Cause>, words: Option<&str>) -> Option<Judgement> {
+        let words = words.map(str::to_owned);
+        Some(Judgement {
+            reached,
+            why,
+            words,
+        })
+    }
+
+    #[test]
+    fn answers_are_understood_and_others_asked_for_again() {
+        for (typed, expected, questions) in [
+            ("y\n\n", judgement(true, None, None), 2),
+            ("YES\nas told\n", judgement(true, None, Some("as told")), 2),
+            ("n\nh\n\n", judgement(false, Some(Cause::Hardware), None), 3),
+            (
+                "perhaps\n\nno\nx\ndetection\ntwo corners lay hidden",
+                judgement(
+                    false,
+                    Some(Cause::Detection),
+                    Some("two corners lay hidden"),
+                ),
+                6,
+            ),
+            (
+                "n\nreason\n",
+                judgement(false, Some(Cause::Reasoning), None),
+                3,
+            ),
+            ("", None, 1),
+            ("n\n", None, 2),
+        ] {
+            assert_eq!(answered(typed), (expected, questions), "{typed:?}");
+        }
+        assert_eq!(answered(&"what\n".repeat(50)), (None, TRIES as usize));
+    }
+
+    #[test]
+    fn a_line_without_end_is_cut() {
+        let long = format!("y\n{}", "a".repeat(1 << 20));
+        let (judgement, _) = answered(&long);
+        let words = judgement.and_then(|it| it.words).expect("there are words");
+        assert_eq!(words.len(), terminal::MAX_LINE as usize);
+    }
+}

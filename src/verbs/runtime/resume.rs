@@ -1,0 +1,115 @@
+//! `fabc resume`: goes on with a rollout that was cut off or stopped.
+//!
+//! The rollout is done again from its start, with the answers that its folder holds, and must come out the same; from
+//! the first step that is not there yet it is asked for and carried out anew. So nothing is asked twice, and a task or a
+//! simulator that changed since is noticed.
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::sources;
+use crate::verbs::runtime::run::{self, Begun, Into, RUN_FILE};
+use crate::verbs::runtime::setting::model_arguments::dollars;
+use crate::verbs::runtime::setting::worlds::WorldChoice;
+use clap::Args;
+use clap::ValueHint;
+use fab_agent::outcome::Outcome;
+use fab_agent::record::{Record, Report, Took};
+use fab_agent::rollout::Ended;
+use fab_model::calls::Usd;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `resume`.
+#[derive(Args)]
+pub struct ResumeArguments {
+    /// The run folder.
+    #[arg(value_name = "RUN", value_hint = ValueHint::DirPath)]
+    pub run: PathBuf,
+    /// Another cap on what the whole run may cost, US dollars.
+    #[arg(long, value_name = "USD", value_parser = dollars)]
+    pub max_cost: Option<Usd>,
+    /// Another cap on the calls of the whole run.
+    #[arg(long, value_name = "N")]
+    pub max_calls: Option<u64>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Goes on with a rollout and reports it.
+pub fn run(arguments: &ResumeArguments, io: &Io) -> Result<Exit, Failure> {
+    let folder = fs::canonicalize(&arguments.run).map_err(|error| {
+        Failure::environment(format!(
+            "there is no run folder `{}`: {error}",
+            arguments.run.display()
+        ))
+    })?;
+    let begun = begun(&folder, &arguments.run)?;
+    if let Some((report, took)) = ended(&folder) {
+        return Ok(said(report, took, arguments, io));
+    }
+    let Begun {
+        directory,
+        arguments: mut wanted,
+    } = begun;
+    if wanted.world == WorldChoice::Jaco {
+        return Err(Failure::environment(format!(
+            "the rollout in `{}` was carried out by an arm, which cannot do it again: see how it was left with `fabc robot recover`, and begin a new run",
+            arguments.run.display()
+        )));
+    }
+    wanted.json = arguments.json;
+    wanted.spend.max_cost = arguments.max_cost.or(wanted.spend.max_cost);
+    wanted.spend.max_calls = arguments.max_calls.or(wanted.spend.max_calls);
+    // Paths of the command line are relative to where it was given.
+    let io = io.within(&directory);
+    io.in_folder(|| run::play(&wanted, Into::Again(&folder), &io))
+        .map_err(|failure| failure.saying("the run was begun there"))?
+}
+
+/// Reads how the run was begun.
+fn begun(folder: &Path, named: &Path) -> Result<Begun, Failure> {
+    let path: PathBuf = folder.join(RUN_FILE);
+    let wrong = |why: String| {
+        Failure::environment(format!(
+            "`{}` cannot be gone on with: {why}; rollouts of a suite are gone on with by `fabc bench SUITE --out DIR`",
+            named.display()
+        ))
+    };
+    let bytes = sources::read_bounded(&path);
+    let bytes = bytes.map_err(|why| wrong(format!("its {RUN_FILE} cannot be read ({why})")))?;
+    let begun = serde_json::from_slice(&bytes);
+    begun.map_err(|error| wrong(format!("its {RUN_FILE} is damaged ({error})")))
+}
+
+/// Returns the record of a rollout that ended for good: not by the user, a cap, or a model that could not be had.
+fn ended(folder: &Path) -> Option<(Report, Option<Took>)> {
+    let record = Record::read(folder).ok()?;
+    let report = record.end?.report;
+    match report.outcome {
+        Outcome::Interrupted
+        | Outcome::BudgetExhausted
+        | Outcome::ModelFailed
+        | Outcome::PolicyFailed => None,
+        _ => Some((report, record.took)),
+    }
+}
+
+/// Says how the rollout had ended; the exit code is that of the run.
+fn said(report: Report, took: Option<Took>, arguments: &ResumeArguments, io: &Io) -> Exit {
+    io.talk(&format!(
+        "the rollout in `{}` has ended ({}); there is nothing to go on with",
+        arguments.run.display(),
+        report.outcome.name()
+    ));
+    let judged = report.operator.as_ref().map(|judgement| judgement.reached);
+    let exit = run::exit_of(report.outcome, report.goal_reached, judged);
+    if arguments.json {
+        let document = match took {
+            Some(took) => serde_json::to_value(Ended { report, took }),
+            None => serde_json::to_value(report),
+        };
+        io.json(&document.expect("a report has string keys and finite numbers"));
+    }
+    exit
+}

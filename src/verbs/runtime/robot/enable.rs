@@ -1,0 +1,137 @@
+//! `fabc robot enable`: enables a stopped arm at a person's request.
+//!
+//! In: the arm's settings, and a reason. Out: an arm that accepts motion, verified by re-sending its current pose, and a line
+//! in the last run's journal. What the hand holds, and what that run left unfinished, is unchanged.
+
+use super::recover::{NO_ANSWER, describe, given_or_typed};
+use super::{connect, preflight};
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use clap::Args;
+use clap::ValueHint;
+use fab_arm::driver::Arm;
+use fab_arm::last_run;
+use fab_arm::last_run::Recovery;
+use fab_arm::log::{ARM_FILE, ArmLog, Entry};
+use serde_json::json;
+use std::path::Path;
+use std::path::PathBuf;
+
+/// Arguments of `robot enable`.
+#[derive(Args)]
+pub struct EnableArguments {
+    /// The arm's settings.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub robot: PathBuf,
+    /// Why it was stopped and may go, in words; default: it is asked for.
+    #[arg(long, value_name = "WORDS")]
+    pub how: Option<String>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+const QUESTION: &str = "Let go, it moves as soon as it is told to: is its way free, and a physical stop in reach? \
+Why it was stopped and may go, in a few words; nothing to leave it stopped:";
+
+/// Asks for a reason, and enables the arm.
+pub fn run(arguments: &EnableArguments, io: &Io) -> Result<Exit, Failure> {
+    let robot = &arguments.robot;
+    let nothing = "it ends with the program that moves it, and is never left stopped";
+    let settings = connect::settings_of_real(robot, nothing)?;
+    preflight::claim(robot).map_err(Failure::environment)?;
+    if let Some(note) = unfinished_note(robot) {
+        io.talk(&format!("note: {note}"));
+    }
+    let how = given_or_typed(arguments.how.as_ref(), QUESTION, io);
+    if how.is_empty() {
+        return Err(Failure::environment(format!(
+            "{NO_ANSWER}, so that the arm is left as it is"
+        )));
+    }
+    let mut arm = connect::arm(&settings).map_err(Failure::environment)?;
+    enable(arm.as_mut(), robot, &how)?;
+    match arguments.json {
+        true => io.json(&json!({ "enabled": true, "how": how })),
+        false => io.data("let go: the arm takes motion again"),
+    }
+    Ok(Exit::Done)
+}
+
+/// Enables an arm, and records it if its last run has a journal.
+fn enable(arm: &mut dyn Arm, robot: &Path, how: &str) -> Result<(), Failure> {
+    arm.enable().map_err(|error| {
+        Failure::environment(format!(
+            "the arm was told that it may move again, and it is not verified that it can: {error}"
+        ))
+    })?;
+    let run = last_run::folder(robot).ok().flatten();
+    let Some(run) = run.filter(|run| run.join(ARM_FILE).is_file()) else {
+        return Ok(());
+    };
+    let entry = Entry::Enabled {
+        how: how.to_owned(),
+    };
+    let written = ArmLog::open(&run).and_then(|mut log| log.write(&entry));
+    written.map_err(|error| {
+        Failure::environment(format!(
+            "the arm is let go, and that could not be noted: {error}"
+        ))
+    })
+}
+
+/// Describes what the last run left unfinished: enabling the arm does not recover it.
+fn unfinished_note(robot: &Path) -> Option<String> {
+    match last_run::recovery(robot) {
+        Ok(Recovery::NotNeeded) => None,
+        Ok(Recovery::Needed { state, .. }) => {
+            Some(format!("the last run left it so: {}", describe(&state)))
+        }
+        Ok(Recovery::Unknown { why, .. }) => Some(format!(
+            "in what state the last run left it is not known: {why}"
+        )),
+        Err(error) => Some(error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use fab_arm::driver::{ArmError, Opening, PortArm};
+    use fab_arm::settings::Settings;
+    use fab_arm::simulated::{SimulatedArm, Simulation};
+    use std::fs;
+
+    #[test]
+    fn an_arm_is_enabled_and_its_run_still_needs_recovery() {
+        let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("tasks/real/simulated.toml");
+        let settings = Settings::load(&shipped).unwrap();
+        let port = SimulatedArm::new(Simulation::of(&settings).unwrap(), None);
+        let (fingers, tolerance) = (settings.fingers, settings.tolerance);
+        let mut arm = PortArm::by_poses(port, &settings.model, fingers, tolerance);
+        let folder = tempfile::tempdir().unwrap();
+        let (robot, run) = (folder.path().join("robot.toml"), folder.path().join("run"));
+        fs::create_dir(&run).unwrap();
+        let begun = "{\"type\":\"begin\",\"action\":1,\"segment\":\"lift\",\"to_m\":null,\"hand\":null,\"from_m\":[0.4,0.1,0.02]}\n";
+        fs::write(run.join(ARM_FILE), begun).unwrap();
+        last_run::record(&robot, &run).unwrap();
+
+        arm.stop().unwrap();
+        let mut watch = |_: &_| Ok(());
+        let moved = arm.move_fingers(Opening::Closed, &mut watch);
+        assert_eq!(moved, Err(ArmError::Stopped));
+        enable(&mut arm, &robot, "the cable hung").unwrap();
+        arm.move_fingers(Opening::Closed, &mut watch).unwrap();
+        let line = "{\"type\":\"enabled\",\"how\":\"the cable hung\"}\n";
+        let journal = fs::read_to_string(run.join(ARM_FILE)).unwrap();
+        assert_eq!(journal, format!("{begun}{line}"));
+        let open = unfinished_note(&robot).unwrap();
+        assert!(open.contains("the hand may hold cloth"), "{open}");
+        // Without a run there is nothing to record, and the arm is enabled all the same.
+        arm.stop().unwrap();
+        enable(&mut arm, &folder.path().join("other.toml"), "again").unwrap();
+        arm.move_fingers(Opening::Open, &mut watch).unwrap();
+    }
+}

@@ -1,0 +1,178 @@
+//! The hold-to-run key: whether the space bar is held on the terminal.
+//!
+//! In: bytes from the terminal, without echo. Out: whether the key is held, was just released, or is up. A terminal sends
+//! repeats of a held key but no event for its release, so a release is noticed only after [`HOLD_TIMEOUT`].
+
+use std::time::{Duration, Instant};
+
+/// How long the key counts as held after a byte; repeats come 10 to 30 times a second, the first after up to 0.66 s.
+pub const HOLD_TIMEOUT: Duration = Duration::from_millis(600);
+
+/// The hold-to-run key.
+const SPACE: u8 = b' ';
+
+/// Tracks the hold-to-run key.
+#[derive(Debug, Default)]
+pub struct HoldKey {
+    last: Option<Instant>,
+}
+
+/// The state of the key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeyState {
+    /// It is held.
+    Held,
+    /// It was held until this update.
+    Released,
+    /// It is not held, and was not before.
+    Up,
+}
+
+impl HoldKey {
+    /// Takes in the bytes that were typed since the last update, and returns the state of the key.
+    pub fn update(&mut self, typed: &[u8], now: Instant) -> KeyState {
+        if typed.contains(&SPACE) {
+            self.last = Some(now);
+        }
+        match self.last {
+            Some(last) if now.saturating_duration_since(last) < HOLD_TIMEOUT => KeyState::Held,
+            Some(_) => {
+                self.last = None;
+                KeyState::Released
+            }
+            None => KeyState::Up,
+        }
+    }
+}
+
+#[cfg(unix)]
+pub use unix::{Keys, discard_typed, has_input, restore};
+
+#[cfg(unix)]
+mod unix {
+    use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+    use nix::sys::termios::{FlushArg, LocalFlags, SetArg, Termios, tcflush, tcgetattr, tcsetattr};
+    use std::io::stdin;
+    use std::os::fd::AsFd;
+    use std::sync::{Mutex, PoisonError};
+
+    /// The terminal's settings before keys were watched; `None` while they are not.
+    static BEFORE: Mutex<Option<Termios>> = Mutex::new(None);
+
+    /// Restores the terminal's settings: for exits that skip destructors.
+    pub fn restore() {
+        let before = BEFORE.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(before) = before {
+            // If the terminal is gone, there is nothing to restore.
+            let _ = tcsetattr(stdin(), SetArg::TCSANOW, &before);
+        }
+    }
+
+    /// Discards what was typed up to now.
+    pub fn discard_typed() {
+        // If stdin is not a terminal, nobody typed anything.
+        let _ = tcflush(stdin(), FlushArg::TCIFLUSH);
+    }
+
+    /// Waits for input or end of input on stdin, at most `most_ms`; returns whether there is any.
+    pub fn has_input(most_ms: u8) -> bool {
+        let stdin = stdin();
+        let mut polled = [PollFd::new(stdin.as_fd(), PollFlags::POLLIN)];
+        // A signal ends the wait without input.
+        poll(&mut polled, PollTimeout::from(most_ms)).is_ok_and(|count| count > 0)
+    }
+
+    /// The terminal while keys are watched; dropping this restores it.
+    pub struct Keys;
+
+    impl Keys {
+        /// Turns off line buffering and echo; fails if stdin is not a terminal. Ctrl-C still works.
+        pub fn watch() -> Result<Keys, String> {
+            let stdin = stdin();
+            let before = tcgetattr(&stdin).map_err(|error| error.to_string())?;
+            let mut flags = before.clone();
+            flags
+                .local_flags
+                .remove(LocalFlags::ICANON | LocalFlags::ECHO);
+            BEFORE
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .get_or_insert(before);
+            crate::io::at_exit(restore);
+            tcsetattr(&stdin, SetArg::TCSANOW, &flags).map_err(|error| error.to_string())?;
+            Ok(Keys)
+        }
+
+        /// Returns what was typed since the last call, without waiting; nothing if the terminal is gone.
+        pub fn typed(&mut self) -> Vec<u8> {
+            let mut bytes = vec![0; 256];
+            let count = match has_input(0) {
+                true => nix::unistd::read(stdin(), &mut bytes).unwrap_or(0),
+                false => 0,
+            };
+            bytes.truncate(count);
+            bytes
+        }
+    }
+
+    impl Drop for Keys {
+        fn drop(&mut self) {
+            restore();
+        }
+    }
+}
+
+/// Keys, on a system that cannot watch them.
+#[cfg(not(unix))]
+pub struct Keys;
+
+#[cfg(not(unix))]
+impl Keys {
+    /// Always fails.
+    pub fn watch() -> Result<Keys, String> {
+        Err("this system has no terminal of that kind".to_owned())
+    }
+
+    /// Returns nothing.
+    pub fn typed(&mut self) -> Vec<u8> {
+        Vec::new()
+    }
+}
+
+/// Does nothing: no terminal was changed.
+#[cfg(not(unix))]
+pub fn restore() {}
+
+/// Does nothing: this system cannot discard typed input.
+#[cfg(not(unix))]
+pub fn discard_typed() {}
+
+/// Returns true: the reader waits for input itself.
+#[cfg(not(unix))]
+pub fn has_input(_: u8) -> bool {
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_is_held_for_a_while_after_it_came() {
+        let start = Instant::now();
+        let mut key = HoldKey::default();
+        for (typed, after_ms, expected) in [
+            (&b""[..], 0, KeyState::Up),
+            (b"yx\n", 0, KeyState::Up),
+            (b"  ", 0, KeyState::Held),
+            (b"", 599, KeyState::Held),
+            (b"x", 600, KeyState::Released),
+            (b"x", 601, KeyState::Up),
+            (b"a ", 700, KeyState::Held),
+            (b"", 2000, KeyState::Released),
+        ] {
+            let now = start + Duration::from_millis(after_ms);
+            assert_eq!(key.update(typed, now), expected, "{typed:?} {after_ms}");
+        }
+    }
+}

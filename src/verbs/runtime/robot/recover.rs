@@ -1,0 +1,210 @@
+//! `fabc robot recover`: reports how a run left an arm, and records that a person has recovered it.
+//!
+//! In: the run's journal of the arm, or the arm's settings with its last run recorded beside them; a description of what was
+//! done. Out: a line in that journal, or if it is gone, in the record beside the settings. The arm is neither read nor moved.
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use clap::Args;
+use clap::ValueHint;
+use fab_arm::last_run;
+use fab_arm::last_run::Recovery;
+use fab_arm::log::{ARM_FILE, ArmLog, Entry, RunState, run_state};
+use serde_json::{Value, json};
+use std::io::{BufRead, Read};
+use std::path::Path;
+use std::path::PathBuf;
+
+/// Arguments of `robot recover`.
+#[derive(Args)]
+pub struct RecoverArguments {
+    /// The run folder.
+    #[arg(value_name = "RUN", value_hint = ValueHint::DirPath, required_unless_present = "robot")]
+    pub run: Option<PathBuf>,
+    /// In place of the run folder: the settings of the arm, whose last run is meant, also where its folder is gone.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "run")]
+    pub robot: Option<PathBuf>,
+    /// What was done, in words; default: it is asked for.
+    #[arg(long, value_name = "WORDS")]
+    pub how: Option<String>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The longest answer that is read, bytes.
+const MAX_LINE: u64 = 4096;
+
+const BY_HAND: &str = "nothing is moved by this command: bring the arm to rest by hand, and take the cloth out of its fingers; \
+`home` of the vendor's driver opens the hand";
+
+/// The error if no description was given.
+pub(super) const NO_ANSWER: &str = "nobody said what was done";
+
+/// Reports the state, asks what was done, and records it.
+pub fn run(arguments: &RecoverArguments, io: &Io) -> Result<Exit, Failure> {
+    match (&arguments.run, &arguments.robot) {
+        (Some(run), _) => of_run(run, arguments, io),
+        (None, Some(robot)) => of_arm(robot, arguments, io),
+        (None, None) => Err(Failure::usage(
+            "name the run folder, or the arm's settings with `--robot FILE`",
+        )),
+    }
+}
+
+fn of_run(folder: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, Failure> {
+    if !folder.is_dir() {
+        return Err(Failure::environment(format!(
+            "there is no run folder `{}`",
+            folder.display()
+        )));
+    }
+    if !folder.join(ARM_FILE).is_file() {
+        return Err(Failure::environment(format!(
+            "in `{}` is no journal of an arm (`{ARM_FILE}`), so that nothing is known of what it left: name the folder of a run with `--world jaco`, or the arm's settings with `--robot FILE`",
+            folder.display()
+        )));
+    }
+    let before = run_state(folder).map_err(Failure::environment)?;
+    if before == RunState::Clear {
+        return Ok(clear(arguments, io));
+    }
+    let how = ask_what_was_done(&describe(&before), arguments, io)?;
+    let mut log = ArmLog::open(folder).map_err(Failure::environment)?;
+    let entry = Entry::Recovered { how: how.clone() };
+    log.write(&entry).map_err(Failure::environment)?;
+    Ok(noted(&as_json(&before, Some(&how)), &how, arguments, io))
+}
+
+/// Recovers an arm after its last run; if that run's journal is gone, the recovery is recorded beside the settings.
+fn of_arm(robot: &Path, arguments: &RecoverArguments, io: &Io) -> Result<Exit, Failure> {
+    if !robot.is_file() {
+        return Err(Failure::environment(format!(
+            "there are no settings `{}`",
+            robot.display()
+        )));
+    }
+    let why = match last_run::recovery(robot).map_err(Failure::environment)? {
+        Recovery::NotNeeded => return Ok(clear(arguments, io)),
+        Recovery::Needed { run, .. } => {
+            io.talk(&format!("the last run is `{}`", run.display()));
+            return of_run(&run, arguments, io);
+        }
+        Recovery::Unknown { why, .. } => why,
+    };
+    let how = ask_what_was_done(
+        &format!("what the last run left is not known: {why}"),
+        arguments,
+        io,
+    )?;
+    last_run::record_recovery(robot, &how).map_err(Failure::environment)?;
+    let read = json!({ "left": "unknown", "why": why, "recovered": how });
+    Ok(noted(&read, &how, arguments, io))
+}
+
+fn clear(arguments: &RecoverArguments, io: &Io) -> Exit {
+    match arguments.json {
+        true => io.json(&as_json(&RunState::Clear, None)),
+        false => io.data("clear: no motion is open, and the hand holds nothing"),
+    }
+    Exit::Done
+}
+
+fn noted(read: &Value, how: &str, arguments: &RecoverArguments, io: &Io) -> Exit {
+    match arguments.json {
+        true => io.json(read),
+        false => io.data(&format!("noted: {how}")),
+    }
+    Exit::Done
+}
+
+/// Shows the state, and returns the description of what was done; fails without one.
+fn ask_what_was_done(
+    state: &str,
+    arguments: &RecoverArguments,
+    io: &Io,
+) -> Result<String, Failure> {
+    io.talk(state);
+    io.talk(&format!("note: {BY_HAND}"));
+    let question = "what was done, in a few words; nothing to leave it as it is:";
+    let how = given_or_typed(arguments.how.as_ref(), question, io);
+    match how.is_empty() {
+        true => Err(Failure::environment(format!(
+            "{NO_ANSWER}, so that the arm counts as left in the middle: {state}"
+        ))),
+        false => Ok(how),
+    }
+}
+
+/// Returns the text that was given as an option, or is typed as an answer; may be empty.
+pub(super) fn given_or_typed(given: Option<&String>, question: &str, io: &Io) -> String {
+    match given {
+        Some(text) => text.trim().to_owned(),
+        None => {
+            io.talk(question);
+            io.read(line)
+        }
+    }
+}
+
+/// Reads a line; empty at the end.
+fn line(lines: &mut dyn BufRead) -> String {
+    let mut bytes = Vec::new();
+    let _ = lines.take(MAX_LINE).read_until(b'\n', &mut bytes);
+    String::from_utf8_lossy(&bytes).trim().to_owned()
+}
+
+/// Describes how a run left the arm.
+pub(super) fn describe(state: &RunState) -> String {
+    let RunState::NeedsRecovery {
+        segment,
+        action,
+        to_m,
+        may_hold,
+        is_verified,
+        why,
+    } = state
+    else {
+        return "clear".to_owned();
+    };
+    let segment = segment.text();
+    let progress = match is_verified {
+        true => "was verified and is the last there is",
+        false => "was begun and not verified",
+    };
+    let mut text = format!("`{segment}` of action {action} {progress}");
+    if let Some([x, y, z]) = to_m {
+        text += &format!("; the tool was to go to {x:.3}, {y:.3}, {z:.3} m");
+    }
+    text += match may_hold {
+        true => "; the hand may hold cloth",
+        false => "; the hand holds nothing",
+    };
+    if let Some(why) = why {
+        text += &format!("; halted: {why}");
+    }
+    text
+}
+
+fn as_json(state: &RunState, how: Option<&str>) -> Value {
+    match state {
+        RunState::Clear => json!({ "left": "clear", "recovered": how }),
+        RunState::NeedsRecovery {
+            segment,
+            action,
+            to_m,
+            may_hold,
+            is_verified,
+            why,
+        } => json!({
+            "left": "unclear",
+            "segment": segment.text(),
+            "action": action,
+            "to_m": to_m,
+            "may_hold": may_hold,
+            "is_verified": is_verified,
+            "why": why,
+            "recovered": how,
+        }),
+    }
+}

@@ -1,0 +1,220 @@
+//! A separate process that stops the arm if the process that moves it sends no heartbeat.
+//!
+//! In: lines `watch`, `beat` and `rest` on stdin. Out: `ready` once it can stop the arm, and a line if it had to. It ends
+//! with stdin; if that happens while it watches, it stops the arm.
+
+mod process;
+
+use clap::Args;
+pub use process::Process;
+use std::path::PathBuf;
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use fab_arm::settings::Settings;
+use std::io::{BufRead, BufReader, Read};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Arguments of `robot watchdog`.
+#[derive(Args)]
+pub struct WatchdogArguments {
+    /// The arm's settings.
+    #[arg(long, value_name = "FILE")]
+    pub robot: PathBuf,
+    /// The longest without a sign of life, seconds.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub timeout: f64,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let read = text.parse().ok().filter(|it| (0.05..=60.0).contains(it));
+    read.ok_or_else(|| "write seconds, 0.05 to 60".to_owned())
+}
+
+/// How often stopping is attempted.
+const ATTEMPTS: u32 = 5;
+/// The longest line that is read, bytes.
+const MAX_LINE: u64 = 256;
+
+/// Stops the arm, in whatever state it is.
+type Stop = Box<dyn FnMut() -> Result<(), String>>;
+
+/// Watches until stdin ends.
+pub fn run(arguments: &WatchdogArguments, io: &Io) -> Result<Exit, Failure> {
+    let settings = Settings::load(&arguments.robot).map_err(Failure::environment)?;
+    let mut stop = stopper(&settings).map_err(Failure::environment)?;
+    let lines = lines_of(io.input());
+    io.data("ready");
+    let timeout = Duration::from_secs_f64(arguments.timeout);
+    match keep_watch(&lines, timeout, &mut stop) {
+        Ended::AtRest => Ok(Exit::Done),
+        Ended::Stopped => {
+            io.data("stopped: there was no sign of life");
+            Ok(Exit::Environment)
+        }
+        Ended::NotStopped(why) => {
+            io.data(&format!("not stopped: {why}"));
+            Err(Failure::environment(format!(
+                "there is no sign of life, and the arm could not be stopped: {why}"
+            )))
+        }
+    }
+}
+
+/// Connects to the arm, and returns a function that stops it.
+#[cfg(feature = "ros")]
+fn stopper(settings: &Settings) -> Result<Stop, String> {
+    use fab_arm::port::Port;
+    const CONNECT_S: f64 = 10.0;
+    let Some(ros) = settings.ros.clone() else {
+        return Err("an arm that this program simulates cannot be stopped from outside".to_owned());
+    };
+    let model = settings.model.clone();
+    let connect =
+        move || fab_arm_ros::connect(&ros, &model, CONNECT_S).map_err(|error| error.to_string());
+    let mut port = connect()?;
+    Ok(Box::new(move || {
+        let stopped = port.stop().map_err(|error| error.to_string());
+        // Reconnect for the next attempt.
+        if stopped.is_err()
+            && let Ok(again) = connect()
+        {
+            port = again;
+        }
+        stopped
+    }))
+}
+
+/// Fails: this build cannot stop an arm.
+#[cfg(not(feature = "ros"))]
+fn stopper(settings: &Settings) -> Result<Stop, String> {
+    Err(match settings.ros {
+        Some(_) => {
+            "this program was built without the feature `ros`, and cannot stop an arm".to_owned()
+        }
+        None => "an arm that this program simulates cannot be stopped from outside".to_owned(),
+    })
+}
+
+/// How a watch ended.
+#[derive(Debug, PartialEq)]
+enum Ended {
+    AtRest,
+    Stopped,
+    NotStopped(String),
+}
+
+/// Reads lines in a thread of its own; the channel closes at their end.
+fn lines_of(source: impl Read + Send + 'static) -> Receiver<String> {
+    let (send, lines) = channel();
+    thread::spawn(move || {
+        let mut source = BufReader::new(source);
+        loop {
+            let mut bytes = Vec::new();
+            let read = source.by_ref().take(MAX_LINE).read_until(b'\n', &mut bytes);
+            let line = String::from_utf8_lossy(&bytes).trim().to_owned();
+            if !matches!(read, Ok(1..)) || send.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    lines
+}
+
+/// Watches: stops the arm if no heartbeat comes for `timeout` after `watch`, or the lines end before `rest`.
+fn keep_watch(
+    lines: &Receiver<String>,
+    timeout: Duration,
+    stop: &mut dyn FnMut() -> Result<(), String>,
+) -> Ended {
+    let mut deadline: Option<Instant> = None;
+    loop {
+        let line = match deadline {
+            None => lines.recv().map_err(|_| RecvTimeoutError::Disconnected),
+            Some(at) => lines.recv_timeout(at.saturating_duration_since(Instant::now())),
+        };
+        match (line.as_deref(), deadline) {
+            (Ok("watch"), _) | (Ok("beat"), Some(_)) => deadline = Some(Instant::now() + timeout),
+            (Ok("rest"), _) => deadline = None,
+            // An unknown line is no heartbeat.
+            (Ok(_), _) => {}
+            (Err(_), None) => return Ended::AtRest,
+            (Err(_), Some(_)) => return stopped(stop),
+        }
+    }
+}
+
+fn stopped(stop: &mut dyn FnMut() -> Result<(), String>) -> Ended {
+    let mut last = String::new();
+    for _ in 0..ATTEMPTS {
+        match stop() {
+            Ok(()) => return Ended::Stopped,
+            Err(why) => last = why,
+        }
+    }
+    Ended::NotStopped(last)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use std::io::{Write, pipe};
+
+    /// Long enough that a loaded machine does not time out.
+    const LONG: Duration = Duration::from_secs(600);
+    const SHORT: Duration = Duration::from_millis(60);
+
+    /// Watches these lines, then end of input; returns how it ended and how often the arm was stopped.
+    fn watch_lines(typed: &'static str, timeout: Duration) -> (Ended, u32) {
+        let mut n_stops = 0;
+        let ended = keep_watch(&lines_of(typed.as_bytes()), timeout, &mut || {
+            n_stops += 1;
+            Ok(())
+        });
+        (ended, n_stops)
+    }
+
+    #[test]
+    fn lines_that_end_while_it_watches_stop_the_arm() {
+        for typed in ["watch\n", "watch\nbeat\nbeat", "rest\nwatch\nhello\n"] {
+            assert_eq!(watch_lines(typed, LONG), (Ended::Stopped, 1), "{typed:?}");
+        }
+        for typed in ["", "beat\n", "watch\nbeat\nrest\n", "watch\nrest\nbeat\n"] {
+            assert_eq!(watch_lines(typed, LONG), (Ended::AtRest, 0), "{typed:?}");
+        }
+    }
+
+    #[test]
+    fn silence_while_it_watches_stops_the_arm() {
+        for typed in ["watch\n", "watch\nbeat\nnoise\n"] {
+            let (reader, mut writer) = pipe().unwrap();
+            writer.write_all(typed.as_bytes()).unwrap();
+            let begun = Instant::now();
+            let ended = keep_watch(&lines_of(reader), SHORT, &mut || Ok(()));
+            assert_eq!(ended, Ended::Stopped, "{typed:?}");
+            assert!(begun.elapsed() >= SHORT);
+            drop(writer);
+        }
+    }
+
+    #[test]
+    fn stopping_is_tried_again() {
+        let mut n_tries = 0;
+        let ended = keep_watch(&lines_of("watch".as_bytes()), LONG, &mut || {
+            n_tries += 1;
+            match n_tries {
+                3 => Ok(()),
+                _ => Err("no answer".to_owned()),
+            }
+        });
+        assert_eq!((ended, n_tries), (Ended::Stopped, 3));
+        let ended = keep_watch(&lines_of("watch".as_bytes()), LONG, &mut || {
+            Err("no answer".to_owned())
+        });
+        assert_eq!(ended, Ended::NotStopped("no answer".to_owned()));
+    }
+}

@@ -1,0 +1,376 @@
+//! `fabc run`: one rollout, with a line of progress per step.
+
+mod planned;
+mod report;
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::sources;
+use crate::sources::TaskArguments;
+use crate::verbs::runtime::estimate::{self, Asking};
+use crate::verbs::runtime::operator::Terminal;
+use crate::verbs::runtime::robot::preflight;
+use crate::verbs::runtime::setting;
+use crate::verbs::runtime::setting::StartArguments;
+use crate::verbs::runtime::setting::arm::ArmArguments;
+use crate::verbs::runtime::setting::arm::ArmMode;
+use crate::verbs::runtime::setting::model_arguments::ModelArguments;
+use crate::verbs::runtime::setting::model_arguments::PolicyArguments;
+use crate::verbs::runtime::setting::model_arguments::SpendArguments;
+use crate::verbs::runtime::setting::models;
+use crate::verbs::runtime::setting::policies::Deciding;
+use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
+use clap::Args;
+use clap::ValueHint;
+use fab_agent::examples::Examples;
+use fab_agent::journal::RunFolder;
+use fab_agent::outcome::Outcome;
+use fab_agent::policy::MakePolicy;
+use fab_agent::rollout;
+use fab_agent::rollout::{Job, RunError};
+use fab_agent::subgoals::{Origin, SubgoalError, SubgoalSet};
+use fab_arm::settings::DriverKind;
+use fab_base::interrupt::Interrupt;
+use fab_model::calls::{Spent, ledger};
+use fab_program::Program;
+use fab_world::WorldError;
+use fab_world::expert::MakeWorld;
+use fab_world::start::Start;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+/// Arguments of `run`.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+pub struct RunArguments {
+    #[command(flatten)]
+    pub task: TaskArguments,
+    #[command(flatten)]
+    #[serde(default)]
+    pub policy: PolicyArguments,
+    #[command(flatten)]
+    pub model: ModelArguments,
+    #[command(flatten)]
+    pub spend: SpendArguments,
+    /// Where actions are executed: `sim`, `jaco`, or `exec:"CMD ARG..."`, a program of yours.
+    #[arg(long, value_name = "WORLD", default_value = "sim")]
+    pub world: WorldChoice,
+    #[command(flatten)]
+    #[serde(default)]
+    pub arm: ArmArguments,
+    /// With `--world jaco`: plan the first action, print and draw it (plan.json, plan.png), and connect to no arm.
+    #[arg(long)]
+    #[serde(default)]
+    pub plan_only: bool,
+    #[command(flatten)]
+    pub start: StartArguments,
+    /// Ask at the end whether the task was reached, and if not, why. Default: with a real arm, unless `--confirm none` is
+    /// said or stdin is no terminal.
+    #[arg(long)]
+    #[serde(default)]
+    pub operator: bool,
+    /// The run folder; default: the next free `runs/TASK-NNNN`.
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub out: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Name of the file in a run folder that says how the run was begun.
+pub const RUN_FILE: &str = "run.json";
+
+/// How a run was begun, so that it can be gone on with.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Begun {
+    /// The folder in which the command was given.
+    pub directory: PathBuf,
+    /// What it said.
+    pub arguments: RunArguments,
+}
+
+/// Where a rollout is written.
+pub enum Into<'a> {
+    /// A new folder.
+    New,
+    /// The folder of a rollout that was cut off or stopped.
+    Again(&'a Path),
+}
+
+/// Runs one rollout and reports it.
+pub fn run(arguments: &RunArguments, io: &Io) -> Result<Exit, Failure> {
+    play(arguments, Into::New, io)
+}
+
+/// Runs one rollout, from its beginning or from where it was cut off, and reports it.
+pub fn play(arguments: &RunArguments, into: Into<'_>, io: &Io) -> Result<Exit, Failure> {
+    let program = sources::compile_task(&arguments.task, io)?;
+    let beside = sources::folder_of(&arguments.task.file);
+    let examples = Examples::load(&program, &beside).map_err(Failure::environment)?;
+    let interrupt = io.interrupt()?;
+    let purpose = arguments.spend.purpose();
+    let deciding = Deciding::of(&arguments.policy, &arguments.model, purpose, &interrupt, io)?;
+    let moving = match arguments.plan_only {
+        true => ArmMode::PlanOnly,
+        false => ArmMode::Execute,
+    };
+    let arm = match &arguments.world {
+        WorldChoice::Jaco => Some(setting::arm::check(&arguments.arm, moving, io)?),
+        _ if arguments.plan_only => {
+            return Err(Failure::usage(
+                "`--plan-only` plans for an arm: give `--world jaco` and its settings, `--robot FILE`".to_owned(),
+            ));
+        }
+        _ => None,
+    };
+    let first = match &arguments.world {
+        WorldChoice::Program(command) => worlds::external(command, &program, None, &interrupt),
+        _ => setting::world(&program),
+    };
+    let first = first.map_err(worlds::failure)?;
+    if let Into::Again(_) = into {
+        worlds::check_repeats(first.as_ref())?;
+    }
+    let start = match &arm {
+        Some(settings) if settings.driver != DriverKind::Simulated => {
+            setting::arm::start(&program, arguments.start.start.as_ref())?
+        }
+        _ => setting::start(
+            &program,
+            &beside,
+            &arguments.start,
+            first.as_ref(),
+            &interrupt,
+            io,
+        )?,
+    };
+    // A program's world is started anew for the rollout: a robot is there once.
+    drop(first);
+    if let Some(number) = examples.demonstrates(&start) {
+        return Err(Failure::environment(format!(
+            "the start `{}` is that of demonstration {number}, which the model is told: a result from it would be no test; choose another start",
+            start.name
+        )));
+    }
+    // Lengths in `edge` and the flat area are those of the cloth that lies there; subgoals show the task's own.
+    let shown = program;
+    let program = setting::fitted(&arguments.task, &shown, &start, io)?;
+    let make_expert_world = || setting::world(&program);
+    let subgoals = prepare(&shown, &start, &beside, &make_expert_world, &interrupt)?;
+    // Where the arm's journal is to lie; nothing moves before it is known.
+    let journal = OnceLock::new();
+    let make_world = || match &arguments.world {
+        WorldChoice::Sim => setting::world(&program),
+        WorldChoice::Jaco => {
+            setting::arm::world(&program, &arguments.arm, moving, journal.get(), io)
+        }
+        WorldChoice::Program(command) => {
+            let run = journal.get().map(PathBuf::as_path);
+            worlds::external(command, &program, run, &interrupt)
+        }
+    };
+    let make_look = || match &arguments.world {
+        WorldChoice::Jaco => setting::arm::look(&program, &arguments.arm),
+        _ => setting::world(&program),
+    };
+    let has_operator = arguments.operator
+        || arm
+            .as_ref()
+            .is_some_and(|settings| setting::arm::has_operator(&arguments.arm, settings, io));
+    let subgoals = subgoals.ok_or_else(Failure::interrupted)?;
+    say_origin(subgoals.origin, &arguments.task.file, io);
+    let who = deciding.make().description();
+    let stand_in = match who.is_stand_in() {
+        true => " (a stand-in, no vision-language model)",
+        false => "",
+    };
+    let asked = match who.models {
+        Some(_) => format!("model {}{stand_in}", who.name),
+        None => who.title(),
+    };
+    io.talk(&format!(
+        "{}: start {}, {asked}",
+        program.title(),
+        start.name
+    ));
+    let budget = models::budget(&arguments.spend);
+    let recorder = match arguments.spend.estimate {
+        true => None,
+        false => models::recorder(&arguments.spend)?,
+    };
+    let terminal = Terminal(io);
+    let job = Job {
+        program: &program,
+        start: &start,
+        subgoals: &subgoals,
+        examples: &examples,
+        make_policy: &deciding,
+        budget: &budget,
+        recorder: recorder.as_ref(),
+        make_world: &make_world,
+        make_expert_world: &make_expert_world,
+        cache: &setting::cache(io),
+        interrupt: &interrupt,
+        horizon: None,
+        early_stop: true,
+        operator: match has_operator {
+            true => Some(&terminal),
+            false => None,
+        },
+        repetition: 0,
+    };
+    if let Some(answering) = deciding.answering() {
+        let asks = answering.asks_a_provider() || arguments.spend.estimate;
+        let questions = match asks {
+            // Nobody lays a cloth, and nothing is connected, for the sake of an estimate.
+            true => {
+                let look = Job {
+                    make_world: &make_look,
+                    ..job
+                };
+                rollout::first_questions(&look, answering.models()).map_err(Failure::environment)?
+            }
+            false => Vec::new(),
+        };
+        answering.check(&questions)?;
+        if arguments.spend.estimate {
+            let asking = Asking {
+                program: &program,
+                questions: &questions,
+                answering,
+                horizon: job.horizon(),
+                rollouts: 1,
+            };
+            estimate::say(&estimate::estimate(&asking, io), arguments.json, io);
+            return Ok(Exit::Done);
+        }
+    }
+    let prepared = deciding.make().prepare(&program);
+    prepared.map_err(Failure::environment)?;
+    let folder = match (&into, &arguments.out) {
+        (Into::Again(path), _) => RunFolder::reopen(path),
+        (Into::New, Some(path)) => RunFolder::create(path),
+        (Into::New, None) => {
+            RunFolder::create_next(Path::new("runs"), &program.title().replace('/', "-"))
+        }
+    };
+    let folder = folder.map_err(Failure::environment)?;
+    let _ = journal.set(folder.path().to_owned());
+    // Nobody else writes into the folder from here on.
+    let spent = ledger::read(folder.path())
+        .map_err(Failure::environment)?
+        .spent;
+    budget.restore(&spent);
+    keep_beginning(&folder, arguments, &into)?;
+    let earlier = folder.earlier_steps();
+    if let Into::Again(_) = into {
+        io.talk(&again(earlier, &spent));
+    }
+    let done = rollout::run(&job, folder, &mut |event| report::show(event, earlier, io));
+    if let (Some(_), Some(run)) = (&arm, journal.get()) {
+        preflight::report_run_state(run, io);
+    }
+    let report = done.map_err(|error| match error {
+        // Nobody lays a cloth for a program that is asked to end.
+        RunError::World(WorldError::Start { .. } | WorldError::Interrupted)
+            if interrupt.is_raised() =>
+        {
+            Failure::interrupted()
+        }
+        error => Failure::environment(error),
+    })?;
+    if let (Some(settings), true) = (&arm, arguments.plan_only) {
+        planned::say(&report, settings, arguments.json, io)?;
+    } else {
+        io.report(
+            arguments.json,
+            || serde_json::to_value(&report).expect("a report has string keys and finite numbers"),
+            || report::summary(&report, program.goal.as_ref()),
+        );
+    }
+    let judged = report.operator.as_ref().map(|judgement| judgement.reached);
+    Ok(exit_of(report.outcome, report.goal_reached, judged))
+}
+
+/// Writes down how the run was begun.
+fn keep_beginning(
+    folder: &RunFolder,
+    arguments: &RunArguments,
+    into: &Into<'_>,
+) -> Result<(), Failure> {
+    if let Into::Again(_) = into {
+        return Ok(());
+    }
+    let begun = Begun {
+        directory: std::env::current_dir()?,
+        arguments: arguments.clone(),
+    };
+    let text = serde_json::to_vec_pretty(&begun).map_err(Failure::environment)?;
+    let kept = folder.keep(RUN_FILE, &text);
+    kept.map(drop).map_err(Failure::environment)
+}
+
+/// Says what a run that is gone on with has already.
+fn again(steps: u32, spent: &Spent) -> String {
+    let mut text = format!("going on after step {steps}");
+    if spent.calls > 0 {
+        text.push_str(&format!(
+            ", {} calls so far, {}",
+            spent.calls,
+            spent.in_words()
+        ));
+    }
+    text
+}
+
+/// Tries the start and gets the pictures; `None` where the user stopped it.
+fn prepare(
+    program: &Program,
+    start: &Start,
+    beside: &Path,
+    make_world: &MakeWorld<'_>,
+    interrupt: &Interrupt,
+) -> Result<Option<SubgoalSet>, Failure> {
+    let mut world = make_world().map_err(Failure::environment)?;
+    world.reset(start).map_err(Failure::environment)?;
+    match SubgoalSet::obtain(program, beside, world.as_mut(), interrupt) {
+        Err(SubgoalError::World(WorldError::Interrupted)) => Ok(None),
+        obtained => Ok(Some(obtained.map_err(Failure::environment)?)),
+    }
+}
+
+/// Says where subgoal pictures come from, where that is not what one expects.
+pub fn say_origin(origin: Origin, file: &str, io: &Io) {
+    match origin {
+        Origin::Author | Origin::Pinned | Origin::Absent => {}
+        Origin::PinnedByOther => io.talk(&format!(
+            "note: the pinned subgoal pictures were drawn with other simulator parameters; `fabc subgoals {file}` draws them again"
+        )),
+        Origin::Drawn => io.talk(&format!(
+            "no subgoal pictures are pinned: drawn for this run; `fabc subgoals {file}` pins them"
+        )),
+        Origin::DrawnAnew => io.talk(&format!(
+            "warning: the pinned subgoal pictures are not all there as they were drawn, or show another fold, cloth or camera: drawn anew for this run; `fabc subgoals {file}` pins them"
+        )),
+    }
+}
+
+/// Returns the exit code of a rollout that ended so; `goal_reached` is null without a goal, `judged` without an operator's
+/// word.
+pub fn exit_of(outcome: Outcome, goal_reached: Option<bool>, judged: Option<bool>) -> Exit {
+    match outcome {
+        // Whoever saw the cloth knows better than a measure does.
+        Outcome::GoalReached | Outcome::HorizonReached if judged == Some(false) => Exit::Unreached,
+        Outcome::GoalReached | Outcome::Planned => Exit::Done,
+        Outcome::HorizonReached if goal_reached.is_none() => Exit::Done,
+        Outcome::ModelFailed | Outcome::PolicyFailed | Outcome::WorldFailed => Exit::Environment,
+        Outcome::Interrupted => Exit::Interrupted,
+        Outcome::HorizonReached
+        | Outcome::AttemptsExhausted
+        | Outcome::MalformedReply
+        | Outcome::NoCandidates
+        | Outcome::ClothOutOfView
+        | Outcome::PolicyStopped
+        | Outcome::BudgetExhausted => Exit::Unreached,
+    }
+}

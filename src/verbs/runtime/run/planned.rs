@@ -1,0 +1,85 @@
+//! What `fabc run --plan-only` says: the plan of the first action, segment by segment.
+
+use crate::exit::Failure;
+use crate::io::Io;
+use fab_agent::rollout::Ended;
+use fab_arm::plan::Plan;
+use fab_arm::settings::{DriverKind, Settings};
+use fab_arm::world::{PLAN_FILE, PLAN_PICTURE, read_plan};
+use serde_json::json;
+use std::path::Path;
+
+/// Prints the plan, and the report's outcome; as JSON both.
+pub fn say(report: &Ended, settings: &Settings, as_json: bool, io: &Io) -> Result<(), Failure> {
+    let folder = Path::new(&report.took.run_dir);
+    let plan = match folder.join(PLAN_FILE).exists() {
+        true => Some(read_plan(folder).map_err(Failure::environment)?),
+        false => None,
+    };
+    if as_json {
+        let mut document =
+            serde_json::to_value(report).expect("a report has string keys and finite numbers");
+        document["plan"] = json!(plan);
+        io.json(&document);
+        return Ok(());
+    }
+    io.data(&format!(
+        "outcome: {}; nothing moved",
+        report.outcome.name()
+    ));
+    match &plan {
+        Some(plan) => io.data(&table(plan, settings)),
+        None => io.data("no action was planned"),
+    }
+    let drawing = match plan {
+        Some(_) => format!(" (drawing: {PLAN_PICTURE})"),
+        None => String::new(),
+    };
+    io.data(&format!("run folder: {}{drawing}", report.took.run_dir));
+    Ok(())
+}
+
+fn table(plan: &Plan, settings: &Settings) -> String {
+    let place = |[x, y, z]: [f64; 3]| format!("{x:.3}, {y:.3}, {z:.3} m");
+    let mut lines = vec![
+        format!(
+            "pick at {}, place at {}, in the base frame of `{}`",
+            place(plan.pick_m),
+            place(plan.place_m),
+            plan.model
+        ),
+        format!(
+            "{:<14}{:>8}{:>8}{:>8}{:>8}{:>8}   joints, degrees",
+            "segment", "x, m", "y, m", "z, m", "way, mm", "time, s"
+        ),
+    ];
+    for segment in &plan.segments {
+        let [x, y, z] = segment.to_m;
+        let name = segment.name.text();
+        let joints = segment.joints_deg.iter();
+        let joints: Vec<String> = joints.map(|angle| format!("{angle:.1}")).collect();
+        lines.push(match segment.hand {
+            Some(opening) => format!(
+                "{name:<14}fingers {}",
+                format!("{opening:?}").to_lowercase()
+            ),
+            None => format!(
+                "{name:<14}{x:>8.3}{y:>8.3}{z:>8.3}{:>8.1}{:>8.1}   {}",
+                segment.way_m * 1000.0,
+                segment.takes_s,
+                joints.join(" ")
+            ),
+        });
+    }
+    lines.push(format!(
+        "in all {:.3} m in {:.1} s at {} m/s, without the fingers",
+        plan.way_m(),
+        plan.takes_s(),
+        settings.motion.speed_m_s
+    ));
+    if settings.driver == DriverKind::Kinova {
+        lines.push("the node of this arm finds joint angles and a speed of its own".to_owned());
+    }
+    lines.extend(plan.refusal());
+    lines.join("\n")
+}

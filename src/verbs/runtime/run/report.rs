@@ -1,0 +1,240 @@
+//! What `fabc run` says: a line per step while it runs, and a summary.
+
+use crate::io::Io;
+use fab_agent::judgement::Judgement;
+use fab_agent::outcome::Outcome;
+use fab_agent::policy::{Attempt, Finding};
+use fab_agent::record::{CoverageSource, JudgedBy};
+use fab_agent::rollout::{Ended, Event};
+use fab_agent::sheet::SHEET_FILE;
+use fab_model::calls::Spent;
+use fab_program::verify::Verdict;
+use fab_program::{Goal, Metric};
+use fab_world::Grasp;
+use std::path::Path;
+
+/// Shows one event on stderr, unless it is of one of the `earlier` steps, which were shown when they were new.
+pub fn show(event: Event<'_>, earlier: u32, io: &Io) {
+    match event {
+        Event::Asked { step, .. } | Event::Stepped { step, .. } | Event::Skipped { step, .. }
+            if step <= earlier => {}
+        Event::Stopped { step, horizon, why } => {
+            io.talk(&format!("step {step}/{horizon}: ended: {why}"));
+        }
+        Event::Asked { step, attempt } => {
+            let words = match (&attempt.note, refusal(attempt)) {
+                (Some(note), Some(refusal)) => format!("{note}; {refusal}"),
+                (Some(note), None) => format!("{note}; accepted"),
+                (None, Some(refusal)) => refusal,
+                (None, None) => return,
+            };
+            io.talk(&format!(
+                "  step {step}, {} attempt {}: {words}",
+                attempt.stage, attempt.number
+            ));
+        }
+        Event::Stepped {
+            step,
+            horizon,
+            action,
+            without,
+            grasp,
+            seconds,
+            spent,
+        } => {
+            let moved = if action.pick_px == action.pick_on_cloth_px {
+                String::new()
+            } else {
+                format!(", taken at {} on the cloth", action.pick_on_cloth_px)
+            };
+            let without = match without {
+                [] => String::new(),
+                names => format!(", accepted without `{}`", names.join("`, `")),
+            };
+            let missed = match grasp {
+                Grasp::Missed => ", nothing grasped",
+                Grasp::Unverified => ", grasp not verified",
+                Grasp::Particle(_) | Grasp::Held => "",
+            };
+            io.talk(&format!(
+                "step {step}/{horizon}: pick {}{moved}, place {}{missed}{without}   {seconds:.1} s{}",
+                action.pick_px,
+                action.place_px,
+                so_far(&spent)
+            ));
+        }
+        Event::Skipped { step, horizon, why } => {
+            io.talk(&format!("step {step}/{horizon}: skipped ({})", why.name()));
+        }
+        Event::SimulatingExperts { missing, total } => {
+            io.talk(&format!(
+                "simulating {missing} of {total} expert results to score against; they are kept for the next run"
+            ));
+        }
+        Event::Note(note) => io.talk(&format!("note: {note}")),
+    }
+}
+
+/// Says what calls came to so far, where any were made.
+fn so_far(spent: &Spent) -> String {
+    match (spent.calls, spent.unpriced) {
+        (0, _) => String::new(),
+        (calls, 0) => format!(", {calls} calls, {}", spent.at_most()),
+        (calls, _) => format!(", {calls} calls"),
+    }
+}
+
+/// Returns why an attempt led to nothing, where it did.
+fn refusal(attempt: &Attempt) -> Option<String> {
+    match &attempt.finding {
+        Finding::Action {
+            verdict: Verdict::Reject { check, message, .. },
+            ..
+        } => Some(format!("refused by `{check}`: {message}")),
+        Finding::Malformed { message, .. } => Some(format!("not readable: {message}")),
+        // The end of the step says it.
+        Finding::Failed {
+            outcome: Outcome::PolicyFailed | Outcome::PolicyStopped,
+            ..
+        } => None,
+        Finding::Failed { why, .. } => Some(why.clone()),
+        Finding::Text { .. }
+        | Finding::Action {
+            verdict: Verdict::Accept,
+            ..
+        } => None,
+    }
+}
+
+/// Sums up a rollout.
+pub fn summary(report: &Ended, goal: Option<&Goal>) -> String {
+    let mut lines = vec![format!("outcome: {}", report.outcome.name())];
+    let words = report.stopped.as_deref();
+    lines.extend(
+        words
+            .filter(|why| *why != report.outcome.name())
+            .map(|why| format!("stopped: {why}")),
+    );
+    if let Some(mm) = report.mean_particle_distance_mm {
+        let goal = goal
+            .filter(|goal| goal.metric == Metric::ParticleDistance)
+            .map_or(String::new(), |goal| {
+                format!(" (goal: below {:.0} mm)", goal.limit * 1000.0)
+            });
+        lines.push(format!(
+            "mean particle distance to the nearest expert result: {mm:.1} mm{goal}"
+        ));
+        let judged_by = report.judged_by.iter();
+        lines.extend(
+            judged_by
+                .filter(|judged_by| judged_by.world != report.world)
+                .map(|JudgedBy { world, grid: [x, y] }| {
+                    format!("judged by expert results of `{world}`, on a grid of {x} x {y} particles")
+                }),
+        );
+    }
+    if let Some(coverage) = report.coverage
+        && goal.is_some_and(|goal| goal.metric.is_judged_each_step())
+    {
+        let measure = match report.coverage_source {
+            Some(CoverageSource::Picture) => "by pictures",
+            _ => "source",
+        };
+        let both = |source: f64, truly: Option<f64>| {
+            let truly = truly.map_or(String::new(), |truly| format!(", {truly:.3} (true)"));
+            format!("{source:.3} ({measure}){truly}")
+        };
+        let gained = report.normalized_improvement;
+        let gained = gained.map_or(String::new(), |gained| {
+            let truly = report.normalized_improvement_true;
+            format!("; normalized improvement {}", both(gained, truly))
+        });
+        lines.push(format!(
+            "coverage {}{gained}",
+            both(coverage, report.coverage_true)
+        ));
+    }
+    lines.extend(report.operator.as_ref().map(judged));
+    lines.push(match &report.model {
+        Some(model) if report.model_is_stand_in => {
+            format!("model: {model}, a stand-in and no vision-language model")
+        }
+        Some(model) => format!("model: {model}"),
+        None => format!("policy: {}", report.policy),
+    });
+    lines.push(questions(report));
+    lines.extend(spent(report));
+    let seconds = report
+        .took
+        .seconds
+        .iter()
+        .filter_map(|(what, spent)| Some(format!("{what} {:.2}", spent.as_f64()?)));
+    lines.push(format!(
+        "seconds: {}, in all {:.1}",
+        seconds.collect::<Vec<_>>().join(", "),
+        report.took.wall_s
+    ));
+    if report.took.experts_simulated > 0 {
+        lines.push(format!(
+            "of that, {} expert results were simulated for the first time",
+            report.took.experts_simulated
+        ));
+    }
+    let sheet = match Path::new(&report.took.run_dir).join(SHEET_FILE).exists() {
+        true => format!(" (contact sheet: {SHEET_FILE})"),
+        false => String::new(),
+    };
+    lines.push(format!("run folder: {}{sheet}", report.took.run_dir));
+    lines.join("\n")
+}
+
+/// Says what the operator says.
+fn judged(judgement: &Judgement) -> String {
+    let said = match (judgement.reached, judgement.why) {
+        (true, _) => "reached".to_owned(),
+        (false, Some(why)) => format!("not reached, for {}", why.name()),
+        (false, None) => "not reached".to_owned(),
+    };
+    let words = judgement.words.iter();
+    let words: String = words.map(|words| format!(": {words}")).collect();
+    format!("the operator says: {said}{words}")
+}
+
+/// Says what models were paid for, where calls were made.
+fn spent(report: &Ended) -> Option<String> {
+    if report.took.calls == 0 {
+        return None;
+    }
+    let mut text = format!(
+        "calls: {}, tokens {} in, {} out",
+        report.took.calls, report.took.usage.input_tokens, report.took.usage.output_tokens
+    );
+    text.push_str(&format!(", {}", report.took.spent.in_words()));
+    let faults = report.took.faults.iter();
+    let faults: Vec<String> = faults
+        .map(|(fault, count)| format!("{fault} {count}"))
+        .collect();
+    if !faults.is_empty() {
+        text.push_str(&format!(" ({})", faults.join(", ")));
+    }
+    Some(text)
+}
+
+/// Says what came of the questions, with what went wrong by name.
+fn questions(report: &Ended) -> String {
+    let mut counts = vec![format!("questions: {}", report.queries)];
+    let refusals = report.refusals.iter();
+    counts.extend(refusals.map(|(check, count)| format!("refused by `{check}`: {count}")));
+    if report.malformed_replies > 0 {
+        counts.push(format!("not readable: {}", report.malformed_replies));
+    }
+    let skipped = report.skipped.iter();
+    counts.extend(skipped.map(|(why, count)| format!("steps skipped ({why}): {count}")));
+    if let Some(planning_s) = report.took.planning_s {
+        counts.push(format!(
+            "{:.0} ms of planning per action",
+            planning_s * 1000.0
+        ));
+    }
+    counts.join(", ")
+}

@@ -1,0 +1,162 @@
+//! `fabc see`: what a task finds and draws on a picture of the user's, without a model.
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::sources;
+use crate::sources::TaskArguments;
+use clap::Args;
+use clap::ValueHint;
+use fab_agent::see::{Brought, LastAction, SeeError, Seen, see};
+use fab_base::files;
+use fab_picture::png;
+use fab_program::PixelPoint;
+use image::RgbImage;
+use serde_json::{Map, Value, json};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `see`.
+#[derive(Args)]
+pub struct SeeArguments {
+    #[command(flatten)]
+    pub task: TaskArguments,
+    /// The picture, of the size that the task's camera takes.
+    #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
+    pub image: PathBuf,
+    /// Its depth, in grey: 255 levels a metre in 8 bits, or millimetres in 16; 0 is no reading.
+    #[arg(long, value_name = "PNG", value_hint = ValueHint::FilePath)]
+    pub depth: Option<PathBuf>,
+    /// Where the action before this one placed the cloth, for layers that show it.
+    #[arg(long, value_name = "U,V", value_parser = crate::verbs::runtime::see::pixel, allow_hyphen_values = true)]
+    pub last_place: Option<PixelPoint>,
+    /// Where it picked it.
+    #[arg(long, value_name = "U,V", value_parser = crate::verbs::runtime::see::pixel, allow_hyphen_values = true, requires = "last_place")]
+    pub last_pick: Option<PixelPoint>,
+    /// Write a picture of each keypoint and layer into this folder, and `annotated.png`, what a model would see.
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub out: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Looks, writes the pictures where `--out` says, and lists the keypoints.
+pub fn run(arguments: &SeeArguments, io: &Io) -> Result<Exit, Failure> {
+    let program = sources::compile_task(&arguments.task, io)?;
+    let rgb = png::load(&arguments.image).map_err(Failure::environment)?;
+    let depth_m = arguments.depth.as_deref().map(png::load_depth);
+    let brought = Brought {
+        rgb,
+        depth_m: depth_m.transpose().map_err(Failure::environment)?,
+        last: arguments.last_place.map(|place| LastAction {
+            pick: arguments.last_pick,
+            place,
+        }),
+    };
+    let seen = see(&program, brought).map_err(failure)?;
+    say_doubts(&seen, io);
+    let files = match &arguments.out {
+        Some(folder) => write(folder, &seen).map_err(|error| {
+            Failure::environment(format!("cannot write into `{}`: {error}", folder.display()))
+        })?,
+        None => Vec::new(),
+    };
+    io.report(
+        arguments.json,
+        || as_json(&seen, &files),
+        || as_text(&seen, &files),
+    );
+    Ok(Exit::Done)
+}
+
+/// Reads `U,V`, a pixel.
+pub fn pixel(text: &str) -> Result<PixelPoint, String> {
+    text.split_once(',')
+        .and_then(|(u, v)| {
+            Some(PixelPoint::new(
+                u.trim().parse().ok()?,
+                v.trim().parse().ok()?,
+            ))
+        })
+        .ok_or_else(|| "write column and row of a pixel, such as `120,64`".to_owned())
+}
+
+/// Names the option that is missing; all else is the picture's fault.
+fn failure(error: SeeError) -> Failure {
+    match error {
+        SeeError::NeedsDepth { .. } => Failure::usage(format!("{error}; `--depth PNG` brings it")),
+        SeeError::NeedsPick { .. } => Failure::usage(format!("{error}; `--last-pick U,V` says it")),
+        SeeError::Size(_) | SeeError::Scene(_) => Failure::environment(error),
+    }
+}
+
+fn say_doubts(seen: &Seen, io: &Io) {
+    for layer in &seen.left_out {
+        io.talk(&format!(
+            "note: `{layer}` shows the action before this one, which `--last-place U,V` would say; it is left out"
+        ));
+    }
+    if let Some((name, mask)) = seen.scene.masks().first() {
+        let all = mask.width() as usize * mask.height() as usize;
+        if mask.area_px() == all {
+            io.talk(&format!(
+                "note: all {all} pixels of the picture belong to `{name}`; right would be a cloth with background around it"
+            ));
+        }
+    }
+}
+
+/// Writes a picture of each stage, numbered, and `annotated.png`; returns their paths.
+fn write(folder: &Path, seen: &Seen) -> std::io::Result<Vec<PathBuf>> {
+    fs::create_dir_all(folder)?;
+    let numbered = (1..).zip(&seen.stages);
+    let mut pictures: Vec<(String, &RgbImage)> = numbered
+        .map(|(number, stage)| (format!("{number:02}_{}.png", stage.name), &stage.picture))
+        .collect();
+    pictures.push(("annotated.png".to_owned(), &seen.annotated));
+    let mut files = Vec::with_capacity(pictures.len());
+    for (name, drawn) in pictures {
+        let path = folder.join(name);
+        files::write_whole(&path, &png::encode(drawn))?;
+        files.push(path);
+    }
+    Ok(files)
+}
+
+fn as_json(seen: &Seen, files: &[PathBuf]) -> Value {
+    let keypoints: Map<String, Value> = seen
+        .scene
+        .keypoints()
+        .into_iter()
+        .map(|(name, points)| (name.to_owned(), json!(points)))
+        .collect();
+    let masks: Map<String, Value> = seen
+        .scene
+        .masks()
+        .into_iter()
+        .map(|(name, mask)| (name.to_owned(), json!({ "area_px": mask.area_px() })))
+        .collect();
+    let files: Vec<String> = files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect();
+    json!({ "keypoints": keypoints, "masks": masks, "files": files })
+}
+
+fn as_text(seen: &Seen, files: &[PathBuf]) -> String {
+    let masks = seen
+        .scene
+        .masks()
+        .into_iter()
+        .map(|(name, mask)| format!("{name}: {} pixels", mask.area_px()));
+    let keypoints = seen.scene.keypoints().into_iter().map(|(name, points)| {
+        let points: Vec<String> = points.iter().map(PixelPoint::to_string).collect();
+        format!("{name}: {}", points.join(", "))
+    });
+    let files = files.iter().map(|file| file.display().to_string());
+    masks
+        .chain(keypoints)
+        .chain(files)
+        .collect::<Vec<_>>()
+        .join("\n")
+}

@@ -1,0 +1,212 @@
+//! What a verb needs around a program: a world, a start, a cache, a way to be stopped.
+
+pub mod arm;
+pub mod catalogue;
+pub mod model_arguments;
+pub mod models;
+pub mod policies;
+pub mod remote;
+pub mod worlds;
+
+use crate::exit::Failure;
+use crate::io::Io;
+use crate::sources;
+use crate::sources::TaskArguments;
+use clap::Args;
+use clap::ValueHint;
+use fab_agent::task_files;
+use fab_base::cache::Cache;
+use fab_base::interrupt::Interrupt;
+use fab_program::{ClothStart, Program};
+use fab_world::crumple;
+use fab_world::start::{Grid, Start, StartFrame, Up};
+use fab_world::{SimulatedWorld, World, WorldError};
+use serde::Deserialize;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Where the cloth lies at first.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+pub struct StartArguments {
+    /// Particle positions (.npy), or a seed that turns the flat cloth; default: flat and straight.
+    #[arg(long, value_name = "FILE.npy|SEED", value_hint = ValueHint::FilePath)]
+    pub start: Option<String>,
+    #[command(flatten)]
+    pub frame: FrameArguments,
+}
+
+/// How the numbers of a file of particle positions are to be understood.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+pub struct FrameArguments {
+    /// Grid of the .npy file, where nothing beside it says: particles along its x and its other side.
+    #[arg(long, value_name = "55x44", requires = "up")]
+    pub dims: Option<String>,
+    /// Axis of the .npy file that points up, where nothing beside it says.
+    #[arg(long, value_name = "AXIS", requires = "dims", value_parser = ["y", "z"])]
+    pub up: Option<String>,
+}
+
+/// The seed of a crumpled cloth where the command line names none.
+const DEFAULT_SEED: u64 = 0;
+
+/// Makes a simulated world for a program.
+pub fn world(program: &Program) -> Result<Box<dyn World>, WorldError> {
+    Ok(Box::new(SimulatedWorld::new(
+        &program.camera,
+        program.picker,
+    )?))
+}
+
+/// Lays the cloth as the command line says, else as the task does; `folder` holds the task's file.
+pub fn start(
+    program: &Program,
+    folder: &Path,
+    arguments: &StartArguments,
+    world: &dyn World,
+    interrupt: &Interrupt,
+    io: &Io,
+) -> Result<Start, Failure> {
+    let Some(text) = &arguments.start else {
+        if arguments.frame.dims.is_some() {
+            return Err(Failure::usage(
+                "`--dims` and `--up` describe a start file; name it with `--start FILE.npy`",
+            ));
+        }
+        return match &program.cloth.start {
+            ClothStart::Flat => Ok(Start::flat(&program.cloth)),
+            ClothStart::Crumpled => crumpled(program, DEFAULT_SEED, world, interrupt, io),
+            ClothStart::File { file } => {
+                let path = task_files::resolve(folder, file).map_err(Failure::environment)?;
+                Start::load(&path, None).map_err(Failure::environment)
+            }
+        };
+    };
+    if text.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty() {
+        if arguments.frame.dims.is_some() {
+            return Err(Failure::usage(format!(
+                "`--dims` and `--up` describe a start file, and `--start {text}` is a seed"
+            )));
+        }
+        let seed = text.parse().map_err(|_| {
+            Failure::usage(format!("the seed `{text}` is larger than {}", u64::MAX))
+        })?;
+        return match program.cloth.start {
+            ClothStart::Crumpled => crumpled(program, seed, world, interrupt, io),
+            _ => Ok(Start::seeded(&program.cloth, seed)),
+        };
+    }
+    let stated = stated_frame(&arguments.frame, program.cloth.spacing_m)?;
+    Start::load(Path::new(text), stated).map_err(Failure::environment)
+}
+
+/// Returns the task as it is for the cloth that a start holds: compiled anew where that has another grid.
+pub fn fitted(
+    task: &TaskArguments,
+    declared: &Program,
+    start: &Start,
+    io: &Io,
+) -> Result<Program, Failure> {
+    let grid = [start.grid.dimx, start.grid.dimy];
+    if grid == [declared.cloth.dimx, declared.cloth.dimy] {
+        return Ok(declared.clone());
+    }
+    sources::compile_task_for(task, grid, io)
+}
+
+fn crumpled(
+    program: &Program,
+    seed: u64,
+    world: &dyn World,
+    interrupt: &Interrupt,
+    io: &Io,
+) -> Result<Start, Failure> {
+    let mut announce = || io.talk(&format!("crumpling the cloth, seed {seed}"));
+    let cloth = &program.cloth;
+    match crumple::start(
+        &Start::flat(cloth),
+        seed,
+        world,
+        &cache(io),
+        interrupt,
+        &mut announce,
+    ) {
+        Ok(crumpled) => {
+            if let Some(why) = crumpled.not_kept {
+                io.talk(&format!("note: {why}"));
+            }
+            Ok(crumpled.start)
+        }
+        Err(WorldError::Interrupted) => Err(Failure::interrupted()),
+        Err(error) => Err(Failure::environment(error)),
+    }
+}
+
+/// Returns what the command line says of a file of positions, if it says anything.
+pub fn stated_frame(
+    arguments: &FrameArguments,
+    spacing_m: f64,
+) -> Result<Option<StartFrame>, Failure> {
+    let (Some(dims), Some(up)) = (&arguments.dims, &arguments.up) else {
+        return Ok(None);
+    };
+    let [dimx, dimy] = dims_of(dims)?;
+    Ok(Some(StartFrame {
+        grid: Grid {
+            dimx,
+            dimy,
+            spacing_m,
+        },
+        up: if up == "y" { Up::Y } else { Up::Z },
+    }))
+}
+
+/// Reads `--dims`: particles along the cloth's x and along its other side.
+pub fn dims_of(text: &str) -> Result<[u32; 2], Failure> {
+    text.split_once(['x', ','])
+        .and_then(|(x, y)| Some([x.parse().ok()?, y.parse().ok()?]))
+        .filter(|dims: &[u32; 2]| dims.iter().all(|dim| *dim >= 2))
+        .ok_or_else(|| {
+            Failure::usage(format!(
+                "`--dims {text}` is no grid; write two counts of at least 2, such as `55x44`"
+            ))
+        })
+}
+
+/// Opens the user's cache of simulated ends and starts.
+pub fn cache(io: &Io) -> Cache {
+    cache_of("experts", io)
+}
+
+/// Opens the user's cache of one kind of results.
+pub fn cache_of(kind: &str, io: &Io) -> Cache {
+    match cache_folder(io) {
+        Some(folder) => Cache::at(folder.join(kind)),
+        None => Cache::none(),
+    }
+}
+
+/// Returns the folder of the user's cache; `FABC_CACHE_DIR` names another place.
+pub fn cache_folder(io: &Io) -> Option<PathBuf> {
+    let named = io
+        .variable("FABC_CACHE_DIR")
+        .filter(|value| !value.is_empty())
+        .map(PathBuf::from);
+    named.or_else(|| {
+        user_folder(io, dirs::cache_dir, "XDG_CACHE_HOME", ".cache")
+            .map(|folder| folder.join("fabc"))
+    })
+}
+
+/// Returns one of the user's folders: the system's, or the one that the command's own environment names.
+pub fn user_folder(
+    io: &Io,
+    of_process: fn() -> Option<PathBuf>,
+    variable: &str,
+    in_home: &str,
+) -> Option<PathBuf> {
+    if io.is_process() {
+        return of_process();
+    }
+    let named = io.variable(variable).map(PathBuf::from);
+    named.or_else(|| Some(PathBuf::from(io.variable("HOME")?).join(in_home)))
+}

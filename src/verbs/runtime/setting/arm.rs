@@ -1,0 +1,212 @@
+//! The world of `--world jaco`: an arm's settings, calibration, driver, supervisor and watchdog.
+
+use crate::exit::Failure;
+use crate::io::Io;
+use crate::verbs::runtime::robot::terminal::{HoldToRun, Terminal};
+use crate::verbs::runtime::robot::watchdog::Process;
+use crate::verbs::runtime::robot::{connect, preflight};
+use clap::Args;
+use clap::ValueEnum;
+use clap::ValueHint;
+use fab_agent::arm_sight::SIGHT;
+use fab_arm::directory::PictureSelection;
+use fab_arm::last_run;
+use fab_arm::settings::{DriverKind, Settings};
+use fab_arm::supervisor::{NoWatchdog, Supervisor, Unattended};
+use fab_arm::world;
+use fab_arm::world::{ArmWorld, PlanningWorld};
+use fab_arm::world::{FlatPicture, Parts, WithinReach};
+use fab_program::{ClothStart, Program};
+use fab_world::start::Start;
+use fab_world::{World, WorldError};
+use serde::Deserialize;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// The arm of `--world jaco`, and who watches it.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+pub struct ArmArguments {
+    /// With `--world jaco`: the settings of the arm and its table.
+    #[arg(long, value_name = "FILE", default_value = "robot.toml", value_hint = ValueHint::FilePath)]
+    pub robot: PathBuf,
+    /// What a person is asked before the arm moves; default: each pick and place of a real arm, nothing of a simulated one.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub confirm: Option<Confirm>,
+    /// Let the arm move only while the space bar is held.
+    #[arg(long)]
+    pub hold_to_run: bool,
+}
+
+impl Default for ArmArguments {
+    fn default() -> Self {
+        ArmArguments {
+            robot: PathBuf::from("robot.toml"),
+            confirm: None,
+            hold_to_run: false,
+        }
+    }
+}
+
+/// What a person is asked before an arm moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Confirm {
+    /// Once before each pick and place.
+    Each,
+    /// Before each part of it.
+    Segment,
+    /// Nothing.
+    None,
+}
+
+/// Whether an arm executes actions or only plans them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArmMode {
+    /// Actions are executed.
+    Execute,
+    /// The first action is planned, and no arm is connected.
+    PlanOnly,
+}
+
+/// Checks first of all that the settings are usable and that a supervisor can be asked.
+pub fn check(arguments: &ArmArguments, mode: ArmMode, io: &Io) -> Result<Settings, Failure> {
+    let (settings, _, calibration) = world::load(&arguments.robot).map_err(Failure::environment)?;
+    FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(Failure::environment)?;
+    if mode == ArmMode::PlanOnly {
+        return Ok(settings);
+    }
+    if settings.driver != DriverKind::Simulated {
+        // The state of the arm comes first: it does not depend on what this build can reach.
+        preflight::claim(&arguments.robot).map_err(Failure::environment)?;
+        preflight::check(&arguments.robot).map_err(Failure::environment)?;
+        if !cfg!(feature = "ros") {
+            return Err(Failure::environment(connect::without_ros(&arguments.robot)));
+        }
+    }
+    supervisor(arguments, &settings, io)?;
+    Ok(settings)
+}
+
+/// Returns the start for a cloth that a person lays.
+pub fn start(program: &Program, named: Option<&String>) -> Result<Start, Failure> {
+    match named {
+        Some(named) => Err(Failure::usage(format!(
+            "`--start {named}` is for the simulator: on a real table a person lays the cloth"
+        ))),
+        None => Ok(Start {
+            name: match program.cloth.start {
+                ClothStart::Crumpled => "crumpled by hand",
+                _ => "flat, laid by hand",
+            }
+            .to_owned(),
+            ..Start::flat(&program.cloth)
+        }),
+    }
+}
+
+/// Makes the world of an arm; `folder` is the run folder, for the arm's journal.
+pub fn world(
+    program: &Program,
+    arguments: &ArmArguments,
+    mode: ArmMode,
+    folder: Option<&PathBuf>,
+    io: &Io,
+) -> Result<Box<dyn World>, WorldError> {
+    let (settings, settings_hash, calibration) = world::load(&arguments.robot).map_err(failed)?;
+    let flat = FlatPicture::load(&arguments.robot, &settings, &calibration).map_err(failed)?;
+    let supervisor = match mode {
+        ArmMode::Execute => {
+            supervisor(arguments, &settings, io).map_err(|error| failed(error.to_string()))?
+        }
+        ArmMode::PlanOnly => Box::new(Unattended),
+    };
+    let is_simulated = settings.driver == DriverKind::Simulated;
+    let watchdog_s = settings.tolerance.watchdog_s;
+    let mut parts = Parts {
+        settings,
+        settings_hash,
+        calibration,
+        sight: SIGHT,
+        image_px: program.camera.image_px,
+        supervisor,
+        // A simulated arm ends with this program; a real one gets a watchdog below.
+        watchdog: Box::new(NoWatchdog),
+        folder: folder.cloned(),
+    };
+    match (mode, is_simulated) {
+        (ArmMode::PlanOnly, true) => {
+            return Ok(Box::new(PlanningWorld::simulated(parts)?.with_flat(flat)));
+        }
+        (ArmMode::Execute, true) => {
+            return Ok(Box::new(ArmWorld::simulated(parts)?.with_flat(flat)));
+        }
+        (ArmMode::PlanOnly, false) => {
+            let camera = connect::camera(&parts.settings, &arguments.robot, PictureSelection::Last);
+            let camera = camera.map_err(|why| WorldError::Camera { why })?;
+            return Ok(Box::new(PlanningWorld::new(parts, camera)?.with_flat(flat)));
+        }
+        (ArmMode::Execute, false) => {}
+    }
+    preflight::check(&arguments.robot).map_err(failed)?;
+    let watchdog = Process::start(&arguments.robot, watchdog_s, io).map_err(failed)?;
+    parts.watchdog = Box::new(watchdog);
+    let world = real(parts, arguments)?.with_flat(flat);
+    if let Some(folder) = folder {
+        // Before the first motion: after a crash in it, the next run must find this one.
+        last_run::record(&arguments.robot, folder).map_err(|error| failed(error.to_string()))?;
+    }
+    Ok(Box::new(world))
+}
+
+/// Makes a simulated world that refuses points out of the arm's reach: nobody is asked, and nothing moves.
+pub fn look(program: &Program, arguments: &ArmArguments) -> Result<Box<dyn World>, WorldError> {
+    let (settings, ..) = world::load(&arguments.robot).map_err(failed)?;
+    let world = super::world(program)?;
+    Ok(Box::new(WithinReach::new(world, settings)?))
+}
+
+/// Returns whether a person beside the arm judges the result, if the command line does not say.
+pub fn has_operator(arguments: &ArmArguments, settings: &Settings, io: &Io) -> bool {
+    settings.driver != DriverKind::Simulated
+        && arguments.confirm != Some(Confirm::None)
+        && io.has_terminal_input()
+}
+
+/// Connects to a real arm and its camera.
+fn real(parts: Parts, arguments: &ArmArguments) -> Result<ArmWorld, WorldError> {
+    let settings = &parts.settings;
+    let timeout_s = settings.camera.timeout_s;
+    let camera = connect::camera(
+        settings,
+        &arguments.robot,
+        PictureSelection::Fresh { timeout_s },
+    );
+    let camera = camera.map_err(|why| WorldError::Camera { why })?;
+    let arm = connect::arm(settings).map_err(failed)?;
+    ArmWorld::new(parts, arm, camera)
+}
+
+/// Returns the supervisor: for a real arm a person, unless the command line says otherwise.
+fn supervisor(
+    arguments: &ArmArguments,
+    settings: &Settings,
+    io: &Io,
+) -> Result<Box<dyn Supervisor>, Failure> {
+    let is_simulated = settings.driver == DriverKind::Simulated;
+    if is_simulated && arguments.confirm.is_none() && !arguments.hold_to_run {
+        return Ok(Box::new(Unattended));
+    }
+    let confirm = arguments.confirm.unwrap_or(match is_simulated {
+        true => Confirm::None,
+        false => Confirm::Each,
+    });
+    let hold = match arguments.hold_to_run {
+        true => HoldToRun::Space,
+        false => HoldToRun::Off,
+    };
+    Ok(Box::new(Terminal::new(confirm, hold, io)?))
+}
+
+fn failed(why: String) -> WorldError {
+    WorldError::Motion { why }
+}

@@ -1,0 +1,101 @@
+//! Loads the model catalogue, and locates the user's files for it.
+//!
+//! In: flags and the environment. Out: a [`Catalogue`], paths, today's [`Date`]. No other part of the command knows where
+//! such files are.
+
+use crate::exit::Failure;
+use crate::io::Io;
+use clap::Args;
+use clap::ValueHint;
+use fab_providers::catalogue::{Catalogue, Date, Profile};
+use serde::Deserialize;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::UNIX_EPOCH;
+
+/// Where facts about models are looked up.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+pub struct FactsArguments {
+    /// Facts of yours, laid over the embedded ones; default: FABC_MODELS, or `fabc/models.toml` in your folder of settings.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub models: Option<PathBuf>,
+}
+
+/// A file of the user's, and what named it.
+pub struct UserFile {
+    pub path: PathBuf,
+    pub named_by: NamedBy,
+}
+
+/// What names a file of the user's.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum NamedBy {
+    /// A flag or a variable: it has to be there.
+    User,
+    /// The place where such files lie: it may be missing.
+    Place,
+}
+
+impl UserFile {
+    /// Returns whether it is to be used: it was named, or it is there.
+    pub fn counts(&self) -> bool {
+        self.named_by == NamedBy::User || self.path.exists()
+    }
+}
+
+/// Returns the file of facts about models: `--models`, else `FABC_MODELS`, else the one in the user's folder.
+pub fn facts_file(flag: Option<&Path>, io: &Io) -> Option<UserFile> {
+    match flag {
+        Some(path) => Some(UserFile {
+            path: path.to_owned(),
+            named_by: NamedBy::User,
+        }),
+        None => user_file("FABC_MODELS", "models.toml", io),
+    }
+}
+
+/// Returns the file of keys: `FABC_KEYS`, else the one in the user's folder.
+pub fn keys_file(io: &Io) -> Option<UserFile> {
+    user_file("FABC_KEYS", "keys.toml", io)
+}
+
+fn user_file(variable: &str, name: &str, io: &Io) -> Option<UserFile> {
+    let named = io.variable(variable).filter(|value| !value.is_empty());
+    let named = named.map(|path| UserFile {
+        path: path.into(),
+        named_by: NamedBy::User,
+    });
+    named.or_else(|| {
+        super::user_folder(io, dirs::config_dir, "XDG_CONFIG_HOME", ".config").map(|folder| {
+            UserFile {
+                path: folder.join("fabc").join(name),
+                named_by: NamedBy::Place,
+            }
+        })
+    })
+}
+
+/// Returns the embedded catalogue, overlaid by the user's file.
+pub fn load(flag: Option<&Path>, io: &Io) -> Result<Catalogue, Failure> {
+    let builtin = Catalogue::builtin();
+    match facts_file(flag, io).filter(UserFile::counts) {
+        Some(file) => builtin
+            .overlaid_by(&file.path)
+            .map_err(Failure::environment),
+        None => Ok(builtin),
+    }
+}
+
+/// Returns the catalogue's entry for a model, `PROVIDER:NAME`.
+pub fn profile(name: &str, models: Option<&Path>, io: &Io) -> Result<Profile, Failure> {
+    let catalogue = load(models, io)?;
+    let found = catalogue.find(name);
+    found.map_err(|error| Failure::usage(error.to_string()))
+}
+
+/// Returns the day, in UTC.
+pub fn today(io: &Io) -> Date {
+    // A clock before 1970 is no clock to go by; its day is then the first one.
+    let since = io.now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    Date::from_unix_days(since.as_secs() / 86_400)
+}

@@ -1,0 +1,133 @@
+//! The part of the command line that says who answers, and what that may cost; `run` and `bench` share it.
+
+use super::catalogue::FactsArguments;
+use clap::{Args, ValueEnum, ValueHint};
+use fab_model::calls::Usd;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Who answers.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+pub struct ModelArguments {
+    /// Who answers: `geometric` (an embedded stand-in without key and network), `random[:SEED]`, `imperfect:RATE[:SEED]`,
+    /// `replay:FILE`, or `PROVIDER:NAME` (see `fabc models`); `vision=MODEL` and `text=MODEL` name one for a role.
+    /// Default: `geometric`.
+    #[arg(long, value_name = "[ROLE=]MODEL")]
+    pub model: Vec<String>,
+    #[command(flatten)]
+    pub reach: ReachArguments,
+}
+
+/// Who decides.
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+pub struct PolicyArguments {
+    /// Who decides: `prompted` asks `--model`; `random[:SEED]` draws from the action space; `expert` follows the task's
+    /// demonstration; `exec:"CMD ARG..."` is a program of yours, `exec+particles:` one that looks at true particles.
+    /// Default: `prompted`.
+    #[arg(long, value_name = "POLICY")]
+    policy: Option<String>,
+    /// How long one answer of a program may take, seconds. Default: 120.
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=3600))]
+    policy_timeout: Option<u32>,
+}
+
+impl PolicyArguments {
+    /// Returns the policy's name.
+    pub fn name(&self) -> &str {
+        self.policy.as_deref().unwrap_or("prompted")
+    }
+
+    /// Returns the same limits for a policy of another name.
+    pub fn named(&self, policy: String) -> PolicyArguments {
+        PolicyArguments {
+            policy: Some(policy),
+            ..self.clone()
+        }
+    }
+
+    /// Returns how long one answer of a program may take.
+    pub fn limit(&self) -> Duration {
+        Duration::from_secs(self.policy_timeout.unwrap_or(120).into())
+    }
+}
+
+/// How providers are reached, and what is known of their models.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+pub struct ReachArguments {
+    /// Where the provider is reached, in place of its usual address; `vision=URL` and `text=URL` for a role.
+    #[arg(long, value_name = "[ROLE=]URL")]
+    pub base_url: Vec<String>,
+    #[command(flatten)]
+    pub facts: FactsArguments,
+    /// Leave out settings that stages state and the model does not take.
+    #[arg(long, value_name = "SETTING", value_delimiter = ',')]
+    pub omit: Vec<OmitArgument>,
+    /// Let the model choose numbered points instead of writing coordinates.
+    #[arg(long)]
+    pub marks: bool,
+    /// How long one call may take, seconds.
+    #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=3600))]
+    pub timeout: u32,
+    /// Buy every answer anew, also those that are kept from earlier runs.
+    #[arg(long)]
+    pub no_cache: bool,
+    /// Ask models whose price is not known.
+    #[arg(long)]
+    pub allow_unknown_price: bool,
+}
+
+/// A setting that a stage may state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OmitArgument {
+    /// The sampling temperature.
+    Temperature,
+    /// Nucleus sampling.
+    #[value(name = "top_p")]
+    TopP,
+    /// The longest answer.
+    Tokens,
+}
+
+/// What may be asked, and what is kept of it.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+pub struct SpendArguments {
+    /// Say what would be asked and what that costs, and send nothing.
+    #[arg(long)]
+    pub estimate: bool,
+    /// Add every question with its answer to this recording, for `--model replay:FILE`.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub record: Option<PathBuf>,
+    /// Stop before models may cost more than this, US dollars, for the whole run with its earlier parts.
+    #[arg(long, value_name = "USD", value_parser = dollars)]
+    pub max_cost: Option<Usd>,
+    /// Stop before more calls than this are sent, for the whole run with its earlier parts.
+    #[arg(long, value_name = "N")]
+    pub max_calls: Option<u64>,
+}
+
+/// What models are looked up for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// To be asked.
+    Asking,
+    /// To say what asking them would cost; no key is needed.
+    Estimating,
+}
+
+impl SpendArguments {
+    /// Returns what models are looked up for.
+    pub fn purpose(&self) -> Purpose {
+        match self.estimate {
+            true => Purpose::Estimating,
+            false => Purpose::Asking,
+        }
+    }
+}
+
+/// Reads an amount of money.
+pub fn dollars(text: &str) -> Result<Usd, String> {
+    let amount = text.parse().ok().and_then(Usd::from_dollars);
+    amount.ok_or_else(|| "write an amount of US dollars, such as 2.50".to_owned())
+}

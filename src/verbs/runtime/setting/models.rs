@@ -1,0 +1,345 @@
+//! Who answers: models by their names on the command line.
+
+use super::catalogue;
+use super::remote::Providers;
+use crate::exit::Failure;
+use crate::io::Io;
+use crate::verbs::render::camera::ShownArguments;
+use crate::verbs::runtime::setting::model_arguments::ModelArguments;
+use crate::verbs::runtime::setting::model_arguments::Purpose;
+use crate::verbs::runtime::setting::model_arguments::SpendArguments;
+use fab_agent::rollout::FirstQuestion;
+use fab_base::interrupt::Interrupt;
+use fab_model::Models;
+use fab_model::calls::{Budget, Caps, Spent};
+use fab_model::lowering::{Lowering, Points};
+use fab_model::recording::{Recorder, Replay};
+use fab_model::{Model, ModelRole, Request};
+use fab_providers::catalogue::Profile;
+use fab_providers::remote::Remote;
+use fab_standins::{Geometric, Imperfect, Random};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The models that this build knows.
+const MODELS: &str = "`geometric` (an embedded stand-in), `random` or `random:SEED` (draws from what is offered), `imperfect:RATE` or `imperfect:RATE:SEED` (geometric with that share of wrong answers), `replay:FILE` (a recording), and `PROVIDER:NAME` (`fabc models` lists them)";
+
+/// What the name of a recording begins with.
+const REPLAY: &str = "replay:";
+
+/// Who answers where the command line names nobody.
+const DEFAULT_MODEL: &str = "geometric";
+
+/// The seed of a model where the command line names none.
+const DEFAULT_SEED: u64 = 0;
+
+/// The models of both roles.
+pub struct Answering {
+    vision: Answerer,
+    text: Answerer,
+}
+
+/// A model, and what is known of it where a provider has it.
+#[derive(Clone)]
+struct Answerer {
+    model: Arc<dyn Model>,
+    provided: Option<Provided>,
+}
+
+/// What there is of a provider's model besides its answers.
+#[derive(Clone)]
+struct Provided {
+    profile: Profile,
+    remote: Arc<Remote>,
+}
+
+impl Answering {
+    /// Returns the model that gets pictures.
+    pub fn vision(&self) -> Arc<dyn Model> {
+        Arc::clone(&self.vision.model)
+    }
+
+    /// Returns what is known of the model of a role; None where nothing is sent to a provider.
+    pub fn profile(&self, role: ModelRole) -> Option<&Profile> {
+        let answerer = match role {
+            ModelRole::Vision => &self.vision,
+            ModelRole::Text => &self.text,
+        };
+        answerer.provided.as_ref().map(|it| &it.profile)
+    }
+
+    /// Returns the longest answer that a request asks for in the end, tokens; None where none is sent.
+    pub fn longest_answer(&self, request: &Request) -> Option<u32> {
+        let answerer = match request.role {
+            ModelRole::Vision => &self.vision,
+            ModelRole::Text => &self.text,
+        };
+        match &answerer.provided {
+            Some(provided) => provided.remote.longest_answer(request),
+            None => request.max_tokens,
+        }
+    }
+
+    /// Fails where a question cannot be sent as it is, such as one with a setting that the model does not take.
+    pub fn check(&self, questions: &[FirstQuestion]) -> Result<(), Failure> {
+        for question in questions {
+            let answerer = match question.request.role {
+                ModelRole::Vision => &self.vision,
+                ModelRole::Text => &self.text,
+            };
+            if let Some(provided) = &answerer.provided {
+                let encoded = provided.remote.encoded(&question.request);
+                encoded.map_err(|error| {
+                    Failure::environment(format!("stage `{}`: {error}", question.stage))
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns whether questions of a role go to a provider.
+    pub fn asks_a_provider(&self) -> bool {
+        self.vision.provided.is_some() || self.text.provided.is_some()
+    }
+
+    /// Returns who answers which role.
+    pub fn models(&self) -> Models<'_> {
+        Models {
+            vision: self.vision.model.as_ref(),
+            text: self.text.model.as_ref(),
+        }
+    }
+}
+
+/// Finds the models that the command line names.
+///
+/// - `interrupt`: ends calls under way.
+pub fn models(
+    arguments: &ModelArguments,
+    purpose: Purpose,
+    interrupt: &Interrupt,
+    io: &Io,
+) -> Result<Answering, Failure> {
+    let mut finder = Finder {
+        arguments,
+        purpose,
+        interrupt,
+        providers: None,
+    };
+    let models = match arguments.model.is_empty() {
+        true => ByRole::Both(DEFAULT_MODEL.to_owned()),
+        false => by_role("--model", &arguments.model)?,
+    };
+    let urls = match arguments.reach.base_url.is_empty() {
+        true => None,
+        false => Some(by_role("--base-url", &arguments.reach.base_url)?),
+    };
+    match (models, urls) {
+        (ByRole::Both(name), None) => finder.both(&name, None, io),
+        (ByRole::Both(name), Some(ByRole::Both(url))) => finder.both(&name, Some(&url), io),
+        (models, urls) => {
+            let [vision, text] = models.each();
+            let [vision_url, text_url] = match urls {
+                Some(urls) => urls.each().map(Some),
+                None => [None, None],
+            };
+            Ok(Answering {
+                vision: finder.model(&vision, vision_url.as_deref(), ModelRole::Vision, io)?,
+                text: finder.model(&text, text_url.as_deref(), ModelRole::Text, io)?,
+            })
+        }
+    }
+}
+
+/// Finds models one by one; what is known of providers is read when the first of them is named.
+struct Finder<'a> {
+    arguments: &'a ModelArguments,
+    purpose: Purpose,
+    interrupt: &'a Interrupt,
+    providers: Option<Providers>,
+}
+
+impl Finder<'_> {
+    fn both(&mut self, name: &str, base_url: Option<&str>, io: &Io) -> Result<Answering, Failure> {
+        if name.starts_with(REPLAY) {
+            return Ok(Answering {
+                vision: self.model(name, base_url, ModelRole::Vision, io)?,
+                text: self.model(name, base_url, ModelRole::Text, io)?,
+            });
+        }
+        let model = self.model(name, base_url, ModelRole::Vision, io)?;
+        Ok(Answering {
+            vision: model.clone(),
+            text: model,
+        })
+    }
+
+    fn model(
+        &mut self,
+        name: &str,
+        base_url: Option<&str>,
+        role: ModelRole,
+        io: &Io,
+    ) -> Result<Answerer, Failure> {
+        if let Some(model) = embedded(name, role)? {
+            return Ok(Answerer {
+                model: Arc::from(model),
+                provided: None,
+            });
+        }
+        let providers = match &mut self.providers {
+            Some(providers) => providers,
+            absent => absent.insert(Providers::new(&self.arguments.reach, self.interrupt, io)?),
+        };
+        let profile = providers.profile(name)?;
+        let remote = Arc::new(providers.model(&profile, base_url, self.purpose)?);
+        Ok(Answerer {
+            model: remote.clone(),
+            provided: Some(Provided { profile, remote }),
+        })
+    }
+}
+
+/// Finds an embedded model or a recording; the model of a provider is refused before its key is looked up.
+///
+/// A recording answers by words and pictures: whoever asks over the network tells of no steps.
+pub fn without_provider(name: &str) -> Result<Arc<dyn Model>, Failure> {
+    if let Some(file) = name.strip_prefix(REPLAY) {
+        let replay = Replay::load(Path::new(file), ModelRole::Vision);
+        return Ok(Arc::new(replay.map_err(Failure::environment)?.by_words()));
+    }
+    let model = embedded(name, ModelRole::Vision)?;
+    model.map(Arc::from).ok_or_else(|| {
+        Failure::usage(format!(
+            "`{name}` is neither an embedded model nor a recording, and a provider's model is not served: any program here could spend your key; there is `geometric`, `random[:SEED]`, `imperfect:RATE[:SEED]` and `replay:FILE`"
+        ))
+    })
+}
+
+/// The model to which messages are shown.
+pub struct Told {
+    /// How it is told of points and pictures.
+    pub lowering: Lowering,
+    /// What is known of it; none for embedded models, and where none is named.
+    pub profile: Option<Profile>,
+}
+
+impl Told {
+    /// Finds the model that the command line names.
+    pub fn of(shown: &ShownArguments, io: &Io) -> Result<Told, Failure> {
+        let (known, profile) = match &shown.model {
+            None => (Lowering::PIXELS, None),
+            Some(name) => match embedded(name, ModelRole::Text)? {
+                Some(model) => (model.lowering(), None),
+                None => {
+                    let profile = catalogue::profile(name, shown.facts.models.as_deref(), io)?;
+                    (profile.lowering(), Some(profile))
+                }
+            },
+        };
+        let lowering = match shown.marks {
+            true => Lowering {
+                points: Points::Marks,
+                ..known
+            },
+            false => known,
+        };
+        Ok(Told { lowering, profile })
+    }
+}
+
+/// Something that may be said for both roles or for each.
+enum ByRole {
+    Both(String),
+    Each { vision: String, text: String },
+}
+
+impl ByRole {
+    /// Returns what is said for vision, and for text.
+    fn each(self) -> [String; 2] {
+        match self {
+            ByRole::Both(both) => [both.clone(), both],
+            ByRole::Each { vision, text } => [vision, text],
+        }
+    }
+}
+
+/// Reads `X`, or `vision=X` and `text=Y`.
+fn by_role(flag: &str, values: &[String]) -> Result<ByRole, Failure> {
+    let wrong = |why: &str| {
+        Failure::usage(format!(
+            "{why}; write `{flag} X` for both roles, or `{flag} vision=X {flag} text=Y`"
+        ))
+    };
+    let (mut both, mut vision, mut text) = (None, None, None);
+    for value in values {
+        let (place, value) = match value.split_once('=') {
+            Some(("vision", value)) => (&mut vision, value),
+            Some(("text", value)) => (&mut text, value),
+            _ => (&mut both, value.as_str()),
+        };
+        if place.replace(value.to_owned()).is_some() {
+            return Err(wrong(&format!("`{flag}` says the same role twice")));
+        }
+    }
+    match (both, vision, text) {
+        (Some(both), None, None) => Ok(ByRole::Both(both)),
+        (None, Some(vision), Some(text)) => Ok(ByRole::Each { vision, text }),
+        (Some(both), Some(vision), None) => Ok(ByRole::Each { vision, text: both }),
+        (Some(both), None, Some(text)) => Ok(ByRole::Each { vision: both, text }),
+        (Some(_), Some(_), Some(_)) => Err(wrong(&format!(
+            "`{flag}` names both roles and a third for neither"
+        ))),
+        (None, Some(_), None) => Err(wrong(&format!("`{flag}` names nothing for `text`"))),
+        (None, None, Some(_)) => Err(wrong(&format!("`{flag}` names nothing for `vision`"))),
+        (None, None, None) => Err(wrong(&format!("`{flag}` says nothing"))),
+    }
+}
+
+/// Finds a model that needs no provider; None where the name is of another kind.
+fn embedded(name: &str, role: ModelRole) -> Result<Option<Box<dyn Model>>, Failure> {
+    if let Some(file) = name.strip_prefix(REPLAY) {
+        let replay = Replay::load(Path::new(file), role).map_err(Failure::environment)?;
+        return Ok(Some(Box::new(replay)));
+    }
+    let mut parts = name.split(':');
+    let parts = [parts.next(), parts.next(), parts.next(), parts.next()];
+    let found: Option<Box<dyn Model>> = match parts {
+        [Some("geometric"), None, ..] => Some(Box::new(Geometric)),
+        [Some("random"), seed, None, _] => {
+            seed_of(seed).map(|seed| Box::new(Random::seeded(seed)) as Box<dyn Model>)
+        }
+        [Some("imperfect"), Some(rate), seed, None] => rate
+            .parse()
+            .ok()
+            .zip(seed_of(seed))
+            .and_then(|(rate, seed)| Imperfect::new(rate, seed))
+            .map(|model| Box::new(model) as Box<dyn Model>),
+        [Some("geometric" | "random" | "imperfect"), ..] | [_, None, ..] => None,
+        _ => return Ok(None),
+    };
+    found.map(Some).ok_or_else(|| {
+        Failure::usage(format!(
+            "there is no model `{name}`; there is {MODELS}; SEED is a whole number, RATE from 0 to 1"
+        ))
+    })
+}
+
+fn seed_of(text: Option<&str>) -> Option<u64> {
+    text.map_or(Some(DEFAULT_SEED), |text| text.parse().ok())
+}
+
+/// Makes the budget that the command line states.
+pub fn budget(arguments: &SpendArguments) -> Budget {
+    let caps = Caps {
+        cost: arguments.max_cost,
+        calls: arguments.max_calls,
+    };
+    Budget::new(caps, Spent::default())
+}
+
+/// Opens the recording that the command line names.
+pub fn recorder(arguments: &SpendArguments) -> Result<Option<Recorder>, Failure> {
+    let opened = arguments.record.as_deref().map(Recorder::open);
+    opened.transpose().map_err(Failure::environment)
+}

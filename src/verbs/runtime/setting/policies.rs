@@ -1,0 +1,125 @@
+//! Who decides: policies by their names on the command line and in suites.
+
+use super::models::{self, Answering};
+use crate::exit::Failure;
+use crate::io::Io;
+use crate::verbs::runtime::setting::model_arguments::ModelArguments;
+use crate::verbs::runtime::setting::model_arguments::PolicyArguments;
+use crate::verbs::runtime::setting::model_arguments::Purpose;
+use fab_agent::policy::{Expert, External, MakePolicy, Policy, Prompted, Random, Sight};
+use fab_base::child::CommandLine;
+use fab_base::interrupt::Interrupt;
+use std::time::Duration;
+
+/// The policies that there are.
+const POLICIES: &str = "`prompted` (asks the models of `--model`), `random` or `random:SEED` (draws from the action space), `expert` (follows the task's demonstration), `exec:\"CMD ARG...\"` (a program of yours), and `exec+particles:\"CMD ARG...\"` (one that looks at the true particles)";
+
+/// The seed of the random policy where its name has none.
+const DEFAULT_SEED: u64 = 0;
+
+/// A policy, with what it needs beside a rollout.
+pub enum Deciding {
+    /// Models answer the task's prompts.
+    Prompted(Box<Answering>),
+    /// Draws from the action space.
+    Random(Random),
+    /// Follows the demonstration.
+    Expert,
+    /// A program of the user's.
+    Program {
+        /// How it is started.
+        command: CommandLine,
+        /// What it looks at.
+        sight: Sight,
+        /// How long one answer may take.
+        limit: Duration,
+    },
+}
+
+impl Deciding {
+    /// Finds the policy of a name; nothing is started.
+    pub fn of(
+        arguments: &PolicyArguments,
+        models: &ModelArguments,
+        purpose: Purpose,
+        interrupt: &Interrupt,
+        io: &Io,
+    ) -> Result<Deciding, Failure> {
+        let name = arguments.name();
+        if name == "prompted" {
+            let answering = models::models(models, purpose, interrupt, io)?;
+            return Ok(Deciding::Prompted(Box::new(answering)));
+        }
+        let found = Deciding::without_models(name, arguments.limit())?;
+        if !models.model.is_empty() {
+            return Err(Failure::usage(format!(
+                "`--policy {name}` asks no model: leave out `--model`"
+            )));
+        }
+        match purpose {
+            Purpose::Asking => Ok(found),
+            Purpose::Estimating => Err(Failure::usage(format!(
+                "`--estimate` says what asking models costs, and `--policy {name}` asks none"
+            ))),
+        }
+    }
+
+    fn without_models(name: &str, limit: Duration) -> Result<Deciding, Failure> {
+        let program = |sight, command| {
+            let command = CommandLine::parse(command);
+            let command =
+                command.map_err(|why| Failure::usage(format!("`--policy {name}`: {why}")));
+            command.map(|command| Deciding::Program {
+                command,
+                sight,
+                limit,
+            })
+        };
+        let unknown =
+            || Failure::usage(format!("there is no policy `{name}`; there is {POLICIES}"));
+        match name.split_once(':') {
+            None if name == "expert" => Ok(Deciding::Expert),
+            None if name == "random" => Ok(Deciding::Random(Random { seed: DEFAULT_SEED })),
+            Some(("random", seed)) => match seed.parse() {
+                Ok(seed) => Ok(Deciding::Random(Random { seed })),
+                Err(_) => Err(unknown()),
+            },
+            Some(("exec", command)) => program(Sight::Camera, command),
+            Some(("exec+particles", command)) => program(Sight::Particles, command),
+            _ => Err(unknown()),
+        }
+    }
+
+    /// Returns the models that it asks, where it asks any.
+    pub fn answering(&self) -> Option<&Answering> {
+        match self {
+            Deciding::Prompted(answering) => Some(answering),
+            _ => None,
+        }
+    }
+
+    /// Returns the command line that a rollout starts, where it starts one.
+    pub fn command(&self) -> Option<&CommandLine> {
+        match self {
+            Deciding::Program { command, .. } => Some(command),
+            _ => None,
+        }
+    }
+}
+
+impl MakePolicy for Deciding {
+    fn make(&self) -> Box<dyn Policy + '_> {
+        match self {
+            Deciding::Prompted(answering) => Box::new(Prompted {
+                models: answering.models(),
+            }),
+            Deciding::Random(random) => Box::new(*random),
+            Deciding::Expert => Box::new(Expert),
+            Deciding::Program {
+                command,
+                sight,
+                limit,
+            } => Box::new(External::new(command.clone(), *sight, *limit)),
+        }
+    }
+}

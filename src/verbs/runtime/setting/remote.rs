@@ -1,0 +1,193 @@
+//! Models of providers: facts, keys and addresses, gathered from files and the environment.
+
+use super::catalogue::{self, UserFile};
+use crate::exit::Failure;
+use crate::io::Io;
+use crate::verbs::runtime::setting;
+use crate::verbs::runtime::setting::model_arguments::OmitArgument;
+use crate::verbs::runtime::setting::model_arguments::Purpose;
+use crate::verbs::runtime::setting::model_arguments::ReachArguments;
+use fab_base::interrupt::Interrupt;
+use fab_model::lowering::{Lowering, Points};
+use fab_providers::catalogue::{Catalogue, KeyNeed, Profile};
+use fab_providers::remote::settings::Parameter;
+use fab_providers::remote::{
+    Answers, BaseUrl, Gate, Key, Redactor, Remote, Settings, Shared, Tell,
+};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// The most calls to one provider at once; the gate narrows where the provider wants fewer.
+const MOST_CALLS_AT_ONCE: usize = 16;
+
+/// What the models of one command have in common.
+pub struct Providers {
+    arguments: ReachArguments,
+    catalogue: Catalogue,
+    answers: Arc<Answers>,
+    gates: BTreeMap<String, Arc<Gate>>,
+    interrupt: Interrupt,
+    keys: Vec<Key>,
+    io: Io,
+}
+
+impl Providers {
+    /// Reads what is known of models, and every key that is set.
+    pub fn new(
+        arguments: &ReachArguments,
+        interrupt: &Interrupt,
+        io: &Io,
+    ) -> Result<Providers, Failure> {
+        let catalogue = catalogue::load(arguments.facts.models.as_deref(), io)?;
+        let mut keys = Vec::new();
+        for provider in catalogue.providers() {
+            // A key that cannot be used matters only to who wants to use it.
+            keys.extend(key(&provider.key_env, io).ok().flatten());
+        }
+        let answers = match arguments.no_cache {
+            true => Answers::none(),
+            false => Answers::kept_in(setting::cache_of("answers", io)),
+        };
+        Ok(Providers {
+            arguments: arguments.clone(),
+            catalogue,
+            answers: Arc::new(answers),
+            gates: BTreeMap::new(),
+            interrupt: interrupt.clone(),
+            keys,
+            io: io.clone(),
+        })
+    }
+
+    /// Makes the model of a profile; nothing is sent.
+    ///
+    /// - `base_url`: where the provider is reached, if not at its usual address.
+    pub fn model(
+        &mut self,
+        profile: &Profile,
+        base_url: Option<&str>,
+        purpose: Purpose,
+    ) -> Result<Remote, Failure> {
+        if purpose == Purpose::Asking {
+            self.refuse_unknown_price(profile)?;
+        }
+        let address = base_url.or(profile.provider.base_url.as_deref());
+        let Some(address) = address else {
+            return Err(Failure::usage(format!(
+                "`{}` has no address of its own; say where it is reached with `--base-url URL`",
+                profile.provider.name
+            )));
+        };
+        let address = BaseUrl::parse(address).map_err(|error| Failure::usage(error.to_string()))?;
+        let arguments = &self.arguments;
+        let key = match purpose {
+            Purpose::Asking => self.key_of(profile)?,
+            Purpose::Estimating => None,
+        };
+        if let (Some(key), false) = (&key, address.keeps_secrets()) {
+            return Err(Failure::usage(format!(
+                "`{}` would go to `{}` unencrypted; use an address with https, or one on this machine",
+                key.name(),
+                profile.provider.name
+            )));
+        }
+        let settings = Settings {
+            lowering: self.lowering(profile),
+            key,
+            omit: arguments.omit.iter().copied().map(parameter).collect(),
+            timeout: Duration::from_secs(arguments.timeout.into()),
+            ..Settings::of(profile, address, catalogue::today(&self.io))
+        };
+        let gates = &mut self.gates;
+        let io = self.io.clone();
+        let gate = gates.entry(profile.provider.name.clone());
+        let shared = Shared {
+            tell: Tell::to(move |why| io.talk(&format!("  {why}"))),
+            gate: Arc::clone(gate.or_insert_with(|| Arc::new(Gate::new(MOST_CALLS_AT_ONCE)))),
+            answers: Arc::clone(&self.answers),
+            interrupt: self.interrupt.clone(),
+            hidden: self.keys.clone(),
+        };
+        Remote::new(settings, shared).map_err(Failure::environment)
+    }
+
+    /// Finds what is known of a `PROVIDER:NAME`, and says aloud what a user should know of it.
+    pub fn profile(&self, name: &str) -> Result<Profile, Failure> {
+        if Redactor::of(&self.keys).text(name) != name {
+            return Err(Failure::usage(
+                "the name of the model holds a key; a key comes from the environment or from a file of keys, and the model's name stands behind the provider's, as in `openai:NAME`",
+            ));
+        }
+        let profile = self.catalogue.find(name);
+        let profile = profile.map_err(|error| Failure::usage(error.to_string()))?;
+        for notice in profile.notices(catalogue::today(&self.io)) {
+            let weight = match notice.is_warning() {
+                true => "warning",
+                false => "note",
+            };
+            self.io.talk(&format!("{weight}: {name}: {notice}"));
+        }
+        Ok(profile)
+    }
+
+    /// Returns how points are written for a model.
+    pub fn lowering(&self, profile: &Profile) -> Lowering {
+        let known = profile.lowering();
+        let points = match self.arguments.marks {
+            true => Points::Marks,
+            false => known.points,
+        };
+        Lowering { points, ..known }
+    }
+
+    fn refuse_unknown_price(&self, profile: &Profile) -> Result<(), Failure> {
+        if self.arguments.allow_unknown_price
+            || profile.price_on(catalogue::today(&self.io)).is_some()
+        {
+            return Ok(());
+        }
+        Err(Failure::environment(format!(
+            "what `{}` costs is not known; `--allow-unknown-price` asks it all the same, and a `price` in a file of your own (`--models FILE`) makes it known",
+            profile.title()
+        )))
+    }
+
+    fn key_of(&self, profile: &Profile) -> Result<Option<Key>, Failure> {
+        let provider = &profile.provider;
+        let found = key(&provider.key_env, &self.io)?;
+        if found.is_none() && provider.key == KeyNeed::Required {
+            let place = catalogue::keys_file(&self.io).map(|file| file.path.display().to_string());
+            return Err(Failure::environment(format!(
+                "there is no key for `{}`: set {} in the environment, or write `{} = \"…\"` into `{}`, which nobody else may be able to read",
+                provider.name,
+                provider.key_env.join(" or "),
+                provider.key_env.first().map_or("NAME", String::as_str),
+                place.as_deref().unwrap_or("the file that FABC_KEYS names")
+            )));
+        }
+        Ok(found)
+    }
+}
+
+/// Finds the first key of these names, in the environment or else in the file of keys.
+fn key(names: &[String], io: &Io) -> Result<Option<Key>, Failure> {
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let file = catalogue::keys_file(io).filter(UserFile::counts);
+    let path = file.as_ref().map(|file| file.path.as_path());
+    Key::find(&names, &|name: &str| environment(name, io), path).map_err(Failure::environment)
+}
+
+/// Returns what a variable holds, if it is set to more than blanks.
+pub fn environment(name: &str, io: &Io) -> Option<String> {
+    let value = io.variable(name).and_then(|value| value.into_string().ok());
+    value.filter(|value| !value.trim().is_empty())
+}
+
+fn parameter(omitted: OmitArgument) -> Parameter {
+    match omitted {
+        OmitArgument::Temperature => Parameter::Temperature,
+        OmitArgument::TopP => Parameter::TopP,
+        OmitArgument::Tokens => Parameter::MaxTokens,
+    }
+}

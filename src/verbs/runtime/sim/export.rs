@@ -1,0 +1,89 @@
+//! `fabc sim export`: positions or a mesh for other programs, in the world frame.
+
+use super::files::{self, State};
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::verbs::runtime::sim::files::StateArguments;
+use clap::Args;
+use clap::ValueHint;
+use fab_base::npy;
+use fab_sim::Params;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `sim export`.
+#[derive(Args)]
+pub struct ExportArguments {
+    #[command(flatten)]
+    pub state: StateArguments,
+    /// Positions with a description beside them (.npy), or a mesh (.obj).
+    #[arg(short = 'o', long = "out", value_name = "FILE.npy|FILE.obj", value_hint = ValueHint::FilePath)]
+    pub out: PathBuf,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Says in a description who wrote it, so that a later call knows what it may replace.
+const MADE_BY: &str = "fabc sim export";
+
+/// Writes positions, and lists the files.
+pub fn run(arguments: &ExportArguments, io: &Io) -> Result<Exit, Failure> {
+    let write = writer(&arguments.out)?;
+    let state = files::read_state(&arguments.state)?;
+    files::not_onto_itself(&arguments.state.file, &arguments.out)?;
+    let written = write(&state, &arguments.out)?;
+    let names: Vec<String> = written.iter().map(|it| it.display().to_string()).collect();
+    io.report(
+        arguments.json,
+        || {
+            json!({
+                "params": Params::default().hash(),
+                "files": names,
+                "particles": state.mask.count(),
+            })
+        },
+        || names.join("\n"),
+    );
+    Ok(Exit::Done)
+}
+
+/// Writes a state to a file and what belongs beside it.
+type Writer = fn(&State, &Path) -> Result<Vec<PathBuf>, Failure>;
+
+/// Chooses the format by the output's ending.
+fn writer(path: &Path) -> Result<Writer, Failure> {
+    if files::ends_in(path, "npy") {
+        return Ok(positions);
+    }
+    if files::ends_in(path, "obj") {
+        return Ok(mesh);
+    }
+    Err(Failure::usage(format!(
+        "`-o {}` has no known ending; write `.npy` for positions, `.obj` for a mesh",
+        path.display()
+    )))
+}
+
+/// Writes positions, and beside them the description that lets them be a start.
+fn positions(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let beside = path.with_extension("json");
+    if beside.symlink_metadata().is_ok() && !files::is_made_by(MADE_BY, &beside) {
+        return Err(Failure::environment(format!(
+            "`{}` is there already and was not written by `{MADE_BY}`; name another file than `{}`",
+            beside.display(),
+            path.display()
+        )));
+    }
+    let description = files::description(&state.grid, &state.mask, MADE_BY);
+    files::write(path, &npy::encode(&state.positions))?;
+    files::write(&beside, &files::json_bytes(&description))?;
+    Ok(vec![path.to_owned(), beside])
+}
+
+/// Writes the cloth's triangles as a Wavefront file.
+fn mesh(state: &State, path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let text = fab_sim::mesh::obj(&state.mask, &state.positions).map_err(Failure::environment)?;
+    files::write(path, text.as_bytes())?;
+    Ok(vec![path.to_owned()])
+}

@@ -1,0 +1,140 @@
+//! `fabc sim render`: a picture of particle positions, in colour or as depth.
+
+use super::files;
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::verbs::runtime::sim::files::StateArguments;
+use clap::Args;
+use clap::ValueEnum;
+use clap::ValueHint;
+use fab_sim::{Frame, ImageUp, Look, Params, TopDownCamera};
+use image::{DynamicImage, GrayImage, ImageFormat, RgbImage};
+use serde_json::json;
+use std::io::Cursor;
+use std::path::PathBuf;
+
+/// Arguments of `sim render`.
+#[derive(Args)]
+pub struct DrawArguments {
+    #[command(flatten)]
+    pub state: StateArguments,
+    /// The picture; default: STATE.png in the working folder.
+    #[arg(short = 'o', long = "out", value_name = "FILE.png", value_hint = ValueHint::FilePath)]
+    pub out: Option<PathBuf>,
+    /// Whose camera looks.
+    #[arg(long, value_enum, default_value = "folding")]
+    pub camera: CameraArgument,
+    /// The picture's side, pixels; default: the camera's own.
+    #[arg(long, value_name = "PX")]
+    pub size: Option<u32>,
+    /// Draw the distance from the camera instead of colour: grey is the whole part of 255 per metre.
+    #[arg(long)]
+    pub depth: bool,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The paper's cameras; both look straight down with a field of view of 45 degrees.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum CameraArgument {
+    /// 0.65 m above the table, 224 pixels, +Y of the table is up.
+    Folding,
+    /// 1 m above the table, 720 pixels, +X of the table is up.
+    Smoothing,
+}
+
+/// Grey levels per metre in a depth picture, as in the recorded data.
+const GREY_PER_M: f32 = 255.0;
+
+/// Draws and writes the picture.
+pub fn run(arguments: &DrawArguments, io: &Io) -> Result<Exit, Failure> {
+    let camera = camera(arguments)?;
+    let path = output_path(arguments)?;
+    let state = files::read_state(&arguments.state)?;
+    files::not_onto_itself(&arguments.state.file, &path)?;
+    let frame = camera.render(state.mask, &state.positions, &Look::default());
+    // The table is at the camera's height, up to rounding.
+    let nearer = |depth: &&f32| **depth < camera.height_m - 1e-4;
+    let cloth_px = frame.depth_m.iter().filter(nearer).count();
+    if cloth_px == 0 {
+        io.talk("note: no part of the cloth is in the picture");
+    }
+    let picture = if arguments.depth {
+        depth_picture(&frame)
+    } else {
+        colour_picture(frame)
+    };
+    let mut bytes = Vec::new();
+    picture
+        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
+        .expect("a picture in memory can be encoded");
+    files::write(&path, &bytes)?;
+    let file = path.display().to_string();
+    io.report(
+        arguments.json,
+        || {
+            json!({
+                "params": Params::default().hash(),
+                "file": file,
+                "size_px": camera.size_px,
+                "camera": match arguments.camera {
+                    CameraArgument::Folding => "folding",
+                    CameraArgument::Smoothing => "smoothing",
+                },
+                "cloth_px": cloth_px,
+            })
+        },
+        || file.clone(),
+    );
+    Ok(Exit::Done)
+}
+
+/// Sets up one of the paper's cameras (protocol, section 3).
+fn camera(arguments: &DrawArguments) -> Result<TopDownCamera, Failure> {
+    let (height_m, size_px, up) = match arguments.camera {
+        CameraArgument::Folding => (0.65, 224, ImageUp::Y),
+        CameraArgument::Smoothing => (1.0, 720, ImageUp::X),
+    };
+    let size_px = arguments.size.unwrap_or(size_px);
+    TopDownCamera::new(height_m, std::f32::consts::FRAC_PI_4, size_px)
+        .map(|camera| camera.with_up(up))
+        .map_err(|error| Failure::usage(format!("`--size {size_px}`: {error}")))
+}
+
+/// Returns where the picture goes; a name that nobody gave replaces nothing.
+fn output_path(arguments: &DrawArguments) -> Result<PathBuf, Failure> {
+    if let Some(path) = &arguments.out {
+        if !files::ends_in(path, "png") {
+            return Err(Failure::usage(format!(
+                "`-o {}` is no PNG file; name one that ends in `.png`",
+                path.display()
+            )));
+        }
+        return Ok(path.clone());
+    }
+    let stem = arguments.state.file.file_stem().unwrap_or_default();
+    let path = PathBuf::from(stem).with_added_extension("png");
+    if path.symlink_metadata().is_ok() {
+        return Err(Failure::environment(format!(
+            "`{0}` is there already; `-o {0}` replaces it",
+            path.display()
+        )));
+    }
+    Ok(path)
+}
+
+fn colour_picture(frame: Frame) -> DynamicImage {
+    RgbImage::from_raw(frame.width, frame.height, frame.rgb)
+        .expect("a frame holds width * height pixels")
+        .into()
+}
+
+fn depth_picture(frame: &Frame) -> DynamicImage {
+    // Casts saturate: what is farther than 1 m is white.
+    let grey = |depth_m: &f32| (GREY_PER_M * depth_m) as u8;
+    let greys = frame.depth_m.iter().map(grey).collect();
+    GrayImage::from_raw(frame.width, frame.height, greys)
+        .expect("a frame holds width * height pixels")
+        .into()
+}

@@ -1,0 +1,161 @@
+//! Whether a demonstration's points are among what its actions offer.
+//!
+//! In: a program that demonstrates folds, and its steps while they are drawn. Out: a note for each pick and place that no
+//! answer can name. Each step is looked at as a model would find it.
+
+use crate::verbs::new::simulator::point_text;
+use fab_agent::scene::Scene;
+use fab_agent::subgoals::Demonstrated;
+use fab_program::scene::SceneView;
+use fab_program::space;
+use fab_program::{ActionField, Choices, ClothPoint, Fold, PixelPoint, Program, Value};
+
+/// How far an offered point may lie from a demonstrated one, pixels of a 224 px picture.
+const NEAR_PX: f64 = 12.0;
+
+/// Looks at what is offered before each step of a demonstration.
+pub struct Offered<'p> {
+    program: &'p Program,
+    first: Option<Scene>,
+    /// What is to be said of it.
+    pub notes: Vec<String>,
+}
+
+impl<'p> Offered<'p> {
+    /// Begins with a program's first step.
+    pub fn of(program: &'p Program) -> Offered<'p> {
+        Offered {
+            program,
+            first: None,
+            notes: Vec::new(),
+        }
+    }
+
+    /// Looks at a step; says nothing of one in which nothing is found, for a run says that better.
+    pub fn look(&mut self, demonstrated: Demonstrated<'_>) {
+        let Demonstrated {
+            number,
+            fold,
+            observation,
+            ends_px: [pick_px, place_px],
+        } = demonstrated;
+        let program = self.program;
+        let Ok(scene) = Scene::of(program, observation, self.first.as_ref()) else {
+            return;
+        };
+        let step = Step {
+            program,
+            number,
+            fold,
+            scene: &scene,
+        };
+        let ends = [
+            ("pick", &fold.pick, pick_px),
+            ("place", &fold.place, place_px),
+        ];
+        for (name, point, at) in ends {
+            if let (Some(field), Some([u, v])) = (program.field(name), at) {
+                let pixel = PixelPoint::new(u.floor() as i32, v.floor() as i32);
+                self.notes.extend(step.note(field, point, pixel));
+            }
+        }
+        self.first.get_or_insert(scene);
+    }
+}
+
+/// One demonstrated step, before it is done.
+struct Step<'s> {
+    program: &'s Program,
+    /// From 0.
+    number: usize,
+    fold: &'s Fold,
+    scene: &'s Scene,
+}
+
+impl Step<'_> {
+    /// Says that a demonstrated point is not offered, where that is so.
+    fn note(&self, field: &ActionField, point: &ClothPoint, at: PixelPoint) -> Option<String> {
+        let limit_px = NEAR_PX * f64::from(self.program.camera.image_px) / 224.0;
+        let name = &field.name;
+        let nearest_px = match &field.choices {
+            Choices::Points { .. } => nearest(space::choices(field, self.scene), at)?,
+            Choices::Region { mask } => self.scene.distance_px(mask, at)?,
+            _ => return None,
+        };
+        if nearest_px <= limit_px {
+            return None;
+        }
+        let place = match name == "place" && self.fold.fraction != 1.0 {
+            true => format!("short of {}", point_text(point)),
+            false => point_text(point),
+        };
+        Some(format!(
+            "step {} {name}s {place} at ({}, {}); the nearest offered `{name}` is {nearest_px:.0} px away, so that no \
+             answer can be that fold{}",
+            self.number + 1,
+            at.u,
+            at.v,
+            self.cure(field, point, at, limit_px)
+        ))
+    }
+
+    /// Returns what offers the point, as the end of a sentence.
+    fn cure(
+        &self,
+        field: &ActionField,
+        point: &ClothPoint,
+        at: PixelPoint,
+        limit_px: f64,
+    ) -> String {
+        let Choices::Points { keypoints } = &field.choices else {
+            return String::new();
+        };
+        let offer =
+            |more: &str| format!("`{}: one of {}, {more}`", field.name, keypoints.join(", "));
+        let has_it = |name: &&String| {
+            let points = self.scene.points(name).unwrap_or_default();
+            nearest(points.into_iter().map(Value::Point).collect(), at)
+                .is_some_and(|distance_px| distance_px <= limit_px)
+        };
+        let names = self
+            .program
+            .keypoints
+            .iter()
+            .filter(|keypoint| {
+                use fab_program::KeypointShape::{Point, Points};
+                matches!(keypoint.extractor.shape(), Point | Points)
+            })
+            .map(|keypoint| &keypoint.name);
+        if let Some(known) = names.clone().find(has_it) {
+            return format!(": offer it, {}", offer(known));
+        }
+        let is_middle = matches!(
+            *point,
+            ClothPoint::Particle { right, front } if [right, front].contains(&0.5)
+                && [right, front].iter().any(|at| [0.0, 1.0].contains(at))
+        );
+        let is_free = |name: &str| {
+            self.program
+                .keypoints
+                .iter()
+                .all(|known| known.name != name)
+        };
+        match is_middle && !is_free("cloth") && is_free("rim") && is_free("sides") {
+            true => format!(
+                ": offer it,\n    keypoints {{\n        rim = contour(cloth, tolerance: 4px)\n        \
+                 sides = edge_middles(rim)\n    }}\nand {}",
+                offer("sides")
+            ),
+            false => "; offer a keypoint that finds it".to_owned(),
+        }
+    }
+}
+
+/// Returns how far the nearest of some points is, pixels.
+fn nearest(offered: Vec<Value>, at: PixelPoint) -> Option<f64> {
+    let distances = offered.iter().filter_map(|value| match value {
+        Value::Point(point) => Some(f64::from(point.u - at.u).hypot(f64::from(point.v - at.v))),
+        _ => None,
+    });
+    distances.reduce(f64::min)
+}

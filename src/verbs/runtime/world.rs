@@ -1,0 +1,105 @@
+//! `fabc world`: whether a world of the user's keeps what every world promises, and the bundled one as such a program.
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::verbs::runtime::setting::worlds::{self, WorldChoice};
+use clap::Args;
+use clap::Subcommand;
+use fab_program::Picker;
+use fab_world::conformance::{Broken, Kept, PROMISES, camera};
+use fab_world::serve::serve;
+use fab_world::{ExternalWorld, SimulatedWorld, World, WorldError};
+use serde_json::json;
+use std::io::BufReader;
+
+/// Arguments of `world`.
+#[derive(Args)]
+pub struct WorldArguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub verb: WorldVerb,
+}
+
+/// What to do with a world.
+#[derive(Subcommand)]
+pub enum WorldVerb {
+    /// Says which promises of every world one of yours keeps.
+    Check(CheckArguments),
+    /// Offers the bundled simulator as a program that answers lines, as a world of yours does.
+    Serve,
+}
+
+/// Arguments of `world check`.
+#[derive(Args)]
+pub struct CheckArguments {
+    /// The world: `exec:"CMD ARG..."`, or `sim` to see what is promised.
+    #[arg(value_name = "WORLD")]
+    pub world: WorldChoice,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Runs one of the verbs.
+pub fn run(arguments: &WorldArguments, io: &Io) -> Result<Exit, Failure> {
+    match &arguments.verb {
+        WorldVerb::Check(arguments) => check(arguments, io),
+        WorldVerb::Serve => {
+            serve(BufReader::new(io.input()), &mut io.output())?;
+            Ok(Exit::Done)
+        }
+    }
+}
+
+/// Checks every promise, and says each as it is known.
+fn check(arguments: &CheckArguments, io: &Io) -> Result<Exit, Failure> {
+    let interrupt = io.interrupt()?;
+    let make = || -> Result<Box<dyn World>, WorldError> {
+        Ok(match &arguments.world {
+            WorldChoice::Program(command) => Box::new(ExternalWorld::start(
+                command,
+                &camera(),
+                Picker::default(),
+                None,
+                &interrupt,
+            )?),
+            _ => Box::new(SimulatedWorld::new(&camera(), Picker::default())?),
+        })
+    };
+    if arguments.world == WorldChoice::Jaco {
+        return Err(Failure::usage(
+            "an arm is checked by `fabc robot check`; `fabc world check` is for `exec:\"CMD ARG...\"`",
+        ));
+    }
+    let name = make().map_err(worlds::failure)?.name().to_owned();
+    let mut found = Vec::new();
+    for promise in PROMISES {
+        let (state, why) = match promise.check(&make) {
+            Ok(Kept::Whole) => ("kept", None),
+            Ok(Kept::Refused(why)) => ("not offered", Some(why)),
+            Err(Broken::World(WorldError::Interrupted)) if interrupt.is_raised() => {
+                return Err(Failure::interrupted());
+            }
+            Err(broken) => ("broken", Some(broken.to_string())),
+        };
+        if !arguments.json {
+            let why = why.as_ref().map_or(String::new(), |why| format!(": {why}"));
+            io.data(&format!("{state:<12}{}{why}", promise.name));
+        }
+        found.push(json!({ "promise": promise.name, "state": state, "why": why }));
+    }
+    let n_broken = found.iter().filter(|it| it["state"] == "broken").count();
+    io.report(
+        arguments.json,
+        || json!({ "world": name, "promises": found, "broken": n_broken }),
+        || match n_broken {
+            0 => format!("`{name}` breaks no promise"),
+            1 => format!("`{name}` breaks 1 promise"),
+            _ => format!("`{name}` breaks {n_broken} promises"),
+        },
+    );
+    Ok(match n_broken {
+        0 => Exit::Done,
+        _ => Exit::Unreached,
+    })
+}

@@ -1,0 +1,72 @@
+//! Looks at files side by side, a thread for each core, and says to a plan what their snapshots should be.
+
+use super::expected::{Task, Want};
+use super::plan::Plan;
+use super::{Declared, SnapArguments};
+use crate::exit::Failure;
+use crate::io::Io;
+use std::collections::BTreeMap;
+use std::num::NonZero;
+use std::panic::resume_unwind;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+/// Wants all snapshots of some files; the first file that fails, in their order, ends it.
+pub fn want(
+    declared: &[Declared],
+    arguments: &SnapArguments,
+    plan: &mut Plan,
+    io: &Io,
+) -> Result<(), Failure> {
+    let threads = thread::available_parallelism().map_or(1, NonZero::get);
+    let next = AtomicUsize::new(0);
+    let known: &Plan = plan;
+    let look = || {
+        let mut found = Vec::new();
+        while let Some(one) = declared.get(next.fetch_add(1, Ordering::Relaxed)) {
+            found.push((&one.file, of_file(one, arguments, known, io)));
+        }
+        found
+    };
+    let mut found: BTreeMap<&String, Result<Vec<Want>, Failure>> = thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads.min(declared.len()))
+            .map(|_| scope.spawn(look))
+            .collect();
+        let joined = workers.into_iter().map(|worker| worker.join());
+        let joined = joined.map(|found| found.unwrap_or_else(|panic| resume_unwind(panic)));
+        joined.flatten().collect()
+    });
+    for Declared { file, .. } in declared {
+        plan.looked_at(&source_of(file));
+        for (name, wanted) in found.remove(file).transpose()?.unwrap_or_default() {
+            plan.want(name, wanted)?;
+        }
+    }
+    Ok(())
+}
+
+/// Returns a file's name as its snapshots say it.
+fn source_of(file: &str) -> String {
+    let name = Path::new(file).file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
+fn of_file(
+    declared: &Declared,
+    arguments: &SnapArguments,
+    plan: &Plan,
+    io: &Io,
+) -> Result<Vec<Want>, Failure> {
+    let Declared { file, programs } = declared;
+    let mut wants = Vec::new();
+    // A task and its variants follow each other.
+    for programs in programs.chunk_by(|one, other| one.task == other.task) {
+        let mut task = Task::of(programs, &source_of(file), arguments, plan, io)?;
+        for program in programs {
+            task.want(program, file, plan, io)?;
+        }
+        wants.append(&mut task.wants);
+    }
+    Ok(wants)
+}

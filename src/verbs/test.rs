@@ -1,0 +1,169 @@
+//! `fabc test`: runs the tests that tasks carry.
+
+use crate::exit::{Exit, Failure};
+use crate::io::Io;
+use crate::{sources, watch};
+use clap::Args;
+use clap::ValueHint;
+use fab_compiler::{Compiled, diag};
+use fab_program::test::{Finding, Trial};
+use fab_program::{Expect, Program, Test};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// Arguments of `test`.
+#[derive(Args)]
+pub struct TestArguments {
+    /// The files whose tests are run.
+    #[arg(required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub files: Vec<String>,
+    /// Only tests whose name contains this.
+    #[arg(long, value_name = "WORDS")]
+    pub only: Option<String>,
+    /// Do it again whenever a file that it used changes, until Ctrl-C.
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
+    /// Print one JSON document.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Runs every test of every file, once or whenever one changes; one that fails exits with 1.
+pub fn run(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
+    match arguments.watch {
+        true => watch::run(&arguments.files, &[], || test(arguments, io), io),
+        false => test(arguments, io),
+    }
+}
+
+fn test(arguments: &TestArguments, io: &Io) -> Result<Exit, Failure> {
+    let mut exit = Exit::Done;
+    let mut rows = Vec::new();
+    let mut errors = Vec::new();
+    let mut diagnostics = Vec::new();
+    let (mut n_passed, mut n_failed) = (0, 0);
+    for file in &arguments.files {
+        let compiled = match sources::compile(file) {
+            Ok(compiled) => compiled,
+            Err(failure) => {
+                io.talk(&format!("error: {failure}"));
+                errors.push(failure.to_string());
+                exit = Exit::Environment;
+                continue;
+            }
+        };
+        if !compiled.diagnostics.is_empty() {
+            let text = diag::to_text(&compiled.diagnostics, &compiled.sources, io.talk_color());
+            io.talk(text.trim_end());
+        }
+        if let Value::Array(found) = diag::to_json(&compiled.diagnostics, &compiled.sources) {
+            diagnostics.extend(found);
+        }
+        if compiled.has_errors() {
+            errors.push(format!("`{file}` cannot be compiled"));
+            if exit == Exit::Done {
+                exit = Exit::Author;
+            }
+            continue;
+        }
+        for (test, program) in chosen(&compiled, arguments.only.as_deref()) {
+            let trial = fab_program::test::run(program, test);
+            if trial.is_expected {
+                n_passed += 1;
+            } else {
+                n_failed += 1;
+            }
+            if !arguments.json {
+                io.data(&line(file, test, &trial));
+            }
+            rows.push(row(file, test, &trial));
+        }
+    }
+    if let (Some(words), true, Exit::Done) = (&arguments.only, rows.is_empty(), exit) {
+        return Err(Failure::usage(format!("no test's name contains `{words}`")));
+    }
+    if n_failed > 0 && exit == Exit::Done {
+        exit = Exit::Author;
+    }
+    io.report(
+        arguments.json,
+        || {
+            json!({
+                "passed": n_passed,
+                "failed": n_failed,
+                "tests": rows,
+                "errors": errors,
+                "diagnostics": diagnostics,
+            })
+        },
+        || format!("{n_passed} passed, {n_failed} failed"),
+    );
+    Ok(exit)
+}
+
+/// Returns each test that is wanted with the program of its task.
+fn chosen<'c>(
+    compiled: &'c Compiled,
+    only: Option<&'c str>,
+) -> impl Iterator<Item = (&'c Test, &'c Program)> {
+    let wanted = move |test: &&Test| only.is_none_or(|words| test.name.contains(words));
+    let whole = compiled
+        .programs
+        .iter()
+        .filter(|program| program.variant.is_none());
+    let programs: BTreeMap<&str, &Program> = whole
+        .map(|program| (program.task.as_str(), program))
+        .collect();
+    let with_program = move |test: &'c Test| Some((test, *programs.get(test.task.as_str())?));
+    compiled
+        .tests
+        .iter()
+        .filter(wanted)
+        .filter_map(with_program)
+}
+
+fn line(file: &str, test: &Test, trial: &Trial) -> String {
+    let verdict = if trial.is_expected { "ok  " } else { "FAIL" };
+    let mut line = format!("{verdict} {file}:{}: {}", test.line, test.name);
+    if !trial.is_expected {
+        line.push_str(&format!("\n     expected: {}", expected(&test.expect)));
+        let found = trial.finding.to_string().replace('\n', "\n       ");
+        line.push_str(&format!("\n     found: {found}"));
+    }
+    for repair in &trial.repairs {
+        line.push_str(&format!("\n     tolerated: {repair}"));
+    }
+    line
+}
+
+fn expected(expect: &Expect) -> String {
+    match expect {
+        Expect::Accept => "the answer is accepted".to_owned(),
+        Expect::Reject { check } => format!("the check `{check}` refuses the answer"),
+        Expect::Malformed => "the answer is malformed".to_owned(),
+        Expect::Text { text } => format!("the answer's text is `{text}`"),
+    }
+}
+
+fn row(file: &str, test: &Test, trial: &Trial) -> Value {
+    let finding = match &trial.finding {
+        Finding::Accepted => json!({ "finding": "accept" }),
+        Finding::Rejected {
+            check,
+            values,
+            message,
+        } => json!({ "finding": "reject", "check": check, "values": values, "message": message }),
+        Finding::Malformed { message } => json!({ "finding": "malformed", "message": message }),
+        Finding::Text { text } => json!({ "finding": "text", "text": text }),
+        Finding::Lacking { name } => json!({ "finding": "lacking", "name": name }),
+    };
+    json!({
+        "file": file,
+        "line": test.line,
+        "task": test.task,
+        "test": test.name,
+        "passed": trial.is_expected,
+        "found": finding,
+        "repairs": trial.repairs,
+    })
+}
