@@ -1,14 +1,14 @@
-# Every command of this project. `make run` and `make test` are all a newcomer needs:
-# each installs what is missing (scripts/deps.sh) and then does its job.
+# Every command of this project. A newcomer needs only `make run` and `make test`.
+# Each installs what is missing (scripts/deps.sh) and then does its job.
 #
-# GNU make exits with 2 whatever went wrong in a recipe; where fabc's own exit code
-# carries a meaning, `make run` prints it. Only features that GNU make 3.81 and BSD
-# make share are used here; anything longer than a line lives in scripts/.
+# GNU make exits with 2 whatever failed in a recipe, so `make run` prints fabc's own exit
+# code and its meaning. This file uses only features that GNU make 3.81 and BSD make share;
+# anything longer than a line is in scripts/.
 
-# Runs one command with the pinned toolchain and with OpenCV where the build can find it.
+# Runs one command with the pinned toolchain and the variables by which the build finds OpenCV.
 WITH_ENV = sh scripts/with-env.sh
 
-# More arguments for `fabc run`, as in: make run ARGS="--start 3"
+# More arguments for `fabc run`, for example: make run ARGS="--start 3"
 ARGS =
 
 .PHONY: help run test test-peers lint package bench book deps env
@@ -16,12 +16,12 @@ ARGS =
 help:
 	@echo 'make run         build fabc and run tasks/double_straight.fab; more arguments: ARGS="..."'
 	@echo 'make test        the fast tests'
-	@echo 'make test-peers  the tests that take long or need large foreign parts'
+	@echo 'make test-peers  the tests that take long or need programs by others'
 	@echo 'make lint        format, clippy, the build without system libraries, packages, documentation'
-	@echo 'make package     pack each crate and build it from its archive alone: as long as a first build'
+	@echo 'make package     pack each crate and build it from its archive alone; takes as long as a first build'
 	@echo 'make bench       the benchmarks'
 	@echo 'make book        build the book of docs/ to target/book'
-	@echo 'make deps        install what a build needs and lacks; FABC_NO_INSTALL=1 only names it'
+	@echo 'make deps        install what a build lacks; FABC_NO_INSTALL=1 only lists it'
 	@echo 'make env         the variables for calling cargo directly: eval "$$(make -s env)"'
 
 run: deps

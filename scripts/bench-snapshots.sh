@@ -1,10 +1,10 @@
 #!/bin/sh
-# Times how long the snapshots of a hundred tasks take: taken for the first time, and checked.
+# Times the snapshots of a hundred tasks: taking them for the first time, and checking them.
 #
 # bench-snapshots.sh FABC      FABC: the command, built with optimisation
 #
-# The tasks are folds of the shipped library on cloths of as many sizes, each with its five ablations, in two stages;
-# nothing of them is cached. Prints seconds, and the ratio of both, which means more on a busy machine.
+# The tasks are folds of the shipped library on a hundred cloth sizes, each with its five ablations, in two stages.
+# Nothing is cached. Prints seconds.
 set -eu
 fabc=$(CDPATH='' cd -- "$(dirname "$1")" && pwd)/$(basename "$1")
 cd "$(dirname "$0")/.."
@@ -29,7 +29,7 @@ done
 cd "$work"
 export FABC_CACHE_DIR="$work/cache"
 
-# Prints the seconds that a command takes: seconds COMMAND...
+# Prints how many seconds a command takes: seconds COMMAND...
 seconds() {
     begun=$(date +%s%N)
     "$@" >said 2>&1 || {

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Builds the book to TARGET/book: book.sh
 #
-# mdBook is installed once under the target folder, with its search and without what serves or watches.
+# Installs mdBook once under the target folder, with search and without the serve and watch features.
 set -eu
 here=$(CDPATH='' cd -- "$(dirname "$0")" && pwd)
 version=0.5.2
@@ -16,7 +16,7 @@ if [ "$("$mdbook" --version 2>/dev/null || true)" != "mdbook v$version" ]; then
         echo "mdBook $version is missing: cargo install --locked mdbook@$version --no-default-features --features search" >&2
         exit 2
     fi
-    # Unoptimised it is built in half the time, and writes the book in a second or two. Its objects are not kept.
+    # An unoptimised build takes half the time, and still writes the book in a second or two. Its objects are deleted.
     cargo install --locked --quiet --debug --root "$target/peers-cargo" --target-dir "$target/peers-cargo/build" \
         --no-default-features --features search "mdbook@$version"
     rm -rf "$target/peers-cargo/build"

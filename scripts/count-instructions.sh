@@ -1,14 +1,14 @@
 #!/bin/sh
 # Counts the instructions of the simulator's steps, and compares them with pinned numbers.
 #
-# count-instructions.sh        counts, prints, compares; ends with 1 where a pinned number is exceeded by over 5 %
-# count-instructions.sh --pin  counts, and pins what it counted
+# count-instructions.sh        counts, prints, compares; exits with 1 if a count exceeds its pinned number by over 5 %
+# count-instructions.sh --pin  counts, and pins the counts
 #
-# Valgrind's callgrind runs examples/fold.rs of the crate `fab-sim`. Counts do not depend on how busy the machine is,
-# so that a slower step shows anywhere; without valgrind nothing is counted, and the exit code is 0. Two builds are
-# counted: `narrow`, for the baseline instruction set, and `wide`, where this machine has AVX2. Of each, one whole
-# fold of 50 x 50 particles, in all and by function, and the first 15 steps of several sizes. sim/benches/instructions.txt
-# holds the numbers; a new compiler or a change of the simulator's parameters may need them pinned anew.
+# Valgrind's callgrind runs examples/fold.rs of the crate `fab-sim`. Counts do not depend on the load of the machine, so
+# they reveal a slower step anywhere. Without valgrind nothing is counted, and the exit code is 0. Two builds are
+# counted: `narrow`, for the baseline instruction set, and `wide`, if this machine has AVX2. For each build, the script
+# counts one whole fold of 50 x 50 particles, in total and by function, and the first 15 steps of several sizes.
+# sim/benches/instructions.txt holds the numbers. A new compiler or other simulator parameters may need a new --pin.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -27,7 +27,7 @@ trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
-# Prints the instructions of a run: count FILE ARGUMENT...
+# Prints the instruction count of a run: count FILE ARGUMENT...
 count() {
     out=$1
     shift
@@ -38,8 +38,8 @@ count() {
     awk '/^(summary|totals):/ { print $2; exit }' "$out"
 }
 
-# Prints "FUNCTION INSTRUCTIONS" of a callgrind file, the ten heaviest. A name's blanks become `_`; what was inlined
-# from another file counts for the function that it is in.
+# Prints "FUNCTION INSTRUCTIONS" for the ten heaviest functions of a callgrind file. Spaces in a name become `_`. Code
+# inlined from another file counts for the function that contains it.
 functions() {
     callgrind_annotate --threshold=100 --auto=no "$1" 2>/dev/null | awk '
         /^ *[0-9,]+ +\([ 0-9.]+%\) +[^ ]/ && !/PROGRAM TOTALS/ {
@@ -54,7 +54,7 @@ functions() {
     ' | sort -k 2,2nr -k 1,1 | head -n 10
 }
 
-# Appends "MACHINE BUILD RUN WHAT INSTRUCTIONS" to the results: what a step takes, without setting up.
+# Appends "MACHINE BUILD RUN WHAT INSTRUCTIONS" to the results: the instructions of a step, without the setup.
 measure() {
     build=$1
     base=$(count "$work/base" 50 0)
@@ -111,7 +111,7 @@ awk -v pins="$pins" -v machine="$machine" -v steps="$steps" '
         if (key in pinned) {
             change = 100 * ($5 / pinned[key] - 1)
             note = sprintf("%+.1f %% of the pinned", change)
-            # Small functions move for small reasons; the total has them too.
+            # Small functions vary for small reasons; the total includes them.
             if (change > 5 && $5 > 0.05 * whole) { note = note "  MORE THAN 5 %"; failed = 1 }
             if (change < -5 && $4 == "total") note = note "; pin anew to keep the gain"
         }
@@ -129,7 +129,7 @@ awk -v pins="$pins" -v machine="$machine" -v steps="$steps" '
     END {
         print ""
         for (build in most) {
-            # At first a cloth moves around its corner alone, which is a larger share of a small one.
+            # At first only the part around the corner moves, which is a larger share of a small cloth.
             spread = 100 * (most[build] / least[build] - 1)
             printf "%s build: the largest and the smallest cost of a particle differ by %.0f %% over the sizes\n", build, spread
         }

@@ -1,15 +1,15 @@
 #!/bin/sh
-# Makes sure that a build has what it needs, and installs what is missing where it may.
+# Checks that a build has what it needs, and installs missing parts if it may.
 #
-# In: the machine, FABC_NO_INSTALL=1 for "only tell me", and in FABC_FEATURES the features that are to be
-# built beside the defaults: `ros` needs OpenSSL's development files. Out: exit 0 and silence when
-# nothing is missing; else the installation (Debian and Ubuntu as root or by sudo, macOS by
-# Homebrew, a Rust release by rustup); else exit 2 and one line that names each missing
-# thing and its command. rustup, git and make are the user's own to install.
+# In: the machine; FABC_NO_INSTALL=1 to install nothing; in FABC_FEATURES the features to build besides the
+# defaults (`ros` needs OpenSSL's development files). Out: exit 0 and no output if nothing is missing. Otherwise it
+# installs (on Debian and Ubuntu as root or with sudo, on macOS with Homebrew, a Rust release with rustup). If it
+# cannot, it exits with 2 and one line that names each missing part and its command. The user installs rustup, git
+# and make.
 set -u
 here=$(dirname "$0")
 
-# --- What there is to install with -------------------------------------------------------
+# --- Package managers -------------------------------------------------------
 
 if [ "$(uname -s)" = Darwin ]; then
     installer=brew
@@ -26,7 +26,7 @@ fi
 sudo="sudo "
 [ "$(id -u)" != 0 ] || sudo=
 
-# Prints this system's packages for a thing: package_of THING
+# Prints this system's packages for a part: package_of THING
 package_of() {
     case $installer-$1 in
     apt-linker) echo "gcc libc6-dev" ;;
@@ -50,7 +50,7 @@ package_of() {
     esac
 }
 
-# Prints the command that a user types to get a thing: command_for THING
+# Prints the command with which a user installs a part: command_for THING
 command_for() {
     case $installer-$1 in
     apt-*) echo "${sudo}apt-get install -y --no-install-recommends $(package_of "$1")" ;;
@@ -69,12 +69,12 @@ packages=      # what `installer` is to install
 rust_release=  # what rustup is to install
 user_must_act= # something that no installer here provides
 
-# Notes a missing thing: note NAME COMMAND
+# Records a missing part: note NAME COMMAND
 note() {
     missing_line="$missing_line${missing_line:+; }$1: $2"
 }
 
-# Notes a missing thing that a package provides: note_package THING NAME
+# Records a missing part that a package provides: note_package THING NAME
 note_package() {
     note "$2" "$(command_for "$1")"
     package=$(package_of "$1")
@@ -86,7 +86,7 @@ has() {
     command -v "$1" >/dev/null
 }
 
-# Looks where the build itself looks: LIBCLANG_PATH, then the system's folders.
+# Searches where the build searches: LIBCLANG_PATH, then the system's folders.
 has_libclang() {
     for file in ${LIBCLANG_PATH:+"$LIBCLANG_PATH" "$LIBCLANG_PATH"/libclang*} \
         /usr/lib*/libclang[.-]* /usr/lib*/*/libclang[.-]* /usr/lib*/*/*/libclang[.-]* \
@@ -94,7 +94,7 @@ has_libclang() {
         /usr/local/llvm*/lib*/libclang[.-]* /usr/local/opt/llvm*/lib/libclang[.-]* \
         /Library/Developer/CommandLineTools/usr/lib/libclang[.-]* \
         /Applications/Xcode.app/Contents/Developer/Toolchains/XcodeDefault.xctoolchain/usr/lib/libclang[.-]*; do
-        # The static part and the C++ interface do not serve; a folder from LIBCLANG_PATH alone neither.
+        # The static library and the C++ interface do not count, and neither does LIBCLANG_PATH as a bare folder.
         case $file in
         *libclang-cpp* | *.a) continue ;;
         esac
@@ -103,7 +103,7 @@ has_libclang() {
     has llvm-config && [ -n "$(ls "$(llvm-config --prefix)"/lib*/libclang[.-]* 2>/dev/null)" ]
 }
 
-# Whether the `opencv` crate will find OpenCV, by variables, pkg-config or CMake.
+# Whether the `opencv` crate will find OpenCV, through variables, pkg-config or CMake.
 has_opencv() {
     if [ -n "${OpenCV_DIR:-}" ]; then return 0; fi
     if [ -n "${OPENCV_LINK_LIBS:-}" ] && [ -n "${OPENCV_LINK_PATHS:-}" ] \
@@ -126,7 +126,7 @@ find_missing() {
 
     pinned=$(sed -n 's/^channel *= *"\(.*\)"/\1/p' "$here/../rust-toolchain.toml")
     if has rustup; then
-        # `rustup which` would install; the folder alone tells whether the release is there.
+        # `rustup which` would install the release, so look for its folder.
         if [ -z "${RUSTUP_TOOLCHAIN:-}" ] \
             && [ -z "$(ls -d "${RUSTUP_HOME:-${HOME:-}/.rustup}/toolchains/$pinned"* 2>/dev/null)" ]; then
             rust_release=$pinned
@@ -142,7 +142,7 @@ find_missing() {
         user_must_act=yes
     fi
 
-    # Without the C library's start files a compiler is there, but cannot link.
+    # Without the C library's start files a compiler exists but cannot link.
     if ! has cc || { [ "$installer" != brew ] && [ ! -e "$(cc -print-file-name=Scrt1.o)" ]; }; then
         note_package linker "a C compiler and linker (cc)"
     fi
@@ -150,7 +150,7 @@ find_missing() {
         note_package clang clang
     else
         CXX=${CXX:-c++}
-        # Debian's clang brings libclang and serves as C++ compiler, so only ask where it is there.
+        # Debian's clang includes libclang and is a C++ compiler, so ask only if clang exists.
         has "${CXX%% *}" || note_package cxx "a C++ compiler (c++)"
         has_libclang || note_package libclang libclang
     fi
@@ -162,15 +162,15 @@ find_missing() {
 
 # --- Installing --------------------------------------------------------------------------
 
-# Says what is missing, in one line, and ends.
+# Prints the missing parts in one line, and exits.
 give_up() {
     echo "fabc: missing: $missing_line" >&2
     exit 2
 }
 
-# Installs `packages` by apt; the first argument is empty for root, or `sudo`.
+# Installs `packages` with apt; the first argument is empty for root, or `sudo`.
 install_by_apt() {
-    # The list may be absent (fresh images) or older than the mirror.
+    # The package list may be absent (fresh images) or older than the mirror.
     if ! ls /var/lib/apt/lists/*Packages* >/dev/null 2>&1; then
         $1 apt-get update || return
     fi
@@ -181,7 +181,7 @@ install_by_apt() {
     $1 env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $packages
 }
 
-# Whether `packages` can be installed from here, perhaps by asking for a password.
+# Whether this script can install `packages`, perhaps after asking for a password.
 may_install() {
     case $installer in
     apt) [ -z "$sudo" ] || { has sudo && { sudo -n true 2>/dev/null || [ -t 0 ]; }; } ;;
@@ -204,7 +204,7 @@ case ${FABC_NO_INSTALL:-0} in
 0) ;;
 *) give_up ;;
 esac
-# What a user has to do first comes first: no system is changed for a build that cannot start.
+# Report first what only the user can install: do not change a system for a build that cannot start.
 [ -z "$user_must_act" ] || give_up
 [ -z "$packages" ] || may_install || give_up
 
@@ -217,5 +217,5 @@ echo "fabc: installing ${packages}${rust_release:+ Rust $rust_release} (FABC_NO_
     fi
 } >&2 # stdout belongs to the command that called this script
 
-# A second look, in a shell that has forgotten the first one's findings.
+# Check again, in a shell without the results of the first check.
 FABC_NO_INSTALL=1 exec sh "$0"

@@ -4,8 +4,8 @@
     cargo run --release -p fab-agent --example collect_pulls -- 300 100 10 > pulls.csv
     scripts/fit-pulls.py pulls.csv runtime/standins/src/geometric/smooth/estimate.json "seeds 300 to 399"
 
-Needs numpy and scikit-learn. Prints how well the estimate does on starts that it is not fitted to: the correlation of
-estimate and gain, and what the pull gains that it puts first of those tried.
+Needs numpy and scikit-learn. Prints how well the estimate does on starts that it was not fitted to: the correlation of
+estimate and gain, and the gain of the tried pull with the best estimate.
 """
 
 import csv
@@ -18,11 +18,11 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPRegressor
 
 HIDDEN, NETWORKS, DECAY, EPOCHS = 24, 6, 1.0, 80
-# Features farther from their mean, in deviations, are cut off.
+# Features are clipped at this many deviations from their mean.
 LIMIT = 4
 # Gains are of the order of a tenth.
 SCALE = 10
-# Parts into which starts are split; each is kept apart once.
+# Folds of the cross-validation over starts.
 PARTS = 6
 
 
@@ -60,7 +60,7 @@ class Estimate:
                     "counts": short(out[unit, 0] / SCALE),
                 }
                 for unit in range(HIDDEN)
-                # Decay leaves some units without any weight.
+                # Decay leaves some units with no weight.
                 if np.abs(into[:, unit]).max() > 1e-6 and abs(out[unit, 0]) > 1e-6
             ]
             networks.append({"hidden": hidden, "bias": short(last[0] / SCALE)})
@@ -75,7 +75,7 @@ class Estimate:
 
 
 def main(source, target, origin):
-    # A network that has not settled after the last pass is good enough.
+    # A network that has not converged after the last pass is good enough.
     warnings.simplefilter("ignore", ConvergenceWarning)
     with open(source, encoding="utf-8") as file:
         names, *rows = csv.reader(file)
@@ -101,7 +101,7 @@ def main(source, target, origin):
     print(about)
     fitted = Estimate(features, gains)
     weights = fitted.weights(names[4:], about)
-    # So that whoever reads the weights can tell that they are read right.
+    # Lets a reader of the weights check that it reads them correctly.
     weights["example"] = {"features": [float(value) for value in features[0]], "gain": float(fitted(features[:1])[0])}
     with open(target, "w", encoding="utf-8") as file:
         json.dump(weights, file)

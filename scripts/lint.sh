@@ -1,8 +1,8 @@
 #!/bin/sh
-# Judges form: layout, clippy, the authoring tool without system libraries, packages, documentation.
+# Checks formatting, clippy, the authoring tool without system libraries, packages, and documentation.
 set -eu
 
-# Shows each step before it runs, as make would.
+# Prints each step before it runs, like make.
 step() {
     echo "+ $*"
     "$@"
@@ -16,11 +16,11 @@ else
     echo "left out: fab-arm-ros, which needs OpenSSL's development files"
 fi
 
-# Fails where a package's build needs what finds or binds a system library: no_system_library PACKAGE [ARGUMENT...]
+# Fails if a package's build needs a crate that finds or binds a system library: no_system_library PACKAGE [ARGUMENT...]
 #
-# psm may stay: it is the grammar's stack guard, a page of assembler of its own that a C compiler
-# translates, no library of the system; on wasm32 not even that is there. inotify-sys and linux-raw-sys
-# may too: they declare calls of the kernel, and link nothing.
+# psm is allowed: it is the grammar's stack guard, a page of its own assembler that a C compiler translates, not a
+# system library, and it is absent on wasm32. inotify-sys and linux-raw-sys are allowed: they declare kernel calls and
+# link nothing.
 no_system_library() {
     tree=$(cargo tree --edges normal,build --prefix none --locked --package "$@")
     if printf '%s\n' "$tree" | grep -v -E '^(inotify|linux-raw)-sys v' | grep -E '^(opencv|bindgen|clang-sys|cmake|pkg-config|vcpkg|[^ ]*-sys) v'; then
@@ -29,7 +29,7 @@ no_system_library() {
     fi
 }
 
-# Fails where a package of ours uses another: uses_no PACKAGE CRATE...
+# Fails if a package of ours uses one of the others: uses_no PACKAGE CRATE...
 uses_no() {
     package=$1
     shift
@@ -41,8 +41,8 @@ uses_no() {
     done
 }
 
-# Fails where a lock file no longer fits its manifest. The workspace's is read by every step; these two are
-# workspaces of their own, which only slow tests and fuzzing build.
+# Fails if a lock file no longer fits its manifest. Every step reads the workspace's own; these two are separate
+# workspaces, which only slow tests and fuzzing build.
 lock_file_fits() {
     cargo metadata --locked --format-version 1 --manifest-path "$1/Cargo.toml" >/dev/null
 }
@@ -50,7 +50,7 @@ lock_file_fits() {
 step lock_file_fits tests/wasm
 step lock_file_fits fuzz
 
-# The compiler and the authoring tool have to build alone.
+# The compiler and the authoring tool must build alone.
 step cargo clippy --package fabc --no-default-features --locked -- -D warnings
 step no_system_library fabc --no-default-features
 for room in base picture model standins world arm; do
@@ -68,11 +68,11 @@ step no_system_library fab-emit
 step no_system_library fab-compiler
 step no_system_library fab-compiler --target wasm32-unknown-unknown
 
-# Nothing is built twice on the way from `cargo build` to the tests of one package.
+# Going from `cargo build` to the tests of one package must build nothing twice.
 step sh scripts/same-features.sh
 
-# Packs every crate in seconds, and builds none: a manifest that cannot be published, or a dependency without a
-# version, fails here. Whether each package also builds by itself is left to scripts/package.sh, which is slow.
+# Packs every crate in seconds, and builds none. A manifest that cannot be published, or a dependency without a
+# version, fails here. scripts/package.sh checks that each package builds alone, which is slow.
 step cargo package --workspace --locked --offline --no-verify --allow-dirty --quiet --exclude fab-features
 
 RUSTDOCFLAGS="-D warnings"

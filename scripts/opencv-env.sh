@@ -1,19 +1,18 @@
 #!/bin/sh
-# Prints the exports that tell the `opencv` crate where OpenCV is, where pkg-config cannot.
+# Prints the exports that tell the `opencv` crate where OpenCV is, if pkg-config cannot.
 #
-# Debian splits OpenCV into one package per module; its core and imgproc packages bring no
-# opencv4.pc, so the crate has to be told headers, folder and libraries. Homebrew's OpenCV
-# has one, but pkg-config itself may be missing there. Prints nothing where pkg-config
-# knows OpenCV or none is found; a variable that is already set is left as it is.
+# Debian splits OpenCV into one package per module. Its core and imgproc packages contain no opencv4.pc, so the crate
+# must be told headers, folder and libraries. Homebrew's OpenCV has one, but pkg-config itself may be missing there.
+# Prints nothing if pkg-config knows OpenCV, or if no OpenCV is found. Variables that are already set stay unchanged.
 set -eu
 
-# Prints one export, unless the user has set that variable: offer NAME VALUE
+# Prints one export, unless the user has set the variable: offer NAME VALUE
 offer() {
     eval "given=\${$1:-}"
     [ -n "$given" ] || printf "export %s='%s'\n" "$1" "$2"
 }
 
-# Prints all three exports if both modules are there: offer_opencv INCLUDES LIBRARIES SUFFIX
+# Prints all three exports if both modules exist: offer_opencv INCLUDES LIBRARIES SUFFIX
 # (INCLUDES is comma-separated and starts with the folder that holds opencv2/).
 offer_opencv() {
     for module in core imgproc; do
@@ -26,7 +25,7 @@ offer_opencv() {
 }
 
 if [ "$(uname -s)" = Darwin ]; then
-    # Homebrew's own clang is outside the folders in which the build looks for libclang.
+    # The build does not search the folder of Homebrew's own clang for libclang.
     for llvm in /opt/homebrew/opt/llvm /usr/local/opt/llvm; do
         [ ! -e /Library/Developer/CommandLineTools/usr/lib/libclang.dylib ] || break
         [ -e "$llvm/lib/libclang.dylib" ] || continue
@@ -35,7 +34,7 @@ if [ "$(uname -s)" = Darwin ]; then
     done
 fi
 
-# `OpenCV_DIR` is how a user points the crate at a CMake build.
+# A user points the crate at a CMake build with `OpenCV_DIR`.
 [ -z "${OpenCV_DIR:-}" ] || exit 0
 if command -v pkg-config >/dev/null && pkg-config --exists opencv4; then
     exit 0
@@ -50,8 +49,8 @@ if [ "$(uname -s)" = Darwin ]; then
     exit 0
 fi
 
-# The header that differs between machines has a folder of its own, named after the machine.
-# A compiler knows that name; without one the only such folder is the right one.
+# The header that differs between architectures is in a folder named after the architecture.
+# A compiler knows that name. Without a compiler, the only such folder is the right one.
 multiarch=$(cc -print-multiarch 2>/dev/null || clang -print-multiarch 2>/dev/null || true)
 if [ -z "$multiarch" ] || [ ! -d "/usr/include/$multiarch/opencv4" ]; then
     multiarch=

@@ -1,14 +1,14 @@
 #!/bin/sh
-# Says what the tests against ROS 1 lack, one line, or nothing where they can run.
+# Prints in one line what the tests against ROS 1 lack, or nothing if they can run.
 #
-# Debian has ROS 1 as packages: its master, its Python nodes, actionlib and the generator of Python messages. Where this
-# user may install packages without a password, what is missing is installed; FABC_NO_INSTALL=1 keeps it from that.
-# OpenSSL's development files are not ROS's, but what fabc's feature `ros` is built with (deps.sh).
+# Debian packages ROS 1: its master, its Python nodes, actionlib and the generator of Python messages. If this user may
+# install packages without a password, this script installs the missing ones, unless FABC_NO_INSTALL=1. OpenSSL's
+# development files do not belong to ROS; fabc's feature `ros` is built with them (deps.sh).
 set -u
 packages="python3-rosmaster python3-rospy python3-actionlib python3-genpy python3-sensor-msgs python3-trajectory-msgs"
 packages="$packages ros-std-msgs ros-geometry-msgs ros-actionlib-msgs ros-trajectory-msgs libssl-dev pkg-config"
 
-# What the tests name, at the places where they name it.
+# Checks the files that the tests name, in the same places.
 lacks() {
     if ! /usr/bin/python3 -c "import actionlib, genpy, rospy, sensor_msgs.msg, trajectory_msgs.msg" 2>/dev/null; then
         echo "ROS 1 for /usr/bin/python3"
@@ -34,7 +34,7 @@ if [ "${FABC_NO_INSTALL:-0}" = 0 ] && [ "$as_root" != nobody ] && command -v apt
     echo "installing ROS 1 from this system's packages, which takes half a minute" >&2
     # shellcheck disable=SC2086  # `packages` is a list, `as_root` may be nothing
     install() { $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages >&2; }
-    # The list of packages may be absent, or older than the mirror.
+    # The package list may be absent, or older than the mirror.
     install || { $as_root apt-get update -qq >&2 && install; }
     missing=$(lacks)
 fi

@@ -1,9 +1,9 @@
 #!/bin/sh
 # Builds fabc for speed and runs one task with it: run.sh FILE [ARGUMENT...]
 #
-# FABC_FEATURES names features beside the defaults, e.g. `ros`.
-# Ends with fabc's own exit code, and says what it means, because make turns every
-# failure into its own 2. A failed build ends with cargo's 101.
+# FABC_FEATURES names features besides the defaults, e.g. `ros`.
+# Exits with fabc's own exit code and prints its meaning, because make turns every
+# failure into its own 2. A failed build exits with cargo's 101.
 set -u
 
 cargo build --release --locked --features "${FABC_FEATURES:-}" || exit

@@ -1,16 +1,17 @@
 #!/bin/sh
-# Fails where a package's tests build a third-party crate with other features than `cargo build` does, and names both.
+# Fails if a package's tests build a third-party crate with other features than `cargo build` does, and names both.
 #
-# Cargo joins the features that the chosen packages ask for. A crate whose features differ is built again, and so is all that
-# uses it, whenever somebody goes from one package to another. tests/features/Cargo.toml asks for all of them at once.
+# Cargo joins the features that the selected packages ask for. A crate whose features differ is built again whenever
+# somebody goes from one package to another, with everything that uses it. tests/features/Cargo.toml asks for all
+# features at once.
 #
-# A crate may have two sets of features in one build: for what is linked, and for derives and build scripts. Each set that
-# `cargo build` has will do, since Cargo.toml builds both parts alike.
+# A crate may have two sets of features in one build: one for linking, one for derives and build scripts. A package's
+# tests may use either set of `cargo build`, because Cargo.toml builds both parts alike.
 #
-# Left out is fab-arm-ros, which needs OpenSSL and which plain builds leave out too.
+# fab-arm-ros is left out: it needs OpenSSL, and plain builds leave it out too.
 set -eu
 
-# Third-party crates and their features, each line behind the command: crates COMMAND EDGES [ARGUMENT...]
+# Prints "COMMAND|CRATE FEATURES" for each third-party crate: crates COMMAND EDGES [ARGUMENT...]
 crates() {
     command=$1
     edges=$2
@@ -30,7 +31,7 @@ members=$(cargo tree --locked --quiet --workspace --depth 0 --prefix none --form
 members=$(printf '%s\n' "$members" | sed -n -e '/^fab-arm-ros /d' -e '/^fab-features /d' -e 's/ v.*//p')
 lines=$(every_command)
 
-# The first command that builds a crate says which features it has.
+# The first command that builds a crate determines its features.
 if ! printf '%s\n' "$lines" | awk -F '|' '
     {
         split($2, word, " ")
@@ -42,7 +43,7 @@ if ! printf '%s\n' "$lines" | awk -F '|' '
             forms[crate] = forms[crate] form
         } else if (!((crate, word[3]) in known)) {
             print crate forms[crate] form
-            known[crate, word[3]] # is named once
+            known[crate, word[3]] # report it once
             failed = 1
         }
     }

@@ -1,15 +1,15 @@
 #!/bin/sh
 # Runs the tests that `make test` leaves out, and ends with: N passed, N failed, N skipped.
 #
-# By convention these tests are #[ignore]d and named after the reason: peer_ compares with
-# a program by others, long_ takes long. The peers live in a Python environment under the
-# target folder (peers-requirements.txt); tests find it through FABC_PEER_PYTHON. Without
-# Python nothing is run: it says what is missing, and fails. cargo-insta, which reads and
-# writes the same snapshots, is installed beside it and found through FABC_PEER_CARGO_INSTA.
-# mdBook, which builds the book, is installed by book.sh. Where WebAssembly cannot be built or
-# run (wasm-parts.sh), or cargo-insta or mdBook not installed, the peer_node_, peer_cargo_insta_
-# or peer_mdbook_ tests alone are left out, counted as skipped, and the reason is printed. The same
-# holds for ROS (ros-parts.sh), whose tests are a run of their own, since fabc is built otherwise for it.
+# By convention these tests are #[ignore]d and named after the reason: peer_ compares with a program by others, long_
+# takes long. The peers are in a Python environment under the target folder (peers-requirements.txt); tests find it
+# through FABC_PEER_PYTHON. Without Python this script runs nothing, prints what is missing, and fails. cargo-insta,
+# which reads and writes the same snapshots, is installed beside it; tests find it through FABC_PEER_CARGO_INSTA.
+# book.sh installs mdBook, which builds the book.
+#
+# If WebAssembly cannot be built or run (wasm-parts.sh), or cargo-insta or mdBook cannot be installed, only the
+# peer_node_, peer_cargo_insta_ or peer_mdbook_ tests are left out. They count as skipped, and the reason is printed.
+# The same holds for ROS (ros-parts.sh). Its tests are a separate run, because they need another build of fabc.
 set -u
 here=$(dirname "$0")
 
@@ -19,7 +19,7 @@ environment=$(CDPATH='' cd -- "$target" && pwd)/peers
 requirements=$here/peers-requirements.txt
 missing=
 
-# Builds the environment, or says in `missing` why there is none.
+# Builds the environment, or sets `missing` to the reason why it cannot.
 prepare() {
     if cmp -s "$requirements" "$environment/installed.txt"; then return; fi
     if ! command -v python3 >/dev/null; then
@@ -46,7 +46,7 @@ if [ -n "$missing" ]; then
 fi
 without_wasm=$(sh "$here/wasm-parts.sh")
 
-# The version of insta in Cargo.lock, whose files the tests compare with.
+# The version of insta in Cargo.lock; the tests compare with its files.
 insta_version=$(sed -n '/^name = "insta"$/{n;s/^version = "\(.*\)"$/\1/p;}' Cargo.lock)
 insta_root=$(CDPATH='' cd -- "$target" && pwd)/peers-cargo
 FABC_PEER_CARGO_INSTA=$insta_root/bin/cargo-insta
@@ -58,14 +58,14 @@ if [ "$("$FABC_PEER_CARGO_INSTA" --version 2>/dev/null)" != "cargo-insta $insta_
         without_insta="cargo could not install cargo-insta $insta_version"
 fi
 without_mdbook=
-# A book that cannot be built is a failed test, and no reason to leave it out.
+# A book that cannot be built fails its test; only a missing mdBook leaves the test out.
 sh "$here/book.sh" >/dev/null || [ -x "$insta_root/bin/mdbook" ] || without_mdbook="cargo could not install mdBook"
-# Doctests and examples cannot carry the names, so only these kinds of target are built.
+# Doctests and examples cannot have these names, so only these kinds of target are built.
 set -- --workspace --locked --no-fail-fast --lib --bins --tests
 
-# Counts and names the tests whose names contain $2; the reason is $3.
+# Counts the tests that are left out: leave_out CARGO_ARGUMENTS NAME_PART REASON
 leave_out() {
-    # shellcheck disable=SC2086  # words without blanks
+    # shellcheck disable=SC2086  # words without spaces
     list=$(cargo test $1 -- --ignored --list "$2") || exit
     count=$(printf '%s\n' "$list" | grep -c ': test$')
     echo "left out: $count $2 tests: $3"
@@ -90,12 +90,12 @@ if [ -n "$without_mdbook" ]; then
     skipped="$skipped --skip peer_mdbook_"
 fi
 
-# The wire to ROS: what of it needs no other program, and the peer_ros_ tests. Their sums are added to the last line.
+# The ROS tests: those that need no other program, and the peer_ros_ tests. Their sums are added to the last line.
 without_ros=$(sh "$here/ros-parts.sh")
 if [ -z "$without_ros" ]; then
     cargo build --locked --package fab-arm --example arm_engine || exit
     log=$(mktemp) || exit
-    # Nodes are to find each other on this machine whatever its name; ROS_HOSTNAME would come first.
+    # Nodes must find each other on this machine whatever its name; ROS_HOSTNAME would override ROS_IP.
     env -u ROS_HOSTNAME ROS_IP=127.0.0.1 FABC_PEER_ARM_ENGINE="$(dirname "$environment")/debug/examples/arm_engine" \
         sh "$here/test.sh" --package fabc --package fab-arm-ros --features fabc/ros --locked --no-fail-fast --lib --test ros \
         -- --include-ignored | tee "$log" | sed 's/^[0-9]* passed, .* skipped$/over ROS: &/'

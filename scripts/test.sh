@@ -1,12 +1,11 @@
 #!/bin/sh
 # Runs `cargo test ARGUMENTS...` and ends with one line: N passed, N failed, N skipped.
 #
-# The numbers are sums over all test binaries and doctests; the exit code is cargo's.
-# A Rust test cannot report "skipped": one that lacks recorded data or a foreign part
-# appends its name as a line to the file that FABC_SKIPPED_FILE names, and returns. Such
-# a test counts as skipped, not as passed. FABC_LEFT_OUT is a number of tests that the
-# caller did not even start; they count as skipped too. FABC_EARLIER is `PASSED FAILED SKIPPED`
-# of a run before this one, which is added.
+# The numbers are sums over all test binaries and doctests; the exit code is cargo's. A Rust test cannot report
+# "skipped". A test that lacks recorded data or a program by others appends its name as a line to the file that
+# FABC_SKIPPED_FILE names, and returns. It counts as skipped, not as passed. FABC_LEFT_OUT is the number of tests that
+# the caller did not start; they count as skipped too. FABC_EARLIER is `PASSED FAILED SKIPPED` of an earlier run,
+# which is added.
 set -u
 
 work=$(mktemp -d) || exit
@@ -18,7 +17,7 @@ FABC_SKIPPED_FILE=$work/skipped
 : >"$FABC_SKIPPED_FILE"
 export FABC_SKIPPED_FILE
 
-# Test binaries run in their own crate's folder, so a relative path would miss.
+# Test binaries run in their own crate's folder, where a relative path would be wrong.
 if [ -n "${FABC_REFERENCE_DATA:-}" ]; then
     if ! data=$(CDPATH='' cd -- "$FABC_REFERENCE_DATA" 2>/dev/null && pwd); then
         echo "FABC_REFERENCE_DATA names no folder: $FABC_REFERENCE_DATA" >&2
@@ -28,7 +27,7 @@ if [ -n "${FABC_REFERENCE_DATA:-}" ]; then
     export FABC_REFERENCE_DATA
 fi
 
-# A pipe's exit code is its last command's; cargo's own goes through a file.
+# A pipe has the exit code of its last command, so cargo's own goes through a file.
 {
     cargo test "$@"
     echo $? >"$work/code"
@@ -52,12 +51,12 @@ passed=$1 failed=$2 ignored=$3
 
 skipped=$(sort -u "$FABC_SKIPPED_FILE" | grep -c .)
 passed=$((passed - skipped))
-# A binary that crashed has noted skips, but reported no passes to take them from.
+# A binary that crashed may have recorded skips without reporting passes.
 [ "$passed" -ge 0 ] || passed=0
 skipped=$((skipped + ${FABC_LEFT_OUT:-0}))
 
 echo
-# A build error or a crashed test binary leaves no result line, but is a failure.
+# A build error or a crashed test binary prints no result line, but is a failure.
 if [ "$code" -ne 0 ] && [ "$failed" -eq 0 ]; then
     echo "cargo test itself ended with $code (no build, or a test binary that crashed): counted as one failure"
     failed=1

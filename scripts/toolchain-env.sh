@@ -1,10 +1,10 @@
 #!/bin/sh
-# Prints the export that selects the pinned Rust release, where rust-toolchain.toml alone cannot.
+# Prints the export that selects the pinned Rust release, if rust-toolchain.toml alone cannot.
 #
-# rustup looks for a toolchain named after the release. Where it has the same release only
-# under another name ("stable"), downloading it again would be waste, and fails without a
-# network. Prints nothing where the pinned name is installed, where the user chose a
-# toolchain, or where no installed toolchain is the pinned release.
+# rustup looks for a toolchain named after the release. If the same release is installed only
+# under another name ("stable"), another download would be wasteful, and fails without a
+# network. Prints nothing if the pinned name is installed, if the user chose a toolchain, or
+# if no installed toolchain is the pinned release.
 set -eu
 here=$(dirname "$0")
 

@@ -1,8 +1,8 @@
 #!/bin/sh
-# Says what the test in WebAssembly lacks, one line, or nothing where it can run.
+# Prints in one line what the WebAssembly test lacks, or nothing if it can run.
 #
 # The standard library of wasm32-unknown-unknown belongs to one release of Rust. rustup has it for the pinned
-# one; where rustup cannot load it, a compiler that has it may be named by RUSTC, and its linker by
+# release. If rustup cannot download it, name a compiler that has it in RUSTC, and its linker in
 # CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER.
 set -u
 target=wasm32-unknown-unknown

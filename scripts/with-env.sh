@@ -1,7 +1,7 @@
 #!/bin/sh
 # Runs a command in the build's environment: with-env.sh COMMAND [ARGUMENT...]
 #
-# What that environment adds, and when, is said in the two scripts it reads.
+# toolchain-env.sh and opencv-env.sh say what that environment adds, and when.
 set -eu
 here=$(dirname "$0")
 toolchain=$(sh "$here/toolchain-env.sh")
