@@ -11,12 +11,12 @@ WITH_ENV = sh scripts/with-env.sh
 # More arguments for `fabc run`, for example: make run ARGS="--start 3"
 ARGS =
 
-.PHONY: help run test test-peers lint package bench book deps env
+.PHONY: help run test test-all test-long lint package bench book deps env
 
 help:
 	@echo 'make run         build fabc and run tasks/double_straight.fab; more arguments: ARGS="..."'
 	@echo 'make test        the fast tests'
-	@echo 'make test-peers  the tests that take long or need programs by others'
+	@echo 'make test-all    every test: also those that take long or need programs by others'
 	@echo 'make lint        format, clippy, the build without system libraries, packages, documentation'
 	@echo 'make package     pack each crate and build it from its archive alone; takes as long as a first build'
 	@echo 'make bench       the benchmarks'
@@ -28,10 +28,13 @@ run: deps
 	@$(WITH_ENV) sh scripts/run.sh tasks/double_straight.fab $(ARGS)
 
 test: deps
-	@$(WITH_ENV) sh scripts/test.sh --workspace --exclude fab-arm-ros --locked --no-fail-fast
+	@$(WITH_ENV) sh scripts/test.sh --workspace --exclude fab-arm-ros --locked --lib --bins --tests
 
-test-peers: deps
-	@$(WITH_ENV) sh scripts/test-peers.sh
+test-all: test test-long
+
+# What `make test` leaves out.
+test-long: deps
+	@$(WITH_ENV) sh scripts/test-long.sh
 
 lint: deps
 	@$(WITH_ENV) sh scripts/lint.sh

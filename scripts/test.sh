@@ -1,12 +1,38 @@
 #!/bin/sh
-# Runs `cargo test ARGUMENTS...` and ends with one line: N passed, N failed, N skipped.
+# Builds and runs tests, all packages side by side: test.sh CARGO-ARGUMENT... [-- TEST-ARGUMENT...]
 #
-# The numbers are sums over all test binaries and doctests; the exit code is cargo's. A Rust test cannot report
-# "skipped". A test that lacks recorded data or a program by others appends its name as a line to the file that
-# FABC_SKIPPED_FILE names, and returns. It counts as skipped, not as passed. FABC_LEFT_OUT is the number of tests that
-# the caller did not start; they count as skipped too. FABC_EARLIER is `PASSED FAILED SKIPPED` of an earlier run,
-# which is added.
+# Prints a line per test binary, all that a failed one printed, the ten slowest tests, and at last the sums:
+# N passed, N failed, N skipped. A Rust test cannot report "skipped". A test that lacks recorded data or a program by
+# others appends its name as a line to the file that FABC_SKIPPED_FILE names, and returns. It counts as skipped, not as
+# passed. FABC_LEFT_OUT is the number of tests that the caller did not start; they count as skipped too. FABC_EARLIER is
+# `PASSED FAILED SKIPPED` of an earlier run, which is added.
 set -u
+
+# Runs one test binary, whose package's folder and path follow: test.sh --one WORK FOLDER BINARY
+if [ "${1:-}" = --one ]; then
+    work=$2 folder=$3 binary=$4
+    name=$(basename "$folder")/$(basename "$binary" | sed 's/-[0-9a-f]*$//')
+    log=$work/log.$(basename "$binary")
+    # One argument a line; none has a line end in it.
+    IFS='
+'
+    # shellcheck disable=SC2046  # one word for each line
+    set -- $(cat "$work/arguments")
+    cd "$folder" || exit
+    # -1 lets the test harness tell times, and changes nothing for a compiler that a test starts.
+    CARGO_MANIFEST_DIR=$folder RUSTC_BOOTSTRAP=-1 \
+        "$binary" "$@" -Z unstable-options --report-time >"$log" 2>&1 </dev/null
+    code=$?
+    if [ "$code" = 0 ]; then
+        sed -n "s#^test result: ok\. \(.*\); [0-9]* measured.*finished in \(.*\)#$name: \1; \2#p" "$log" |
+            grep -v ': 0 passed' || true
+    else
+        echo "$name: failed with $code"
+        cat "$log"
+        echo "$name" >>"$work/failed"
+    fi
+    exit 0
+fi
 
 work=$(mktemp -d) || exit
 trap 'rm -rf "$work"' EXIT
@@ -15,9 +41,10 @@ trap 'exit 143' TERM
 
 FABC_SKIPPED_FILE=$work/skipped
 : >"$FABC_SKIPPED_FILE"
+: >"$work/failed"
 export FABC_SKIPPED_FILE
 
-# Test binaries run in their own crate's folder, where a relative path would be wrong.
+# Test binaries run in their own package's folder, where a relative path would be wrong.
 if [ -n "${FABC_REFERENCE_DATA:-}" ]; then
     if ! data=$(CDPATH='' cd -- "$FABC_REFERENCE_DATA" 2>/dev/null && pwd); then
         echo "FABC_REFERENCE_DATA names no folder: $FABC_REFERENCE_DATA" >&2
@@ -27,12 +54,50 @@ if [ -n "${FABC_REFERENCE_DATA:-}" ]; then
     export FABC_REFERENCE_DATA
 fi
 
-# A pipe has the exit code of its last command, so cargo's own goes through a file.
-{
-    cargo test "$@"
-    echo $? >"$work/code"
-} | tee "$work/log"
-code=$(cat "$work/code")
+# What stands before `--` is cargo's, the rest the test binaries'.
+n_cargo=0
+for argument; do
+    [ "$argument" != -- ] || break
+    n_cargo=$((n_cargo + 1))
+done
+: >"$work/arguments"
+index=0
+for argument; do
+    shift
+    index=$((index + 1))
+    if [ "$index" -le "$n_cargo" ]; then
+        set -- "$@" "$argument"
+    elif [ "$index" -gt $((n_cargo + 1)) ]; then
+        printf '%s\n' "$argument" >>"$work/arguments"
+    fi
+done
+
+code=0
+case " $* " in
+*" --doc "*)
+    # Documentation tests are built as they are run.
+    cargo test "$@" >"$work/log.doc" 2>&1 || {
+        code=$?
+        cat "$work/log.doc"
+    }
+    : >"$work/built"
+    ;;
+*)
+    cargo test --no-run --message-format=json-render-diagnostics "$@" >"$work/built" || code=$?
+    ;;
+esac
+# The suite takes longest, so it begins first; then the largest binaries.
+grep '"test":true},"features"' "$work/built" |
+    sed -n 's/.*"manifest_path":"\([^"]*\)\/Cargo.toml".*"executable":"\([^"]*\)".*/\1 \2/p' |
+    while read -r folder binary; do
+        echo "$(wc -c <"$binary") $folder $binary"
+    done | sort -rn | cut -d' ' -f2- >"$work/binaries"
+if [ "$code" = 0 ]; then
+    # Two at once keep two cores busy while one of them ends with a single slow test.
+    xargs -P 2 -L 1 sh "$0" --one "$work" <"$work/binaries"
+    [ ! -s "$work/failed" ] || code=1
+fi
+cat "$work"/log.* >"$work/logs" 2>/dev/null
 
 # "test result: ok. 5 passed; 0 failed; 1 ignored; 0 measured; 2 filtered out; finished in 0.01s"
 counts=$(awk '
@@ -44,7 +109,7 @@ counts=$(awk '
         }
     }
     END { print passed + 0, failed + 0, ignored + 0 }
-' "$work/log")
+' "$work/logs")
 # shellcheck disable=SC2086  # three numbers
 set -- $counts
 passed=$1 failed=$2 ignored=$3
@@ -56,9 +121,12 @@ passed=$((passed - skipped))
 skipped=$((skipped + ${FABC_LEFT_OUT:-0}))
 
 echo
+echo "the ten slowest tests:"
+grep -E '^test .* <[0-9.]+s>$' "$work/logs" | sed -E 's/^test (.*) \.\.\. [^<]*<([0-9.]+)s>$/\2 s  \1/' | sort -rn | head -n 10
+echo
 # A build error or a crashed test binary prints no result line, but is a failure.
 if [ "$code" -ne 0 ] && [ "$failed" -eq 0 ]; then
-    echo "cargo test itself ended with $code (no build, or a test binary that crashed): counted as one failure"
+    echo "no build, or a test binary that crashed: counted as one failure"
     failed=1
 fi
 # shellcheck disable=SC2086  # three numbers or none
@@ -67,7 +135,7 @@ passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
 [ "$2" -eq 0 ] || [ "$code" -ne 0 ] || code=1
 
 if [ "$ignored" -gt 0 ]; then
-    echo "left out: $ignored tests that take long or need large foreign parts (make test-peers)"
+    echo "left out: $ignored tests that take long or need programs by others (make test-all)"
 fi
 if [ -z "${FABC_REFERENCE_DATA:-}" ]; then
     echo "hint: tests on recorded data are skipped; to run them, set FABC_REFERENCE_DATA to the data's folder"

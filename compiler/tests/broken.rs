@@ -138,6 +138,7 @@ fn break_each(entry: &str, name: &str) {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_broken_declaration_of_a_shipped_task_is_an_error_and_never_a_smaller_program() {
     for entry in entries() {
         break_each(&entry, &entry);
@@ -145,6 +146,7 @@ fn a_broken_declaration_of_a_shipped_task_is_an_error_and_never_a_smaller_progra
 }
 
 #[test]
+#[ignore = "long"]
 fn a_broken_declaration_of_a_shared_library_is_an_error_and_never_a_smaller_program() {
     break_each("double_straight.fab", "lib/folding.fab");
     break_each("double_straight.fab", "lib/experts.fab");

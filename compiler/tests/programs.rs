@@ -355,6 +355,7 @@ fn files_beyond_the_limits_are_refused() {
 }
 
 #[test]
+#[ignore = "long"]
 fn tasks_that_inherit_too_much_together_are_refused() {
     let long: String = (0..12)
         .map(|number| format!("    component c{number} \"{}\"\n", "x".repeat(16_000)))

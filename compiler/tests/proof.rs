@@ -299,6 +299,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
+    #[ignore = "long"]
     fn well_formed_choices_are_consistent(
         choices in prop::collection::vec(choices(), 1..5),
         first in 0usize..6,

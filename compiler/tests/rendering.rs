@@ -190,7 +190,7 @@ proptest! {
 }
 
 #[test]
-#[ignore = "needs Python with jinja2 3.1.6: make test-peers"]
+#[ignore = "needs Python with jinja2 3.1.6"]
 fn peer_python_renders_every_template_alike() {
     let mut runner = TestRunner::deterministic();
     let mut templates = Vec::new();

@@ -1,6 +1,6 @@
 //! The compiler in WebAssembly gives the same bytes as here.
 //!
-//! `make test-peers` runs this where node and the standard library of wasm32-unknown-unknown are to be had
+//! `make test-all` runs this where node and the standard library of wasm32-unknown-unknown are to be had
 //! (scripts/wasm-parts.sh).
 
 #![allow(clippy::unwrap_used)]
@@ -65,7 +65,7 @@ fn here(entry: &str, files: &Memory) -> Value {
 }
 
 #[test]
-#[ignore = "needs node and the standard library of wasm32-unknown-unknown: make test-peers"]
+#[ignore = "needs node and the standard library of wasm32-unknown-unknown"]
 fn peer_node_compiles_in_webassembly_what_is_compiled_here() {
     let module = module();
     let read = |name: &str| fs::read_to_string(workspace().join("tasks").join(name)).unwrap();

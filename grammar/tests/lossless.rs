@@ -66,6 +66,7 @@ fn the_tasks_are_without_fault() {
 
 /// Cuts each task at many places, drops a piece at each, and puts something else there.
 #[test]
+#[ignore = "long"]
 fn mutilated_tasks_keep_every_byte() {
     for text in tasks() {
         let places: Vec<usize> = (0..text.len())
@@ -139,6 +140,7 @@ fn comments_and_blank_lines_are_in_the_tree() {
 }
 
 #[test]
+#[ignore = "long"]
 fn one_slip_is_one_fault() {
     for text in tasks() {
         // A brace that is missing anywhere must not make an avalanche.
@@ -266,6 +268,7 @@ fn is_line(node: &Node<'_>) -> bool {
 }
 
 #[test]
+#[ignore = "long"]
 fn after_an_error_the_rest_of_the_file_has_its_tree() {
     for text in tasks() {
         let tree = parse(FileId::FIRST, &text).tree;

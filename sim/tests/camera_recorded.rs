@@ -91,6 +91,7 @@ fn compare(
 }
 
 #[test]
+#[ignore = "long"]
 fn recorded_starts_and_ends_cover_the_recorded_pixels() {
     let name = "recorded_starts_and_ends_cover_the_recorded_pixels";
     let Some(demos) = recorded::demonstrations(name) else {
@@ -100,6 +101,7 @@ fn recorded_starts_and_ends_cover_the_recorded_pixels() {
 }
 
 #[test]
+#[ignore = "long"]
 fn recorded_starts_and_ends_cover_the_coloured_pixels() {
     let name = "recorded_starts_and_ends_cover_the_coloured_pixels";
     let Some(demos) = recorded::demonstrations(name) else {

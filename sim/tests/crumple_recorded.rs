@@ -63,12 +63,13 @@ fn settled_states_stay(test: &str, wanted: usize) {
 }
 
 #[test]
+#[ignore = "long"]
 fn two_settled_recorded_heaps_stay_put() {
     settled_states_stay("two_settled_recorded_heaps_stay_put", 2);
 }
 
 #[test]
-#[ignore = "long: all recorded heaps, half a minute"]
-fn long_all_settled_recorded_heaps_stay_put() {
+#[ignore = "long"]
+fn all_settled_recorded_heaps_stay_put() {
     settled_states_stay("long_all_settled_recorded_heaps_stay_put", usize::MAX);
 }

@@ -188,14 +188,14 @@ fn the_pinned_digests_hold_with(arguments: &[&str]) {
 }
 
 #[test]
-#[ignore = "builds this crate anew"]
-fn long_optimised_code_gives_the_pinned_digests() {
+#[ignore = "long"]
+fn optimised_code_gives_the_pinned_digests() {
     the_pinned_digests_hold_with(&["--release"]);
 }
 
 #[test]
-#[ignore = "builds this crate anew"]
-fn long_unoptimised_code_gives_the_pinned_digests() {
+#[ignore = "long"]
+fn unoptimised_code_gives_the_pinned_digests() {
     the_pinned_digests_hold_with(&[
         "--config",
         concat!(
@@ -207,7 +207,7 @@ fn long_unoptimised_code_gives_the_pinned_digests() {
 }
 
 #[test]
-#[ignore = "builds this crate anew"]
-fn long_the_baseline_instruction_set_gives_the_pinned_digests() {
+#[ignore = "long"]
+fn the_baseline_instruction_set_gives_the_pinned_digests() {
     the_pinned_digests_hold_with(&["--features", "narrow"]);
 }

@@ -84,9 +84,9 @@ fn positions_that_are_no_mesh_are_refused_with_their_values() {
 }
 
 #[test]
-#[ignore = "needs Python with trimesh: make test-peers"]
+#[ignore = "needs Python with trimesh"]
 fn peer_trimesh_reads_the_mesh_of_a_square_with_a_hole() {
-    let python = std::env::var_os("FABC_PEER_PYTHON").expect("make test-peers names a Python");
+    let python = std::env::var_os("FABC_PEER_PYTHON").expect("make test-all names a Python");
     let outline = include_str!("../outlines/square_with_hole.txt");
     let mask = Mask::parse(outline, 0.00625).unwrap();
     let positions = mask.grid().flat_positions(&Params::default());

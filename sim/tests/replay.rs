@@ -55,6 +55,7 @@ fn one_demonstration_of_each_task_ends_near_the_recorded_end() {
 }
 
 #[test]
+#[ignore = "long"]
 fn skipping_resting_steps_changes_no_bit_of_a_replay() {
     let Some(demos) = recorded::demonstrations("skipping_resting_steps_changes_no_bit_of_a_replay")
     else {
@@ -70,8 +71,8 @@ fn skipping_resting_steps_changes_no_bit_of_a_replay() {
 }
 
 #[test]
-#[ignore = "replays all 60 demonstrations, about one minute"]
-fn long_all_demonstrations_end_near_the_recorded_ends() {
+#[ignore = "long"]
+fn all_demonstrations_end_near_the_recorded_ends() {
     for (task, mean_mm, max_mm) in [
         ("AllCornersInward", 1.7, 4.0),
         ("CornersEdgesInward", 2.7, 6.0),

@@ -18,7 +18,7 @@ fn distance(left: &Isometry3<f64>, right: &Isometry3<f64>) -> f64 {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_an_arm_says_where_it_is() {
     let ros = Ros::with_arm();
     let mut port = ros.connect();
@@ -47,7 +47,7 @@ fn peer_ros_an_arm_says_where_it_is() {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_goals_of_all_three_servers_are_reached() {
     let ros = Ros::with_arm();
     let mut port = ros.connect();
@@ -84,7 +84,7 @@ fn peer_ros_goals_of_all_three_servers_are_reached() {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_a_goal_is_given_up_when_cancelled_or_when_another_comes() {
     let ros = Ros::with_arm();
     let mut port = ros.connect();
@@ -112,7 +112,7 @@ fn peer_ros_a_goal_is_given_up_when_cancelled_or_when_another_comes() {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_a_trajectory_is_followed() {
     let ros = Ros::with_arm();
     let settings = RosSettings {

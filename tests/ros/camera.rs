@@ -6,7 +6,7 @@ use fab_arm::settings::RosSettings;
 use fab_arm_ros::RosCamera;
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_pictures_arrive_bit_for_bit() {
     let ros = Ros::with_arm();
     let mut camera = RosCamera::subscribe(&ros.settings(), PATIENCE_S).unwrap();
@@ -38,7 +38,7 @@ fn peer_ros_pictures_arrive_bit_for_bit() {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_a_camera_may_have_colour_alone() {
     let ros = Ros::with_arm();
     let settings = RosSettings {
@@ -55,7 +55,7 @@ fn peer_ros_a_camera_may_have_colour_alone() {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_a_camera_that_says_nothing_is_named() {
     let mut ros = Ros::with_arm();
     let aside = RosSettings {

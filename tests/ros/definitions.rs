@@ -3,7 +3,7 @@
 use super::nodes;
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_has_the_same_sum_for_every_message_and_service() {
     let ours = fab_arm_ros::definitions();
     assert!(ours.len() > 30, "{ours:?}");

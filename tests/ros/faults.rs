@@ -21,7 +21,7 @@ fn refusal(settings: &RosSettings, model: &str, timeout_s: f64) -> String {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_what_is_missing_is_named() {
     let ros = Ros::master();
     let settings = ros.settings();
@@ -70,7 +70,7 @@ fn peer_ros_what_is_missing_is_named() {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_an_arm_of_another_model_is_not_believed() {
     let ros = Ros::with_arm();
     drop(ros.connect());
@@ -96,7 +96,7 @@ fn peer_ros_an_arm_of_another_model_is_not_believed() {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_a_killed_node_is_an_error_within_seconds() {
     let mut ros = Ros::with_arm();
     let mut port = ros.connect();
@@ -126,7 +126,7 @@ fn peer_ros_a_killed_node_is_an_error_within_seconds() {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_a_node_that_comes_back_is_not_handed_an_old_goal() {
     let mut ros = Ros::with_arm();
     let mut port = ros.connect();

@@ -1,4 +1,4 @@
-//! The wire to ROS 1 against ROS itself: its master, its Python nodes, actionlib's own servers. `make test-peers` runs it.
+//! The wire to ROS 1 against ROS itself: its master, its Python nodes, actionlib's own servers. `make test-all` runs it.
 
 #![allow(clippy::unwrap_used)]
 

@@ -29,7 +29,7 @@ fn until_stopped(lab: &mut Lab) {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_an_arm_whose_program_was_killed_is_refused_until_a_person_has_seen_to_it() {
     let mut lab = Lab::new(Driver::Kinova, 41);
     super::touching::calibrate(&mut lab, super::touching::Touching::Reckoned);
@@ -121,7 +121,7 @@ fn line_with(lines: &mut Lines<BufReader<ChildStderr>>, words: &str) -> String {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_an_arm_that_is_guided_gives_its_places() {
     let lab = Lab::new(Driver::Kinova, 42);
     let settings = lab.settings();

@@ -96,7 +96,7 @@ const RUNAWAY_M: f64 = 0.3 * 0.92 * (0.1 + 0.05 + 0.15);
 const STILL_M: f64 = 1e-6;
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_whatever_goes_wrong_a_rollout_ends_with_a_word_for_it() {
     let cases = Mutex::new(VecDeque::from(CASES));
     let wrong = Mutex::new(Vec::new());
@@ -281,7 +281,7 @@ fn recovers(lab: &Lab, segment: &str, may_hold: bool) {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_a_trajectory_of_a_killed_run_does_not_go_on() {
     let mut lab = Lab::new(Driver::Trajectory, 200);
     calibrate(&mut lab, Touching::Reckoned);

@@ -13,7 +13,7 @@ fn position(port: &mut RosPort) -> f64 {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_a_stop_ends_a_motion_and_every_goal_until_a_start() {
     let ros = Ros::with_arm();
     let mut port = ros.connect();
@@ -32,7 +32,7 @@ fn peer_ros_a_stop_ends_a_motion_and_every_goal_until_a_start() {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_an_arm_stays_stopped_though_a_cancellation_was_under_way() {
     let ros = Ros::with_arm();
     let mut port = ros.connect();

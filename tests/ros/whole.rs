@@ -73,13 +73,13 @@ fn folds_a_double_triangle(driver: Driver, seed: u64) {
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_an_arm_with_a_calibrated_camera_folds_a_double_triangle() {
     folds_a_double_triangle(Driver::Kinova, 1);
 }
 
 #[test]
-#[ignore = "needs ROS: make test-peers"]
+#[ignore = "needs ROS"]
 fn peer_ros_an_arm_moved_by_trajectories_folds_a_double_triangle() {
     folds_a_double_triangle(Driver::Trajectory, 2);
 }

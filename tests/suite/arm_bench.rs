@@ -37,6 +37,7 @@ fn document(said: &Said) -> Value {
 }
 
 #[test]
+#[ignore = "long"]
 fn rollouts_go_one_at_a_time_and_the_operator_judges_each() {
     let lab = lab(&[]);
     let said = carried(lab.path(), &["--operator"], "y\n\nn\nh\nthe hand slipped\n");
@@ -74,6 +75,7 @@ fn rollouts_go_one_at_a_time_and_the_operator_judges_each() {
 }
 
 #[test]
+#[ignore = "long"]
 fn what_was_cut_off_is_named_and_an_arm_left_in_a_motion_is_not_moved() {
     let lab = lab(&[]);
     assert_eq!(carried(lab.path(), &[], "").code, 0);
@@ -127,6 +129,7 @@ fn what_was_cut_off_is_named_and_an_arm_left_in_a_motion_is_not_moved() {
 }
 
 #[test]
+#[ignore = "long"]
 fn an_arm_or_a_camera_that_fails_ends_the_suite() {
     // An arm that comes to rest a millimetre off, held to a tenth of that.
     let strict = (
@@ -201,6 +204,7 @@ fn suites_and_options_that_an_arm_cannot_do_are_refused() {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_operator_of_a_single_run_is_asked_too() {
     let lab = lab(&[]);
     let ask = |more: &[&str]| {

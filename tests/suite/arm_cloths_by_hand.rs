@@ -23,6 +23,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 #[test]
+#[ignore = "long"]
 fn a_person_is_told_in_words_and_nothing_is_connected_for_an_estimate() {
     let program = smoothing();
     let picture = flat(&program, 40);

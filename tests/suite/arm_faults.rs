@@ -341,6 +341,7 @@ fn survive(seeds: std::ops::Range<u64>) -> BTreeMap<&'static str, u32> {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_rollout_in_which_anything_goes_wrong_ends_in_a_named_outcome() {
     let outcomes = survive(0..12);
     // Neither does every fault end a rollout, nor none.
@@ -350,13 +351,13 @@ fn a_rollout_in_which_anything_goes_wrong_ends_in_a_named_outcome() {
 // A thousand rollouts, in two tests that run side by side.
 
 #[test]
-#[ignore = "five hundred rollouts: `make test-peers`"]
-fn long_rollouts_in_which_anything_goes_wrong_end_in_named_outcomes() {
+#[ignore = "long"]
+fn rollouts_in_which_anything_goes_wrong_end_in_named_outcomes() {
     survive(1000..1500);
 }
 
 #[test]
-#[ignore = "five hundred rollouts: `make test-peers`"]
-fn long_further_rollouts_in_which_anything_goes_wrong_end_in_named_outcomes() {
+#[ignore = "long"]
+fn further_rollouts_in_which_anything_goes_wrong_end_in_named_outcomes() {
     survive(1500..2000);
 }

@@ -45,6 +45,7 @@ fn cloth_px(picture: &RgbImage) -> usize {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_simulated_table_shows_the_same_cloth_flat() {
     let folder = tempfile::tempdir().unwrap();
     bring_robot(folder.path(), &[]);

@@ -61,6 +61,7 @@ fn planned(edits: &[(&str, &str)]) -> (tempfile::TempDir, Said) {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_plan_is_drawn_and_nothing_moves() {
     let (folder, output) = planned(&[]);
     let report: Value = serde_json::from_str(&output.stdout).unwrap();
@@ -85,6 +86,7 @@ fn a_plan_is_drawn_and_nothing_moves() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_plan_that_is_not_possible_is_drawn_up_to_there() {
     let zone = "rest_m = [0.30, -0.40, 0.25]\nkeep_out = [{ name = 'lamp', min_m = [0.40, -0.1, 0.0], max_m = [0.5, 0.1, 0.4] }]";
     let (folder, output) = planned(&[("rest_m = [0.30, -0.40, 0.25]", zone)]);
@@ -107,6 +109,7 @@ fn plans_are_for_arms_alone() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_camera_that_was_moved_since_its_calibration_is_noticed_before_anything_moves() {
     for (from, to) in [
         (

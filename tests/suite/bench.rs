@@ -96,6 +96,7 @@ fn row<'d>(document: &'d Value, method: &str, metric: &str) -> &'d Value {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_suite_gives_the_same_figures_on_any_number_of_threads_and_is_not_run_twice() {
     let folder = project(SUITE);
     let first = bench(folder.path(), &["--out", "one", "--jobs", "1"]);
@@ -190,6 +191,7 @@ model = "random:3"
 "#;
 
 #[test]
+#[ignore = "long"]
 fn figures_with_the_stop_are_those_of_rollouts_that_stopped() {
     let folder = project(PULLS_SUITE);
     fs::write(folder.path().join("tasks/tiny.fab"), PULLS).unwrap();
@@ -250,6 +252,7 @@ fn the_table_says_what_its_figures_are() {
 }
 
 #[test]
+#[ignore = "long"]
 fn shards_of_one_folder_add_up_to_the_whole() {
     let folder = project(SUITE);
     let arguments = |shard| ["--out", "out", "--shard", shard];
@@ -284,6 +287,7 @@ fn a_folder_of_other_rollouts_is_left_alone() {
 
 #[cfg(unix)]
 #[test]
+#[ignore = "long"]
 fn an_interrupt_ends_with_what_has_finished_and_130() {
     use std::process::{Command, Stdio};
     let folder = project(&SUITE.replace(

@@ -32,8 +32,8 @@ fn every_block_of_the_book_does_what_its_page_says() {
 }
 
 #[test]
-#[ignore = "takes minutes: make test-peers"]
-fn long_slow_blocks_of_the_book_do_what_their_pages_say() {
+#[ignore = "long"]
+fn slow_blocks_of_the_book_do_what_their_pages_say() {
     let is_slow = |page: &Page| page.blocks.iter().any(|block| block.info == "console slow");
     let mut pages = pages(root());
     pages.retain(is_slow);

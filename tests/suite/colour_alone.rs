@@ -45,6 +45,7 @@ fn points<'s>(seen: &'s Seen, name: &str) -> Vec<PixelPoint> {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_largest_coloured_piece_is_the_cloth_under_any_lamp() {
     let program = real("double_triangle");
     for (grey, cloth) in [
@@ -173,6 +174,7 @@ fn corners_are_kept_near_a_box_and_moved_towards_a_point() {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_simulators_cloth_is_folded_in_half_twice_by_colour_alone() {
     let mut program = real("double_straight");
     program.experts.clear();

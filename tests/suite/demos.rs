@@ -66,6 +66,7 @@ fn rendered(folder: &Path) -> Vec<(String, String)> {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_expert_demonstrates_and_the_prompt_tells_it_in_the_tasks_own_words() {
     let folder = folder();
     let made = make(folder.path(), "3");
@@ -112,6 +113,7 @@ fn the_expert_demonstrates_and_the_prompt_tells_it_in_the_tasks_own_words() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_start_that_is_an_example_is_no_test() {
     let folder = folder();
     make(folder.path(), "3");
@@ -268,6 +270,7 @@ fn what_is_wrong_with_demonstrations_is_said_with_its_line() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_task_that_cannot_be_demonstrated_says_why() {
     let folder = folder();
     let task = |body: &str| {

@@ -54,6 +54,7 @@ fn the_simulator_over_lines_keeps_every_promise() {
 }
 
 #[test]
+#[ignore = "long"]
 fn wrong_answers_are_named_with_their_values() {
     for (script, words) in [
         (
@@ -129,6 +130,7 @@ fn run(folder: &Path, world: &str, out: &str) -> support::Said {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_rollout_over_lines_comes_out_as_in_the_simulator_and_can_be_gone_on_with() {
     let folder = tempfile::tempdir().unwrap();
     let over_lines = format!("exec:'{FABC}' world serve");
@@ -149,6 +151,7 @@ fn a_rollout_over_lines_comes_out_as_in_the_simulator_and_can_be_gone_on_with() 
 }
 
 #[test]
+#[ignore = "long"]
 fn a_world_that_does_not_repeat_is_not_gone_on_with() {
     let folder = tempfile::tempdir().unwrap();
     let script = folder.path().join("once.sh");
@@ -174,6 +177,7 @@ fn a_world_that_does_not_repeat_is_not_gone_on_with() {
 }
 
 #[test]
+#[ignore = "long"]
 fn world_check_says_each_promise_and_exits_by_them() {
     let folder = tempfile::tempdir().unwrap();
     let good = format!("exec:'{FABC}' world serve");

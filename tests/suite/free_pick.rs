@@ -41,6 +41,7 @@ fn any_pixel_of_the_cloth_may_be_picked_and_no_other() {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_random_pick_is_a_pixel_of_the_cloth_each_as_likely() {
     let program = free();
     let mut world = support::world(&program).unwrap();

@@ -31,6 +31,7 @@ fn lines(run: &Path) -> Vec<Value> {
 }
 
 #[test]
+#[ignore = "long"]
 fn every_file_that_the_journal_names_is_there_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     run_small(folder.path());
@@ -108,6 +109,7 @@ fn list(root: &Path, folder: &Path, files: &mut Vec<String>) {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_named_files_give_the_reported_distance() {
     let folder = tempfile::tempdir().unwrap();
     let report = run_small(folder.path());
@@ -144,6 +146,7 @@ fn the_named_files_give_the_reported_distance() {
 }
 
 #[test]
+#[ignore = "long"]
 fn every_step_has_the_digest_of_the_positions_that_it_keeps() {
     let folder = tempfile::tempdir().unwrap();
     run_small(folder.path());
@@ -169,6 +172,7 @@ fn every_step_has_the_digest_of_the_positions_that_it_keeps() {
 }
 
 #[test]
+#[ignore = "long"]
 fn expert_results_are_simulated_once() {
     let folder = tempfile::tempdir().unwrap();
     let first = run_small(folder.path());
@@ -185,6 +189,7 @@ fn expert_results_are_simulated_once() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_damaged_cache_entry_is_simulated_again() {
     let folder = tempfile::tempdir().unwrap();
     let first = run_small(folder.path());

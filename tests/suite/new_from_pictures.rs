@@ -13,6 +13,7 @@ fn pictures(task: &str, count: usize) -> Vec<String> {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_fold_drafted_from_pictures_says_what_it_guessed_and_runs_to_its_goal() {
     let folder = tempfile::tempdir().unwrap();
     // One picture lies there already, the others are brought.
@@ -101,8 +102,8 @@ fn pictures_that_nothing_can_be_drafted_from_are_refused_and_nothing_is_written(
 }
 
 #[test]
-#[ignore = "takes minutes: make test-peers"]
-fn long_drafts_of_shipped_folds_reach_their_goals_with_arrows_and_without() {
+#[ignore = "long"]
+fn drafts_of_shipped_folds_reach_their_goals_with_arrows_and_without() {
     for (task, count) in [("double_straight", 4), ("house", 3)] {
         let folder = tempfile::tempdir().unwrap();
         let bare = pictures(task, count);
@@ -188,6 +189,7 @@ fn a_picture_in_another_format_or_form_is_refused_with_the_command_that_converts
 }
 
 #[test]
+#[ignore = "long"]
 fn what_is_stated_of_camera_and_cloth_stands_in_the_file_and_the_task_runs() {
     let folder = tempfile::tempdir().unwrap();
     let pictures = pictures("house", 2);
@@ -217,6 +219,7 @@ fn what_is_stated_of_camera_and_cloth_stands_in_the_file_and_the_task_runs() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_step_that_no_fold_explains_gets_no_arrow_and_words_on_what_to_write() {
     let folder = tempfile::tempdir().unwrap();
     let paint = |name: &str, [left, top, right, bottom]: [u32; 4]| {
@@ -245,6 +248,7 @@ fn a_step_that_no_fold_explains_gets_no_arrow_and_words_on_what_to_write() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_file_in_the_folders_place_and_a_picture_in_a_pictures_place_are_named() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("ro"), "").unwrap();

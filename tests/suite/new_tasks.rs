@@ -31,6 +31,7 @@ pub fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_new_fold_compiles_without_a_word_and_runs_to_its_goal() {
     let folder = tempfile::tempdir().unwrap();
     let begun = said(folder.path(), &["new", "fold", "napkin", "--json"]);
@@ -76,6 +77,7 @@ fn the_pictures_of_a_new_fold_are_those_that_subgoals_draws() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_new_smoothing_compiles_without_a_word_and_runs_to_its_end() {
     let folder = tempfile::tempdir().unwrap();
     let begun = said(folder.path(), &["new", "smoothing", "towel", "--in", "a/b"]);
@@ -122,6 +124,7 @@ fn names_that_the_language_or_the_library_uses_are_wrong_usage() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_library_of_the_users_is_used_and_one_that_does_not_fit_stops_it() {
     let folder = tempfile::tempdir().unwrap();
     let library = folder.path().join("lib/folding.fab");

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 const KEY: &str = "sk-nobodys-0123456789";
 
 #[test]
+#[ignore = "long"]
 fn answers_are_kept_for_the_next_run_and_bought_anew_on_demand() {
     let folder = tempfile::tempdir().unwrap();
     let provider = Provider::reliable();
@@ -33,6 +34,7 @@ fn answers_are_kept_for_the_next_run_and_bought_anew_on_demand() {
 }
 
 #[test]
+#[ignore = "long"]
 fn roles_go_to_different_models() {
     let folder = tempfile::tempdir().unwrap();
     let (vision, text) = (Provider::reliable(), Provider::reliable());
@@ -74,6 +76,7 @@ fn roles_go_to_different_models() {
 
 #[cfg(unix)]
 #[test]
+#[ignore = "long"]
 fn an_interrupt_ends_a_waiting_call_and_the_run_goes_on_later() {
     let folder = tempfile::tempdir().unwrap();
     let provider = Provider::start(|number| match number {
@@ -174,6 +177,7 @@ fn a_probe_keeps_to_its_caps() {
 }
 
 #[test]
+#[ignore = "long"]
 fn what_a_cut_call_cost_is_not_known_where_the_price_is_not() {
     let folder = tempfile::tempdir().unwrap();
     let provider = Provider::start(|_| Fate::Cut);
@@ -201,6 +205,7 @@ fn what_a_cut_call_cost_is_not_known_where_the_price_is_not() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_suite_ends_at_a_provider_that_refuses_and_goes_on_when_it_does_not() {
     let folder = tempfile::tempdir().unwrap();
     suite(folder.path());
@@ -251,6 +256,7 @@ fn suite(folder: &Path) {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_suite_stops_at_its_cap_and_goes_on_with_a_higher_one() {
     let folder = tempfile::tempdir().unwrap();
     suite(folder.path());

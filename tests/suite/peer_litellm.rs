@@ -26,7 +26,7 @@ impl Drop for Running {
 /// Builds the environment where it is not there yet, and returns its folder.
 fn environment() -> PathBuf {
     let python = std::env::var("FABC_PEER_PYTHON").expect(
-        "FABC_PEER_PYTHON names no Python 3; `make test-peers` sets it, or says what is missing",
+        "FABC_PEER_PYTHON names no Python 3; `make test-all` sets it, or says what is missing",
     );
     let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("litellm");
     let wanted = fs::read(project("tests/peers/litellm-requirements.txt")).unwrap();
@@ -133,7 +133,7 @@ fn proxy(folder: &Path, behind: &str) -> (Running, String) {
 }
 
 #[test]
-#[ignore = "needs LiteLLM from PyPI: make test-peers"]
+#[ignore = "needs LiteLLM from PyPI"]
 fn peer_litellm_carries_whole_rollouts_with_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let (_serve, behind) = serve(folder.path());

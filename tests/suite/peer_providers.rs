@@ -1,4 +1,4 @@
-//! The providers' own Python clients read what fabc would send, and write what it must read; `make test-peers` runs it.
+//! The providers' own Python clients read what fabc would send, and write what it must read; `make test-all` runs it.
 
 use super::support::project;
 use fab_model::{Message, Part, Png, Request, Speaker};
@@ -13,7 +13,7 @@ use std::process::Command;
 
 /// Runs a verb of the script on a folder; returns the number that it prints.
 fn script(verb: &str, folder: &Path) -> usize {
-    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-peers sets FABC_PEER_PYTHON");
+    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-all sets FABC_PEER_PYTHON");
     let output = Command::new(python)
         .arg(project("tests/peers/validate_requests.py"))
         .arg(verb)
@@ -102,7 +102,7 @@ fn requests() -> Vec<(&'static str, Request)> {
 }
 
 #[test]
-#[ignore = "needs Python with the providers' clients: make test-peers"]
+#[ignore = "needs Python with the providers' clients"]
 fn peer_the_providers_own_clients_know_every_field_that_is_sent() {
     let folder = tempfile::tempdir().unwrap();
     let mut count = 0;
@@ -133,7 +133,7 @@ fn peer_the_providers_own_clients_know_every_field_that_is_sent() {
 }
 
 #[test]
-#[ignore = "needs Python with the providers' clients: make test-peers"]
+#[ignore = "needs Python with the providers' clients"]
 fn peer_replies_of_the_providers_own_classes_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let written = script("replies", folder.path());

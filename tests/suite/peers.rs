@@ -1,4 +1,4 @@
-//! Tests against foreign programs; `make test-peers` runs them.
+//! Tests against foreign programs; `make test-all` runs them.
 
 use super::support::{fabc, finish, project};
 use fab_agent::record::Record;
@@ -7,9 +7,9 @@ use std::process::Command;
 use std::time::Instant;
 
 #[test]
-#[ignore = "needs Python with numpy: make test-peers"]
+#[ignore = "needs Python with numpy"]
 fn peer_python_recomputes_the_printed_error_from_the_journal() {
-    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-peers sets FABC_PEER_PYTHON");
+    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-all sets FABC_PEER_PYTHON");
     let folder = tempfile::tempdir().unwrap();
     let said = finish(fabc(folder.path()).args([
         "run",
@@ -43,9 +43,9 @@ fn peer_python_recomputes_the_printed_error_from_the_journal() {
 
 /// The share of pixels that two silhouettes have in common, and the place of the end among the bundled cloth's.
 #[test]
-#[ignore = "needs Python with mujoco: make test-peers"]
+#[ignore = "needs Python with mujoco"]
 fn peer_mujoco_folds_double_triangle_as_a_world_in_another_language() {
-    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-peers sets FABC_PEER_PYTHON");
+    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-all sets FABC_PEER_PYTHON");
     let folder = tempfile::tempdir().unwrap();
     let world = format!(
         "exec:'{python}' '{}'",
@@ -77,9 +77,9 @@ fn peer_mujoco_folds_double_triangle_as_a_world_in_another_language() {
 }
 
 #[test]
-#[ignore = "needs Python with mujoco: make test-peers"]
+#[ignore = "needs Python with mujoco"]
 fn peer_mujoco_keeps_the_promises_of_every_world() {
-    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-peers sets FABC_PEER_PYTHON");
+    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-all sets FABC_PEER_PYTHON");
     let folder = tempfile::tempdir().unwrap();
     let world = format!(
         "exec:'{python}' '{}'",

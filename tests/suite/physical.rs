@@ -184,6 +184,7 @@ pub(super) fn smoothing() -> Program {
 }
 
 #[test]
+#[ignore = "long"]
 fn coverage_by_pictures_has_columns_of_its_own() {
     let program = smoothing();
     assert!(

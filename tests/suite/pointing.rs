@@ -197,6 +197,7 @@ fn marks() -> Lowering {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_rollout_is_the_same_in_every_frame_and_by_numbers() {
     let expected = play(&Geometric).actions;
     assert_eq!(expected.len(), 2);
@@ -218,6 +219,7 @@ fn a_rollout_is_the_same_in_every_frame_and_by_numbers() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_model_that_answers_in_pixels_when_asked_for_another_frame_moves_nothing() {
     for unit in [
         CoordinateUnit::Fraction,
@@ -310,11 +312,13 @@ fn shown(task: &str) -> String {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_question_for_points_is_pinned_in_every_frame() {
     insta::assert_snapshot!(shown("double_straight"));
 }
 
 #[test]
+#[ignore = "long"]
 fn the_question_for_a_pull_is_pinned_in_every_frame() {
     insta::assert_snapshot!(shown("smoothing"));
 }
@@ -375,6 +379,7 @@ fn listed(request: &Request) -> Vec<(i64, i64)> {
 }
 
 #[test]
+#[ignore = "long"]
 fn numbers_stand_on_the_picture_of_the_scene_beside_the_listed_points() {
     let said = "The numbers in the picture of the scene are those of the listed points.";
     let sizes = [

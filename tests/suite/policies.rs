@@ -43,6 +43,7 @@ fn record(run: &Path) -> Record {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_program_that_misbehaves_is_named_and_ended() {
     let folder = tempfile::tempdir().unwrap();
     let program = support::small_task();
@@ -85,6 +86,7 @@ fn example() -> Command {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_example_folds_double_triangle() {
     let folder = tempfile::tempdir().unwrap();
     let program = support::task("double_triangle");
@@ -121,6 +123,7 @@ fn counting(folder: &Path) -> (Command, PathBuf) {
 }
 
 #[test]
+#[ignore = "long"]
 fn answers_are_kept_before_they_are_carried_out_and_never_asked_for_again() {
     let folder = tempfile::tempdir().unwrap();
     let program = support::small_task();
@@ -164,6 +167,7 @@ fn answers_are_kept_before_they_are_carried_out_and_never_asked_for_again() {
 }
 
 #[test]
+#[ignore = "long"]
 fn particles_are_there_only_for_who_asks_for_them() {
     let folder = tempfile::tempdir().unwrap();
     let program = support::small_task();
@@ -192,6 +196,7 @@ fn played(policy: &dyn MakePolicy, trial: &Trial<'_>, run: &Path) -> (Ended, Vec
 }
 
 #[test]
+#[ignore = "long"]
 fn the_expert_follows_the_demonstration_and_says_what_was_offered() {
     let folder = tempfile::tempdir().unwrap();
     let program = support::task("double_triangle");
@@ -310,6 +315,7 @@ fn no_policy_gets_past_the_checks() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_refused_proposal_is_asked_for_again_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let program = support::small_task();

@@ -57,6 +57,7 @@ pub fn calls(provider: &Provider) -> usize {
 }
 
 #[test]
+#[ignore = "long"]
 fn an_estimate_sends_nothing_and_holds_what_the_run_then_costs() {
     let folder = tempfile::tempdir().unwrap();
     let provider = Provider::reliable();

@@ -57,6 +57,7 @@ fn remote(provider: &Provider) -> Remote {
 }
 
 #[test]
+#[ignore = "long"]
 fn every_rollout_ends_in_a_named_outcome_and_every_call_is_accounted_for() {
     let folder = tempfile::tempdir().unwrap();
     let program = support::small_task();

@@ -89,6 +89,7 @@ fn copy(from: &Path, to: &Path) {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_rollout_cut_off_anywhere_comes_out_the_same_and_asks_nothing_twice() {
     let folder = tempfile::tempdir().unwrap();
     let program = support::small_task();
@@ -139,6 +140,7 @@ fn a_rollout_cut_off_anywhere_comes_out_the_same_and_asks_nothing_twice() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_cap_ends_a_rollout_and_a_higher_one_goes_on_with_it() {
     let folder = tempfile::tempdir().unwrap();
     let program = support::small_task();
@@ -223,6 +225,7 @@ fn a_run_that_is_being_written_is_not_gone_on_with() {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_command_goes_on_with_a_run_and_notices_a_changed_task() {
     let folder = tempfile::tempdir().unwrap();
     bring_library(folder.path());
@@ -282,6 +285,7 @@ fn what_cannot_be_gone_on_with_is_named() {
 }
 
 #[test]
+#[ignore = "long"]
 fn two_runs_on_one_recording_write_the_same_journal() {
     let folder = tempfile::tempdir().unwrap();
     let task = project("tasks/double_triangle.fab");
@@ -301,6 +305,7 @@ fn two_runs_on_one_recording_write_the_same_journal() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_replay_of_another_prompt_says_which_part_changed() {
     let folder = tempfile::tempdir().unwrap();
     bring_library(folder.path());

@@ -113,6 +113,7 @@ fn pictures(request: &Request) -> Vec<&[u8]> {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_step_that_failed_is_asked_again_from_the_new_picture_and_told_so() {
     let played = play(&looking(), 1);
     let steps: Vec<_> = played
@@ -160,6 +161,7 @@ fn a_step_that_went_well_is_not_asked_again() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_model_that_is_always_wrong_costs_a_bounded_number_of_actions() {
     let mut program = looking();
     program.verify.result.as_mut().unwrap().overlap_above = 0.95;

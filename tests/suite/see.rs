@@ -52,6 +52,7 @@ fn place_shown(drawing: &RgbImage) -> PixelPoint {
 }
 
 #[test]
+#[ignore = "long"]
 fn recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations_pixel_for_pixel() {
     let test = "recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations_pixel_for_pixel";
     let Some(root) = recorded_data(test) else {
@@ -113,6 +114,7 @@ fn recorded_smoothing_pictures_give_their_corners_in_order_and_their_annotations
 }
 
 #[test]
+#[ignore = "long"]
 fn recorded_folding_pictures_give_their_corners_in_order_and_their_center() {
     let test = "recorded_folding_pictures_give_their_corners_in_order_and_their_center";
     let Some(root) = recorded_data(test) else {

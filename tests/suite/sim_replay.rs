@@ -89,6 +89,7 @@ fn a_replay_measures_how_far_the_cloth_ends_from_the_recorded_end() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_replay_of_recorded_folds_is_equal_on_any_number_of_threads() {
     let test = "a_replay_of_recorded_folds_is_equal_on_any_number_of_threads";
     let Some(data) = recorded_data(test) else {
@@ -151,6 +152,7 @@ fn only_the_tasks_and_ids_that_are_asked_for_are_replayed() {
 }
 
 #[test]
+#[ignore = "long"]
 #[cfg(unix)]
 fn an_interrupted_replay_keeps_what_is_finished() {
     use std::process::{Command, Stdio};

@@ -227,6 +227,7 @@ fn run_shipped(task: &str) -> Value {
 }
 
 #[test]
+#[ignore = "long"]
 fn run_reaches_the_goal_of_double_straight() {
     let report = run_shipped("double_straight");
     assert_eq!(report["outcome"], "goal_reached");
@@ -238,6 +239,7 @@ fn run_reaches_the_goal_of_double_straight() {
 }
 
 #[test]
+#[ignore = "long"]
 fn run_reaches_the_goal_of_double_triangle() {
     let report = run_shipped("double_triangle");
     assert_eq!(
@@ -247,6 +249,7 @@ fn run_reaches_the_goal_of_double_triangle() {
 }
 
 #[test]
+#[ignore = "long"]
 fn run_reaches_the_goals_of_the_other_folds() {
     for (task, steps) in [
         ("all_corners_inward", 4),

@@ -146,6 +146,7 @@ fn a_file_that_is_not_there_yet_is_waited_for() {
 }
 
 #[test]
+#[ignore = "long"]
 fn render_runs_again_after_a_change_of_its_scene() {
     let folder = tempfile::tempdir().unwrap();
     bring_task(folder.path());

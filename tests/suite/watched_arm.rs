@@ -79,6 +79,7 @@ fn until_begun(folder: &Path, n: usize) {
 }
 
 #[test]
+#[ignore = "long"]
 fn each_pick_and_place_is_asked_for_and_a_no_ends_the_rollout() {
     let folder = tempfile::tempdir().unwrap();
     let mut session = watched(folder.path(), &["--confirm", "each"]);
@@ -118,6 +119,7 @@ fn each_pick_and_place_is_asked_for_and_a_no_ends_the_rollout() {
 }
 
 #[test]
+#[ignore = "long"]
 fn each_segment_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let mut session = watched(folder.path(), &["--confirm", "segment"]);
@@ -138,6 +140,7 @@ fn each_segment_is_asked_for() {
 }
 
 #[test]
+#[ignore = "long"]
 fn an_end_that_is_asked_for_at_a_question_is_no_leave() {
     let folder = tempfile::tempdir().unwrap();
     let mut session = watched(folder.path(), &["--confirm", "each"]);
@@ -150,6 +153,7 @@ fn an_end_that_is_asked_for_at_a_question_is_no_leave() {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_arm_moves_while_the_key_is_held_and_ctrl_c_ends_it() {
     let folder = tempfile::tempdir().unwrap();
     let mut session = watched(folder.path(), &["--hold-to-run"]);
@@ -180,6 +184,7 @@ fn the_arm_moves_while_the_key_is_held_and_ctrl_c_ends_it() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_key_that_was_typed_before_it_was_asked_for_moves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let mut session = watched(folder.path(), &["--hold-to-run"]);
@@ -193,6 +198,7 @@ fn a_key_that_was_typed_before_it_was_asked_for_moves_nothing() {
 }
 
 #[test]
+#[ignore = "long"]
 fn ctrl_c_while_the_key_is_waited_for_leaves_the_terminal_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let mut session = watched(folder.path(), &["--hold-to-run"]);
@@ -225,6 +231,7 @@ fn signalled(folder: &Path, signal: &str, n: usize) -> Said {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_signal_stops_the_arm_and_what_is_verified_is_told() {
     for (signal, n) in [("-INT", 2), ("-TERM", 8)] {
         let folder = tempfile::tempdir().unwrap();
@@ -285,6 +292,7 @@ impl Supervisor for Mistaken {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_panic_while_the_arm_moves_is_told_with_what_is_verified() {
     let folder = tempfile::tempdir().unwrap();
     let run = RunFolder::create(&folder.path().join("run")).unwrap();

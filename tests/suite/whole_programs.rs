@@ -274,6 +274,7 @@ fn steered(program: &Program, pick: PixelPoint, direction: usize) -> String {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_direction_and_a_distance_lead_along_the_table_as_the_picture_shows_it() {
     for (up, rightwards, upwards) in [
         (ImageUp::Y, [1.0, 0.0], [0.0, 1.0]),

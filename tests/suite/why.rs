@@ -217,6 +217,7 @@ fn pictures(folder: &Path) -> Vec<Vec<u8>> {
 }
 
 #[test]
+#[ignore = "long"]
 fn render_shows_word_for_word_what_a_run_sends() {
     let folder = tempfile::tempdir().unwrap();
     bring_library(folder.path());

@@ -19,12 +19,14 @@ fn conforms(make: &dyn Fn() -> Box<dyn World>) {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_simulated_world_conforms() {
     let program = support::small_task();
     conforms(&|| support::world(&program).unwrap());
 }
 
 #[test]
+#[ignore = "long"]
 fn the_simulated_arm_conforms() {
     let program = support::small_task();
     let folder = tempfile::tempdir().unwrap();
@@ -46,6 +48,7 @@ fn the_simulated_arm_conforms() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_world_within_an_arms_reach_conforms() {
     let program = support::small_task();
     let robot = support::root().join("tasks/real/simulated.toml");

@@ -15,7 +15,7 @@ print(json.dumps([environment.from_string(text).render(**values) for text, value
 
 /// Renders each `[template, values]`.
 pub fn rendered(asked: &[Value]) -> Vec<String> {
-    let python = std::env::var_os("FABC_PEER_PYTHON").expect("make test-peers names a Python");
+    let python = std::env::var_os("FABC_PEER_PYTHON").expect("make test-all names a Python");
     let mut peer = Command::new(python)
         .args(["-c", PEER])
         .stdin(Stdio::piped())

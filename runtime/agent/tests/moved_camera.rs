@@ -92,6 +92,7 @@ fn calibrated(table: &Table) -> Calibration {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_camera_that_stays_is_not_said_to_have_moved() {
     let made = calibrated(&Table::usual());
     for (name, table) in [
@@ -153,6 +154,7 @@ fn a_camera_that_stays_is_not_said_to_have_moved() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_moved_camera_is_noticed() {
     let made = calibrated(&Table::usual());
     for (name, table, px) in [
@@ -237,6 +239,7 @@ fn a_moved_camera_is_noticed() {
 }
 
 #[test]
+#[ignore = "long"]
 fn pictures_of_another_kind_are_noticed() {
     let made = calibrated(&Table::usual());
     let mut shot = Table::usual().shot();
@@ -263,6 +266,7 @@ fn pictures_of_another_kind_are_noticed() {
 }
 
 #[test]
+#[ignore = "long"]
 fn what_cannot_be_seen_is_not_claimed() {
     let made = calibrated(&Table::usual());
     let why = |moved: Moved| match moved {
@@ -323,6 +327,7 @@ fn what_cannot_be_seen_is_not_claimed() {
 }
 
 #[test]
+#[ignore = "long"]
 fn what_looks_the_same_all_over_is_no_mark() {
     let squares = |by: u32| {
         RgbImage::from_fn(640, 480, |u, v| {

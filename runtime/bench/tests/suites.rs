@@ -141,6 +141,7 @@ fn rectangles_keep_the_tasks_ratio_rounded_down() {
 }
 
 #[test]
+#[ignore = "long"]
 fn crumpled_starts_have_all_sizes_and_their_own_seeds() {
     let starts = Starts::Crumpled {
         sides: (40..45).collect(),

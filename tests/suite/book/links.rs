@@ -58,7 +58,7 @@ fn every_link_between_pages_leads_somewhere() {
 }
 
 #[test]
-#[ignore = "needs mdBook: make test-peers"]
+#[ignore = "needs mdBook"]
 fn peer_mdbook_builds_the_book_and_every_link_in_it_leads_somewhere() {
     let made = Command::new("sh")
         .arg(root().join("scripts/book.sh"))

@@ -43,7 +43,7 @@ const NOT_RUN: [(&str, &str); 6] = [
     ),
     ("cargo build --no-default-features", "`make lint` builds it"),
     ("cargo test ", "this is a part of it"),
-    ("cargo insta ", "`make test-peers` runs it"),
+    ("cargo insta ", "`make test-all` runs it"),
     (
         "sh scripts/with-env.sh sh scripts/count-instructions.sh",
         "needs valgrind; `make bench` runs it",

@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 
 fn cargo_insta(folder: &Path, arguments: &[&str]) -> Output {
     let program = std::env::var("FABC_PEER_CARGO_INSTA").expect(
-        "FABC_PEER_CARGO_INSTA names no `cargo-insta`; `make test-peers` sets it, or says what is missing",
+        "FABC_PEER_CARGO_INSTA names no `cargo-insta`; `make test-all` sets it, or says what is missing",
     );
     let output = Command::new(program)
         .current_dir(folder)

@@ -57,6 +57,7 @@ impl Model for Client {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_rollout_over_the_endpoint_is_the_rollout_without_it() {
     let program = small_task();
     let folder = tempfile::tempdir().unwrap();
@@ -152,6 +153,7 @@ fn the_command_says_where_it_listens_and_ends_on_an_interrupt() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_recording_is_served_to_a_whole_rollout() {
     let folder = tempfile::tempdir().unwrap();
     let task = project("tasks/double_triangle.fab");
@@ -209,9 +211,9 @@ fn the_command_lends_no_model_of_a_provider() {
 }
 
 #[test]
-#[ignore = "needs Python with the openai package: make test-peers"]
+#[ignore = "needs Python with the openai package"]
 fn peer_the_official_openai_client_gets_answers_about_pictures() {
-    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-peers sets FABC_PEER_PYTHON");
+    let python = std::env::var("FABC_PEER_PYTHON").expect("make test-all sets FABC_PEER_PYTHON");
     let folder = tempfile::tempdir().unwrap();
     let task = project("tasks/double_triangle.fab");
     let rendered =

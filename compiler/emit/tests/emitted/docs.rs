@@ -55,9 +55,9 @@ fn the_rust_example_holds() {
 }
 
 #[test]
-#[ignore = "needs Python with jinja2 3.1.6: make test-peers"]
+#[ignore = "needs Python with jinja2 3.1.6"]
 fn peer_python_fills_a_prompt_as_the_page_says() {
-    let python = std::env::var_os("FABC_PEER_PYTHON").expect("make test-peers names a Python");
+    let python = std::env::var_os("FABC_PEER_PYTHON").expect("make test-all names a Python");
     assert_eq!(
         run(&python, "python-jinja2"),
         "- Method of folding: fold left\n- Cloth corners: (20, 30), (200, 30)\n- Cloth center: (110, 80)\n"

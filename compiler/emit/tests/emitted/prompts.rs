@@ -293,7 +293,7 @@ fn a_name_of_the_task_is_not_taken_for_what_was_said() {
 }
 
 #[test]
-#[ignore = "needs Python with jinja2 3.1.6: make test-peers"]
+#[ignore = "needs Python with jinja2 3.1.6"]
 fn peer_python_fills_every_emitted_prompt_alike() {
     let all = filled_in_every_way();
     let asked: Vec<_> = all

@@ -126,21 +126,25 @@ fn agree_on_a_table(name: &str, seed: u64) {
 }
 
 #[test]
+#[ignore = "long"]
 fn three_verifiers_of_double_straight_agree() {
     agree_on_a_table("double_straight", 1);
 }
 
 #[test]
+#[ignore = "long"]
 fn three_verifiers_of_double_triangle_agree() {
     agree_on_a_table("double_triangle", 2);
 }
 
 #[test]
+#[ignore = "long"]
 fn three_verifiers_of_directions_lengths_and_words_agree() {
     agree_on_a_table("steered", 3);
 }
 
 #[test]
+#[ignore = "long"]
 fn three_verifiers_of_points_numbers_and_the_last_action_agree() {
     agree_on_a_table("placed", 4);
 }
@@ -259,6 +263,7 @@ fn truth_of_distances_along_the_axes() {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_rust_module_needs_core_alone_and_gives_no_warning() {
     for program in programs::all() {
         let built = drivers::build(&program, "bare");

@@ -79,6 +79,7 @@ fn check(task: &str, draft: &Draft, arrows: &[ArrowPx], origin: ArrowOrigin, wit
 }
 
 #[test]
+#[ignore = "long"]
 fn arrows_that_are_drawn_are_found_and_the_folds_that_they_mean() {
     for task in TASKS {
         let (mut pictures, arrows) = pinned(task);
@@ -91,6 +92,7 @@ fn arrows_that_are_drawn_are_found_and_the_folds_that_they_mean() {
 }
 
 #[test]
+#[ignore = "long"]
 fn folds_are_proposed_from_the_change_between_pictures() {
     let (pictures, arrows) = pinned("house");
     let draft = drafted(&pictures).unwrap();
@@ -104,8 +106,8 @@ fn folds_are_proposed_from_the_change_between_pictures() {
 }
 
 #[test]
-#[ignore = "takes a minute"]
-fn long_folds_are_proposed_for_every_shipped_task() {
+#[ignore = "long"]
+fn folds_are_proposed_for_every_shipped_task() {
     for task in TASKS {
         let (pictures, arrows) = pinned(task);
         let draft = drafted(&pictures).unwrap();
@@ -142,6 +144,7 @@ fn recorded(test: &str, fold: &str, kind: &str) -> Option<(Vec<Named>, Vec<Optio
 }
 
 #[test]
+#[ignore = "long"]
 fn arrows_on_recorded_pictures_are_found() {
     for fold in ["AllCornersInward", "DoubleStraight", "DoubleTriangle"] {
         let test = "arrows_on_recorded_pictures_are_found";
@@ -158,6 +161,7 @@ fn arrows_on_recorded_pictures_are_found() {
 }
 
 #[test]
+#[ignore = "long"]
 fn folds_are_proposed_from_recorded_pictures() {
     let test = "folds_are_proposed_from_recorded_pictures";
     let Some((pictures, arrows)) = recorded(test, "DoubleTriangle", "rgb") else {
@@ -176,8 +180,8 @@ fn folds_are_proposed_from_recorded_pictures() {
 }
 
 #[test]
-#[ignore = "takes a minute"]
-fn long_folds_are_proposed_from_every_recorded_picture() {
+#[ignore = "long"]
+fn folds_are_proposed_from_every_recorded_picture() {
     let test = "long_folds_are_proposed_from_every_recorded_picture";
     for fold in [
         "AllCornersInward",
@@ -208,6 +212,7 @@ fn long_folds_are_proposed_from_every_recorded_picture() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_cloth_that_lies_turned_in_larger_pictures_is_read_as_one_that_lies_straight() {
     let camera = program::Camera {
         image_px: 448,
@@ -336,6 +341,7 @@ fn pictures_that_show_no_fold_are_refused_with_what_would_be_right() {
 }
 
 #[test]
+#[ignore = "long"]
 fn any_pixels_give_a_draft_or_a_message() {
     let mut chance = fab_base::chance::Chance::seeded(1);
     let mut noise = |coarse: u32| {

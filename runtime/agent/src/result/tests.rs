@@ -116,6 +116,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     /// Size, place and turn of the cloth in the rollout do not matter.
     #[test]
+    #[ignore = "long"]
     fn only_the_fold_matters(
         turn_deg in 0.0..360.0_f64, cloth_px in 90.0..140.0_f64, u in 100.0..124.0_f64, v in 100.0..124.0_f64,
     ) {
@@ -127,6 +128,7 @@ proptest! {
     }
 
     #[test]
+    #[ignore = "long"]
     fn a_share_is_a_share(shape in proptest::collection::vec([-0.9..0.9_f64, -0.9..0.9_f64], 0..7)) {
         let share = compared(VIEW, VIEW, &shape, &ONE_CORNER);
         prop_assert!((0.0..=1.0).contains(&share));
@@ -180,6 +182,7 @@ const LOOSE: (&str, usize) = ("DoubleStraight", 3);
 /// The share that tells a step's result from the cloth before it, over all recorded demonstrations: results share
 /// 0.910 or more with their subgoal, and what went before 0.900 or less; loose ones 0.737, and 0.455.
 #[test]
+#[ignore = "long"]
 fn recorded_results_share_more_with_their_subgoals_than_what_went_before() {
     let test = "recorded_results_share_more_with_their_subgoals_than_what_went_before";
     let Some(data) = recorded_data(test) else {

@@ -183,6 +183,7 @@ fn an_arm_that_stalls_says_so_and_can_be_stopped() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_pressed_stop_is_never_taken_back() {
     for by in By::BOTH {
         for pressed_s in (0..30).map(|tenth| f64::from(tenth) * 0.1) {

@@ -125,6 +125,7 @@ fn every_motion_is_written_down_before_it_begins() {
 }
 
 #[test]
+#[ignore = "long"]
 fn an_interrupt_stops_the_arm_in_every_segment() {
     let count = Bench::with(&[]).segments().len();
     for segment in 1..=count {
@@ -169,6 +170,7 @@ fn a_mistake_of_this_program_stops_the_arm() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_key_that_is_let_go_ends_no_segment() {
     let count = Bench::with(&[]).segments().len();
     for segment in 1..=count {

@@ -8,6 +8,7 @@ use crate::supervisor::{NoWatchdog, Unattended};
 use std::fs;
 
 #[test]
+#[ignore = "long"]
 fn a_journal_cut_anywhere_tells_whether_cloth_may_be_held() {
     let mut bench = Bench::with(&[]);
     bench.run(&mut Unattended, &mut NoWatchdog).unwrap();
@@ -48,6 +49,7 @@ fn a_journal_cut_anywhere_tells_whether_cloth_may_be_held() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_journal_that_was_cut_is_gone_on_with() {
     let mut bench = Bench::with(&[]);
     bench.run(&mut Unattended, &mut NoWatchdog).unwrap();

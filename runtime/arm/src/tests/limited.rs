@@ -53,6 +53,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
+    #[ignore = "long"]
     fn ways_that_pass_stay_in_the_box_and_out_of_the_zones(
         from in point(),
         to in point(),
@@ -83,6 +84,7 @@ proptest! {
 
     /// A check that refuses everything would pass the law above.
     #[test]
+    #[ignore = "long"]
     fn ways_well_within_pass(
         from in (0.2_f64..0.5, 0.25_f64..0.5, 0.05_f64..0.4),
         to in (0.2_f64..0.5, 0.25_f64..0.5, 0.05_f64..0.4),

@@ -105,6 +105,7 @@ fn found(told: Lowering, says: Lowering) -> Probe {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_way_in_which_a_model_answers_is_found_whichever_was_asked_for() {
     let [pixels, y_first] =
         Order::ALL.map(|order| lowering(CoordinateUnit::Pixels, order, multiples()));
@@ -262,6 +263,7 @@ fn dots_lie_apart_and_inside_whatever_the_seed() {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_same_seed_asks_the_same_and_another_asks_otherwise() {
     let places = |seed| {
         let found = in_pixels(plain, seed);

@@ -78,6 +78,7 @@ fn bodies() -> Vec<String> {
 }
 
 #[test]
+#[ignore = "long"]
 fn no_error_reply_or_note_holds_a_key_that_the_server_gives_back() {
     let replies = bodies().into_iter().flat_map(|body| {
         [200, 302, 400, 401, 429, 500].map(|code| {
@@ -143,6 +144,7 @@ fn in_pieces(wire: Wire, pieces: &[&str]) -> Value {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_key_that_the_server_splits_over_pieces_of_text_is_hidden_in_every_wire() {
     let engine = base64::engine::general_purpose::STANDARD;
     let percent: String = CANARY.bytes().map(|byte| format!("%{byte:02X}")).collect();

@@ -95,6 +95,7 @@ fn shi_tomasi_corners_match_the_recorded_lists_in_order() {
 }
 
 #[test]
+#[ignore = "long"]
 fn every_recorded_pick_is_near_a_detected_corner() {
     let Some(root) = recorded_data("every_recorded_pick_is_near_a_detected_corner") else {
         return;

@@ -197,6 +197,7 @@ fn a_picture_or_block_that_does_not_fit_is_refused() {
 
 /// The recordings were detected on a grey picture of the camera's size that shows more than a mask does.
 #[test]
+#[ignore = "long"]
 fn corners_of_a_picture_match_the_recorded_lists_in_order() {
     let Some(root) = recorded_data("corners_of_a_picture_match_the_recorded_lists_in_order") else {
         return;

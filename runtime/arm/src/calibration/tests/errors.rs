@@ -122,6 +122,7 @@ fn two_rows_close_together_are_centimetres_off_in_height_and_are_refused() {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_gain_is_what_errors_come_to() {
     let truth = Truth::usual();
     for (method, share) in [

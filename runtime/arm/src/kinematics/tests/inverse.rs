@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 proptest! {
     #[test]
+    #[ignore = "long"]
     fn a_pose_that_the_arm_has_is_found_from_any_other(
         (chain, angles) in posed(),
         near in prop::collection::vec(-20.0..20.0f64, JOINTS),
@@ -110,6 +111,7 @@ fn a_refusal_says_what_was_reached() {
 
 /// Holds the models to what the enumeration of postures takes for granted, and each of the two ways to the other.
 #[test]
+#[ignore = "long"]
 fn all_postures_pointing_down_bring_the_hand_there() {
     for model in MODELS {
         let chain = chain_of(model);

@@ -41,7 +41,7 @@ impl Pose {
 }
 
 fn ask_mujoco(angles: &[Vec<f64>]) -> MujocoOutput {
-    let python = std::env::var_os("FABC_PEER_PYTHON").expect("make test-peers names a Python");
+    let python = std::env::var_os("FABC_PEER_PYTHON").expect("make test-all names a Python");
     let script = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../tests/peers/arm_poses.py"
@@ -72,7 +72,7 @@ fn samples(chain: &Chain) -> Vec<Vec<f64>> {
 }
 
 #[test]
-#[ignore = "needs Python with mujoco and dm_control: make test-peers"]
+#[ignore = "needs Python with mujoco and dm_control"]
 fn peer_mujoco_has_every_link_where_the_chain_has_it() {
     let chain = chain_of("j2n6s300");
     let angles = samples(&chain);
@@ -109,7 +109,7 @@ fn peer_mujoco_has_every_link_where_the_chain_has_it() {
 }
 
 #[test]
-#[ignore = "needs Python with mujoco and dm_control: make test-peers"]
+#[ignore = "needs Python with mujoco and dm_control"]
 fn peer_mujoco_lands_where_inverse_kinematics_was_sent() {
     let chain = chain_of("j2n6s300");
     let targets: Vec<_> = samples(&chain)

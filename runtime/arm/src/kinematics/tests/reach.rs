@@ -36,6 +36,7 @@ fn each_model_reaches_its_ring_of_the_table() {
 
 /// The vendor's own limits make the ring; lengths alone bound it.
 #[test]
+#[ignore = "long"]
 fn no_farther_than_the_links_are_long() {
     for model in MODELS {
         let reach = Reach::tool_down(&chain_of(model), Turn::Free);
@@ -61,6 +62,7 @@ fn no_farther_than_the_links_are_long() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
     #[test]
+    #[ignore = "long"]
     fn within_the_range_is_reached_and_beyond_it_is_not(
         model in prop::sample::select(MODELS.to_vec()),
         (part, azimuth, height_steps, turn) in (0.0..1.0f64, -4.0..4.0f64, -10..40i32, -7.0..7.0f64),
@@ -93,6 +95,7 @@ proptest! {
     }
 
     #[test]
+    #[ignore = "long"]
     fn what_is_reached_with_more_heights_is_reached_with_fewer(
         model in prop::sample::select(MODELS.to_vec()),
         (radius, azimuth) in (0.12..0.75f64, -4.0..4.0f64),

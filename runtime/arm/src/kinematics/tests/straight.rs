@@ -25,6 +25,7 @@ fn two_poses() -> impl Strategy<Value = [Isometry3<f64>; 2]> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
     #[test]
+    #[ignore = "long"]
     fn the_tool_stays_on_the_line_and_the_joints_move_smoothly(
         model in prop::sample::select(MODELS.to_vec()),
         [from, to] in two_poses(),

@@ -61,6 +61,7 @@ fn half_to_center() -> Fold {
 }
 
 #[test]
+#[ignore = "long"]
 fn an_arrow_to_the_middle_of_the_picture_leads_to_the_center_where_the_prompt_says_so() {
     for fold in [triangle_to_center(), house_to_center(), half_to_center()] {
         for turn_deg in [0.0, 20.0, 135.0, 250.0] {

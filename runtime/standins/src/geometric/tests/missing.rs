@@ -178,6 +178,7 @@ proptest! {
     }
 
     #[test]
+    #[ignore = "long"]
     fn no_noise_makes_it_panic(seed in prop::collection::vec(any::<u8>(), 400), side_px in 32..80_u32) {
         let level = |at: u32| seed[at as usize % seed.len()];
         let noise = RgbImage::from_fn(side_px, side_px, |column, row| {

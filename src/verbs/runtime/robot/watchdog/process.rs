@@ -128,6 +128,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "long"]
     fn one_that_is_never_ready_is_no_watchdog() {
         for (script, words) in [
             ("exit 2", "the watchdog cannot stop this arm"),
@@ -163,6 +164,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "long"]
     fn one_that_goes_on_with_stopping_the_arm_is_left_to_it() {
         let process = played("echo ready; exec sleep 60").unwrap();
         let begun = Instant::now();

@@ -174,6 +174,7 @@ fn rules_that_allow_no_pull_are_not_called_a_refusal() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_large_picture_with_many_choices_is_answered() {
     let mut question = narrowed();
     question.picture = RgbImage::from_fn(2048, 2048, |column, row| {

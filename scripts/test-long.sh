@@ -1,15 +1,15 @@
 #!/bin/sh
 # Runs the tests that `make test` leaves out, and ends with: N passed, N failed, N skipped.
 #
-# By convention these tests are #[ignore]d and named after the reason: peer_ compares with a program by others, long_
-# takes long. The peers are in a Python environment under the target folder (peers-requirements.txt); tests find it
+# Tests that take long are `#[ignore = "long"]`; those that compare with a program by others are `#[ignore = "needs ..."]`
+# and named peer_. The peers are in a Python environment under the target folder (peers-requirements.txt); tests find it
 # through FABC_PEER_PYTHON. Without Python this script runs nothing, prints what is missing, and fails. cargo-insta,
 # which reads and writes the same snapshots, is installed beside it; tests find it through FABC_PEER_CARGO_INSTA.
 # book.sh installs mdBook, which builds the book.
 #
 # If WebAssembly cannot be built or run (wasm-parts.sh), or cargo-insta or mdBook cannot be installed, only the
 # peer_node_, peer_cargo_insta_ or peer_mdbook_ tests are left out. They count as skipped, and the reason is printed.
-# The same holds for ROS (ros-parts.sh). Its tests are a separate run, because they need another build of fabc.
+# The same holds for ROS (ros-parts.sh). Its tests run first and alone, because they work in real time.
 set -u
 here=$(dirname "$0")
 
@@ -60,53 +60,55 @@ fi
 without_mdbook=
 # A book that cannot be built fails its test; only a missing mdBook leaves the test out.
 sh "$here/book.sh" >/dev/null || [ -x "$insta_root/bin/mdbook" ] || without_mdbook="cargo could not install mdBook"
-# Doctests and examples cannot have these names, so only these kinds of target are built.
-set -- --workspace --locked --no-fail-fast --lib --bins --tests
 
-# Counts the tests that are left out: leave_out CARGO_ARGUMENTS NAME_PART REASON
-leave_out() {
-    # shellcheck disable=SC2086  # words without spaces
-    list=$(cargo test $1 -- --ignored --list "$2") || exit
-    count=$(printf '%s\n' "$list" | grep -c ': test$')
-    echo "left out: $count $2 tests: $3"
-    FABC_LEFT_OUT=$((${FABC_LEFT_OUT:-0} + count))
-    export FABC_LEFT_OUT
-}
-
-arguments="$*"
-FABC_PEER_PYTHON=$environment/bin/python
-export FABC_PEER_PYTHON
-skipped=
-if [ -n "$without_wasm" ]; then
-    leave_out "$arguments" peer_node_ "$without_wasm"
-    skipped="--skip peer_node_"
-fi
-if [ -n "$without_insta" ]; then
-    leave_out "$arguments" peer_cargo_insta_ "$without_insta"
-    skipped="$skipped --skip peer_cargo_insta_"
-fi
-if [ -n "$without_mdbook" ]; then
-    leave_out "$arguments" peer_mdbook_ "$without_mdbook"
-    skipped="$skipped --skip peer_mdbook_"
-fi
-
-# The ROS tests: those that need no other program, and the peer_ros_ tests. Their sums are added to the last line.
-without_ros=$(sh "$here/ros-parts.sh")
-if [ -z "$without_ros" ]; then
-    cargo build --locked --package fab-arm --example arm_engine || exit
+# Runs tests as test.sh does, and keeps their sums for the last run, which adds them: run WORDS ARGUMENT...
+run() {
+    words=$1
+    shift
     log=$(mktemp) || exit
-    # Nodes must find each other on this machine whatever its name; ROS_HOSTNAME would override ROS_IP.
-    env -u ROS_HOSTNAME ROS_IP=127.0.0.1 FABC_PEER_ARM_ENGINE="$(dirname "$environment")/debug/examples/arm_engine" \
-        sh "$here/test.sh" --package fabc --package fab-arm-ros --features fabc/ros --locked --no-fail-fast --lib --test ros \
-        -- --include-ignored | tee "$log" | sed 's/^[0-9]* passed, .* skipped$/over ROS: &/'
+    sh "$here/test.sh" "$@" | tee "$log" | sed "s/^[0-9]* passed, .* skipped\$/$words: &/"
     FABC_EARLIER=$(tail -n 1 "$log" | tr -dc '0-9 ')
     export FABC_EARLIER
     rm -f "$log"
-else
-    count=$(cat tests/ros/*.rs | grep -c '^fn peer_ros_')
-    echo "left out: $count peer_ros_ tests: $without_ros"
+}
+
+# Counts the tests that are left out: leave_out NAME_PART REASON
+leave_out() {
+    count=$(git grep -h "fn $1" -- '*.rs' | wc -l)
+    echo "left out: $count $1 tests: $2"
     FABC_LEFT_OUT=$((${FABC_LEFT_OUT:-0} + count))
-    export FABC_LEFT_OUT
+    skipped="$skipped --skip $1"
+}
+
+FABC_PEER_PYTHON=$environment/bin/python
+export FABC_PEER_PYTHON
+# The ROS tests have a run of their own.
+skipped="--skip peer_ros_"
+[ -z "$without_wasm" ] || leave_out peer_node_ "$without_wasm"
+[ -z "$without_insta" ] || leave_out peer_cargo_insta_ "$without_insta"
+[ -z "$without_mdbook" ] || leave_out peer_mdbook_ "$without_mdbook"
+
+features=
+without_ros=$(sh "$here/ros-parts.sh")
+if [ -z "$without_ros" ]; then
+    # All that follows is built with this feature too, so that nothing is built twice.
+    features="--features fabc/ros"
+    cargo build --locked --package fab-arm --example arm_engine || exit
+    FABC_PEER_ARM_ENGINE=$(dirname "$environment")/debug/examples/arm_engine
+    export FABC_PEER_ARM_ENGINE
+    # Nodes must find each other on this machine whatever its name; ROS_HOSTNAME would override ROS_IP.
+    unset ROS_HOSTNAME
+    ROS_IP=127.0.0.1
+    export ROS_IP
+    run "over ROS, each part" --package fab-arm-ros --features fabc/ros --package fabc --locked --no-fail-fast --test ros -- --include-ignored
+    run "over ROS" --package fab-arm-ros --locked --lib
+else
+    leave_out peer_ros_ "$without_ros"
 fi
-# shellcheck disable=SC2086  # words without blanks
-exec sh "$here/test.sh" "$@" -- --ignored $skipped peer_ long_
+run "with documentation" --workspace --exclude fab-arm-ros --locked --doc
+FABC_LEFT_OUT=${FABC_LEFT_OUT:-0}
+export FABC_LEFT_OUT
+workspace=--workspace
+[ -n "$features" ] || workspace="--workspace --exclude fab-arm-ros"
+# shellcheck disable=SC2086  # words without spaces
+exec sh "$here/test.sh" $workspace $features --locked --no-fail-fast --lib --bins --tests -- --ignored $skipped
