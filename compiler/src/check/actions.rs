@@ -14,7 +14,7 @@ use fab_program::units::Dimension;
 use fab_program::{ActionField, Choices, Direction, KeypointShape, LengthChoice, LengthUnit};
 use std::collections::BTreeMap;
 
-/// The most choices that a field lists; a keypoint among them may be many points.
+/// The most choices that a field lists; one keypoint among them may be many points.
 const MAX_CHOICES: usize = 256;
 
 /// Builds the action space.
@@ -36,7 +36,7 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fie
     let right = list
         .iter()
         .try_for_each(|(_, field)| field.as_ref().map(drop).map_err(|it| *it));
-    // A broken field may be the missing one.
+    // A field with an error may be the missing one.
     let complete = right.and_then(|()| {
         let mut complete = Ok(());
         for fault in incomplete(part) {
@@ -47,7 +47,7 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fie
     Fields { list, complete }
 }
 
-/// Reports fields that do not make an action: one is missing, or two contradict each other.
+/// Reports fields that do not make a complete action: one is missing, or two contradict each other.
 fn incomplete(part: Actions<'_>) -> Vec<Diagnostic> {
     let has = |name: &str| part.fields().any(|field| field.name().text() == name);
     for name in part.fields().map(|field| field.name()) {
@@ -109,7 +109,7 @@ fn region<'a>(
     Ok(Choices::Region { mask })
 }
 
-/// Builds a field from a list of choices of one kind.
+/// Builds a field from a list of choices, all of one kind.
 fn listed<'a>(
     part: Field<'a>,
     row: Option<&FieldRow>,
@@ -229,7 +229,7 @@ fn are_points(shape: KeypointShape) -> bool {
     matches!(shape, KeypointShape::Points | KeypointShape::Point)
 }
 
-/// Returns the keypoints that may be choices; one that is broken may be meant to.
+/// Returns the keypoints that may be choices, including those with an error, which may be points too.
 fn offerable<'a>(context: &Context<'a, '_>) -> Vec<&'a str> {
     context
         .names
@@ -261,7 +261,7 @@ fn points<'a>(
     Ok(Choices::Points { keypoints })
 }
 
-/// Reports a choice without quotes that names no keypoint, in a field that may offer words.
+/// Reports an unquoted choice that names no keypoint, in a field that may offer words.
 fn bare_word(name: Name<'_>, context: &mut Context<'_, '_>) -> Reported {
     if let Err(reported) = context.may_be_hidden(name.text()) {
         return reported;
@@ -317,10 +317,10 @@ fn lengths<'a>(
     })
 }
 
-/// The least number of a length; a prompt would show a smaller one as 0.
+/// The smallest length in its unit; a prompt would show a smaller one as 0.
 const LEAST_LENGTH: f64 = 0.001;
 
-/// The longest way of an arm, metres; also so that no length is infinite.
+/// The longest distance that an arm may move, metres. The limit also rules out infinite lengths.
 const MOST_LENGTH_M: f64 = 100.0;
 
 fn length<'a>(

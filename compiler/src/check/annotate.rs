@@ -74,7 +74,7 @@ fn layer<'a>(declared: NamedValue<'a>, context: &mut Context<'a, '_>) -> Result<
     })
 }
 
-/// Returns a layer's name in prompts, without an article: `blue dots`, `red ring`.
+/// Returns a layer's name as prompts write it, without an article: `blue dots`, `red ring`.
 fn words(mark: &str, args: &Args) -> String {
     let color = args.word(COLOR.name);
     let ending = match (args.spots(POINTS.name).as_slice(), mark) {

@@ -15,7 +15,7 @@ const MAX_ARGUMENTS: usize = 1000;
 /// The parameters of a call with the expressions given for them; [`Place::Rest`] may appear several times.
 pub(crate) type Bound<'a> = Vec<(&'static Arg, Expr<'a>)>;
 
-/// Returns the row that fits a call best, among those of its name: the one that knows most of its labels.
+/// Returns the row that fits a call best: of the rows with its name, the one that has the most of its labels.
 pub(crate) fn form<'s>(
     call: Call<'_>,
     rows: impl Iterator<Item = &'s Signature>,
@@ -34,7 +34,7 @@ pub(crate) fn form<'s>(
     let named = rows
         .enumerate()
         .filter(|(_, row)| row.name == call.name().text());
-    // Of equally good rows the first counts; `max_by_key` would return the last.
+    // Of equally good rows, take the first; `max_by_key` would return the last.
     named.fold(None, |best, (index, row)| match best {
         Some((_, before)) if fit(before) >= fit(row) => best,
         _ => Some((index, row)),

@@ -39,7 +39,7 @@ pub(crate) fn check<'a>(
     Ok(cloth)
 }
 
-/// Replaces the declared grid by the caller's, if there is one.
+/// Replaces the declared grid with the caller's, if there is one.
 fn replaced(
     declared: Cloth,
     [dimx, dimy]: [u32; 2],
@@ -60,7 +60,7 @@ fn replaced(
     Err(context.error(diagnostic.help(help)))
 }
 
-/// Notes that a cloth of whole particles is not exactly as large as stated.
+/// Notes that a cloth of whole particles cannot have exactly the stated size.
 fn rounded(
     cloth: &Cloth,
     args: &[(&str, ArgValue)],

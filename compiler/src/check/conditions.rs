@@ -67,7 +67,7 @@ fn within<'a>(within: Within<'a>, context: &mut Context<'a, '_>) -> Result<Condi
     })
 }
 
-/// Returns the condition that a word is by itself; `None` if it is not one, or if the task gives it another meaning.
+/// Returns the condition that a single word states; `None` if it states none, or if the task declares that name.
 fn word(expr: Expr<'_>, context: &Context<'_, '_>) -> Option<Condition> {
     let Expr::Name(name) = expr else {
         return None;
@@ -124,9 +124,9 @@ struct Side<'a> {
     value: Operand,
 }
 
-/// Compares a value with a constant; `None` if the two are not such a pair.
+/// Compares a value with a constant; `None` for any other pair.
 ///
-/// - `turned`: turns a comparison round if the constant is on the left.
+/// - `turned`: mirrors the comparison if the constant is on the left.
 fn fixed<'a>(
     value: &Side<'a>,
     limit: &Side<'a>,
@@ -216,7 +216,7 @@ fn lengths<'a>(
     })
 }
 
-/// Compares a number; whole numbers can be equal.
+/// Compares a number. Only whole numbers can be tested for equality.
 fn counted(
     number: Number,
     sign: Name<'_>,

@@ -149,7 +149,7 @@ fn words(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<LiteralText, R
     })
 }
 
-/// Returns a text, which may not have placeholders.
+/// Returns a text that must not have placeholders.
 pub(super) fn plain(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<String, Reported> {
     text.plain().ok_or_else(|| {
         let message = "this text is used as it is and cannot contain `{{ … }}`";

@@ -1,7 +1,7 @@
 //! Reads expressions: points, directions, values, and the arguments of calls by their kinds.
 //!
-//! In: an expression and what is expected there. Out: its part of the program. Lengths carry the frame in which they are
-//! compared, the picture or the table; they are converted through the camera only where the source says `in`.
+//! In: an expression and what is expected there. Out: its part of the program. Each length carries the frame in which
+//! it is compared, the picture or the table. It is converted through the camera only where the source says `in`.
 
 use super::arguments::{Bound, bind, form};
 use super::context::Context;
@@ -56,7 +56,7 @@ pub(crate) fn call<'a>(
     let mut values = Vec::with_capacity(signature.args.len());
     let mut all = Ok(());
     for (index, (arg, expr)) in bound.iter().enumerate() {
-        // The parts of a list probably share the same slip, so one report is enough.
+        // The parts of a list probably share one mistake, so report only the first.
         if all.is_err() && arg.place == Place::Rest && index > 0 {
             break;
         }
@@ -88,7 +88,7 @@ fn by_default(default: Default, context: &Context<'_, '_>) -> Result<ArgValue, R
     })
 }
 
-/// Reports a value that is no call of these rows.
+/// Reports a value that is not a call of any of these rows.
 pub(super) fn wrong_form(
     value: Expr<'_>,
     expected: &str,
@@ -427,7 +427,7 @@ pub(super) fn cloth_point<'a>(
     }
 }
 
-/// Reports `corner(top_left)`: the top of the picture is called the back of the cloth.
+/// Reports `corner(top_left)`: the top of the picture is called the back of the cloth here.
 fn turned_name(call: Call<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported> {
     let Some(Expr::Name(place)) = call.arguments().next().map(|argument| argument.value()) else {
         return Ok(());
@@ -482,7 +482,7 @@ pub(crate) fn point<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result
     }
 }
 
-/// Returns the field of the last action that a name with a dot means; none if the action has no such field.
+/// Returns the field of the last action that a dotted name refers to; `None` if the action has no such field.
 fn last_field<'c>(
     text: &str,
     context: &'c Context<'_, '_>,
@@ -531,7 +531,7 @@ fn named_point(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<Point, R
     }
 }
 
-/// Returns the names of points.
+/// Returns the names that can stand for a point.
 fn points<'a>(context: &Context<'a, '_>) -> Vec<&'a str> {
     let mut names = context.names.that(|meaning| {
         matches!(
@@ -546,7 +546,7 @@ fn points<'a>(context: &Context<'a, '_>) -> Vec<&'a str> {
     names
 }
 
-/// Returns the `place` of an action that declares a direction and a distance instead.
+/// Returns the `place` of an action that declares a direction and a distance instead of a place.
 fn carried(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<Point, Reported> {
     context.actions.complete?;
     for field in ["pick", "direction", "distance"] {
@@ -679,7 +679,7 @@ pub(crate) enum Frame {
 }
 
 /// A value.
-// One lives at a time, so its size does not matter.
+// Only one exists at a time, so its size does not matter.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 pub(crate) enum Operand {
@@ -707,7 +707,7 @@ pub(crate) enum Operand {
 }
 
 impl Operand {
-    /// Returns whether it is the same in every scene and for every action; lengths are compared in their own way.
+    /// Returns whether it is the same in every scene and for every action. Lengths are compared elsewhere.
     pub fn is_constant(&self) -> bool {
         matches!(
             self,
@@ -732,7 +732,7 @@ pub(crate) struct FramedLength {
     pub unit: &'static str,
 }
 
-/// A length by its origin.
+/// A length, by where it comes from.
 #[derive(Clone, Debug)]
 pub(crate) enum NativeLength {
     /// Pixels.
@@ -844,7 +844,7 @@ pub(super) fn measure<'a>(
     let flat_px = context
         .area_m2()
         .and_then(|area_m2| Ok(area_m2 * px_per_m? * px_per_m?));
-    // A task with a broken cloth or camera never becomes a program, so its size does not matter.
+    // A task with an error in its cloth or camera never becomes a program, so the size does not matter.
     Ok(MEASURES[row].measure(&args, flat_px.unwrap_or(f64::NAN)))
 }
 
@@ -953,7 +953,7 @@ fn convert(
     })
 }
 
-/// Names the kind of a value.
+/// Returns a noun for the kind of a value.
 pub(crate) fn kind_of(value: &Operand) -> &'static str {
     match value {
         Operand::Length(FramedLength {

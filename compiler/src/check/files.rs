@@ -6,7 +6,7 @@ use crate::path;
 use fab_grammar::ast::Text;
 use fab_program::FileRef;
 
-/// Returns the file that a text names; it must lie in the entry's folder or below.
+/// Returns the file that a text names. It must be in the entry's folder or below.
 pub(crate) fn named(
     text: Text<'_>,
     what: &str,

@@ -61,7 +61,7 @@ pub(crate) fn check<'a>(
     Ok(goal)
 }
 
-/// Returns the comparison if it points the way in which the measure improves.
+/// Returns the comparison if it has the direction in which the measure improves.
 fn comparison(
     row: &MetricRow,
     sign: Name<'_>,
@@ -86,7 +86,7 @@ fn comparison(
     ))
 }
 
-/// Reports a goal of distance without expert results to measure to.
+/// Reports a distance goal without an expert result to measure against.
 fn has_experts(
     goal: &Goal,
     statement: Statement<'_>,

@@ -40,7 +40,7 @@ pub(crate) fn constants<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) 
     }
 }
 
-/// Reports a constant that takes the name of a word, a text or a field; one with a keypoint's name is reported there.
+/// Reports a constant with the name of a reserved word, a text or a field. A clash with a keypoint is reported there.
 fn is_free(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported> {
     let taken_by = match context.names.get(name.text()) {
         _ if RESERVED.contains(&name.text()) => "has a meaning of its own",
@@ -118,7 +118,7 @@ fn keypoint_of<'a>(
     })
 }
 
-/// Returns the picture that a keypoint is taken from: the latest one if its row offers no choice.
+/// Returns the picture that a keypoint is taken from: the latest one without an `at` argument.
 fn moment(args: &Args) -> Moment {
     match args.is_given(AT.name) {
         true => args.meaning(AT.name, Moment::from_word),

@@ -107,7 +107,7 @@ pub(crate) fn measured<'a>(
     }))
 }
 
-/// Reads a number in a range, in base units; NaN, for `edge` in a base without a cloth, is in every range.
+/// Reads a number in a range, in base units. NaN, for `edge` in a base without a cloth, passes every range.
 pub(crate) fn read<'a>(
     expr: Expr<'a>,
     range: &Range,
@@ -152,7 +152,7 @@ pub(super) fn out_of_range(expr: Expr<'_>, help: &str, context: &mut Context<'_,
     context.error(Diagnostic::new(Code::OutOfRange, expr.span(), message).help(help))
 }
 
-/// Which numbers are accepted; a length on the table is hardly ever a whole number of pixels.
+/// Which numbers are accepted. A length on the table is hardly ever a whole number of pixels.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Precision {
     Any,

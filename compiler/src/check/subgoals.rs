@@ -11,7 +11,7 @@ use fab_program::{SubgoalImage, Subgoals};
 /// The most subgoal pictures of a task.
 const MAX_IMAGES: usize = 101;
 
-/// Builds the subgoals: folds that the simulator draws, or the author's pictures.
+/// Builds the subgoals: folds for the simulator to draw, or the author's pictures.
 pub(crate) fn check<'a>(
     part: fab_grammar::ast::Subgoals<'a>,
     context: &mut Context<'a, '_>,

@@ -117,7 +117,7 @@ fn answered<'p>(
 
 // ---- given ---------------------------------------------------------------------------------------
 
-/// Pick and place of the previous action, each if it is given.
+/// Pick and place of the previous action, where given.
 type Last = [Option<Result<PixelPoint, Reported>>; 2];
 
 fn given<'a>(test: ast::Test<'a>, context: &mut Context<'a, '_>) -> Result<Given, Reported> {
@@ -261,7 +261,7 @@ fn rectangle<'a>(
 
 // ---- expect --------------------------------------------------------------------------------------
 
-/// Reads what a test expects; of a base without stages as much as can be said.
+/// Reads what a test expects. In a base without stages, not everything can be checked.
 fn expect<'a>(
     line: ast::Expect<'a>,
     stage: Option<&Stage>,

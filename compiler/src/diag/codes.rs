@@ -1,11 +1,11 @@
 //! Every code: its title, what it means, and what to do.
 //!
-//! A code never changes its meaning. Its name describes the fault, not the cure. `examples/` holds a file for each code,
-//! which `explain` shows.
+//! A code never changes its meaning. Its name describes the fault, not the cure. `examples/` has a file for each
+//! code, which `explain` shows.
 
 use Severity::{Error, Note, Warning};
 
-/// How bad it is.
+/// How serious a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// The task cannot run.

@@ -1,9 +1,9 @@
-//! Common slips: signs and words of other programming languages, and typographic ones.
+//! Common mistakes: signs and words of other programming languages, and typographic characters.
 
 use crate::diag::{Code, Diagnostic};
 use fab_grammar::Span;
 
-/// Makes the diagnostic for the text at `span` if it is a common slip.
+/// Makes the diagnostic for the text at `span` if it is a common mistake.
 ///
 /// - `found`: the text there.
 /// - `expected`: what would fit, in backticks where it is literal; may be empty.
@@ -24,7 +24,7 @@ pub(super) fn recognise(
         };
         Diagnostic::new(Code::Unexpected, span, message)
     };
-    // The sign may be longer than the text that was found.
+    // The sign may be longer than the text found.
     let sign = |sign: &str| Span {
         end: span.start + sign.len(),
         ..span
@@ -124,7 +124,7 @@ pub(super) fn recognise(
     })
 }
 
-/// Returns whether a place lies in the condition of a check: after its `{` on the same line.
+/// Returns whether a position is in the condition of a check: after its `{` on the same line.
 fn is_in_condition(before: &str) -> bool {
     let line = before.rsplit('\n').next().unwrap_or(before);
     line.trim_start().starts_with("check ") && line.contains('{')

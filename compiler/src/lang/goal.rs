@@ -6,10 +6,10 @@ use fab_program::{Comparison, Metric};
 /// A measure that a goal may name.
 pub(crate) struct MetricRow {
     pub metric: Metric,
-    /// The comparisons by which it is reached.
+    /// The comparisons that count as reaching it.
     pub reached: [Comparison; 2],
     pub limit: Range,
-    /// A goal that states it.
+    /// A goal with this measure.
     pub example: &'static str,
     pub doc: &'static str,
 }

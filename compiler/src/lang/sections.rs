@@ -2,29 +2,29 @@
 
 use serde::Serialize;
 
-/// Who must have a section.
+/// Which tasks must have a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Needed {
-    /// Each task that runs, by itself or by what it extends; without it a task is a base.
+    /// Each task that runs must declare or inherit it; without it a task is a base.
     ByEachTask,
-    /// Each task that runs; most inherit it.
+    /// Each task that runs needs it; most inherit it.
     ByARun,
-    /// None.
+    /// No task.
     Never,
 }
 
-/// What a task that extends another does to its section.
+/// What happens to a section when a task extends another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Merges {
-    /// Replaces it whole.
+    /// The whole section is replaced.
     Whole,
-    /// Replaces and adds parts by their names.
+    /// Parts are replaced and added by name.
     ByName,
-    /// Changes parts that are inherited.
+    /// It changes inherited parts.
     Changes,
-    /// It belongs to the one task.
+    /// It is not inherited.
     Never,
 }
 
@@ -35,9 +35,9 @@ pub struct Section {
     pub word: &'static str,
     /// How it is written.
     pub form: &'static str,
-    /// Who must have it.
+    /// Which tasks must have it.
     pub needed: Needed,
-    /// What a task that extends another does to it.
+    /// What happens to it when a task extends another.
     pub merges: Merges,
     /// What it says, one line.
     pub doc: &'static str,

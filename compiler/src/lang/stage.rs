@@ -15,7 +15,7 @@ pub(crate) const MODELS: &[Word] = &[
     },
 ];
 
-/// The settings after the kind of model, each at most once; without one, the model's own default applies.
+/// The settings after the kind of model, each at most once. Without a setting, the model's own default applies.
 pub(crate) const SETTINGS: &[Arg] = &[
     setting(
         "temperature",

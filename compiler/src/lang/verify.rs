@@ -1,9 +1,9 @@
-//! Rows of `verify`: the numbers that it states, and the checks that every task has.
+//! Rows of `verify`: its numbers, and the checks that every task has.
 
 use fab_program::verify::{OFFERED, REACHABLE};
 use fab_program::vocabulary::Range;
 
-/// A number that `verify` states.
+/// A number in `verify`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NumberRow {
     /// The words before it.
@@ -40,7 +40,7 @@ pub(crate) const DEFAULT_RETRIES: f64 = 1.0;
 /// The numbers, in the order of the reference.
 pub(crate) const NUMBERS: [&NumberRow; 3] = [&ATTEMPTS, &OVERLAP, &RETRIES];
 
-/// A check that every task has: no other check may have its name, and no task may leave it out.
+/// A check that every task has. No other check may have its name, and no task may remove it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GivenCheck {
     pub name: &'static str,

@@ -8,16 +8,16 @@ use fab_program::{ActionField, Choices, Program};
 /// The longest word, bytes.
 const MAX_WORD_BYTES: usize = 100;
 
-/// The largest length, in the field's unit; the reader refuses larger numbers.
+/// The largest length, in the field's unit; the reader rejects larger numbers.
 const MAX_LENGTH: f64 = 1_000_000.0;
 
 /// How far the two forms of one value may differ, relative to the value.
 const SAME: f64 = 1e-9;
 
-/// Signs that mean something else in an answer: quotes, brackets, markdown, separators of statements.
+/// Characters that have another meaning in an answer: quotes, brackets, Markdown, statement separators.
 const RESERVED: &str = "|\"'“”`*$\\~,;:!?()[]{}<>=#";
 
-/// Reports faults, and notes whether values can be tried at all.
+/// Reports flaws, and notes whether values can be tried at all.
 pub(super) fn check(program: &Program, found: &mut Flaws) {
     if let Some(field) = program.actions.get(MAX_FIELDS) {
         let message = format!("an action has at most {MAX_FIELDS} fields");
@@ -120,7 +120,7 @@ fn check_field(program: &Program, field: &ActionField, found: &mut Flaws) {
     }
 }
 
-/// Reports choices that are written alike, ignoring case.
+/// Reports choices whose texts are equal except for case.
 fn check_alike(field: &ActionField, found: &mut Flaws) {
     let mut texts: Vec<(String, String)> = space::declared(field)
         .iter()
@@ -165,7 +165,7 @@ fn wrong_word(program: &Program, word: &str) -> Option<&'static str> {
     }
 }
 
-/// Returns a text without differences of case and separators.
+/// Returns a text in lower case, with `_` and `-` as spaces.
 fn plain(text: &str) -> String {
     text.to_lowercase().replace(['_', '-'], " ")
 }
