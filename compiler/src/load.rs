@@ -263,7 +263,7 @@ impl Reading<'_> {
         let Some(portable_name) = path::within_or_library(here, &written) else {
             let message = format!("the path `{written}` leads out of the folder of the first file");
             return Err(self.report.error(Diagnostic::new(Code::BadPath, span, message).help(
-                "move the file beside the first one or below, or into a folder `lib` beside the first one's; or check a file higher up",
+                "move the file into the first file's folder or below, or into a folder `lib` next to that folder; or check a file higher up",
             )));
         };
         let name = path::beside(&self.texts.sources.get(file).name, &written);
@@ -285,7 +285,7 @@ impl Reading<'_> {
         let n_asked = self.keys.len() + self.unreadable.len();
         if !is_unreadable && (n_asked >= MAX_FILES || self.open.len() > MAX_USE_DEPTH) {
             let message = format!(
-                "`{written}` is not read: at most {MAX_FILES} files are, each at most {MAX_USE_DEPTH} `use`s deep"
+                "`{written}` is not read: there may be at most {MAX_FILES} files, each at most {MAX_USE_DEPTH} `use`s deep"
             );
             return Err(self
                 .report
@@ -294,7 +294,7 @@ impl Reading<'_> {
         match self.read(&name) {
             Ok(text) if self.total_bytes + text.len() > MAX_TOTAL_BYTES => {
                 let message = format!(
-                    "`{written}` is left out: with it the files have more than {MAX_TOTAL_BYTES} bytes"
+                    "`{written}` is not read: with it the files would have more than {MAX_TOTAL_BYTES} bytes"
                 );
                 Err(self
                     .report

@@ -69,8 +69,8 @@ fn words_that_answers_cannot_carry_are_flaws() {
         ("\"soft\"", "means something else"),
         ("12", "has no letter"),
         (" soft", "begins or ends"),
-        ("pick", "is a field's name too"),
-        ("Distance", "is a field's name too"),
+        ("pick", "is also the name of a field"),
+        ("Distance", "is also the name of a field"),
     ] {
         let flaws = proof::flaws(&words(&["firm", word]));
         let is_told =

@@ -67,16 +67,16 @@ fn incomplete(part: Actions<'_>) -> Vec<Diagnostic> {
             "write `place: one of …`, or a `direction` and a `distance`",
         )),
         [false, true, false] => Some((
-            "the action has a `direction` and no `distance`",
-            "the place follows from the pick, a direction and a distance",
+            "the action has a `direction` but no `distance`",
+            "the place is computed from the pick, a `direction` and a `distance`",
         )),
         [false, false, true] => Some((
-            "the action has a `distance` and no `direction`",
-            "the place follows from the pick, a direction and a distance",
+            "the action has a `distance` but no `direction`",
+            "the place is computed from the pick, a `direction` and a `distance`",
         )),
         [true, ..] => Some((
-            "the action has a `place` beside a direction or a distance",
-            "the place is either chosen, or follows from a direction and a distance",
+            "the action has a `place` as well as a `direction` or a `distance`",
+            "use either a `place`, or a `direction` and a `distance`",
         )),
     };
     let pick = (!has("pick")).then_some(("the action has no `pick`", "write `pick: one of …`"));
@@ -271,7 +271,7 @@ fn bare_word(name: Name<'_>, context: &mut Context<'_, '_>) -> Reported {
     context.error(match nearest(name.text(), offerable(context)) {
         Some(meant) => diagnostic.meant(name.span(), meant),
         None => diagnostic.help(format!(
-            "a word stands in quotes: write `\"{}\"`",
+            "words are written in quotes: write `\"{}\"`",
             name.text()
         )),
     })
@@ -308,7 +308,7 @@ fn lengths<'a>(
             field.text()
         );
         let diagnostic = Diagnostic::new(Code::MixedChoices, span, message);
-        let help = "write all of them in one unit, which prompts and answers use";
+        let help = "write all of them in one unit; prompts and answers use it too";
         return Err(context.error(diagnostic.help(help)));
     }
     Ok(Choices::Lengths {
@@ -343,9 +343,8 @@ fn length<'a>(
         return Err(context.error(diagnostic.help(help)));
     };
     if found.number < LEAST_LENGTH || found.value > MOST_LENGTH_M {
-        let help = format!(
-            "accepted is {LEAST_LENGTH} of its unit or more, and {MOST_LENGTH_M} m or less"
-        );
+        let help =
+            format!("write at least {LEAST_LENGTH} of its unit, and at most {MOST_LENGTH_M} m");
         return Err(out_of_range(choice, &help, context));
     }
     // Without a cloth there is no program, and `edge` has no size.

@@ -110,7 +110,7 @@ pub(crate) fn bind<'a>(
         }
         if bound.len() > MAX_ARGUMENTS {
             let span = argument.value().span();
-            let message = format!("at most {MAX_ARGUMENTS} are listed");
+            let message = format!("a call takes at most {MAX_ARGUMENTS} arguments");
             return Err(context.fault(Code::OutOfRange, span, message));
         }
     }
@@ -162,12 +162,9 @@ fn needs_partner(
         None => format!("{}: …", needs.arg),
         Some(word) => format!("{}: {word}", needs.arg),
     };
-    let message = format!("`{}` means nothing without `{partner}`", arg.name);
+    let message = format!("`{}` has no effect without `{partner}`", arg.name);
     let diagnostic = Diagnostic::new(Code::WrongArguments, value.span(), message);
-    Err(context.error(diagnostic.help(format!(
-        "write `{partner}` beside it, or leave `{}` out",
-        arg.name
-    ))))
+    Err(context.error(diagnostic.help(format!("add `{partner}`, or remove `{}`", arg.name))))
 }
 
 fn unknown_label(
@@ -202,7 +199,7 @@ fn decimal_comma(call: Call<'_>, context: &Context<'_, '_>) -> Option<Diagnostic
         };
         (number.unit().is_none() && context.loaded.written(comma) == ",").then_some(comma)
     })?;
-    let message = "decimals follow a point, not a comma";
+    let message = "the decimal separator is a point, not a comma";
     let diagnostic = Diagnostic::new(Code::WrongArguments, comma, message);
     Some(diagnostic.help("write `.`, or a space after the comma if these are two numbers"))
 }

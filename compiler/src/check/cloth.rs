@@ -56,7 +56,7 @@ fn replaced(
     }
     let message = format!("the start's cloth has {dimx} by {dimy} particles");
     let diagnostic = Diagnostic::new(Code::OutOfRange, statement.value().span(), message);
-    let help = format!("accepted are {least} to {most} particles on each side");
+    let help = format!("a side has {least} to {most} particles");
     Err(context.error(diagnostic.help(help)))
 }
 
@@ -84,5 +84,5 @@ fn rounded(
         side_mm(dimy)
     );
     let diagnostic = Diagnostic::new(Code::Rounded, statement.value().span(), message);
-    context.remark(diagnostic.help(format!("`grid({dimx}, {dimy})` says the same exactly")));
+    context.remark(diagnostic.help(format!("`grid({dimx}, {dimy})` states this size exactly")));
 }

@@ -106,7 +106,7 @@ fn question<'a>(
     let texts = say.list().map(|saying| match saying {
         Saying::Text(text) => words(text, context),
         Saying::Component(name) => {
-            let message = "an example says its own words, not components";
+            let message = "an example cannot use components";
             let diagnostic = Diagnostic::new(Code::BadExample, name.span(), message);
             Err(context.error(diagnostic.help("write the text in quotes")))
         }
@@ -122,7 +122,7 @@ fn images<'a>(
 ) -> Result<Vec<FileRef>, Reported> {
     let mut all = Ok(());
     if let (Some(image), Ok(ModelRole::Text)) = (example.images().next(), role) {
-        let message = "a text model is shown the picture of an example";
+        let message = "the example shows a picture to a text model";
         let diagnostic = Diagnostic::new(Code::PicturesForTextModel, image.span(), message);
         let help = "write `model vision`, or remove the image";
         all = Err(context.error(diagnostic.help(help)));
@@ -194,7 +194,7 @@ fn unreadable_action(fields: &[ActionField], edge_m: f64, answer: &str) -> Optio
         let offered = space::declared(field);
         (!offered.is_empty() && !offered.contains(value)).then(|| {
             format!(
-                "the {} `{}` is not offered; it is one of {}",
+                "the {} `{}` is not offered; the choices are {}",
                 field.name,
                 space::text(field, value),
                 space::listed(field, &offered)

@@ -116,7 +116,7 @@ fn argument<'a>(
             if number % 2.0 != 1.0 {
                 return Err(out_of_range(
                     expr,
-                    &format!("accepted is {}", range.words()),
+                    &format!("expected {}", range.words()),
                     context,
                 ));
             }
@@ -209,9 +209,9 @@ fn word_or_file(
     let file = files::named(text, "a start file", context)?;
     if !file.path.ends_with(ending) {
         let written = context.written(expr.span());
-        let message = format!("{written} names no `{ending}` file");
+        let message = format!("{written} is not a `{ending}` file");
         let help = format!(
-            "the path ends in `{ending}`; {} stand without quotes",
+            "the path must end in `{ending}`; {} are written without quotes",
             among(names(words)).replace(" or ", " and ")
         );
         return Err(
@@ -299,7 +299,9 @@ pub(super) fn keypoint(
         if found.is_none_or(|(found, _)| *found >= place) {
             let message = format!("`{}` is declared further down", name.text());
             let diagnostic = Diagnostic::new(Code::NotYetKnown, name.span(), message);
-            return Err(context.error(diagnostic.help("an extractor uses keypoints above it")));
+            return Err(
+                context.error(diagnostic.help("an extractor can use only the keypoints above it"))
+            );
         }
     }
     match shape {
@@ -358,7 +360,7 @@ fn pixel_in_picture<'a>(
         let diagnostic = Diagnostic::new(Code::OutOfRange, expr.span(), message);
         return Err(context.error(
             diagnostic
-                .help("the camera's `image` says how large the picture is; pixels count from 0"),
+                .help("the camera's `image` sets the size of the picture; pixels count from 0"),
         ));
     }
     Ok(pixel)
@@ -465,7 +467,8 @@ pub(crate) fn point<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result
             "last.place" => Ok(Point::Last { end: End::Place }),
             text => match last_field(text, context)? {
                 Some(_) => {
-                    let message = format!("`{text}` is known only in texts, as `{{{{ {text} }}}}`");
+                    let message =
+                        format!("`{text}` can be used only in texts, as `{{{{ {text} }}}}`");
                     Err(context.fault(Code::WrongExpression, path.span(), message))
                 }
                 None => {
@@ -814,7 +817,7 @@ pub(crate) fn operand<'a>(
             Measure::Point(point) => Operand::Point(point),
             Measure::Nearest { .. } => {
                 let message = format!(
-                    "`{0}` is written in texts, as `{{{{ {0}(…) }}}}`",
+                    "`{0}` can be used only in texts, as `{{{{ {0}(…) }}}}`",
                     call.name().text()
                 );
                 return Err(context.fault(Code::WrongExpression, expr.span(), message));
@@ -855,7 +858,7 @@ fn constant<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Operand
     };
     // Huge numbers would overflow when they are squared.
     if found.value.abs() > 1e6 {
-        let help = "accepted are values up to a million in pixels, metres or degrees";
+        let help = "write at most a million pixels, metres or degrees";
         return Err(out_of_range(expr, help, context));
     }
     let is_length = matches!(found.dimension, Dimension::Length | Dimension::Pixels);
@@ -941,7 +944,11 @@ fn convert(
             }
         }
         (value, _) => {
-            let message = format!("{} has no size in `{}`", kind_of(&value), target.text());
+            let message = format!(
+                "{} cannot be converted to `{}`",
+                kind_of(&value),
+                target.text()
+            );
             let fitting = match &value {
                 Operand::Length(_) => units_of(&[Dimension::Length, Dimension::Pixels]),
                 Operand::Angle { .. } | Operand::Between { .. } => units_of(&[Dimension::Angle]),

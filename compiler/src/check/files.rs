@@ -25,6 +25,6 @@ pub(crate) fn named(
         .map(|path| FileRef { path })
         .ok_or_else(|| {
             let message = format!("the path `{written}` leads out of the folder of the first file");
-            context.error(bad(message).help("move it beside the first file or below"))
+            context.error(bad(message).help("move it into the folder of the first file, or below"))
         })
 }

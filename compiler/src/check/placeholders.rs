@@ -348,7 +348,7 @@ fn written<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Resolved
         Operand::Word(word) => Resolved::Words(word),
         Operand::Heading => {
             let message = format!(
-                "the direction `{}` has no text",
+                "the direction `{}` cannot be written as text",
                 context.written(expr.span())
             );
             let diagnostic = Diagnostic::new(Code::WrongExpression, expr.span(), message);

@@ -119,7 +119,7 @@ pub(crate) fn read<'a>(
     }
     Err(out_of_range(
         expr,
-        &format!("accepted is {}", range.words()),
+        &format!("expected {}", range.words()),
         context,
     ))
 }
@@ -134,7 +134,7 @@ pub(crate) fn read_whole<'a>(
     if value.fract() == 0.0 {
         return read(expr, range, context);
     }
-    let help = format!("accepted is {}", range.words());
+    let help = format!("expected {}", range.words());
     Err(not_whole(expr, &help, context))
 }
 
@@ -242,7 +242,11 @@ fn converted<'a>(
         (Dimension::Length, Dimension::Pixels) => Ok(from.value * context.px_per_m()?),
         (Dimension::Pixels, Dimension::Length) => Ok(from.value / context.px_per_m()?),
         (dimension, _) => {
-            let message = format!("{} has no size in `{}`", noun(dimension), target.text());
+            let message = format!(
+                "{} cannot be converted to `{}`",
+                noun(dimension),
+                target.text()
+            );
             Err(no_conversion(
                 target,
                 message,

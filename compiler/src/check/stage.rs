@@ -233,7 +233,7 @@ impl<'a> Builder<'_, 'a> {
         let mut all = Ok(());
         if let Ok((ModelRole::Text, model)) = model {
             let message = format!(
-                "the text model of `{}` is shown pictures",
+                "the stage `{}` shows pictures to a text model",
                 stage.name().text()
             );
             let diagnostic = Diagnostic::new(Code::PicturesForTextModel, show.span(), message);
@@ -284,10 +284,15 @@ impl<'a> Builder<'_, 'a> {
         }
         all?;
         if names.is_empty() && part == "say" {
-            let message = format!("nothing is left for `{}` to say", stage.name().text());
+            let message = format!(
+                "the stage `{}` has no text left to say",
+                stage.name().text()
+            );
             let span = self.merged.task.name().span();
             let diagnostic = Diagnostic::new(Code::StageIncomplete, span, message);
-            return Err(context.error(diagnostic.also(line.span(), "all of this is left out")));
+            return Err(
+                context.error(diagnostic.also(line.span(), "all of these components are left out"))
+            );
         }
         Ok(names)
     }
@@ -662,7 +667,10 @@ fn read(line: ast::Read<'_>, context: &mut Context<'_, '_>) -> Result<Read, Repo
     };
     let (before, after) = (before.trim(), after.trim());
     if before.is_empty() {
-        return refuse(pattern.span(), format!("no words stand before `{hole}`"));
+        return refuse(
+            pattern.span(),
+            format!("the pattern has no words before `{hole}`"),
+        );
     }
     if after.contains(&hole) {
         return refuse(pattern.span(), format!("the pattern has `{hole}` twice"));

@@ -48,9 +48,12 @@ fn images<'a>(
 ) -> Result<Subgoals, Reported> {
     let images: Vec<Image<'_>> = part.images().collect();
     if let [only] = images.as_slice() {
-        let diagnostic =
-            Diagnostic::new(Code::TooFewImages, only.span(), "one image shows no step")
-                .help("add the picture after the step");
+        let diagnostic = Diagnostic::new(
+            Code::TooFewImages,
+            only.span(),
+            "one image does not show a step",
+        )
+        .help("add the picture after the step");
         return Err(context.missing(part.is_damaged(), only.span().file, diagnostic));
     }
     context.bounded(images.get(MAX_IMAGES).map(|beyond| beyond.span()), || {

@@ -138,9 +138,9 @@ fn about(statement: Statement<'_>, context: &mut Context<'_, '_>) -> Result<Stri
         return Err(context.error(diagnostic.help("write `about \"what the task is for\"`")));
     };
     let Some(about) = text.plain() else {
-        let message = "`about` has a placeholder, and nothing is known yet that it could show";
+        let message = "`about` cannot have a placeholder";
         let diagnostic = Diagnostic::new(Code::WrongForm, span, message);
-        return Err(context.error(diagnostic.help("write plain words")));
+        return Err(context.error(diagnostic.help("write plain text")));
     };
     let n_chars = about.chars().count();
     if about.trim().is_empty() {
@@ -231,7 +231,7 @@ fn completeness(
             among(lacking)
         );
         let diagnostic = Diagnostic::new(Code::BaseOnly, name.span(), message);
-        report.remark(diagnostic.help("that is right for a task that others extend"));
+        report.remark(diagnostic.help("this is fine for a task that others extend"));
     }
     Ok(false)
 }

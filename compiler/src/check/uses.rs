@@ -17,6 +17,5 @@ pub(crate) fn needs_action(span: Span, context: &mut Context<'_, '_>) -> Reporte
     let written = context.written(span);
     let message = format!("`{written}` is known only when an action is proposed");
     let diagnostic = Diagnostic::new(Code::NotYetKnown, span, message);
-    context
-        .error(diagnostic.help("fields of the action can be written in checks and their messages"))
+    context.error(diagnostic.help("fields of the action can be used in checks and their messages"))
 }

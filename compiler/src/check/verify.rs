@@ -122,7 +122,7 @@ fn declared<'a>(
     let message = format!("check.{}", name.text());
     let Some(text) = check.message() else {
         let diagnostic = lacks(Code::MissingMessage, "why it refuses");
-        let diagnostic = diagnostic.help("add `else \"…\"` behind the condition");
+        let diagnostic = diagnostic.help("add `else \"…\"` after the condition");
         return Err(context.missing(check.is_damaged(), file, diagnostic));
     };
     let scope = TextScope {
@@ -173,7 +173,7 @@ fn shows_refused(
         return Ok(());
     };
     let message = format!(
-        "the stage `{}` asks a text model, and a correction would show it a picture",
+        "`with picture` needs a vision model, but the stage `{}` asks a text model",
         stage.name
     );
     let diagnostic = Diagnostic::new(Code::PicturesForTextModel, with_picture.span(), message);
@@ -231,7 +231,7 @@ fn result<'a>(
         read_whole(it, &RETRIES.range, context)
     });
     let Some(text) = part.message() else {
-        let message = "`result` does not say what a model is told before a step is asked again";
+        let message = "`result` has no message for the model";
         let diagnostic = Diagnostic::new(Code::MissingMessage, part.span(), message);
         return Err(context.error(diagnostic.help("add `else \"…\"` at its end")));
     };

@@ -187,7 +187,7 @@ impl Change {
         match nearest(name.text(), inherited.iter().copied()) {
             Some(meant) => diagnostic.meant(name.span(), meant),
             None if inherited.is_empty() => diagnostic.help(format!(
-                "only a {kind} of an extended task can be changed so; this task inherits none"
+                "this is only for a {kind} of an extended task, and this task inherits none"
             )),
             None => diagnostic.help(format!("it inherits {}", among(inherited.iter().copied()))),
         }

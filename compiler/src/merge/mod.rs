@@ -155,7 +155,7 @@ fn chain<'a>(
             return (chain, Some(report.error(diagnostic.label(through))));
         }
         if chain.len() > MAX_EXTENDS_DEPTH {
-            let message = format!("more than {MAX_EXTENDS_DEPTH} tasks extend each other");
+            let message = format!("the chain of `extends` is longer than {MAX_EXTENDS_DEPTH}");
             let diagnostic = Diagnostic::new(Code::ExtendsTooDeep, base.span(), message);
             return (chain, Some(report.error(diagnostic)));
         }
@@ -430,7 +430,7 @@ impl<'a> Merged<'a> {
 /// Makes the diagnostic for a change to one check next to a `verify` that states all of them again.
 fn beside(name: Name<'_>, verify: Verify<'_>) -> Diagnostic {
     let message = format!(
-        "`{}` is no longer inherited: the `verify` beside it states all checks anew",
+        "`{}` is not inherited, because this task has its own `verify`",
         name.text()
     );
     Diagnostic::new(Code::Repeated, name.span(), message)

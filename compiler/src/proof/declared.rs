@@ -87,7 +87,7 @@ fn check_field(program: &Program, field: &ActionField, found: &mut Flaws) {
                     found.push(
                         field,
                         &text,
-                        format!("the vector of `{text} deg` points elsewhere"),
+                        format!("the vector of `{text} deg` has another direction"),
                     );
                 }
             }
@@ -149,17 +149,17 @@ fn wrong_word(program: &Program, word: &str) -> Option<&'static str> {
     } else if word.chars().any(char::is_control) {
         Some("has a line break or another control character")
     } else if word.contains(|character| RESERVED.contains(character)) {
-        Some("has a sign that means something else in an answer")
+        Some("has a character that means something else in an answer")
     } else if !word.chars().any(char::is_alphabetic) {
         Some("has no letter")
     } else if !is_edge(word.chars().next()) || !is_edge(word.chars().next_back()) {
-        Some("begins or ends with neither letter nor digit")
+        Some("must begin and end with a letter or a digit")
     } else if program
         .actions
         .iter()
         .any(|field| plain(&field.name) == plain(word))
     {
-        Some("is a field's name too")
+        Some("is also the name of a field")
     } else {
         None
     }
