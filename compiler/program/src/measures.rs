@@ -86,7 +86,7 @@ pub const MEASURES: &[Call<Make>] = &[
             Kind::Keypoint(&[KeypointShape::Mask]),
             "a mask",
         )],
-        "a mask's pixels over those of the flat cloth",
+        "a mask's pixels divided by those of the flat cloth",
         |args, flat_px| {
             Measure::Number(Number::Coverage {
                 mask: args.name("mask"),

@@ -25,7 +25,7 @@ const STARTS: &[Word] = &[
     },
     Word {
         name: "crumpled",
-        doc: "lifted and dropped at random, as the seed says",
+        doc: "lifted and dropped at random, depending on the seed",
     },
 ];
 
@@ -35,7 +35,7 @@ const START: Arg = Arg::named(
         words: STARTS,
         ending: ".npy",
     },
-    "how it lies at first: a word, or particle positions from a file",
+    "how it lies at the start: a word, or particle positions from a file",
 )
 .or(Default::Word("flat"));
 

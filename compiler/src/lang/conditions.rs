@@ -23,12 +23,12 @@ pub(crate) const WORDS: &[WordRow] = &[
     WordRow {
         name: "last",
         condition: Some(|| Condition::Last),
-        doc: "an action was carried out before this one",
+        doc: "there was a previous action",
     },
     WordRow {
         name: UNREACHABLE,
         condition: Some(|| Condition::Unreachable),
-        doc: "some points are out of reach; a condition of components, not of checks",
+        doc: "some points are unreachable; only for components, not for checks",
     },
     WordRow {
         name: "step",

@@ -32,14 +32,14 @@ pub(crate) const METRICS: &[MetricRow] = &[
         reached: ABOVE,
         limit: FRACTION,
         example: "goal coverage > 0.9",
-        doc: "the covered area over that of the flat cloth; reached above its limit, judged after each step",
+        doc: "the covered area divided by that of the flat cloth; reached above its limit, judged after each step",
     },
     MetricRow {
         metric: Metric::NormalizedImprovement,
         reached: ABOVE,
         limit: FRACTION,
         example: "goal normalized_improvement > 0.95",
-        doc: "how much of the coverage that was missing at first has been gained; reached above its limit, judged after each step",
+        doc: "which part of the coverage missing at the start has been gained; reached above its limit, judged after each step",
     },
 ];
 

@@ -66,7 +66,7 @@ pub(crate) const SECTIONS: &[Section] = &[
         "about \"TEXT\"",
         Needed::Never,
         Merges::Never,
-        "what the task is for in one line, shown by `fabc check`; no model is told, and it changes no program's hash",
+        "what the task is for, in one line, shown by `fabc check`; no model sees it, and it does not change the program's hash",
     ),
     row(
         "const",
@@ -94,7 +94,7 @@ pub(crate) const SECTIONS: &[Section] = &[
         "picker put_down",
         Needed::Never,
         Merges::Whole,
-        "how the cloth is carried and let go",
+        "how the cloth is carried and released",
     ),
     row(
         "goal",
@@ -129,7 +129,7 @@ pub(crate) const SECTIONS: &[Section] = &[
         "demos STAGE from \"FILE\"",
         Needed::Never,
         Merges::Whole,
-        "which demonstrations a stage is told",
+        "which demonstrations a stage's model is shown",
     ),
     row(
         "keypoints",
@@ -185,7 +185,7 @@ pub(crate) const SECTIONS: &[Section] = &[
         "verify { check NAME { CONDITION } else \"TEXT\" }",
         Needed::Never,
         Merges::Whole,
-        "which answers are refused, and what a model is told",
+        "which answers are rejected, and the messages to the model",
     ),
     row(
         "variant",
@@ -206,6 +206,6 @@ pub(crate) const SECTIONS: &[Section] = &[
         "test \"WHAT\" { given … reply … expect … }",
         Needed::Never,
         Merges::Never,
-        "what must come of an answer",
+        "the expected result of an answer",
     ),
 ];

@@ -11,7 +11,7 @@ pub(crate) const MODELS: &[Word] = &[
     },
     Word {
         name: "text",
-        doc: "a model that reads text alone",
+        doc: "a model that reads only text",
     },
 ];
 

@@ -25,13 +25,13 @@ pub(crate) const DEFAULT_ATTEMPTS: f64 = 3.0;
 pub(crate) const OVERLAP: NumberRow = NumberRow {
     name: "result overlap >",
     range: Range::plain("a share", 0.0, 0.999),
-    doc: "the share in which the silhouettes of the result and of the next subgoal must overlap",
+    doc: "how much the silhouettes of the result and of the next subgoal must overlap, as a fraction",
 };
 
 pub(crate) const RETRIES: NumberRow = NumberRow {
     name: "retries",
     range: Range::plain("a count", 1.0, 5.0),
-    doc: "the most further actions of a step whose result is refused; without it, `1`",
+    doc: "how often a step whose result is rejected may be repeated; without it, `1`",
 };
 
 /// Further actions of a step if `retries` is not stated.

@@ -191,7 +191,7 @@ pub enum Channel {
 
 words! { Channel {
     "brightness" => Brightness, "how bright a pixel is";
-    "saturation" => Saturation, "how far its colour is from grey; a third counts as all";
+    "saturation" => Saturation, "how far its colour is from grey: three times its saturation, at most 1";
 } }
 
 /// One side of a threshold.
@@ -228,7 +228,7 @@ words! { Sight {
     "depth" => Depth, "the depth image";
     "mask" => Mask, "the mask itself, white";
     "picture" => Picture, "the camera's picture in grey";
-    "misread_picture" => MisreadPicture, "the same with a mistake of the smoothing paper's code";
+    "misread_picture" => MisreadPicture, "the same, with a mistake in the smoothing paper's code";
 } }
 
 /// A side of the picture.
@@ -307,8 +307,8 @@ macro_rules! corner_args {
         &[
             MASK,
             Arg::named("max", Kind::Whole(N_POINTS), "the most corners that are kept"),
-            Arg::named("quality", Kind::Quantity(QUALITY), "the least response, as a part of the strongest"),
-            Arg::named("spacing", Kind::Quantity(SPACING), "the least distance between two"),
+            Arg::named("quality", Kind::Quantity(QUALITY), "the smallest accepted response, as a fraction of the strongest"),
+            Arg::named("spacing", Kind::Quantity(SPACING), "the smallest distance between two corners"),
             Arg::named("image", Kind::Whole(IMAGE), "the side of the picture that the detector sees")
                 .or(Default::CameraSide),
             Arg::named("of", Kind::Word(Sight::WORDS), "what the detector looks at inside of the mask")
@@ -316,9 +316,9 @@ macro_rules! corner_args {
             Arg::named("white", Kind::Keypoint(&[KeypointShape::Mask]), "a mask that is painted white first")
                 .or(Default::Nothing)
                 .needs("of", &["picture", "misread_picture"]),
-            Arg::named("inside", Kind::Keypoint(&[KeypointShape::Box]), "the box that corners are kept in")
+            Arg::named("inside", Kind::Keypoint(&[KeypointShape::Box]), "the box in which corners are kept")
                 .or(Default::Nothing),
-            Arg::named("margin", Kind::Quantity(SPACING), "how far beside the box a corner may be")
+            Arg::named("margin", Kind::Quantity(SPACING), "how far outside the box a corner may be")
                 .or(Default::Number(0.0))
                 .needs("inside", &[]),
             Arg::named("block", Kind::Odd(BLOCK), "the side of the square over which a response is averaged")
@@ -379,7 +379,11 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
         "mask",
         KeypointShape::Mask,
         &[
-            Arg::named("split", Kind::Word(Channel::WORDS), "what is told apart"),
+            Arg::named(
+                "split",
+                Kind::Word(Channel::WORDS),
+                "the value of each pixel that is compared",
+            ),
             Arg::named(
                 "keep",
                 Kind::Word(Side::WORDS),
@@ -388,17 +392,17 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
             Arg::named(
                 "blur",
                 Kind::Odd(BLUR),
-                "the side of a square that is averaged over first",
+                "the side of the square over which it is averaged first",
             )
             .or(Default::Number(1.0)),
             Arg::named(
                 "contrast",
                 Kind::Quantity(FRACTION),
-                "how far apart the two kinds must be",
+                "the smallest difference between the two kinds",
             )
             .or(Default::Number(DEFAULT_CONTRAST)),
         ],
-        "one of the two kinds of pixels that a picture tells apart best",
+        "one of the two kinds of pixels into which a picture splits best",
         |args| Extractor::SplitMask {
             of: args.meaning("split", Channel::from_word),
             keep: args.meaning("keep", Side::from_word),
@@ -452,7 +456,7 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
             Arg::positional(
                 "without",
                 Kind::Keypoint(&[KeypointShape::Mask]),
-                "the mask that is taken away",
+                "the mask to subtract",
             ),
         ],
         "the pixels of a mask that are not in another",
@@ -530,7 +534,7 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
             Arg::named(
                 "tolerance",
                 Kind::Quantity(SPACING),
-                "how far the polygon may run beside it",
+                "how far the polygon may deviate from it",
             ),
             AT,
         ],
@@ -572,7 +576,7 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
             Arg::named(
                 "share",
                 Kind::Quantity(SHARE),
-                "which part of its way each moves",
+                "how much of its way each one moves",
             ),
             AT,
         ],
@@ -587,28 +591,28 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
         "leftmost",
         KeypointShape::Point,
         &[POINTS, AT],
-        "the point that is nearest to the left of the picture; of several the first",
+        "the point that is nearest to the left of the picture; the first of equally near ones",
         |args| outermost(args, PictureSide::Left),
     ),
     row(
         "rightmost",
         KeypointShape::Point,
         &[POINTS, AT],
-        "the point that is nearest to the right of the picture; of several the first",
+        "the point that is nearest to the right of the picture; the first of equally near ones",
         |args| outermost(args, PictureSide::Right),
     ),
     row(
         "topmost",
         KeypointShape::Point,
         &[POINTS, AT],
-        "the point that is nearest to the top of the picture; of several the first",
+        "the point that is nearest to the top of the picture; the first of equally near ones",
         |args| outermost(args, PictureSide::Top),
     ),
     row(
         "bottommost",
         KeypointShape::Point,
         &[POINTS, AT],
-        "the point that is nearest to the bottom of the picture; of several the first",
+        "the point that is nearest to the bottom of the picture; the first of equally near ones",
         |args| outermost(args, PictureSide::Bottom),
     ),
     row(
