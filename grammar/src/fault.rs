@@ -64,7 +64,7 @@ pub enum Problem {
         /// The word that the name follows.
         after: String,
     },
-    /// Something stands between a block's name and its `{`.
+    /// There is something between a block's name and its `{`.
     Surplus {
         /// Its text.
         found: String,

@@ -72,7 +72,7 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
         Kind::CurlyText => (node.span(), wrong_quotes(node, "\"\"\"")),
         Kind::CurlyString | Kind::SingleString => (node.span(), wrong_quotes(node, "\"")),
         Kind::BadEscape => (node.span(), Problem::BadEscape),
-        // A placeholder must be on one line, so that texts keep their lines.
+        // A placeholder must be on one line, so texts keep their lines.
         Kind::Placeholder if node.text().contains(['\n', '\r']) => {
             (first(2, node.span()), Problem::LoneBraces)
         }

@@ -221,7 +221,7 @@ impl<'a> Builder<'_, 'a> {
         })
     }
 
-    /// Reports pictures for a model that sees none, and annotations where no layers are declared.
+    /// Reports pictures for a model that takes none, and annotations if no layers are declared.
     fn showable(
         &self,
         stage: ast::Stage<'a>,

@@ -68,7 +68,7 @@ impl Code {
         }
     }
 
-    /// Writes the expression where `before` stands already on its first line, indented by `indent` blanks.
+    /// Prints the expression after `before` characters on its first line, indented by `indent` blanks.
     pub fn print(&self, before: usize, indent: usize) -> String {
         let flat = self.flat();
         if before + flat.len() <= WIDTH {

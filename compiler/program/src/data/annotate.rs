@@ -64,7 +64,7 @@ pub enum Mark {
         /// Width of the lines, pixels.
         width_px: u32,
     },
-    /// The index of each point in its list, from 1, written beside it.
+    /// The number of each point in its list, from 1, written next to it.
     Number {
         /// Where.
         at: Vec<Spot>,
