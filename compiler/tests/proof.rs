@@ -68,7 +68,7 @@ fn words_that_answers_cannot_carry_are_flaws() {
         ("soft\nfirm", "line break"),
         ("\"soft\"", "means something else"),
         ("12", "has no letter"),
-        (" soft", "begins or ends"),
+        (" soft", "begin and end"),
         ("pick", "is also the name of a field"),
         ("Distance", "is also the name of a field"),
     ] {
@@ -93,7 +93,7 @@ fn numbers_that_contradict_their_other_form_are_flaws() {
         unreachable!("it was declared so")
     };
     choices[1].vector = [0.0, 1.0];
-    assert!(only(&program).message.contains("points elsewhere"));
+    assert!(only(&program).message.contains("has another direction"));
 
     let mut program = with(&["distance lengths edge 0.25 0.5"]);
     let Choices::Lengths { choices, .. } = &mut program.actions[1].choices else {
