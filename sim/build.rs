@@ -1,4 +1,4 @@
-//! Hashes this crate's sources, so that results kept on disk are not taken for those of other code.
+//! Hashes this crate's sources, so that stored results are never mistaken for those of other code.
 
 use sha2::{Digest, Sha256};
 use std::fs;

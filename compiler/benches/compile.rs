@@ -1,15 +1,15 @@
-//! Speed of the compiler: what one task and a thousand tasks cost, and that no input costs more than in proportion.
+//! Times the compiler: one task, a thousand tasks, and that the cost of any input is linear in its length.
 //!
-//! The first part compiles each generated input at 100 kB and at 1 MB and prints the ratio of the two, measured
-//! in one run; it ends with an error where one exceeds [`MOST_RATIO`] or a stated limit is missed. The second part
-//! are divan's figures. A word on the command line selects inputs and benchmarks that contain it.
+//! The first part compiles each generated input at 100 kB and at 1 MB in one run and prints the ratio of the two
+//! times. It ends with an error if a ratio exceeds [`MOST_RATIO`] or a stated limit is missed. The second part is the
+//! divan benchmarks. A word on the command line selects the inputs and benchmarks that contain it.
 
 #![allow(missing_docs)]
 
 #[path = "../tests/common/inputs.rs"]
 mod inputs;
 
-/// A small task with everything that one needs.
+/// A small task with every section that a task needs.
 const TASK: &str = include_str!("../tests/common/task.fab");
 
 use divan::{Bencher, black_box};
@@ -19,13 +19,13 @@ use std::collections::BTreeMap;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// What ten times the text may cost at most: 10 times the instructions, in memory that no longer fits the caches.
+/// The largest accepted ratio: ten times the instructions, in memory that no longer fits the caches.
 const MOST_RATIO: f64 = 16.0;
 
 /// How often an input is measured again before its ratio counts as too large.
 const ROUNDS: usize = 4;
 
-/// Below this a figure says more about the machine than about the compiler.
+/// Shorter times measure the machine, not the compiler.
 const LEAST: Duration = Duration::from_millis(30);
 
 fn main() -> ExitCode {
@@ -42,7 +42,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Texts in memory.
+/// Texts in memory, by name.
 struct Memory(BTreeMap<String, String>);
 
 impl Memory {
@@ -80,9 +80,9 @@ fn emit(name: &str, files: &Memory) -> usize {
     artifacts.iter().map(|artifact| artifact.text.len()).sum()
 }
 
-/// Returns the shortest of some runs: what else the machine does only ever adds time.
+/// Returns the shortest of some runs, because other load on the machine only adds time.
 ///
-/// Short work is repeated until a clock can tell its length.
+/// Short work is repeated until the clock can measure it.
 fn shortest(runs: usize, mut work: impl FnMut()) -> Duration {
     let mut repeats = 1u32;
     let mut time = || loop {
@@ -101,7 +101,7 @@ fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-/// Prints what one and a thousand tasks cost; returns whether that is within what is stated.
+/// Prints the times of one task and of a thousand; returns whether both are within the stated limits.
 fn stated_limits() -> bool {
     let one = Memory::one(inputs::two_hundred_lines(TASK));
     assert!(emit("input.fab", &one) > 0, "the task is right");
@@ -137,7 +137,7 @@ fn stated_limits() -> bool {
     is_kept
 }
 
-/// Prints what each input costs at two sizes; returns whether no ratio is too large.
+/// Prints the times of each input at two sizes; returns whether every ratio is small enough.
 fn ratios(filter: &str) -> bool {
     let mut worst = 0.0f64;
     println!(
@@ -149,7 +149,7 @@ fn ratios(filter: &str) -> bool {
         let large = Memory::one(input.text(1_000_000));
         let (mut small_time, mut large_time) = (Duration::MAX, Duration::MAX);
         let mut ratio = f64::INFINITY;
-        // A neighbour's work slows even the processor's own clock; what is right in one round is right.
+        // Other processes slow even the processor's clock, so one good round is enough.
         for _ in 0..ROUNDS {
             small_time = small_time.min(shortest(3, || drop(compile("input.fab", &small))));
             large_time = large_time.min(shortest(2, || drop(compile("input.fab", &large))));
@@ -175,7 +175,7 @@ fn ratios(filter: &str) -> bool {
     worst <= MOST_RATIO
 }
 
-/// Returns a library and a thousand files that each take their task from it and add something.
+/// Returns a library, and a thousand files that each extend its task.
 fn folder_of_a_thousand() -> Memory {
     let mut files = BTreeMap::from([("lib/base.fab".to_owned(), TASK.to_owned())]);
     for number in 0..1000 {
@@ -187,7 +187,7 @@ fn folder_of_a_thousand() -> Memory {
     Memory(files)
 }
 
-/// Returns one file with a task and a thousand less one that extend it.
+/// Returns one file with a task and 999 tasks that extend it.
 fn file_of_a_thousand() -> String {
     let mut text = TASK.to_owned();
     for number in 1..1000 {

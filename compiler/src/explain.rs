@@ -1,7 +1,7 @@
-//! Explains diagnostics, each with an example that is compiled when it is shown.
+//! Explains diagnostics. Each has an example that is compiled when it is shown.
 //!
-//! In: the table of codes and the files of `diag/examples`. Out: text for a terminal, and pages of Markdown for the book.
-//! Writing them is left to others.
+//! In: the table of codes and the files of `diag/examples`. Out: text for a terminal, and Markdown pages for the
+//! book. The caller writes the files.
 
 use crate::diag::{self, CODES, Code, CodeEntry, Color, GROUPS};
 use crate::{LoadError, Loader};
@@ -18,7 +18,7 @@ const HALF_FILE: &str = "half.fab";
 /// A file with a diagnostic, and the same file corrected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Example {
-    /// With the fault.
+    /// With the mistake.
     pub wrong: String,
     /// Without it.
     pub right: String,
@@ -139,7 +139,7 @@ fn indented(text: &str) -> String {
     text.lines().map(line).collect()
 }
 
-/// An example's file, and the one that it may use.
+/// An example's file, and the file that it may use.
 struct Files<'t>(&'t str);
 
 impl Loader for Files<'_> {

@@ -5,10 +5,10 @@
 //!            └───────────────── Diagnostics ─────────────────┘
 //! ```
 //!
-//! In: the name of a file and a [`Loader`]. Out: the programs that the file defines, and diagnostics. The
-//! crate is pure: it reaches the outside only through the loader, uses no clock and no chance, and gives the same
-//! bytes for the same texts. `fab-grammar` parses, `fab-program` defines what a program means, and `fab-emit`
-//! writes a program as files; executing it is left to others. [`lang`] lists every word of the language.
+//! In: the name of a file and a [`Loader`]. Out: the programs that the file defines, and diagnostics. The crate is
+//! pure: it has no access to the outside except the loader, uses no clock and no random numbers, and gives the same
+//! bytes for the same texts. `fab-grammar` parses, `fab-program` defines what a program means, and `fab-emit` writes
+//! a program as files; executing it is left to others. [`lang`] lists every word of the language.
 //!
 //! Any program can compile a task from memory:
 //!
@@ -81,7 +81,7 @@ impl Compiled {
     }
 }
 
-/// Compiles the file `entry` and what it uses.
+/// Compiles the file `entry` and the files that it uses.
 ///
 /// Fails only if the entry itself cannot be loaded; everything else is a diagnostic.
 pub fn compile(entry: &str, loader: &dyn Loader) -> Result<Compiled, LoadError> {
@@ -90,11 +90,12 @@ pub fn compile(entry: &str, loader: &dyn Loader) -> Result<Compiled, LoadError> 
 
 /// Compiles the file `entry` for a cloth of another grid than its tasks declare.
 ///
-/// - `grid`: particles along X and along Y, 2 to 200 each, instead of every task's own; with `None`, the same as [`compile`].
+/// - `grid`: particles along X and along Y, 2 to 200 each, instead of every task's own; `None` is the same as
+///   [`compile`].
 ///
-/// A start file may hold a larger or smaller cloth than the task is written for. Everything that depends on the cloth,
-/// such as lengths in `edge` and the flat area, then follows `grid`. Subgoal pictures belong to the declared
-/// cloth, so look them up with the program that [`compile`] returns.
+/// A start file may have a larger or smaller cloth than the task declares. Everything that depends on the cloth, such
+/// as lengths in `edge` and the flat area, then follows `grid`. Subgoal pictures belong to the declared cloth, so
+/// look them up with the program that [`compile`] returns.
 pub fn compile_for(
     entry: &str,
     loader: &dyn Loader,

@@ -1,8 +1,8 @@
 //! Reads the entry file and everything that it uses.
 //!
-//! In: a name and a loader. Out: every file as a tree, which files each one sees, and diagnostics of syntax
-//! and of `use`. Bounded by [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`]. No path may leave the
-//! entry's folder, except into a folder `lib` beside it.
+//! In: a name and a loader. Out: every file as a tree, which files each one sees, and diagnostics about syntax and
+//! `use`. [`MAX_FILES`], [`MAX_USE_DEPTH`] and [`MAX_TOTAL_BYTES`] limit the work. No path may leave the entry's
+//! folder, except into a folder `lib` beside it.
 
 use crate::diag::{Code, Diagnostic, MAX_FINDINGS, Report, Reported};
 use crate::form;
@@ -39,7 +39,7 @@ pub(crate) struct LoadedFile<'a> {
     pub id: FileId,
     pub experts: Vec<Experts<'a>>,
     pub tasks: Vec<Task<'a>>,
-    /// The words of everything that did not parse: an unknown name may be declared there.
+    /// The words of everything that did not parse. An unknown name may be declared there.
     pub unparsed_words: BTreeSet<&'a str>,
     /// The index of the first task of each name.
     task_index: BTreeMap<&'a str, usize>,
@@ -51,9 +51,9 @@ pub(crate) struct LoadedFile<'a> {
 pub(crate) struct Loaded<'a> {
     pub texts: &'a Texts,
     pub files: Vec<LoadedFile<'a>>,
-    /// For each task and list of experts, by the place of its name: the bytes from there to the next one.
+    /// The bytes from each name of a task or list of experts to the next name, by the name's span.
     sizes: BTreeMap<Span, usize>,
-    /// The tasks that others extend, by the place of their names.
+    /// The tasks that others extend, by the spans of their names.
     extended: BTreeSet<Span>,
 }
 
@@ -135,12 +135,12 @@ impl<'a> Loaded<'a> {
         self.texts.faults[file.index()]
     }
 
-    /// Returns the text of a place.
+    /// Returns the text of a span.
     pub fn written(&self, span: Span) -> &'a str {
         self.texts.sources.text(span)
     }
 
-    /// Returns the file of a place, relative to the entry's folder, and its line.
+    /// Returns the path of a file, relative to the entry's folder, and the line of a byte.
     pub fn place(&self, file: FileId, byte: usize) -> (String, u32) {
         let (line, _) = self.texts.sources.get(file).line_and_column(byte);
         (self.texts.portable_names[file.index()].clone(), line as u32)
@@ -170,9 +170,9 @@ pub(crate) fn read(
     Ok(texts)
 }
 
-/// Adds to each file's reach the reach of the files in it.
+/// Adds to each file the files that it sees through others.
 fn close(reach: &mut [BTreeSet<FileId>]) {
-    // A circle of files is an error, but its members still see each other, so repeat until nothing changes.
+    // Circular `use` is an error, but its files still see each other, so repeat until nothing changes.
     loop {
         let mut grown = false;
         for file in 0..reach.len() {
@@ -195,7 +195,7 @@ struct Reading<'a> {
     texts: Texts,
     /// Each file's normalised name, which tells whether it was read before.
     keys: Vec<String>,
-    /// Files that could not be read, and why; the loader is asked only once for each.
+    /// Files that could not be read, and why. The loader is asked only once for each.
     unreadable: BTreeMap<String, LoadError>,
     total_bytes: usize,
     /// The files between the entry and the one being read.
@@ -234,7 +234,7 @@ impl Reading<'_> {
             .map(|used| (used.path().span(), used.path().plain()))
             .collect();
         for (span, path) in paths {
-            // A file that cannot be read is reported; the others are still read.
+            // A file that cannot be read was reported; go on with the others.
             if let Ok(target) = self.reach(file, span, path) {
                 self.texts.reach[file.index()].insert(target);
             }
@@ -263,7 +263,7 @@ impl Reading<'_> {
         let Some(portable_name) = path::within_or_library(here, &written) else {
             let message = format!("the path `{written}` leads out of the folder of the first file");
             return Err(self.report.error(Diagnostic::new(Code::BadPath, span, message).help(
-                "move the file beside the first one or below, or into a folder `lib` beside the first one's; or check a file higher up",
+                "move the file into the first file's folder or below, or into a folder `lib` next to that folder; or check a file higher up",
             )));
         };
         let name = path::beside(&self.texts.sources.get(file).name, &written);
@@ -285,7 +285,7 @@ impl Reading<'_> {
         let n_asked = self.keys.len() + self.unreadable.len();
         if !is_unreadable && (n_asked >= MAX_FILES || self.open.len() > MAX_USE_DEPTH) {
             let message = format!(
-                "`{written}` is not read: at most {MAX_FILES} files are, each at most {MAX_USE_DEPTH} `use`s deep"
+                "`{written}` is not read: there may be at most {MAX_FILES} files, each at most {MAX_USE_DEPTH} `use`s deep"
             );
             return Err(self
                 .report
@@ -294,7 +294,7 @@ impl Reading<'_> {
         match self.read(&name) {
             Ok(text) if self.total_bytes + text.len() > MAX_TOTAL_BYTES => {
                 let message = format!(
-                    "`{written}` is left out: with it the files have more than {MAX_TOTAL_BYTES} bytes"
+                    "`{written}` is not read: with it the files would have more than {MAX_TOTAL_BYTES} bytes"
                 );
                 Err(self
                     .report

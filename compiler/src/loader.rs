@@ -1,6 +1,6 @@
-//! How the compiler gets texts: its only access to the outside.
+//! The compiler's only access to the outside: it asks for texts by name.
 
-/// Gives the compiler texts: its only access to the outside.
+/// Gives the compiler texts, its only access to the outside.
 pub trait Loader {
     /// Returns the text of a file.
     ///

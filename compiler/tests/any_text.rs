@@ -17,7 +17,7 @@ fn survive(text: &str) {
     diag::to_text(&compiled.diagnostics, &compiled.sources, Color::Ansi);
     let json = diag::to_json(&compiled.diagnostics, &compiled.sources);
     assert_eq!(json.as_array().unwrap().len(), compiled.diagnostics.len());
-    // A task without an error is a program, or is said to be a base.
+    // A task without an error is a program, or is reported as a base.
     let has_task = fab_grammar::parse(fab_grammar::FileId::FIRST, text)
         .tree
         .nodes()
@@ -110,7 +110,7 @@ fn as_many_brackets_as_are_allowed_fit_the_stack() {
             ")".repeat(deepest)
         ),
     );
-    // Even with half the stack that Rust gives a thread.
+    // It must also work with half the stack that Rust gives a thread.
     let thread = std::thread::Builder::new()
         .stack_size(1 << 20)
         .spawn(move || compile("task.fab", &text).programs.len());
@@ -152,7 +152,7 @@ fn large_nonsense_takes_no_more_than_moments() {
             let begun = Instant::now();
             compile("task.fab", &text);
             let took = begun.elapsed();
-            // Linear work takes a fraction of a second; work that grows with the square takes a minute.
+            // Linear work takes a fraction of a second; quadratic work takes a minute.
             assert!(
                 took < Duration::from_secs(10),
                 "{prefix:?} and {piece:?} took {took:?}"

@@ -14,7 +14,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// The folder of the shipped tasks, one of its files with another text.
+/// The folder of the shipped tasks, with one file's text replaced.
 struct Changed<'t> {
     folder: PathBuf,
     name: &'t str,
@@ -37,7 +37,7 @@ fn compile(entry: &str, name: &str, text: &str) -> Compiled {
     fab_compiler::compile(entry, &Changed { folder, name, text }).unwrap()
 }
 
-/// The programs by their titles, without the hashes of their texts.
+/// The programs by their titles, without the hashes of their sources.
 fn programs(compiled: &Compiled) -> BTreeMap<String, Program> {
     let programs = compiled.programs.iter().cloned();
     programs
@@ -53,10 +53,10 @@ fn programs(compiled: &Compiled) -> BTreeMap<String, Program> {
         .collect()
 }
 
-/// What a declaration is broken by: nothing has this name, and no value is it.
+/// The replacement that breaks a declaration: nothing has this name, and it is not a value.
 const NOTHING: &str = "nothing_has_this_name";
 
-/// Returns where the part of a declaration stands that is replaced, and by what; none where a node declares nothing.
+/// Returns which part of a declaration to replace, and with what; `None` if a node declares nothing.
 fn broken(node: Node<'_>) -> Option<(Range<usize>, String)> {
     let nothing = |view: Node<'_>| Some((view.range(), NOTHING.to_owned()));
     let first_name = || {
@@ -79,7 +79,7 @@ fn broken(node: Node<'_>) -> Option<(Range<usize>, String)> {
         },
         Kind::Component | Kind::OverrideComponent => {
             let text = Component::cast(node)?.text();
-            // As many lines as before, for templates know theirs.
+            // Keep the number of lines, because templates store theirs.
             let lines = "\n".repeat(text.node().text().matches('\n').count());
             Some((
                 text.node().range(),
@@ -127,7 +127,7 @@ fn break_each(entry: &str, name: &str) {
         );
         assert!(compiled.has_errors(), "{at}: no error");
         for (title, program) in programs(&compiled) {
-            // A task that does not have the declaration is as it was.
+            // A task without the declaration must be unchanged.
             assert_eq!(
                 Some(&program),
                 before.get(&title),

@@ -1,4 +1,4 @@
-//! Explanations are true: examples have their code, and the pages of the book are generated from them.
+//! Explanations are true: each example has its code, and the pages of the book are generated from them.
 
 #![allow(clippy::unwrap_used)]
 
@@ -9,7 +9,7 @@ use fab_compiler::diag::{CODES, Code, GROUPS};
 use fab_compiler::explain::{self, HALF};
 use std::fs;
 
-/// Codes whose examples would be too large to be shown.
+/// Codes whose examples would be too large to show.
 const WITHOUT_EXAMPLE: [&str; 4] = ["F0001", "F0004", "F0409", "F0605"];
 
 fn codes_of(text: &str) -> Vec<Code> {

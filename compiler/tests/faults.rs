@@ -1,16 +1,16 @@
-//! Holds every diagnostic to its fixture.
+//! Checks every diagnostic against its fixture.
 //!
-//! In: the `.fab` files of `tests/fixtures/faults`; a new one is found by itself. What the compiler must say
-//! stands in comments under the line it is about:
+//! In: the `.fab` files of `tests/fixtures/faults`; new ones are found automatically. Comments under a line state the
+//! expected findings in it:
 //!
 //! ```text
 //!     goal particle_distance < 40deg
 //!     #                        ^^^^^ error[F0203]: expected a length on the table, found an angle
 //! ```
 //!
-//! The carets mark the columns; an empty place has one caret. For a place inside a text, over several lines,
-//! or in another file, a comment anywhere says `# at FILE:LINE:COLUMN error[…]: …` instead. All findings
-//! must be expected, and all expectations found.
+//! The carets mark the columns; an empty span has one caret. For a span inside a text, over several lines, or in
+//! another file, a comment anywhere says `# at FILE:LINE:COLUMN error[…]: …` instead. All findings must be expected,
+//! and all expectations found.
 
 mod common;
 
@@ -20,7 +20,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 
-/// Codes that need more input than a fixture should hold; the compiler's own tests show them.
+/// Codes that need more input than a fixture should have; the compiler's own tests show them.
 const TOO_LARGE_FOR_A_FIXTURE: [&str; 3] = ["F0001", "F0004", "F0409"];
 
 #[test]
@@ -116,7 +116,7 @@ struct Finding {
     file: String,
     line: usize,
     column: usize,
-    /// 0 where the fixture states only the beginning.
+    /// 0 if the fixture states only the beginning.
     width: usize,
     severity: String,
     code: String,
@@ -127,7 +127,7 @@ fn finding(diagnostic: &Diagnostic, compiled: &Compiled) -> Finding {
     let source = compiled.sources.get(diagnostic.span.file);
     let (line, column) = line_and_column(&source.text, diagnostic.span.start);
     let marked = &source.text[diagnostic.span.range()];
-    // What a comment cannot mark is stated by its beginning alone.
+    // A span that a comment cannot mark is stated only by its beginning.
     let is_markable =
         !marked.contains('\n') && !is_inside_text(&source.text, diagnostic.span.start);
     Finding {
@@ -213,7 +213,7 @@ fn stated(text: &str) -> Option<(String, String, String)> {
     Some((severity.to_owned(), code.to_owned(), message.to_owned()))
 }
 
-/// Returns whether a byte lies between triple quotes, where a comment would be a part of the text.
+/// Returns whether a byte is between triple quotes, where a comment would be part of the text.
 fn is_inside_text(text: &str, at: usize) -> bool {
     text[..at].matches("\"\"\"").count() % 2 == 1
 }
@@ -251,7 +251,7 @@ impl Loader for Fixtures {
     }
 }
 
-/// The fixtures with one of them changed.
+/// The fixtures, with one of them changed.
 struct Edited {
     name: String,
     text: String,

@@ -1,4 +1,4 @@
-//! Compiling a task for a cloth of another grid than it declares.
+//! Compiles tasks for a cloth with another grid than they declare.
 
 #![allow(clippy::unwrap_used)]
 
@@ -48,7 +48,7 @@ fn compiled(text: &str, grid: Option<[u32; 2]>) -> Compiled {
     compile_for("sized.fab", &Memory::of([("sized.fab", text)]), grid).unwrap()
 }
 
-/// The program without what says which text it comes from.
+/// Returns the program without the references to its text.
 fn program(compiled: Compiled) -> Program {
     assert!(!compiled.has_errors(), "{:?}", compiled.diagnostics);
     let mut program = compiled.programs.into_iter().next().unwrap();

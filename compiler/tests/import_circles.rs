@@ -1,8 +1,8 @@
-//! No circle of imports: files that import each other are one concept cut in two.
+//! There are no circular imports: files that import each other are one concept cut in two.
 //!
-//! A file imports another where a `use`, or a path in its code, leads to something that the other defines; a re-export is
-//! followed to the file that defines it. Tests inside the files are left out, as are paths inside macros of other forms
-//! than a list of expressions.
+//! A file imports another if a `use`, or a path in its code, refers to something that the other defines; a re-export
+//! is followed to the file that defines it. Tests inside the files are left out, and so are paths inside macros whose
+//! arguments are not a list of expressions.
 
 #![allow(clippy::unwrap_used)]
 
@@ -23,7 +23,7 @@ fn no_file_lies_in_a_circle_of_imports() {
 /// A module as its path, `["reply", "action"]`; the crate's root is empty.
 type Module = Vec<String>;
 
-/// The paths that one file names, and what it passes on.
+/// The paths that one file names, and the names that it re-exports.
 #[derive(Default)]
 struct Names {
     module: Module,
@@ -32,7 +32,7 @@ struct Names {
     re_exports: BTreeMap<String, Vec<String>>,
 }
 
-/// Returns for each file of a crate the files that it imports from.
+/// Returns, for each file of a crate, the files that it imports from.
 fn imports(folder: &str) -> BTreeMap<Module, BTreeSet<Module>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut texts = BTreeMap::new();
@@ -80,7 +80,7 @@ fn read(folder: &Path, above: &[String], texts: &mut BTreeMap<Module, String>) {
     }
 }
 
-/// Returns the module that defines what a path from the crate's root names.
+/// Returns the module that defines the item at a path from the crate's root.
 fn definer(path: &[String], all: &BTreeMap<Module, Names>, depth: usize) -> Module {
     assert!(depth < 32, "`{}` is passed on in a circle", path.join("::"));
     let is_module = |length: &usize| all.contains_key(&path[..*length]);
@@ -96,7 +96,8 @@ fn definer(path: &[String], all: &BTreeMap<Module, Names>, depth: usize) -> Modu
 }
 
 impl Names {
-    /// Returns a path from the crate's root; None for one that leads out of the crate, or to what the file itself has.
+    /// Returns a path from the crate's root; `None` for one that leads out of the crate, or to an item of the file
+    /// itself.
     fn absolute(&self, path: &[String]) -> Option<Vec<String>> {
         let (first, rest) = path.split_first()?;
         match first.as_str() {
@@ -171,7 +172,7 @@ impl<'ast> Visit<'ast> for Names {
 
     fn visit_macro(&mut self, item: &'ast Macro) {
         if let Ok(parts) = item.parse_body_with(Punctuated::<Expr, Token![,]>::parse_terminated) {
-            // The expressions live no longer than this call, so their paths are taken by a visitor of their own.
+            // The expressions live no longer than this call, so a separate visitor collects their paths.
             let mut inner = Names {
                 module: self.module.clone(),
                 children: self.children.clone(),
@@ -184,7 +185,7 @@ impl<'ast> Visit<'ast> for Names {
     }
 }
 
-/// Returns the largest sets of files of which each leads to every other.
+/// Returns the largest sets of files in which each leads to every other.
 fn circles(imports: &BTreeMap<Module, BTreeSet<Module>>) -> Vec<BTreeSet<String>> {
     let reached: BTreeMap<&Module, BTreeSet<&Module>> = imports
         .keys()

@@ -10,7 +10,7 @@ fn reference() -> String {
     fs::read_to_string(common::workspace().join("docs/language.md")).unwrap()
 }
 
-/// The tables between markers are those that the compiler's own tables give; `FABC_WRITE_DOCS=1` writes them.
+/// The tables between markers are the ones that the compiler's own tables give; `FABC_WRITE_DOCS=1` writes them.
 #[test]
 fn the_tables_of_the_reference_are_those_of_the_compiler() {
     let text = reference();

@@ -1,7 +1,7 @@
-//! The work of parsing grows with the text and no faster, counted and not timed.
+//! Parsing takes linear work, counted instead of timed.
 //!
-//! pest counts its calls and gives up beyond a limit that holds for the process; so this is one test in a
-//! binary of its own. The limit of each input is what ten times as many calls as a tenth of it needs allow.
+//! pest counts its calls and gives up beyond a limit for the whole process, so this is one test in its own binary.
+//! The limit of an input is ten times the calls that a tenth of it needs, plus some slack.
 
 #![allow(clippy::unwrap_used)]
 
@@ -14,10 +14,11 @@ use std::num::NonZeroUsize;
 const SMALL_BYTES: usize = 1_500;
 const LARGE_BYTES: usize = 15_000;
 
-/// How much more than ten times the calls ten times the text may need: a beginning and an end are not repeated.
+/// How much more than ten times the calls ten times the text may need, because its beginning and end are not
+/// repeated.
 const SLACK: f64 = 1.15;
 
-/// Returns whether a text is parsed within so many calls.
+/// Returns whether a text is parsed within this many calls.
 fn is_parsed_within(text: &str, calls: usize) -> bool {
     fab_grammar::limit_calls(NonZeroUsize::new(calls));
     let parsed = fab_grammar::parse(fab_grammar::FileId::FIRST, text);

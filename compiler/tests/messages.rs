@@ -1,4 +1,4 @@
-//! What a person sees: a few diagnostics in full. The others are held to their codes and places by the fault fixtures.
+//! A few diagnostics in full, as users see them. The fault fixtures check codes and places of the others.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,6 +1,7 @@
-//! No change to a task, and no order of the language's words, makes the compiler break a promise.
+//! No change to a task, and no order of the language's words, breaks an invariant of the compiler.
 //!
-//! A fixed number of cases from fixed seeds, so that a failure comes back; the fuzz target (`fuzz/`) looks further.
+//! The number of cases and the seeds are fixed, so a failure can be repeated; the fuzz target (`fuzz/`) searches
+//! further.
 
 #![allow(clippy::unwrap_used)]
 
@@ -11,16 +12,16 @@ use std::fs;
 use std::panic;
 use std::path::Path;
 
-/// How many texts are tried.
+/// The number of texts.
 const CASES: u64 = 500;
 
-/// The longest text that is tried, bytes: a debug build compiles some hundred kilobytes a second.
+/// The longest text, bytes: a debug build compiles a few hundred kilobytes a second.
 const MOST_BYTES: usize = 2000;
 
-/// Half of what Rust gives a thread; at the deepest nesting the parser needs most of it.
+/// Half of what Rust gives a thread. At the deepest nesting the parser needs most of it.
 const STACK_BYTES: usize = 1 << 20;
 
-/// A sequence of numbers that looks like chance and is the same each time (SplitMix64).
+/// A pseudo-random sequence that is the same each time (SplitMix64).
 struct Chance(u64);
 
 impl Chance {
@@ -60,7 +61,7 @@ fn texts() -> Vec<String> {
     texts
 }
 
-/// Splits texts into words, signs and blanks, each of which may be put anywhere.
+/// Splits texts into words, signs and blanks, each of which can be put anywhere.
 fn words(texts: &[String]) -> Vec<&str> {
     let is_end = |character: char| !character.is_alphanumeric() && character != '_';
     let mut words: Vec<&str> = texts
@@ -100,7 +101,7 @@ fn boundary(text: &str, byte: usize) -> usize {
     text.floor_char_boundary(byte)
 }
 
-/// Returns a piece of a text of at most so many bytes.
+/// Returns a piece of a text, at most `most` bytes long.
 fn piece<'t>(text: &'t str, most: usize, chance: &mut Chance) -> &'t str {
     let start = boundary(text, chance.below(text.len() + 1));
     let end = boundary(text, (start + chance.below(most)).min(text.len()));

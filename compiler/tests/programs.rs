@@ -1,4 +1,4 @@
-//! What a right file becomes: its bytes, its defaults, and what it inherits.
+//! The programs of valid files: their bytes, defaults and inheritance.
 
 #![allow(clippy::unwrap_used)]
 
@@ -120,7 +120,7 @@ fn quantities_are_in_base_units_and_folds_are_fractions() {
             fraction: 0.5
         }
     );
-    // Without a list of experts the demonstration is what counts as right, and gives the horizon.
+    // Without a list of experts, the demonstration counts as right and gives the horizon.
     assert_eq!(
         (program.experts[0].folds.as_slice(), program.experts.len()),
         (folds.as_slice(), 1)

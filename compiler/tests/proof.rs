@@ -68,20 +68,20 @@ fn words_that_answers_cannot_carry_are_flaws() {
         ("soft\nfirm", "line break"),
         ("\"soft\"", "means something else"),
         ("12", "has no letter"),
-        (" soft", "begins or ends"),
-        ("pick", "is a field's name too"),
-        ("Distance", "is a field's name too"),
+        (" soft", "begin and end"),
+        ("pick", "is also the name of a field"),
+        ("Distance", "is also the name of a field"),
     ] {
         let flaws = proof::flaws(&words(&["firm", word]));
         let is_told =
             |flaw: &Flaw| flaw.field == "grip" && flaw.value == word && flaw.message.contains(why);
         assert!(flaws.iter().any(is_told), "{word:?}: {flaws:#?}");
     }
-    // The reader looks for offered words between blanks, and this is one that no rule names.
+    // The reader looks for offered words between blanks; no rule covers this one.
     let flaws = proof::flaws(&words(&["a", "a\u{a0}b"]));
     let is_told = |flaw: &Flaw| flaw.value == "a\u{a0}bz" && flaw.message.contains("read as `a`");
     assert!(flaws.iter().any(is_told), "{flaws:#?}");
-    // A text that is refused for no rule of its own, but is read as another field's value.
+    // No rule rejects this text, but it reads as another field's value.
     let flaws = proof::flaws(&words(&["firm", "so distance 20 mm"]));
     assert!(!flaws.is_empty());
 }
@@ -93,7 +93,7 @@ fn numbers_that_contradict_their_other_form_are_flaws() {
         unreachable!("it was declared so")
     };
     choices[1].vector = [0.0, 1.0];
-    assert!(only(&program).message.contains("points elsewhere"));
+    assert!(only(&program).message.contains("has another direction"));
 
     let mut program = with(&["distance lengths edge 0.25 0.5"]);
     let Choices::Lengths { choices, .. } = &mut program.actions[1].choices else {
@@ -127,7 +127,7 @@ fn fields_that_are_mistaken_for_each_other_are_flaws() {
         &["distance lengths mm 1", "distance lengths mm 1"],
         &["angle directions 0 90", "tip_angle directions 0 45"],
     ] {
-        // The last one is right: the longer name claims its own places.
+        // The last one is right, because the longer name claims its own places.
         let is_right = lines.len() == 2 && lines[0].starts_with("angle ");
         let flaws = proof::flaws(&with(lines));
         assert_eq!(flaws.is_empty(), is_right, "{lines:?}: {flaws:#?}");
@@ -201,7 +201,7 @@ fn the_sampler_draws_every_offered_value_equally_often() {
     assert_eq!(nothing, None);
 }
 
-/// A scene whose masks are four pixels.
+/// A scene in which every mask is four pixels.
 struct Four;
 
 impl SceneView for Four {
@@ -251,7 +251,7 @@ fn length_unit(name: &str) -> LengthUnit {
     LengthUnit::find(name).unwrap()
 }
 
-/// Choices that nothing is wrong with.
+/// Valid choices.
 fn choices() -> impl Strategy<Value = Choices> {
     let tenths = |most: u32| prop::collection::btree_set(0..most, 1..20);
     let as_tenths = |set: std::collections::BTreeSet<u32>| -> Vec<f64> {
@@ -269,7 +269,7 @@ fn choices() -> impl Strategy<Value = Choices> {
         }),
         tenths(3600).prop_map(move |set| spaces::directions(&as_tenths(set))),
         (unit, tenths(5000)).prop_map(move |(unit, set)| spaces::lengths(unit, &as_tenths(set))),
-        // Thirds and the like, whose text is rounded.
+        // Thirds and the like, which are rounded when written.
         (2u32..50).prop_map(|n| {
             let parts: Vec<f64> = (0..n)
                 .map(|part| 360.0 * f64::from(part) / f64::from(n))
@@ -304,7 +304,7 @@ proptest! {
         choices in prop::collection::vec(choices(), 1..5),
         first in 0usize..6,
     ) {
-        // No name is a unit or a word that the generator is likely to make.
+        // No name is a unit, or a word that the generator is likely to make.
         let names = ["pick", "place_two", "direction_of_it", "distanceto", "gripping_force_zz", "last_oneqq"];
         let actions = choices.into_iter().enumerate().map(|(index, choices)| ActionField {
             name: names[(first + index) % names.len()].to_owned(),

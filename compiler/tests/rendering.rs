@@ -1,4 +1,4 @@
-//! Templates become the text that the author wrote, in Rust and in Python alike.
+//! Templates render to the text that the author wrote, in Rust and in Python alike.
 
 #![allow(clippy::unwrap_used)]
 
@@ -130,7 +130,7 @@ fn braces_of_jinja_are_literal() {
     );
 }
 
-/// Returns what a text becomes when a stage says it.
+/// Returns the rendered text of a stage that says this text.
 fn said(text: &str) -> Option<String> {
     let program = with_text(text)?;
     let messages = rendered(&program, 0, &known()).unwrap();
@@ -143,7 +143,7 @@ fn with_text(text: &str) -> Option<Program> {
         .pop()
 }
 
-/// Texts that are hard on templates: braces, quotes, blanks, line ends, and placeholders between.
+/// Texts that are hard for templates: braces, quotes, blanks, line ends, with placeholders between.
 fn hard_texts() -> impl Strategy<Value = String> {
     let piece = prop::sample::select(vec![
         "{",

@@ -1,7 +1,8 @@
-//! Reads every reply of `tests/fixtures/replies`, and holds what comes out against what stands above it.
+//! Reads every reply of `tests/fixtures/replies`, and compares the result with the expectation above it.
 //!
-//! A new file is found by itself. Above `---` stand, one a line: `action` (of `tests/fixtures/spaces/points.txt`),
-//! `action in SPACE`, or `text BEFORE | AFTER`; then `is VALUE` and `repair WORDS`, or `malformed FIELD: MESSAGE`, of which the first line counts.
+//! New files are found automatically. Above `---` are, one per line: `action` (of
+//! `tests/fixtures/spaces/points.txt`), `action in SPACE`, or `text BEFORE | AFTER`; then `is VALUE` and
+//! `repair WORDS`, or `malformed FIELD: MESSAGE`, of which only the first line is compared.
 
 #![allow(clippy::unwrap_used)]
 
@@ -197,7 +198,7 @@ fn answers_of_any_length_take_moments() {
         let begun = Instant::now();
         let _ = reply::read_action(&program, &text);
         let took = begun.elapsed();
-        // Linear work takes some hundredths of a second; work that grows with the square takes minutes.
+        // Linear work takes some hundredths of a second; quadratic work takes minutes.
         assert!(took < Duration::from_secs(4), "{piece:?} took {took:?}");
     }
 }

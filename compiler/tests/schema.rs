@@ -1,4 +1,4 @@
-//! The JSON Schema of an answer accepts exactly what is offered.
+//! The JSON Schema of an answer accepts exactly the offered values.
 
 #![allow(clippy::unwrap_used)]
 
@@ -11,7 +11,7 @@ use fab_program::space;
 use fab_program::{PixelPoint, Program, Value};
 use serde_json::{Map, Value as Json, json};
 
-/// Returns whether an answer fits a schema; panics on a keyword that it does not know.
+/// Returns whether an answer fits a schema; panics on an unknown keyword.
 fn fits(schema: &Json, answer: &Json) -> bool {
     schema
         .as_object()
@@ -57,10 +57,11 @@ fn fits(schema: &Json, answer: &Json) -> bool {
         })
 }
 
-/// Returns how much of a text one piece of a pattern can match from its start.
+/// Returns the possible lengths of a match of one piece of a pattern at the start of a text.
 type Step<'p> = Box<dyn Fn(&[char]) -> Vec<usize> + 'p>;
 
-/// Returns how much of a text a pattern can match from its start: characters, `\x`, `[a-b]`, `(a|b)`, each with `?` or `{m,n}`.
+/// Returns the possible lengths of a match of a pattern at the start of a text: characters, `\x`, `[a-b]`, `(a|b)`,
+/// each with `?` or `{m,n}`.
 fn ends(pattern: &[char], text: &[char]) -> Vec<usize> {
     let mut depth = 0;
     for (at, character) in pattern.iter().enumerate() {
@@ -228,7 +229,7 @@ fn every_offered_value_fits_and_others_do_not() {
             assert!(!fits(schema, &stating("else", "x")));
             assert!(!fits(schema, &json!("(10, 20)")));
         }
-        // Which points there are is known in a scene alone.
+        // The points are known only in a scene.
         let elsewhere = stating("pick", "(11, 20)");
         assert!(!fits(&schemas[0], &elsewhere) && fits(&schemas[1], &elsewhere));
     }

@@ -1,4 +1,4 @@
-//! Which actions may run, and what a model is told about those that may not.
+//! Which actions may run, and the messages about those that may not.
 
 #![allow(clippy::unwrap_used)]
 
@@ -8,7 +8,7 @@ use common::{Known, TASK, pick_and_place, pixels, program};
 use fab_program::Program;
 use fab_program::verify::{self, Strictness, Verdict};
 
-/// A scene whose cloth is everything with a column below 100.
+/// A scene in which every column below 100 is cloth.
 fn table() -> Known {
     Known {
         points: vec![

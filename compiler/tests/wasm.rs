@@ -1,6 +1,6 @@
-//! The compiler in WebAssembly gives the same bytes as here.
+//! The compiler gives the same bytes in WebAssembly.
 //!
-//! `make test-all` runs this where node and the standard library of wasm32-unknown-unknown are to be had
+//! `make test-all` runs this if node and the standard library of wasm32-unknown-unknown are available
 //! (scripts/wasm-parts.sh).
 
 #![allow(clippy::unwrap_used)]
@@ -76,7 +76,7 @@ fn peer_node_compiles_in_webassembly_what_is_compiled_here() {
     assert_eq!(compiled["programs"][0]["task"], "double_straight");
     assert!(compiled["programs"].as_array().unwrap().len() > 1);
     assert_eq!(in_node(&module, names[0], &shipped), compiled);
-    // The deepest nesting fits its stack too, which no guard of pest's watches there.
+    // The deepest nesting must fit its stack too; pest's own guard does not work there.
     let open = fab_grammar::MAX_NESTING - 3;
     let deep = format!(
         "task t {{ verify {{ check c {{ {}a{} }} else \"x\" }} }}\n",

@@ -1,4 +1,4 @@
-//! How long the tree of a task of 500 lines takes: less than 2 ms on one core of 2020 or later.
+//! Times the tree of a 500-line task: less than 2 ms on one core of 2020 or later.
 //!
 //! `cargo bench -p fab-grammar`
 
@@ -14,7 +14,7 @@ fn main() {
     divan::main();
 }
 
-/// Returns the sections of a shipped task again and again, up to [`LINES`] lines.
+/// Repeats the sections of a shipped task up to [`LINES`] lines.
 fn task() -> String {
     let shipped = include_str!("../../tasks/lib/folding.fab");
     let (head, body) = shipped.split_once("{\n").expect("a task has a head");

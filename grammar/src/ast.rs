@@ -51,7 +51,7 @@ macro_rules! views {
                     self.node
                 }
 
-                /// Returns its place.
+                /// Returns its span.
                 pub fn span(self) -> Span {
                     self.node.span()
                 }
@@ -94,7 +94,7 @@ macro_rules! blocks {
     ($($view:ident)*) => {
         $(
             impl $view<'_> {
-                /// Returns the place of its first words.
+                /// Returns the span of its first words.
                 pub fn head_span(self) -> Span {
                     let head = self.node.children().next().unwrap_or(self.node);
                     let ops::Range { start, .. } = head.range();
@@ -212,7 +212,7 @@ views! {
         /// Returns where it is placed.
         place: Expr<'t> = second,
     } {
-        /// Returns the fraction of the way that it is moved.
+        /// Returns how far along the way it is moved, as a fraction.
         fraction -> Option<Expr<'t>> = |node| all(node).nth(2);
     }
 
@@ -229,7 +229,7 @@ views! {
         body -> Body<'t> = |node| Body { node };
         /// Returns its variants.
         variants -> impl Iterator<Item = Variant<'t>> = |node| all(node);
-        /// Returns the components that are ablated.
+        /// Returns the names of the components to ablate.
         ablated -> impl Iterator<Item = Name<'t>> = |node| whole(node, Kind::Ablate).flat_map(Names::list);
         /// Returns its tests.
         tests -> impl Iterator<Item = Test<'t>> = |node| all(node);
@@ -274,7 +274,7 @@ views! {
         components -> impl Iterator<Item = Component<'t>> = |node| {
             all(node).filter(|component: &Component<'t>| !is_half(component.node))
         };
-        /// Returns the components that it leaves out.
+        /// Returns the names of the components that it removes.
         without -> impl Iterator<Item = Name<'t>> = |node| whole(node, Kind::Without).flat_map(Names::list);
         /// Returns its stages.
         stages -> impl Iterator<Item = Stage<'t>> = |node| all(node);
@@ -283,7 +283,7 @@ views! {
         /// Returns the checks with `override`.
         override_checks -> impl Iterator<Item = Check<'t>> = |node|
             whole(node, Kind::OverrideCheck).map(OverrideCheck::check);
-        /// Returns the checks that it leaves out.
+        /// Returns the names of the checks that it removes.
         without_checks -> impl Iterator<Item = Name<'t>> = |node|
             whole(node, Kind::WithoutCheck).flat_map(Names::list);
         /// Returns its length, bytes.
@@ -505,7 +505,7 @@ views! {
     } {
         /// Returns the phrase `with picture`.
         with_picture -> Option<Phrase<'t>> = |node| node.child(Kind::WithPicture).and_then(Phrase::cast);
-        /// Returns the checks that are left out at the end.
+        /// Returns the checks that `then without` removes.
         relaxed -> impl Iterator<Item = Name<'t>> = |node| all(node).flat_map(Names::list);
         /// Returns the phrase `else skip`.
         else_skip -> Option<Phrase<'t>> = |node| node.child(Kind::ElseSkip).and_then(Phrase::cast);
@@ -711,9 +711,9 @@ impl Tree {
 }
 
 impl<'t> File<'t> {
-    /// Returns the words of all junk, and of the statements that it cuts off.
+    /// Returns the words of all junk, and of the statements that junk cuts off.
     ///
-    /// A name may be declared there, so it should not be reported as unknown.
+    /// These may include a name's declaration, so such a name should not be reported as unknown.
     pub fn unparsed_words(self) -> BTreeSet<&'t str> {
         self.node
             .tree()
@@ -729,7 +729,7 @@ impl<'t> File<'t> {
 }
 
 impl<'t> Image<'t> {
-    /// Returns tail and tip of the arrow.
+    /// Returns the arrow's tail and tip.
     pub fn arrow(self) -> Option<[[Expr<'t>; 2]; 2]> {
         let mut ends = all(self.node).map(Pair::parts);
         Some([ends.next()?, ends.next()?])
@@ -772,7 +772,7 @@ impl<'t> Saying<'t> {
         name.or_else(|| first(node).map(Saying::Text))
     }
 
-    /// Returns its place.
+    /// Returns its span.
     pub fn span(self) -> Span {
         match self {
             Saying::Component(name) => name.span(),
@@ -866,7 +866,7 @@ impl<'t> Expr<'t> {
         view.or_else(|| first(node))
     }
 
-    /// Returns its place.
+    /// Returns its span.
     pub fn span(self) -> Span {
         self.node().span()
     }
@@ -987,7 +987,7 @@ impl<'t> Text<'t> {
         }
     }
 
-    /// Returns the places of the lines between triple quotes, without indentation and line ends.
+    /// Returns the byte ranges of the lines between triple quotes, without indentation and line ends.
     fn lines(self) -> Vec<ops::Range<usize>> {
         let ops::Range { start, end } = self.node.range();
         let is_closed = self.node.child(Kind::NoTriple).is_none();
@@ -1016,7 +1016,7 @@ impl<'t> Text<'t> {
     }
 }
 
-/// Returns the lines' places, without their ends.
+/// Returns the byte ranges of the lines, without their ends.
 fn lines(text: &str, offset: usize) -> Vec<ops::Range<usize>> {
     let mut lines = Vec::new();
     let mut start = 0;
@@ -1035,12 +1035,12 @@ fn lines(text: &str, offset: usize) -> Vec<ops::Range<usize>> {
     lines
 }
 
-/// Returns the blanks that a line begins with.
+/// Returns a line's leading blanks.
 fn blanks(line: &str) -> &str {
     &line[..line.len() - line.trim_start_matches([' ', '\t']).len()]
 }
 
-/// Returns the number of blanks that all lines with words begin with.
+/// Returns how many leading blanks all non-blank lines share.
 fn shared_indent<'t>(lines: impl Iterator<Item = &'t str>) -> usize {
     let with_words = lines.filter(|line| blanks(line).len() < line.len());
     let shared = with_words.map(blanks).reduce(|shared, next| {

@@ -35,10 +35,10 @@ pub enum Problem {
     Unexpected {
         /// The text here; `None` at the end of the line.
         found: Option<String>,
-        /// What would fit, in words for people; may be empty.
+        /// What would fit, in words for users; may be empty.
         expected: Vec<&'static str>,
     },
-    /// A line begins with a word that means nothing here.
+    /// A line begins with an unknown word.
     UnknownWord {
         /// The word.
         word: String,
@@ -64,14 +64,14 @@ pub enum Problem {
         /// The word that the name follows.
         after: String,
     },
-    /// Something stands between a block's name and its `{`.
+    /// There is something between a block's name and its `{`.
     Surplus {
         /// Its text.
         found: String,
     },
-    /// A `}` that closes nothing.
+    /// A `}` without an opening brace.
     StrayClose,
-    /// A section outside of any task.
+    /// A section is outside of any task.
     OutsideTask {
         /// Its keyword.
         word: String,

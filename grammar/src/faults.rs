@@ -1,8 +1,8 @@
 //! Finds out what is wrong with the junk in a tree.
 //!
-//! In: the tree. Out: [`Fault`]s in source order. A piece of junk is parsed again by the strict rule of
-//! its place, which gives the exact position and what was expected there. A line of junk directly after
-//! another is silent unless it looks like a new statement, so that one slip gives one fault.
+//! In: the tree. Out: [`Fault`]s in source order. Each piece of junk is parsed again by the strict rule for its
+//! place, which gives the exact position and what was expected there. A line of junk directly after another is not
+//! reported unless it looks like a new statement, so one mistake gives one fault.
 
 use crate::fault::{Fault, Problem};
 use crate::measure::{is_word, measure, token_at, unexpected};
@@ -27,7 +27,7 @@ pub(crate) fn collect(tree: &Tree) -> Vec<Fault> {
     faults
 }
 
-/// An unclosed text swallows every `}` after it; those are not missing.
+/// Drops faults of a missing `}` if an unclosed text swallowed the rest of the file.
 fn drop_consequences(tree: &Tree, faults: &mut Vec<Fault>) {
     let swallowed = tree
         .nodes()
@@ -72,7 +72,7 @@ fn judge(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option
         Kind::CurlyText => (node.span(), wrong_quotes(node, "\"\"\"")),
         Kind::CurlyString | Kind::SingleString => (node.span(), wrong_quotes(node, "\"")),
         Kind::BadEscape => (node.span(), Problem::BadEscape),
-        // A placeholder must be on one line, so that texts keep their lines.
+        // A placeholder must be on one line, so texts keep their lines.
         Kind::Placeholder if node.text().contains(['\n', '\r']) => {
             (first(2, node.span()), Problem::LoneBraces)
         }
@@ -182,7 +182,7 @@ fn junk(parent: Node<'_>, previous: Option<Node<'_>>, node: Node<'_>) -> Option<
         let problem = Problem::TrailingComma;
         return Some(Fault { span, problem });
     }
-    // A remainder is parsed together with the statement before it, whose rule knows what may follow.
+    // A remainder is parsed together with the statement before it, because that rule knows what may follow.
     let continued = previous.filter(|before| is_statement(before.kind()) && before.is_cut());
     let whole = Span {
         start: continued.map_or(span.start, |before| before.range().start),
@@ -216,12 +216,12 @@ fn looks_like_statement(kind: Kind, line: &str, first: &str, known: &[&str]) -> 
     if known.is_empty() {
         return is_word(first) && rest.starts_with([':', '=']);
     }
-    // Misspelt words are recognised only for sections: inside of them an unclosed block would look the same.
+    // Misspelt words are recognised only for sections: inside a section, an unclosed block would look the same.
     let is_section = kind == Kind::JunkSection;
     known.contains(&first) || is_section && is_word(first) && opens_block(rest)
 }
 
-/// Returns whether a line continues with `{`, or with a name or a text and `{`: a block, perhaps misspelt.
+/// Returns whether a line goes on with `{`, or with a name or a text and `{`: a block, perhaps misspelt.
 fn opens_block(rest: &str) -> bool {
     let line = rest.split(['\n', '\r']).next().unwrap_or(rest);
     let head = line.split('{').next().unwrap_or(line);
@@ -233,7 +233,7 @@ fn is_statement(kind: Kind) -> bool {
     !begins_block && !kind.is_junk()
 }
 
-/// Returns a node's place without the blanks around it.
+/// Returns a node's span without the blanks around it.
 fn trimmed(node: Node<'_>) -> Span {
     let span = node.span();
     let start = span.end - node.text().trim_start().len();
@@ -247,7 +247,7 @@ fn wrong_quotes(node: Node<'_>, quotes: &str) -> Problem {
     Problem::WrongQuotes { right }
 }
 
-/// Replaces `count` characters at either end by straight quotes.
+/// Replaces `count` characters at each end by straight quotes.
 fn requoted(text: &str, count: usize, quotes: &str) -> String {
     let characters: Vec<char> = text.chars().collect();
     let is_quote = |character: &char| {

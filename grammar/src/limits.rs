@@ -1,7 +1,7 @@
 //! Limits on the length and the nesting of a text.
 //!
-//! They are checked before parsing, by a scan that understands strings and comments, so no input can exhaust
-//! the stack of the parser or of code that walks its tree.
+//! They are checked before parsing, by a scan that understands strings and comments, so no input can exhaust the
+//! stack of the parser or of code that walks its tree.
 
 use crate::fault::{Fault, Problem};
 use crate::source::{FileId, Span};
@@ -9,7 +9,7 @@ use crate::source::{FileId, Span};
 /// The longest text that is parsed, bytes.
 pub const MAX_BYTES: usize = 1 << 20;
 
-/// The longest word outside of texts and comments, bytes: names are repeated in messages and programs.
+/// The longest word outside of texts and comments, bytes. Messages and programs repeat names.
 pub const MAX_WORD_BYTES: usize = 200;
 
 /// The most brackets and braces that may be open at once.
@@ -23,7 +23,7 @@ pub fn limit_calls(calls: Option<std::num::NonZeroUsize>) {
     pest::set_call_limit(calls);
 }
 
-/// Refuses a text that exceeds a limit.
+/// Rejects a text that exceeds a limit.
 pub(crate) fn check(file: FileId, text: &str) -> Result<(), Fault> {
     if text.len() > MAX_BYTES {
         let problem = Problem::TooLong {

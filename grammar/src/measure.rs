@@ -48,8 +48,8 @@ pub(crate) fn unexpected(tree: &Tree, span: Span, expected: Vec<&'static str>) -
     let text = tree.text();
     let at = span.start;
     let at = at + (text[at..].len() - text[at..].trim_start_matches([' ', '\t', '\u{a0}']).len());
-    // What follows on the line was expected to be something else, also where it belongs to what comes next. A text is
-    // searched for its end, which would take quadratic time beyond the span.
+    // Report the token on this line even if it belongs to what comes next. Look for the end of a text only within the
+    // span; beyond it the search would take quadratic time.
     let end = match text[at..].starts_with('"') {
         true => span.end.max(at),
         false => text.len(),

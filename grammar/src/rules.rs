@@ -1,6 +1,6 @@
-//! The parser that pest makes of `fab.pest`.
+//! The parser that pest generates from `fab.pest`.
 //!
-//! `missing_docs` cannot be met by generated code; everything here is private to the crate.
+//! The generated code has no docs; everything here is private to the crate.
 #![allow(missing_docs)]
 
 use pest_derive::Parser;

@@ -9,11 +9,11 @@ pub struct Source {
     pub name: String,
     /// The text; it is read only once.
     pub text: String,
-    /// Marks with known line and column, in order; the first is the beginning.
+    /// Positions with known line and column, in order; the first is the beginning.
     marks: Vec<Mark>,
 }
 
-/// A place in a text: a line's beginning, or one some hundred bytes into a long line.
+/// A position in a text: the beginning of a line, or of a piece of a long line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Mark {
     byte: usize,
@@ -21,7 +21,7 @@ struct Mark {
     column: usize,
 }
 
-/// The most bytes between two marks, so that a place in a line of a megabyte is found as quickly as any other.
+/// The most bytes between two marks, so that a lookup in a line of a megabyte is as fast as any other.
 const MARK_EVERY: usize = 256;
 
 /// Every file of one compilation, in the order in which they were first read.
@@ -65,7 +65,7 @@ impl Span {
         }
     }
 
-    /// Returns the bytes' place.
+    /// Returns the range of bytes.
     pub fn range(self) -> Range<usize> {
         self.start..self.end
     }
@@ -89,7 +89,7 @@ impl Sources {
         self.list.iter()
     }
 
-    /// Returns the text of a place.
+    /// Returns the text of a span.
     pub fn text(&self, span: Span) -> &str {
         &self.get(span.file).text[span.range()]
     }

@@ -24,7 +24,7 @@ pub struct Tree {
 #[derive(Clone, Debug)]
 struct Entry {
     kind: Kind,
-    // Texts are far shorter than 4 GiB, and a tree of half the size is walked faster.
+    // Texts are far shorter than 4 GiB, and half-size entries are faster to walk.
     start: u32,
     end: u32,
     /// Index of the first entry after this one's descendants.
@@ -236,7 +236,7 @@ impl Tree {
         builder.tree
     }
 
-    /// Returns the file that the text is of.
+    /// Returns the file of the text.
     pub fn file(&self) -> FileId {
         self.file
     }
@@ -271,7 +271,8 @@ impl Tree {
             .filter(|node| node.entry().next() == node.index + 1)
     }
 
-    /// Returns the innermost node that contains the byte at `offset`; at or beyond the end, the last byte's.
+    /// Returns the innermost node that contains the byte at `offset`; at or beyond the end, the one with the last
+    /// byte.
     pub fn node_at(&self, offset: usize) -> Node<'_> {
         let offset = offset.min(self.text.len().saturating_sub(1));
         let after = self
@@ -308,7 +309,7 @@ impl Builder {
     }
 
     fn open(&mut self, kind: Kind, at: usize) {
-        // Before the file's own node there is nothing to fill.
+        // There is nothing to fill before the file's own node.
         if !self.open.is_empty() {
             self.fill(at);
         }
@@ -368,7 +369,7 @@ impl<'t> Node<'t> {
         self.entry().kind
     }
 
-    /// Returns its place: the file and the bytes.
+    /// Returns its span: the file and the bytes.
     pub fn span(self) -> Span {
         self.tree.span(self.range())
     }

@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 
 const GRAMMAR: &str = include_str!("fab.pest");
 
-/// Returns a name for people for what `rule` matches; `None` if the rule alone is not helpful.
+/// Returns a readable name for what `rule` matches; `None` if the rule does not help the reader.
 pub(crate) fn expectation(rule: Rule) -> Option<&'static str> {
     static WORDS: LazyLock<BTreeMap<Rule, String>> = LazyLock::new(|| {
         let word = |rule: &Rule| {

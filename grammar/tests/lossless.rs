@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Holds a tree to its promises: leaves tile the text, children lie in their parents, junk has a fault.
+/// Asserts a tree's invariants: leaves tile the text, children lie in their parents, junk has a fault.
 fn hold(text: &str) {
     let parsed = parse(FileId::FIRST, text);
     let printed: String = parsed.tree.leaves().map(|leaf| leaf.text()).collect();
@@ -64,7 +64,7 @@ fn the_tasks_are_without_fault() {
     }
 }
 
-/// Cuts each task at many places, drops a piece at each, and puts something else there.
+/// Cuts a piece out of each task at many places and puts something else there.
 #[test]
 #[ignore = "long"]
 fn mutilated_tasks_keep_every_byte() {
@@ -143,7 +143,7 @@ fn comments_and_blank_lines_are_in_the_tree() {
 #[ignore = "long"]
 fn one_slip_is_one_fault() {
     for text in tasks() {
-        // A brace that is missing anywhere must not make an avalanche.
+        // A missing brace must not cause an avalanche of faults, wherever it is.
         let tree = parse(FileId::FIRST, &text).tree;
         for brace in tree
             .nodes()
@@ -182,7 +182,7 @@ fn limits_are_faults() {
     assert_eq!(parse(FileId::FIRST, &quoted).faults, []);
 }
 
-/// One change of a text; places are parts of a thousand of its length.
+/// One change of a text; positions are thousandths of its length.
 #[derive(Clone, Debug)]
 enum Change {
     /// Cuts the text off.

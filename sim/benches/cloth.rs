@@ -1,10 +1,10 @@
-//! Speed of the cloth, as figures that are compared within one run.
+//! Times the cloth; compare figures only within one run.
 //!
-//! `fold_resting_skipped` against `fold_every_step` is the gain of skipping steps of a cloth at rest;
-//! `step_flat` is one step of a cloth that lies flat and is computed all the same. `diagonal_fold_by_size` is the
-//! fold of `fabc sim time`; its items are particles times steps, so that equal items per second at all sizes mean
-//! a cost in proportion to the particles. `diagonal_fold_side_by_side` folds one cloth on each thread: items per
-//! second of two threads over those of one is what a second rollout at the same time is worth.
+//! `fold_resting_skipped` against `fold_every_step` shows what skipping the steps of a resting cloth saves.
+//! `step_flat` is one computed step of a cloth that lies flat. `diagonal_fold_by_size` is the fold of
+//! `fabc sim time`. Its items are particles times steps, so equal items per second at all sizes mean that the cost is
+//! proportional to the particles. `diagonal_fold_side_by_side` folds one cloth on each thread: its items per second
+//! with two threads, divided by those with one, show how well two rollouts run at the same time.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use fab_sim::{Grid, Look, Params, RestShortcut, Simulator, TopDownCamera, diagonal_fold};
@@ -13,7 +13,7 @@ fn main() {
     divan::main();
 }
 
-/// A flat cloth of the size that the paper's folds have.
+/// A flat cloth of the size in the paper's folds.
 fn cloth(shortcut: RestShortcut) -> Simulator {
     let grid = Grid::new(55, 55, 0.00625).expect("55 by 55 particles are within bounds");
     let mut cloth = Simulator::flat(grid, &Params::default());
@@ -53,7 +53,7 @@ fn fold_square(dim: usize) -> Simulator {
 
 /// Counts the particles of all steps of a fold.
 ///
-/// The steps are those of `diagonal_fold`, which only a run of it tells.
+/// The number of steps is known only from running `diagonal_fold`.
 fn particle_steps(dim: usize) -> ItemsCount {
     let side_m = (dim - 1) as f64 * 0.00625;
     let steps = 70.0 + (side_m * std::f64::consts::SQRT_2 / 0.005).ceil();

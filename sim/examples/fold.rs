@@ -1,6 +1,6 @@
-//! Folds a square cloth along its diagonal, or only begins to; scripts/count-instructions.sh counts what that takes.
+//! Folds a square cloth along its diagonal, or only begins to. scripts/count-instructions.sh counts its instructions.
 //!
-//! `cargo run --example fold -- SIZE [STEPS]` prints the steps that were computed; default: the whole fold.
+//! `cargo run --example fold -- SIZE [STEPS]` prints the computed steps; without STEPS, the whole fold.
 
 use fab_sim::{Grid, Params, SimError, diagonal_fold};
 use std::cell::Cell;

@@ -37,7 +37,7 @@ fn with_x_up_world_x_is_up_and_world_y_is_left() {
 fn the_picture_with_x_up_is_the_other_one_turned_left() {
     let grid = Grid::new(20, 16, 0.00625).unwrap();
     let mut points = grid.flat_positions(&Params::default());
-    // A corner folded over, so that neither side nor shading is the same everywhere.
+    // A corner is folded over, so neither the side nor the shading is the same everywhere.
     for point in points.iter_mut().filter(|p| p[0] + p[1] < -0.05) {
         *point = [-0.05 - point[1], -0.05 - point[0], 0.02];
     }
@@ -69,7 +69,7 @@ fn the_picture_with_x_up_is_the_other_one_turned_left() {
 fn a_raised_corner_is_drawn_where_the_projection_says() {
     let grid = Grid::new(20, 20, 0.00625).unwrap();
     let mut points = grid.flat_positions(&Params::default());
-    // The back right corner's four particles; nothing else is as near to the camera.
+    // The four particles of the back right corner; nothing else is as near to the camera.
     let raised = [18, 19, 38, 39];
     for index in raised {
         points[index][2] = 0.1;
@@ -195,7 +195,7 @@ fn a_fold_shows_both_sides() {
     let [x, y, _] = cloth.positions()[0];
     cloth.pick_and_place([x, y], [0.0, 0.0], &|| false).unwrap();
     let frame = folding_camera(128).render(grid, &cloth.positions(), &Look::default());
-    // Shading changes a colour's brightness, so sides are told apart by blue: none on top.
+    // Shading changes a colour's brightness, so blue tells the sides apart: there is none on top.
     let blue = |minimum: u8| {
         let cloth = |p: &[u8]| p[0] > 150 && p[1] < 160;
         frame
@@ -218,7 +218,7 @@ fn missing_particles_are_neither_drawn_nor_read() {
     let mut holed = whole.clone();
     for (index, point) in holed.iter_mut().enumerate() {
         if !mask.has(index) {
-            // Nearer to the camera than all else, and no number at all.
+            // Nearer to the camera than everything else, or NaN.
             *point = if index % 2 == 0 {
                 [0.0, 0.0, 0.3]
             } else {

@@ -23,16 +23,18 @@ fn recorded_picture(demo: &Demonstration, name: &str, channels: usize) -> Vec<u8
     bytes
 }
 
-/// Where a recorded picture shows cloth, by depth: levels are floor(255 depth), and the table is 165.
+/// Returns where a recorded picture shows cloth, by depth: levels are floor(255 depth), and the table is 165.
 fn cloth_by_depth(demo: &Demonstration, image: usize) -> Vec<bool> {
     let levels = recorded_picture(demo, &format!("depth_{image}.png"), 1);
     levels.into_iter().map(|level| level <= 164).collect()
 }
 
-/// Where a recorded picture shows cloth, by colour: the tiles are grey, and shade changes no saturation.
+/// Returns where a recorded picture shows cloth, by colour: the tiles are grey, and shading does not change
+/// saturation.
 ///
-/// Saturation is 1 on the orange top, 0.42 on the pink underside and 0.01 on the tiles. Cloth is what is at
-/// least half covered: half top and half tile has 0.51 and more green than blue, half underside 0.21 and less.
+/// Saturation is 1 on the orange top, 0.42 on the pink underside and 0.01 on the tiles. A pixel counts as cloth if at
+/// least half of it is covered: half top and half tile has 0.51 and more green than blue, half underside 0.21 and
+/// less.
 fn cloth_by_colour(demo: &Demonstration, image: usize) -> Vec<bool> {
     let is_cloth = |pixel: &[u8]| {
         let [red, green, blue] = [0, 1, 2].map(|channel| f32::from(pixel[channel]));
@@ -44,8 +46,8 @@ fn cloth_by_colour(demo: &Demonstration, image: usize) -> Vec<bool> {
     rgb.chunks(3).map(is_cloth).collect()
 }
 
-/// Draws every demonstration's start and end, and compares masks pixel by pixel: on average at least 0.99 of
-/// the union is common, and `least` at any start and any end.
+/// Draws every demonstration's start and end, and compares masks pixel by pixel. On average at least 0.99 of the
+/// union is common, and at least `least` at every single start and end.
 fn compare(
     demos: &[Demonstration],
     rule: &str,
@@ -110,7 +112,7 @@ fn recorded_starts_and_ends_cover_the_coloured_pixels() {
     compare(&demos, "colour", cloth_by_colour, [0.98, 0.98]);
 }
 
-/// Recorded pick points are three-dimensional, and the corners among which they were chosen are pixels.
+/// Recorded pick points are three-dimensional; the corners from which they were chosen are pixels.
 #[test]
 fn recorded_smoothing_picks_project_onto_a_recorded_corner() {
     let name = "recorded_smoothing_picks_project_onto_a_recorded_corner";
@@ -123,7 +125,7 @@ fn recorded_smoothing_picks_project_onto_a_recorded_corner() {
     let camera = camera.with_up(ImageUp::X);
     let mut offsets_px = Vec::new();
     for fixture in manifest["fixtures"].as_array().unwrap() {
-        // Where the recording's action was edited by hand, it has no point.
+        // A recorded action that was edited by hand has no point.
         let Some(point) = fixture["pick_world_m"].as_array() else {
             continue;
         };
@@ -135,7 +137,7 @@ fn recorded_smoothing_picks_project_onto_a_recorded_corner() {
             .map(|corner| [0, 1].map(|axis| corner[axis].as_f64().unwrap() as f32))
             .map(|corner| (corner[0] - column).hypot(corner[1] - row))
             .fold(f32::INFINITY, f32::min);
-        // One corner lay beside the cloth, and the nearest cloth pixel was picked instead.
+        // One corner was beside the cloth, so the nearest cloth pixel was picked instead.
         assert!(offset_px < 1.01, "{}: {offset_px} px", fixture["name"]);
         offsets_px.push(offset_px);
     }

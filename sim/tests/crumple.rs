@@ -1,4 +1,4 @@
-//! Crumpled cloths: equal seeds, what a heap must be, interruption.
+//! Crumpled cloths: equal seeds, properties of a heap, interruption.
 #![allow(clippy::unwrap_used)]
 
 use fab_sim::{Grid, Look, Mask, Params, SimError, Simulator, TopDownCamera};
@@ -23,7 +23,7 @@ fn coverage(cloth: &Simulator) -> f32 {
     pixels as f32 * (10.0 / camera.focal_px()).powi(2) / (side_m * side_m)
 }
 
-/// Returns the length of every edge over its length at rest.
+/// Returns the length of every edge divided by its rest length.
 fn stretches(cloth: &Simulator) -> Vec<f32> {
     let (grid, points) = (cloth.grid(), cloth.positions());
     let length = |a: usize, b: usize| {
@@ -43,7 +43,7 @@ fn stretches(cloth: &Simulator) -> Vec<f32> {
         .collect()
 }
 
-/// Checks what every heap must be, and returns its coverage.
+/// Checks the properties of a heap, and returns its coverage.
 fn check_heap(cloth: &Simulator, name: &str) -> f32 {
     let points = cloth.positions();
     for point in &points {
@@ -57,7 +57,7 @@ fn check_heap(cloth: &Simulator, name: &str) -> f32 {
     let stretches = stretches(cloth);
     let mean = stretches.iter().sum::<f32>() / stretches.len() as f32;
     assert!((0.99..1.03).contains(&mean), "{name}: mean stretch {mean}");
-    // Recorded heaps have single edges of up to 1.9 too.
+    // Recorded heaps also have single edges of up to 1.9.
     let long = stretches.iter().filter(|&&stretch| stretch > 1.2).count();
     assert!(100 * long < stretches.len(), "{name}: {long} long edges");
     assert!(Simulator::from_positions(cloth.grid(), &points, &Params::default()).is_ok());
@@ -77,7 +77,7 @@ fn equal_seeds_give_equal_heaps_and_others_give_others() {
     assert_ne!(one.digest(), other.digest());
     for (cloth, name) in [(&one, "3"), (&other, "4")] {
         let covered = check_heap(cloth, name);
-        // So small a cloth may fall open again.
+        // A cloth this small may fall open again.
         assert!((0.25..1.05).contains(&covered), "{name} covers {covered}");
     }
 }
@@ -127,7 +127,7 @@ fn the_lifted_particle_rises_by_the_height_that_is_told() {
     let mut cloth = flat(12);
     let highest = Cell::new(0);
     let lifted = cloth.clone().crumple(9, &|| false).unwrap().lifts[0];
-    // Stopped where it hangs.
+    // Stopped while it hangs.
     let stop = || highest.replace(highest.get() + 1) >= 12;
     let rises = (lifted.height_m / 0.1).ceil() as u32;
     assert!(rises <= 12 && lifted.height_m >= 0.5, "{lifted:?}");
@@ -155,7 +155,7 @@ fn a_cloth_with_a_hole_is_crumpled_onto_the_centre() {
 
 #[test]
 fn an_interrupted_crumpling_ends_at_once_and_lets_go() {
-    // In the lift, while hanging, and while coming to rest.
+    // During the lift, while hanging, and while coming to rest.
     for stop in [0, 5, 60, 320] {
         let mut cloth = flat(12);
         let asked = Cell::new(0);

@@ -1,4 +1,4 @@
-//! Recorded crumpled starts: once they have settled here, they stay where they are.
+//! Recorded crumpled starts stay in place once they have settled here.
 #![allow(clippy::unwrap_used)]
 
 mod recorded;
@@ -6,16 +6,17 @@ mod recorded;
 use fab_sim::{Grid, Params, RestShortcut, Simulator};
 use recorded::{data::recorded_data, mean_distance_mm, read_points};
 
-/// Steps that a recorded heap gets to come to rest; after half as many, high heaps still sink by up to 5 mm in a second.
+/// Steps in which a recorded heap may come to rest. After half as many, high heaps still sink by up to 5 mm in a
+/// second.
 const SETTLING_STEPS: u32 = 600;
-/// Steps in which it then must stay: one second.
+/// Steps for which it must then stay: one second.
 const STAYING_STEPS: u32 = 100;
-/// Mean distance that its particles may drift meanwhile, millimetres.
+/// Mean distance that its particles may drift in that time, millimetres.
 const MOST_DRIFT_MM: f64 = 2.0;
 
-/// Settles recorded states with their velocities, and checks that each then stays.
+/// Settles recorded states with their velocities, and checks that each one then stays.
 ///
-/// - `wanted`: how many of the states, in the manifest's order.
+/// - `wanted`: how many of the states to check, in the manifest's order.
 fn settled_states_stay(test: &str, wanted: usize) {
     let Some(root) = recorded_data(test) else {
         return;

@@ -1,6 +1,6 @@
-//! Equal bits: pinned digests of a few runs, on every thread, build and instruction set.
+//! Equal bits: pinned digests of a few runs, with any number of threads, build and instruction set.
 //!
-//! `digests.json` holds the digests. After a change of results raise `ALGORITHM_VERSION` and write them anew:
+//! `digests.json` has the digests. If results are meant to change, raise `ALGORITHM_VERSION` and write new digests:
 //! `FABC_WRITE_DIGESTS=1 cargo test -p fab-sim --test digests pinned`.
 #![allow(clippy::unwrap_used)]
 
@@ -11,7 +11,7 @@ use std::process::Command;
 
 const SPACING_M: f32 = 0.00625;
 
-/// A run that may be cut in two: it hands its cloth to `between` once, in the midst of things.
+/// A run that can be interrupted: it passes its cloth through `between` once, halfway.
 type Run = fn(RestShortcut, &dyn Fn(Simulator) -> Simulator) -> Simulator;
 
 const RUNS: [(&str, Run); 4] = [
@@ -48,7 +48,7 @@ fn two_folds(shortcut: RestShortcut, between: &dyn Fn(Simulator) -> Simulator) -
     cloth
 }
 
-/// A cloth with a hole and a missing corner, folded by hand; it changes hands while it hangs.
+/// A cloth with a hole and a missing corner, folded by hand; it passes through `between` while it hangs.
 fn masked_fold(shortcut: RestShortcut, between: &dyn Fn(Simulator) -> Simulator) -> Simulator {
     let there = |ix: usize, iy: usize| {
         !((12..18).contains(&ix) && (8..15).contains(&iy)) && (ix < 24 || iy < 18)
@@ -79,7 +79,7 @@ fn crumple(shortcut: RestShortcut, between: &dyn Fn(Simulator) -> Simulator) -> 
     cloth
 }
 
-/// The scenario that is timed; it computes every step, and is not cut.
+/// The timed scenario; it computes every step and is not interrupted.
 fn diagonal(_: RestShortcut, between: &dyn Fn(Simulator) -> Simulator) -> Simulator {
     let cloth = diagonal_fold(grid(20, 20), &Params::default(), &never).unwrap();
     between(cloth)
@@ -89,7 +89,7 @@ fn uncut(cloth: Simulator) -> Simulator {
     cloth
 }
 
-/// Goes on with a new cloth and a snapshot that has been text.
+/// Continues with a new cloth, restored from a snapshot that was written as text.
 fn through_json(cloth: Simulator) -> Simulator {
     let text = serde_json::to_string(&cloth.snapshot()).unwrap();
     let snapshot: Snapshot = serde_json::from_str(&text).unwrap();
@@ -155,7 +155,7 @@ fn a_snapshot_goes_on_with_the_same_bits_even_after_being_text() {
     assert_eq!(digests(RestShortcut::Skip, &through_json), here());
 }
 
-/// The shortcut has to be taken, or nothing is tested above: a sphere far from a resting cloth moves none of it.
+/// The tests above need the shortcut to be taken: a sphere far from a resting cloth moves none of it.
 #[test]
 fn a_picker_on_its_way_leaves_a_resting_cloth_alone() {
     let cloth = two_folds(RestShortcut::Skip, &uncut);

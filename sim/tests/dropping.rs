@@ -10,7 +10,7 @@ fn cloth(dimx: usize, dimy: usize) -> Simulator {
     cloth
 }
 
-/// Carries particle `index` by `way`; returns what was held, and the position after each step.
+/// Carries particle `index` by `way`; returns the held particle and the number of steps.
 fn carry(cloth: &mut Simulator, index: usize, way: [f32; 2]) -> (Option<usize>, u32) {
     let [x, y, _] = cloth.positions()[index];
     let place = [x + way[0], y + way[1]];
@@ -40,21 +40,21 @@ fn the_cloth_hangs_from_near_the_carrying_height_when_it_is_let_go() {
             asked.get() > steps
         }
     };
-    // The interruption comes when the sphere has arrived over the place, before it opens.
+    // The interruption comes when the sphere is above the place and still closed.
     let stop = let_go_after(4 * DROP_LEG_STEPS);
     whole
         .pick_and_place([x, y], [x + 0.05, y], &|| stop(&asked))
         .unwrap_err();
     let [held_x, _, held_z] = whole.positions()[0];
     let carried_m = Params::with_dropping_picker().picker_lift_height_m;
-    // The sphere's radius and skin lie between its centre and what it came down on.
+    // The sphere's radius and skin are between its centre and the surface it came down on.
     assert!((carried_m - held_z).abs() < 0.02, "{held_z}");
     assert!((held_x - (x + 0.05)).abs() < 0.012, "{held_x}");
 }
 
 #[test]
 fn a_corner_pulled_outward_stretches_a_cloth_that_was_folded_over() {
-    // Fold a corner inward by dropping it, then pull it out again the same way.
+    // Fold a corner inward by dropping it, then pull it out again in the same way.
     let mut cloth = cloth(30, 30);
     let flat = cloth.positions();
     carry(&mut cloth, 0, [0.06, -0.06]);
@@ -100,7 +100,7 @@ fn the_other_pickers_hash_is_what_it_was_without_a_choice() {
 #[test]
 #[ignore = "long"]
 fn the_rim_of_a_crumpled_cloth_is_grasped_from_just_beside_it() {
-    // As a picture's corner pixel may: there is only the table there, and the rim beside it may be high.
+    // A picture's corner pixel may be beside the cloth: there is only the table, and the rim next to it may be high.
     for seed in 0..6 {
         let mut crumpled = cloth(24, 24);
         crumpled.crumple(seed, &|| false).unwrap();
@@ -114,7 +114,7 @@ fn the_rim_of_a_crumpled_cloth_is_grasped_from_just_beside_it() {
             pick[axis] += sign * 0.001;
             let mut tried = crumpled.clone();
             let asked = std::cell::Cell::new(0);
-            // Up to where it would have been lifted.
+            // Until the height to which it would have been lifted.
             let stop = || {
                 asked.set(asked.get() + 1);
                 asked.get() > 3 * DROP_LEG_STEPS

@@ -1,4 +1,4 @@
-//! Outlines of cloths: what is read, what is refused and how, and the shipped outlines.
+//! Outlines of cloths: what is read, what is rejected and how, and the shipped outlines.
 #![allow(clippy::unwrap_used)]
 
 use fab_sim::{Grid, GridError, Mask, MaskError};
@@ -131,7 +131,7 @@ fn a_mask_that_leaves_nothing_out_is_the_full_one_however_it_was_made() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
-    /// Whatever the letters, the answer is a refusal or a mask that is drawn as it was read.
+    /// Whatever the letters, the result is an error, or a mask that is drawn as it was read.
     #[test]
     fn any_text_is_refused_or_drawn_as_it_was_read(text in "[#.\r\n x]{0,60}|[#.]{4}\n[#.]{4}\n[#.]{4}") {
         if let Ok(mask) = Mask::parse(&text, SPACING_M) {
@@ -141,7 +141,7 @@ proptest! {
         }
     }
 
-    /// A round outline off the middle of a grid that is not square: no axis can stand for the other.
+    /// A round outline off the centre of a grid that is not square, so that no axis can be mistaken for the other.
     #[test]
     fn a_predicate_names_the_particles(dimx in 8usize..30, dimy in 8usize..30, radius in 2.5f32..4.0) {
         let grid = Grid::new(dimx, dimy, SPACING_M).unwrap();

@@ -19,7 +19,7 @@ fn a_cell_becomes_two_triangles_and_diagonals_alternate() {
         mesh::triangles(&mask),
         [[0, 4, 1], [0, 3, 4], [1, 4, 2], [2, 4, 5]]
     );
-    // A cell with three corners has none.
+    // A cell with only three corners has none.
     let mask = Mask::parse("###\n###\n##.\n", 0.01).unwrap();
     assert_eq!(mesh::triangles(&mask).len(), 6);
 }
@@ -125,7 +125,7 @@ fn peer_trimesh_reads_the_mesh_of_a_square_with_a_hole() {
     }
 }
 
-/// Frames and whole rectangles of many sizes.
+/// Masks of many sizes: frames and whole rectangles.
 fn masks() -> impl Strategy<Value = Mask> {
     let hole = (6usize..20, 6usize..20, 1usize..4).prop_map(|(dimx, dimy, rim)| {
         let grid = Grid::new(dimx, dimy, 0.01).unwrap();
@@ -141,7 +141,7 @@ fn masks() -> impl Strategy<Value = Mask> {
 }
 
 proptest! {
-    /// The flat cloth's triangles face up, and their areas add up to the cloth's.
+    /// The flat cloth's triangles face up, and their areas add up to the area of the cloth.
     #[test]
     fn triangles_face_up_and_fill_the_flat_cloth(mask in masks()) {
         let positions = mask.grid().flat_positions(&Params::default());
@@ -157,7 +157,7 @@ proptest! {
         prop_assert!((area_m2 - flat_m2).abs() < 1e-5 * flat_m2, "{area_m2} {flat_m2}");
     }
 
-    /// Read back, the text holds every existing particle's bits and as many faces as there are triangles.
+    /// When read back, the text has every existing particle's bits and as many faces as there are triangles.
     #[test]
     fn the_text_reads_back_to_the_same_bits(mask in masks(), scale in -1e3f32..1e3) {
         let mut positions = mask.grid().flat_positions(&Params::default());

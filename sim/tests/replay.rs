@@ -1,4 +1,4 @@
-//! Recorded folding demonstrations, replayed open loop: the cloth has to end near where PyFleX's ended.
+//! Recorded folding demonstrations, replayed open loop: the cloth must end near where PyFleX's cloth ended.
 #![allow(clippy::unwrap_used)]
 
 mod recorded;

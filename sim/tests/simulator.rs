@@ -55,7 +55,7 @@ fn the_held_particle_keeps_its_offset_to_the_sphere() {
             .unwrap_err();
         highest = highest.max(partial.positions()[0][2]);
     }
-    // It rises by the difference of the sphere's heights, not to the lift height.
+    // It rises by the difference between the sphere's heights, not to the lift height.
     assert!((0.045..0.056).contains(&highest), "{highest}");
     let done = cloth
         .pick_and_place([from[0], from[1]], to, &never)
@@ -108,7 +108,7 @@ fn targets_beyond_reach_are_refused_before_anything_moves() {
 #[test]
 fn a_state_that_is_not_finite_is_caught_with_its_particle() {
     let mut cloth = flat(5, 5);
-    // So fast, positions outgrow 32 bits within some steps.
+    // At this speed, positions exceed 32 bits within a few steps.
     cloth.set_velocities(&[[f32::MAX, 0.0, 0.0]; 25]).unwrap();
     let failed = (0..500).find_map(|_| cloth.step().err()).unwrap();
     let SimError::NonFinite { particle, step, .. } = failed else {

@@ -1,10 +1,10 @@
-//! A file that is to be written.
+//! A file to write.
 
-/// A file that is to be written.
+/// A file to write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Artifact {
-    /// Where it belongs, relative to the folder that is built into; `/` as separator.
+    /// Its path, relative to the output folder; `/` as separator.
     pub path: String,
-    /// What it holds.
+    /// Its contents.
     pub text: String,
 }

@@ -5,24 +5,24 @@ use std::fmt;
 /// Why a program cannot be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EmitError {
-    /// A name cannot be used in a path or a template; the compiler never gives such a name.
+    /// A name cannot be used in a path or a template; the compiler never gives one like that.
     Name {
         /// The name.
         name: String,
     },
-    /// Something is named that the program does not have, or that is of another kind.
+    /// The program lacks something that it refers to, or that is of another kind.
     Reference {
-        /// What is named.
+        /// Its name.
         name: String,
-        /// What it would have to be.
+        /// The kind that it would have to be.
         wanted: &'static str,
     },
-    /// A number is infinite, not a number, or divides by zero.
+    /// A number is infinite, NaN, or a zero divisor.
     Number {
         /// The number.
         value: String,
     },
-    /// Two files would differ by the case of letters alone.
+    /// The names of two files differ only by case.
     SameFile {
         /// The path of one.
         one: String,
@@ -54,7 +54,7 @@ impl fmt::Display for EmitError {
 
 impl std::error::Error for EmitError {}
 
-/// Accepts a name that is safe in a path and in a template: letters of ASCII, digits and `_`, joined by dots.
+/// Accepts a name that is safe in a path and in a template: ASCII letters, digits and `_`, joined by dots.
 pub(crate) fn plain_name(name: &str) -> Result<&str, EmitError> {
     let is_plain = name.split('.').all(|part| {
         !part.is_empty()

@@ -1,8 +1,8 @@
 //! Writes a compiled task as files that other systems use without the compiler.
 //!
-//! In: compiled programs. Out: [`Artifact`]s, texts with the paths that they belong to: prompt templates, the JSON Schema
-//! of an answer, the checks as a module of Rust and of Python, and `program.json`, which ties them together. The same
-//! programs give the same bytes. Writing them to disk is left to the caller.
+//! In: compiled programs. Out: [`Artifact`]s, texts with their paths: prompt templates, the JSON Schema of an answer,
+//! the checks as a module of Rust and of Python, and `program.json`, which ties them together. The same programs give
+//! the same bytes. The caller writes them to disk.
 //!
 //! ```
 //! use fab_compiler::{LoadError, Loader};
@@ -53,7 +53,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`fill`] fills an emitted prompt with the values of [`guards_and_values`], as any Jinja engine does.
+//! [`fill`] fills an emitted prompt with the values of [`guards_and_values`], like any other Jinja engine.
 
 mod artifact;
 mod error;
@@ -71,14 +71,14 @@ use error::plain_name;
 use fab_program::Program;
 use std::collections::BTreeMap;
 
-/// What is written beside the prompts and the schema, which always are.
+/// What is written besides the prompts and the schema, which are always written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// `program.json`: the whole program as data, and a list of the other files.
     Program,
-    /// `verifier.rs`: the checks as a Rust module that needs `core` alone.
+    /// `verifier.rs`: the checks as a Rust module that needs only `core`.
     Rust,
-    /// `verifier.py`: the checks as a Python module that needs the standard library alone.
+    /// `verifier.py`: the checks as a Python module that needs only the standard library.
     Python,
 }
 
@@ -90,9 +90,9 @@ pub fn folder(program: &Program) -> String {
     }
 }
 
-/// Writes programs, each into its own folder; `program.json` comes last in it, since it lists the others.
+/// Writes programs, each into its own folder. `program.json` comes last, because it lists the other files.
 ///
-/// Fails only on programs that were edited by hand, and where two files would get one name.
+/// Fails only on programs that were edited by hand, and if two files would get the same name.
 pub fn emit(programs: &[Program], targets: &[Target]) -> Result<Vec<Artifact>, EmitError> {
     let mut artifacts = Vec::new();
     for program in programs {
@@ -100,7 +100,7 @@ pub fn emit(programs: &[Program], targets: &[Target]) -> Result<Vec<Artifact>, E
     }
     let mut by_path: BTreeMap<String, &str> = BTreeMap::new();
     for artifact in &artifacts {
-        // Not every file system tells `A` and `a` apart, and the files must be the same on all.
+        // Some file systems do not tell `A` and `a` apart, and the files must be the same on all of them.
         let folded = artifact.path.to_ascii_lowercase();
         if let Some(other) = by_path.insert(folded, &artifact.path) {
             return Err(EmitError::SameFile {

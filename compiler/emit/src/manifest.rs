@@ -1,4 +1,4 @@
-//! `program.json`: a program and the list of the files that were made from it.
+//! `program.json`: a program, and the list of the files made from it.
 //!
 //! ```json
 //! {
@@ -10,7 +10,7 @@
 //! }
 //! ```
 //!
-//! `program` is the verifier as data, and all else that a runtime needs; its own `format` is that of
+//! `program` is the verifier as data, and everything else that a runtime needs; its own `format` is that of
 //! [`Program`]. Every number reads back to the same bits.
 
 use crate::artifact::Artifact;
@@ -18,10 +18,10 @@ use fab_program::{Program, hex};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Version of the shape of [`Manifest`] and of the names of the files beside it.
+/// Version of the format of [`Manifest`] and of the names of the files next to it.
 pub const BUILD_FORMAT: u32 = 1;
 
-/// What `program.json` holds.
+/// The contents of `program.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// [`BUILD_FORMAT`] at the time of writing.
@@ -36,10 +36,10 @@ pub struct Manifest {
     pub program: Program,
 }
 
-/// One file beside `program.json`.
+/// One file next to `program.json`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ListedArtifact {
-    /// Where it lies, relative to `program.json`; `/` as separator.
+    /// Its path, relative to `program.json`; `/` as separator.
     pub path: String,
     /// SHA-256 of its bytes, hex.
     pub sha256: String,

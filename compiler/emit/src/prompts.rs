@@ -1,8 +1,8 @@
 //! `prompts/*.txt.j2`: one template per stage and speaker, and one per check.
 //!
-//! They keep to the subset of Jinja that [`fab_program::render`] names. A conditional part stands
-//! under a guard, `when["NAME"]`, a string that is empty where it is not said. A guard is indexed, since
-//! Python's jinja2 takes `when.items` for a method.
+//! They use the subset of Jinja described in [`fab_program::render`]. A conditional part is inside a guard,
+//! `when["NAME"]`, a string that is empty if the part is left out. The guard is an index expression because Python's
+//! jinja2 takes `when.items` for a method.
 
 use crate::artifact::Artifact;
 use crate::error::{EmitError, plain_name};
@@ -61,13 +61,13 @@ fn find<'p>(program: &'p Program, name: &str) -> Result<&'p Template, EmitError>
     Ok(template)
 }
 
-/// Returns the text of a variable that is constant in an emitted prompt, where points are always pixels.
+/// Returns the text of a variable that is constant in an emitted prompt, where points are always in pixels.
 fn constant(program: &Program, variable: &Variable) -> Option<String> {
     let pointing = Pointing::of_camera(&program.camera);
     render::constant(program, &pointing, &variable.value)
 }
 
-/// Returns a template's source with the words of its constants.
+/// Returns a template's source with its constants filled in.
 fn source(program: &Program, template: &Template) -> String {
     let mut text = template.text.clone();
     for variable in &template.variables {
@@ -81,7 +81,7 @@ fn source(program: &Program, template: &Template) -> String {
     text
 }
 
-/// Joins templates by a blank line, leaving out those whose guard is empty.
+/// Joins templates with blank lines, without those whose guard is empty.
 fn joined(program: &Program, names: &[String]) -> Result<String, EmitError> {
     let parts = names
         .iter()
@@ -98,7 +98,7 @@ fn joined(program: &Program, names: &[String]) -> Result<String, EmitError> {
         let is_first_certain = first_certain == Some(index);
         let body = closed(&source(program, part));
         if part.when.is_none() {
-            // The parts before the first certain one bring their own separators.
+            // The parts before the first unconditional one bring their own separators.
             text.push_str(if is_first_certain { "" } else { SEPARATOR });
             text.push_str(&body);
             continue;
@@ -125,7 +125,7 @@ fn joined(program: &Program, names: &[String]) -> Result<String, EmitError> {
     Ok(text)
 }
 
-/// Escapes a brace at the end of a text, which Jinja would join with the tag that follows.
+/// Escapes a brace at the end of a text, which Jinja would join with the next tag.
 fn closed(text: &str) -> String {
     match text.strip_suffix('{') {
         Some(before) => format!("{before}{{{{ \"{{\" }}}}"),
@@ -133,7 +133,7 @@ fn closed(text: &str) -> String {
     }
 }
 
-/// Returns a name that no text of the program uses: whether a part was said already.
+/// Returns a name that no text of the program uses, for the flag that a part was already written.
 fn unused_name(program: &Program) -> String {
     let mut name = "said".to_owned();
     let is_used = |name: &str| {
@@ -146,10 +146,10 @@ fn unused_name(program: &Program) -> String {
     name
 }
 
-/// Returns what the emitted prompts of these templates need: the variables, and the guards under `when`.
+/// Returns the values that the emitted prompts of these templates need: the variables, and the guards under `when`.
 ///
-/// A guard is `"yes"` or empty. A part that is not said needs no variables. Fails where a value that is
-/// said is missing.
+/// A guard is `"yes"` or empty. A part that is left out needs no variables. Fails if a value is missing that is
+/// needed.
 pub fn guards_and_values(
     program: &Program,
     templates: &[String],
@@ -195,11 +195,11 @@ pub fn guards_and_values(
     Ok(Value::Object(context))
 }
 
-/// Fills an emitted prompt with the settings that it is written for.
+/// Fills an emitted prompt with the settings for which it is written.
 ///
-/// - `values`: an object of strings and such objects, as [`guards_and_values`] gives it.
+/// - `values`: an object of strings and of objects like that, as [`guards_and_values`] returns it.
 ///
-/// Fails, saying why, where a value is missing or the text is no template.
+/// Fails with the reason if a value is missing or the text is not a template.
 pub fn fill(template: &str, values: &Value) -> Result<String, String> {
     render::fill(template, &entries(values))
 }

@@ -1,8 +1,8 @@
 //! Evaluates points, lengths, directions, numbers and conditions.
 //!
-//! In: a program's values and [`Facts`]. Out: numbers. Only additions, multiplications and comparisons of
-//! 64-bit floats are used where a verdict depends on the result, in a fixed order, so that the emitted
-//! verifiers compute the same bits in other languages.
+//! In: a program's values and [`Facts`]. Out: numbers. Where a verdict depends on the result, only additions,
+//! multiplications and comparisons of 64-bit floats are used, in a fixed order, so the emitted verifiers compute the
+//! same bits in other languages.
 
 use crate::data::actions::{Choices, Value};
 use crate::data::camera::PixelPoint;
@@ -98,7 +98,7 @@ impl Eval<'_> {
         })
     }
 
-    /// Returns the metres of a field that is a length; a value that is not offered is converted by its unit.
+    /// Returns the value of a length field in metres; a value that is not offered is converted by its unit.
     fn length_m(&self, field: &str) -> Result<f64, Missing> {
         let declared = self.program.field(field).map(|field| &field.choices);
         let (Some(Choices::Lengths { unit, choices }), Some(Value::Length { length })) =
@@ -141,7 +141,7 @@ impl Eval<'_> {
         }
     }
 
-    /// Returns the angle between two directions, degrees; 0 where one has no length.
+    /// Returns the angle between two directions, degrees; 0 if one has no length.
     pub fn angle_deg(&self, a: &Heading, b: &Heading) -> Result<f64, Missing> {
         Ok(measures::angle_deg(self.heading(a)?, self.heading(b)?))
     }
@@ -163,8 +163,8 @@ impl Eval<'_> {
 
     /// Returns whether a condition holds, and notes the values of its sides.
     ///
-    /// Parts are evaluated from left to right until the result is certain, so `last and …` does not need an action
-    /// before the first one.
+    /// Parts are evaluated from left to right until the result is certain, so `last and …` also works in the first
+    /// step.
     pub fn holds(&self, condition: &Condition, notes: &mut Notes) -> Result<bool, Missing> {
         match condition {
             Condition::All { of } => {

@@ -8,14 +8,14 @@ use crate::pointing::{Notation, Pointing};
 use crate::scene::SceneView;
 use std::collections::BTreeMap;
 
-/// An action that was carried out.
+/// An executed action.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExecutedAction {
-    /// What the model answered.
+    /// The model's answer.
     pub proposal: Proposal,
-    /// The pixel that was picked.
+    /// The pixel at which it picked.
     pub pick: PixelPoint,
-    /// The pixel that it was placed on.
+    /// The pixel at which it placed.
     pub place: PixelPoint,
 }
 
@@ -24,20 +24,20 @@ pub struct ExecutedAction {
 pub struct Facts<'a> {
     /// What the camera shows.
     pub scene: &'a dyn SceneView,
-    /// What earlier stages of this step read, by name.
+    /// The texts that earlier stages of this step read, by name.
     pub texts: &'a BTreeMap<String, String>,
-    /// Which step of the rollout this is, from 1.
+    /// The number of the step in the rollout, from 1.
     pub step: u32,
-    /// The action before this one.
+    /// The previous action.
     pub last: Option<&'a ExecutedAction>,
-    /// The action that is judged, where there is one.
+    /// The action to judge, if there is one.
     pub proposal: Option<&'a Proposal>,
-    /// How the model that is asked or judged writes points.
+    /// How the model writes points.
     pub pointing: Pointing,
 }
 
 impl<'a> Facts<'a> {
-    /// Returns the same with an action to judge.
+    /// Returns the same facts with an action to judge.
     pub fn judging(self, proposal: &'a Proposal) -> Facts<'a> {
         Facts {
             proposal: Some(proposal),

@@ -1,9 +1,10 @@
-//! A compiled manipulation task, and what it means: the prompts for a model, the reading of its answers, and whether a
-//! proposed action may run.
+//! A compiled manipulation task, and what it means: the prompts for a model, the reading of its answers, and whether
+//! a proposed action may run.
 //!
-//! A [`Program`] is plain data: the compiler makes it from a `.fab` file, and it is stored as JSON. This crate is all that
-//! a robot's own software needs to use one. It has no parser, no camera, no model and no system library; what the camera
-//! sees comes in through [`scene::SceneView`], and the same inputs give the same bytes on every machine.
+//! A [`Program`] is plain data: the compiler makes it from a `.fab` file, and it is stored as JSON. This crate is all
+//! that a robot's own software needs to use one. It has no parser, no camera, no model and no system library. The
+//! caller describes what the camera sees through [`scene::SceneView`]. The same inputs give the same bytes on every
+//! machine.
 //!
 //! ```
 //! use fab_program::facts::Facts;
@@ -67,9 +68,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What the language knows stands in tables, one row each: units in [`units::UNITS`], measures in
-//! [`measures::MEASURES`], extractors of keypoints in [`EXTRACTORS`]. The compiler, the reading of answers and the emitted
-//! files read the rows; [`vocabulary`] says what a row is.
+//! The language is defined in tables, one row per word: units in [`units::UNITS`], measures in
+//! [`measures::MEASURES`], extractors of keypoints in [`EXTRACTORS`]. The compiler, the reading of answers and the
+//! emitted files read the rows; [`vocabulary`] says what a row is.
 
 pub mod data;
 pub mod eval;

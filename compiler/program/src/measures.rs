@@ -1,9 +1,9 @@
 //! What checks and texts measure: lengths, angles and numbers, one row for each call.
 //!
-//! In: points of the picture and what the scene shows. Out: numbers. Verdicts depend on them, so that they are made by
-//! additions, multiplications and comparisons of 64-bit floats alone, in a fixed order: the emitted verifiers do the
-//! same in other languages. A length in pixels between points is a row of [`MEASURES`] and nothing else; its helper
-//! functions in other languages stand in the emitting crate.
+//! In: points of the picture and what the scene shows. Out: numbers. Verdicts depend on them, so they use only
+//! additions, multiplications and comparisons of 64-bit floats, in a fixed order; the emitted verifiers do the same
+//! in other languages. A length in pixels between points needs only a row of [`MEASURES`]; its helper functions in
+//! other languages are in the emitting crate.
 
 use crate::data::actions::Direction;
 use crate::data::points::{Heading, Point};
@@ -86,7 +86,7 @@ pub const MEASURES: &[Call<Make>] = &[
             Kind::Keypoint(&[KeypointShape::Mask]),
             "a mask",
         )],
-        "a mask's pixels over those of the flat cloth",
+        "a mask's pixels divided by those of the flat cloth",
         |args, flat_px| {
             Measure::Number(Number::Coverage {
                 mask: args.name("mask"),
@@ -128,21 +128,21 @@ const A: Arg = Arg::positional("a", Kind::Point, "a point");
 const B: Arg = Arg::positional("b", Kind::Point, "another");
 const POINT: Arg = Arg::positional("point", Kind::Point, "a point");
 
-/// How the value of a call is made.
+/// How a call makes its value.
 #[derive(Clone, Copy, Debug)]
 pub enum Make {
-    /// A length in the picture, of the points that are the call's arguments.
+    /// A length in the picture, from the points that are the call's arguments.
     Length(Square),
-    /// Any other value, of the arguments and the flat cloth's pixels.
+    /// Any other value, from the arguments and the number of pixels of the flat cloth.
     Other(fn(&Args, f64) -> Measure),
 }
 
-/// Computes a length's square from its points, `[column, row]`; negative where the length is.
+/// Computes a length's square from its points, `[column, row]`; negative if the length is.
 ///
-/// The square, since verdicts compare squares, which need no root.
+/// It is the square because verdicts compare squares, which need no root.
 pub type Square = fn(&[[f64; 2]]) -> f64;
 
-/// The value that a call of a measure names.
+/// The value of a call to a measure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {
     /// A length in the picture.
@@ -158,7 +158,7 @@ pub enum Measure {
     Number(Number),
     /// A point.
     Point(Point),
-    /// The choice of a direction field that is nearest to a direction.
+    /// The choice of a direction field nearest to a direction.
     Nearest {
         /// The field.
         field: String,
@@ -170,7 +170,7 @@ pub enum Measure {
 impl Call<Make> {
     /// Makes the value of a call with these arguments.
     ///
-    /// - `flat_px`: the flat cloth's pixels; NaN where the task has no cloth or no camera.
+    /// - `flat_px`: the number of pixels of the flat cloth; NaN if the task has no cloth or no camera.
     pub fn measure(&'static self, args: &Args, flat_px: f64) -> Measure {
         match self.make {
             Make::Length(square) => Measure::Length(Length::OfPoints(PointMeasure {
@@ -188,7 +188,7 @@ impl Call<Make> {
     }
 }
 
-/// A length; both sides of a comparison are in the same unit, pixels or metres.
+/// A length. Both sides of a comparison are in the same unit, pixels or metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "length", rename_all = "snake_case")]
 pub enum Length {
@@ -201,7 +201,7 @@ pub enum Length {
     Field {
         /// The field.
         field: String,
-        /// What its metres are multiplied by: 1, or pixels per metre.
+        /// The factor for its metres: 1, or pixels per metre.
         scale: f64,
     },
     /// A measure of points, pixels.
@@ -220,7 +220,7 @@ pub struct PointMeasure {
 }
 
 impl PointMeasure {
-    /// Returns the measure of that name and points; None for an unknown name or another number of points.
+    /// Returns the measure with this name and these points; `None` for an unknown name or a wrong number of points.
     pub fn new(name: &str, points: Vec<Point>) -> Option<PointMeasure> {
         let row = MEASURES.iter().find(|row| row.signature.name == name)?;
         match row.make {
@@ -245,7 +245,7 @@ impl PointMeasure {
         &self.points
     }
 
-    /// Returns the square of its value where these are its points, negative where the value is.
+    /// Returns the square of its value for these points, negative if the value is.
     pub fn square(&self, points: &[[f64; 2]]) -> f64 {
         (self.square)(points)
     }
@@ -297,22 +297,22 @@ pub enum Number {
     },
     /// Which step of the rollout this is, from 1.
     Step,
-    /// A mask's pixels over those of the flat cloth.
+    /// A mask's pixels divided by those of the flat cloth.
     Coverage {
         /// The mask.
         mask: String,
-        /// The flat cloth's pixels.
+        /// The number of pixels of the flat cloth.
         flat_px: f64,
     },
 }
 
 impl Number {
-    /// Returns whether it is always whole, so that it can equal another one.
+    /// Returns whether it is always whole, so that it can be tested for equality.
     pub fn is_whole(&self) -> bool {
         !matches!(self, Number::Coverage { .. })
     }
 
-    /// Returns its value in a scene; fails where the scene lacks its keypoint.
+    /// Returns its value in a scene; fails if the scene lacks its keypoint.
     pub fn value(&self, scene: &dyn SceneView, step: u32) -> Result<f64, Missing> {
         match self {
             Number::Count { keypoint } => {
@@ -373,21 +373,21 @@ pub(crate) fn mirror(of: [f64; 2], about: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|axis| 2.0 * about[axis] - of[axis])
 }
 
-/// Returns the angle between two directions, degrees; 0 where one has no length.
+/// Returns the angle between two directions, degrees; 0 if one has no length.
 pub(crate) fn angle_deg(a: [f64; 2], b: [f64; 2]) -> f64 {
     let cross = a[0] * b[1] - a[1] * b[0];
     libm::atan2(cross.abs(), dot(a, b)).to_degrees()
 }
 
-/// Returns what is compared in place of an angle and its limit: their cosines, squared with their signs, times both
-/// squared lengths. This needs no root and no trigonometry; the larger an angle, the smaller its cosine.
+/// Returns what is compared instead of an angle and its limit: their cosines, squared with their signs, times both
+/// squared lengths. This needs no root and no trigonometry. The larger an angle, the smaller its cosine.
 pub(crate) fn angle_sides(a: [f64; 2], b: [f64; 2], limit_cos: f64) -> [f64; 2] {
     let along = dot(a, b);
     let limit = limit_cos * limit_cos.abs() * (dot(a, a) * dot(b, b));
     [along * along.abs(), limit]
 }
 
-/// Returns the choice that is nearest to a direction, degrees; the first of equally near ones.
+/// Returns the choice nearest to a direction, degrees; the first of equally near ones.
 pub(crate) fn nearest_deg(choices: &[Direction], to: [f64; 2]) -> Option<f64> {
     let mut best: Option<(f64, f64)> = None;
     for choice in choices {

@@ -1,4 +1,5 @@
-//! Arguments that fit a signature, made from its kinds alone: tests hold every row to what it declares.
+//! Makes arguments that fit a signature from its kinds alone. Tests use them to check every row against its
+//! declaration.
 
 use crate::data::annotate::Spot;
 use crate::data::camera::PixelPoint;
@@ -7,7 +8,7 @@ use crate::data::points::{End, Heading, Point};
 use crate::units;
 use crate::vocabulary::{Arg, ArgValue, Args, Default, Kind, Signature};
 
-/// Returns arguments of which every one is given, and arguments of which none is that need not be.
+/// Returns two sets of arguments: with every argument given, and with defaults for the optional ones.
 pub fn of(signature: &Signature) -> [Args; 2] {
     let given = |arg: &Arg| (arg.name, value(&arg.kind));
     let least = |arg: &Arg| match arg.default {

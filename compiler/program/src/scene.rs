@@ -1,32 +1,33 @@
-//! The interface to perception: what an observation shows, as far as prompts and checks need it.
+//! The interface to perception: what prompts and checks need to know about an observation.
 
 use crate::data::camera::PixelPoint;
 
 /// What an observation shows; implemented by the caller.
 pub trait SceneView {
-    /// Returns the points of a keypoint, one for a point; None for a mask, a box, an outline or an unknown name.
+    /// Returns the points of a keypoint, one if it is a point; `None` for a mask, a box, an outline or an unknown
+    /// name.
     fn points(&self, keypoint: &str) -> Option<Vec<PixelPoint>>;
 
-    /// Returns the distance from `point` to the nearest pixel of a mask or box, pixels, 0 in it; None for an
+    /// Returns the distance from `point` to the nearest pixel of a mask or box, pixels, 0 inside it; `None` for an
     /// unknown name or an empty mask.
     fn distance_px(&self, region: &str, point: PixelPoint) -> Option<f64>;
 
-    /// Returns the number of a mask's pixels; None for an unknown name.
+    /// Returns the number of a mask's pixels; `None` for an unknown name.
     fn area_px(&self, mask: &str) -> Option<f64>;
 
-    /// Returns a pixel of a mask by its number from 0, row by row; None beyond the last one, and where a scene
-    /// does not know its masks' pixels.
+    /// Returns a pixel of a mask by its number from 0, row by row; `None` beyond the last one, and if a scene does
+    /// not know the pixels of its masks.
     fn region_pixel(&self, _mask: &str, _number: u64) -> Option<PixelPoint> {
         None
     }
 
-    /// Returns the candidate points that nothing can be done at, none of which is offered.
+    /// Returns the unreachable candidate points; none of them is offered.
     fn unreachable(&self) -> &[Unreachable] {
         &[]
     }
 }
 
-/// A keypoint, a field or a text that is not there; a scene of the same program never lacks one.
+/// A missing keypoint, field or text. A scene of the same program never lacks one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
     /// Its name.
@@ -34,7 +35,7 @@ pub struct Missing {
 }
 
 impl Missing {
-    /// Names what is not there.
+    /// Makes the error for a missing name.
     pub fn of(name: &str) -> Missing {
         Missing {
             name: name.to_owned(),
@@ -50,11 +51,11 @@ impl std::fmt::Display for Missing {
 
 impl std::error::Error for Missing {}
 
-/// A point of the picture that is out of reach of what picks and places there.
+/// A point of the picture that cannot be picked from or placed on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unreachable {
     /// The point.
     pub point: PixelPoint,
-    /// Why, in words that a model is told.
+    /// The reason, as models are told it.
     pub why: String,
 }

@@ -1,8 +1,7 @@
 //! The action space of a program: the choices of each field, and their text.
 //!
-//! In: the declaration, and a scene for fields that choose among its points. Out: values and their texts.
-//! Prompt, answer format, schema, reader, verifier and sampler all go through here, so that they cannot
-//! drift apart.
+//! In: the declaration, and a scene for fields that choose among its points. Out: values and their texts. Prompt,
+//! answer format, schema, reader, verifier and sampler all use these functions, so they cannot drift apart.
 
 use crate::data::actions::Proposal;
 use crate::data::actions::{ActionField, Choices, Value};
@@ -11,12 +10,13 @@ use crate::data::program::Program;
 use crate::exact::written;
 use crate::scene::SceneView;
 
-/// The most digits behind the point of a number in a prompt.
+/// The most digits after the decimal point of a number in a prompt.
 pub const DECIMALS: usize = 4;
 
-/// Returns what a field may be in a scene, in the order in which a prompt lists it, each once.
+/// Returns the values that a field offers in a scene, in the order in which a prompt lists them, each once.
 ///
-/// A keypoint that the scene does not have offers nothing, nor does a point that is out of reach. The pixels of a region are not listed: see [`is_offered`].
+/// A keypoint that the scene lacks offers nothing, and unreachable points are not offered. The pixels of a region are
+/// not listed: see [`is_offered`].
 pub fn choices(field: &ActionField, scene: &dyn SceneView) -> Vec<Value> {
     match &field.choices {
         Choices::Points { keypoints } => {
@@ -47,12 +47,12 @@ pub fn is_offered(field: &ActionField, value: &Value, scene: &dyn SceneView) -> 
     }
 }
 
-/// Writes what a field may be that offers a region.
+/// Writes the choices of a field that offers a region.
 pub fn any_of(mask: &str) -> String {
     format!("any point on the {}", mask.replace('_', " "))
 }
 
-/// Returns the choices of a field that do not depend on the scene; none for a field of points.
+/// Returns the choices of a field that do not depend on the scene; empty for a field of points.
 pub fn declared(field: &ActionField) -> Vec<Value> {
     match &field.choices {
         Choices::Points { .. } | Choices::Region { .. } => Vec::new(),
@@ -86,13 +86,13 @@ pub fn text(field: &ActionField, value: &Value) -> String {
     }
 }
 
-/// Writes values one after the other, as prompts do.
+/// Lists values as prompts do.
 pub fn listed(field: &ActionField, values: &[Value]) -> String {
     let texts: Vec<String> = values.iter().map(|value| text(field, value)).collect();
     texts.join(", ")
 }
 
-/// Returns a field's name as sentences say it.
+/// Returns a field's name as it is written in sentences.
 pub fn spoken(field: &ActionField) -> String {
     field.name.replace('_', " ")
 }
@@ -109,14 +109,14 @@ pub fn statement(field: &ActionField, value: &str) -> String {
     )
 }
 
-/// Returns the lines in which an answer states an action, points in pixels.
+/// Returns the lines in which an answer must state an action, with points in pixels.
 pub fn format(actions: &[ActionField]) -> String {
     format_with("(x, y)", actions)
 }
 
-/// Returns the lines in which an answer states an action; what `{{ actions.format }}` becomes.
+/// Returns the lines in which an answer must state an action. This replaces `{{ actions.format }}`.
 ///
-/// - `point`: what stands in the place of a point, see [`crate::pointing::Pointing::form`].
+/// - `point`: the form of a point, see [`crate::pointing::Pointing::form`].
 pub fn format_with(point: &str, actions: &[ActionField]) -> String {
     let line = |field: &ActionField| {
         let values: Vec<String> = declared(field)
@@ -133,11 +133,11 @@ pub fn format_with(point: &str, actions: &[ActionField]) -> String {
     actions.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Draws a random action, all choices of a field being equally likely.
+/// Draws a random action. All choices of a field are equally likely.
 ///
-/// - `below`: returns a number below its argument, which is at least 1; a larger one is brought below it.
+/// - `below`: returns a number below its argument, which is at least 1; a larger result is reduced to that range.
 ///
-/// Returns None where a field has nothing to offer.
+/// Returns `None` if a field has nothing to offer.
 pub fn sample(
     program: &Program,
     scene: &dyn SceneView,
@@ -160,7 +160,7 @@ pub fn sample(
             return None;
         }
         let n_offered = offered.len() as u64;
-        // Below the length of a list in memory, so that nothing is cut off.
+        // Smaller than the length of a list in memory, so the conversion loses nothing.
         let index = (below(n_offered) % n_offered) as usize;
         fields.push((field.name.clone(), offered.swap_remove(index)));
     }

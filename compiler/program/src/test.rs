@@ -1,4 +1,4 @@
-//! Runs the tests that a task carries: reads and judges an answer without a model or a camera.
+//! Runs a task's own tests: reads and judges an answer without a model or a camera.
 //!
 //! In: a program and one of its tests. Out: the result of the answer, and whether it was expected.
 
@@ -22,9 +22,9 @@ use std::fmt;
 pub struct Trial {
     /// The result of the answer.
     pub finding: Finding,
-    /// Whether it is what the test expects.
+    /// Whether the test expects it.
     pub is_expected: bool,
-    /// The deviations that were tolerated when the answer was read.
+    /// The deviations that were tolerated in the answer.
     pub repairs: Vec<String>,
 }
 
@@ -33,18 +33,18 @@ pub struct Trial {
 pub enum Finding {
     /// The action may run.
     Accepted,
-    /// A check refuses it.
+    /// A check rejects it.
     Rejected {
         /// The check.
         check: String,
-        /// What each side of it came to.
+        /// The value of each side of the check.
         values: Vec<(String, String)>,
-        /// What the model is told.
+        /// The message to the model.
         message: String,
     },
     /// It cannot be read.
     Malformed {
-        /// What the model is told.
+        /// The message to the model.
         message: String,
     },
     /// A text was read.
@@ -54,7 +54,7 @@ pub enum Finding {
     },
     /// The test does not give what a check or its message needs.
     Lacking {
-        /// What is not given.
+        /// What is missing.
         name: String,
     },
 }
@@ -138,7 +138,7 @@ fn finding(program: &Program, test: &Test) -> (Finding, Vec<String>) {
 
 fn judged(program: &Program, given: &Given, proposal: &Proposal) -> Result<Verdict, RenderError> {
     let scene = Rectangles { program, given };
-    // Every keypoint that a verdict may ask for has to be given: silence would pass for an empty mask.
+    // Every keypoint that a verdict may need must be given: a missing one would look like an empty mask.
     for name in verify::keypoints(program) {
         if scene.points(&name).is_none() && scene.region(&name).is_none() {
             return Err(RenderError::MissingFact { name });
@@ -186,7 +186,7 @@ impl SceneView for Rectangles<'_> {
         if let Some((_, points)) = given {
             return Some(points.clone());
         }
-        // Points that are always the same need not be given.
+        // Points that never change need not be given.
         match &self.program.keypoint(keypoint)?.extractor {
             crate::data::keypoints::Extractor::Fixed { points } => Some(points.clone()),
             _ => None,

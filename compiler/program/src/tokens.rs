@@ -1,6 +1,6 @@
-//! Estimates how many tokens a text has: a rule of thumb, called an estimate wherever it appears.
+//! Estimates how many tokens a text has. It is a rule of thumb, and is called an estimate wherever it is shown.
 
-/// Letters of a token, on average of English text.
+/// Letters per token, on average of English text.
 const LETTERS: u64 = 4;
 
 /// Estimates the tokens of a text: a quarter of its letters, rounded up.

@@ -1,7 +1,7 @@
 //! Every unit of the language: one row each.
 //!
-//! A row serves sources, prompts and answers alike: a number with this unit may stand in a `.fab` file, is written with
-//! its name, and is understood in an answer by its name or one of its spellings.
+//! A row serves sources, prompts and answers alike. Its name may follow a number in a `.fab` file, prompts write the
+//! name, and answers may use the name or one of its spellings.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -24,17 +24,18 @@ pub enum Dimension {
 /// A unit.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Unit {
-    /// How it is written.
+    /// Its name, as written after a number.
     pub name: &'static str,
     /// What it measures.
     pub dimension: Dimension,
-    /// Its size in base units; of `edge`, which the cloth decides, not a number.
+    /// Its size in base units; NaN for `edge`, which depends on the cloth.
     pub size: f64,
-    /// The most digits behind the point of a number that a prompt writes in it.
+    /// The most digits after the decimal point of a number that a prompt writes in it.
     pub decimals: u8,
-    /// How else people and models write it, words of ASCII or signs; in a source the right name is suggested.
+    /// Other ways in which people and models write it, ASCII words or signs. In a source, the right name is suggested
+    /// instead.
     pub spellings: &'static [&'static str],
-    /// What it is, in the plural.
+    /// Its meaning, in the plural.
     pub doc: &'static str,
 }
 
@@ -95,7 +96,7 @@ pub const EDGE: Unit = unit(
     "lengths of the cloth's longer side",
 );
 
-/// Degrees, in which programs hold angles.
+/// Degrees, the unit of angles in programs.
 pub const DEG: Unit = unit(
     "deg",
     Dimension::Angle,
@@ -134,7 +135,7 @@ const fn unit(
 }
 
 impl PartialEq for Unit {
-    /// Compares names, which tell all units apart; the size of `edge` is not equal to itself.
+    /// Compares names, because the size of `edge` is NaN and not equal to itself.
     fn eq(&self, other: &Unit) -> bool {
         self.name == other.name
     }
@@ -148,7 +149,7 @@ impl Unit {
         if *self == EDGE { edge_m } else { self.size }
     }
 
-    /// Returns the size of an angle's unit in degrees; of `deg` exactly 1.
+    /// Returns the size of a unit of angles in degrees; exactly 1 for `deg`.
     pub fn in_deg(&self) -> f64 {
         self.size / DEG.size
     }
@@ -161,7 +162,7 @@ impl Unit {
     }
 }
 
-/// A unit of length on the table, in which a field offers its choices; in JSON its name.
+/// A unit of length on the table, in which a field offers its choices. In JSON it is the name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LengthUnit(&'static Unit);
 
@@ -169,12 +170,12 @@ impl LengthUnit {
     /// The cloth's longer side.
     pub const EDGE: LengthUnit = LengthUnit(&EDGE);
 
-    /// Returns a unit where it is one of length on the table.
+    /// Returns a unit if it is one of length on the table.
     pub fn of(unit: &'static Unit) -> Option<LengthUnit> {
         (unit.dimension == Dimension::Length).then_some(LengthUnit(unit))
     }
 
-    /// Returns the unit of length of that name.
+    /// Returns the unit of length with that name.
     pub fn find(name: &str) -> Option<LengthUnit> {
         find(name).and_then(LengthUnit::of)
     }
@@ -208,12 +209,12 @@ impl<'de> Deserialize<'de> for LengthUnit {
     }
 }
 
-/// Returns the unit of that name.
+/// Returns the unit with that name.
 pub fn find(name: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.name == name)
 }
 
-/// Returns a number with the name of its unit in base units; a plain one, or one of an unknown unit, as it is.
+/// Returns a number in base units; a plain number, or one with an unknown unit, is unchanged.
 pub fn base((number, unit): (f64, &str)) -> f64 {
     number * find(unit).map_or(1.0, |unit| unit.size)
 }

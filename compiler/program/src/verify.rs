@@ -20,8 +20,8 @@ use std::collections::BTreeSet;
 /// The name of the check that every task has: each field is one of the offered values.
 pub const OFFERED: &str = "offered";
 
-/// The name of the check that the host adds where what picks and places cannot reach every point: an accepted action's
-/// points are in reach. It is asked after the declared checks, by the runtime, which alone knows lengths on the table.
+/// The name of the check that the host adds if some points are unreachable: the points of an accepted action must be
+/// reachable. The runtime runs it after the declared checks, because only the runtime knows lengths on the table.
 pub const REACHABLE: &str = "reachable";
 
 /// Whether an action may run.
@@ -34,14 +34,14 @@ pub enum Verdict {
     Reject {
         /// The first check that fails.
         check: String,
-        /// What each side of it came to, in source order.
+        /// The value of each of its sides, in source order.
         values: Vec<(String, String)>,
-        /// What the model is told.
+        /// The message to the model.
         message: String,
     },
 }
 
-/// Which of the declared checks are asked.
+/// Which of the declared checks are run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strictness {
     /// All.
@@ -52,7 +52,7 @@ pub enum Strictness {
 
 /// Judges an action: first whether its fields were offered, then the declared checks in order.
 ///
-/// Fails where a keypoint or a value is missing, which the facts of the same program never lack.
+/// Fails if a keypoint or a value is missing; the facts of the same program never lack one.
 pub fn verdict(
     program: &Program,
     facts: Facts<'_>,
@@ -81,9 +81,9 @@ pub fn verdict(
 
 /// Returns the rejection of the first field whose value the scene does not offer.
 ///
-/// - `notation`: how its message writes points; asked only where there is one.
+/// - `notation`: how the message writes points; called only for a rejection.
 ///
-/// Fails where the proposal lacks a field.
+/// Fails if the proposal lacks a field.
 pub fn unoffered(
     program: &Program,
     scene: &dyn SceneView,
@@ -104,7 +104,7 @@ pub fn unoffered(
     Ok(None)
 }
 
-/// Asks one check; returns what its sides came to where it fails.
+/// Runs one check; if it fails, returns the values of its sides.
 fn failure(
     program: &Program,
     facts: Facts<'_>,
@@ -121,7 +121,7 @@ fn failure(
     Ok((!holds).then_some(notes))
 }
 
-/// Returns what a field may be, in the order in which a prompt lists it, each once.
+/// Returns the values that a field offers, in the order in which a prompt lists them, each once.
 pub fn offered(program: &Program, scene: &dyn SceneView, field: &str) -> Vec<Value> {
     program
         .field(field)
@@ -130,7 +130,7 @@ pub fn offered(program: &Program, scene: &dyn SceneView, field: &str) -> Vec<Val
 
 /// Returns the keypoints that the verdict on an action can depend on, in alphabetical order.
 ///
-/// What only messages show is not among them.
+/// Those that only messages show are left out.
 pub fn keypoints(program: &Program) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for field in &program.actions {

@@ -1,9 +1,10 @@
-//! How a word of the language is described: one row each, and everything else is read from the row.
+//! How a word of the language is described: one row per word, and everything else is read from the row.
 //!
-//! A [`Call`] is a row: its name, its arguments with kind, range and default, one line of documentation, and the function
-//! that makes its value. The compiler binds, checks and explains arguments by the row alone; the reference tables and
-//! the editor's vocabulary are written from it. Rows stand beside what they make: units in [`crate::units`], extractors
-//! in [`crate::data::keypoints`], measures in `crate::measures`, all other calls in the compiler.
+//! A [`Call`] is a row: its name, its arguments with kind, range and default, one line of documentation, and the
+//! function that makes its value. The compiler binds, checks and explains arguments from the row alone; the reference
+//! tables and the editor's vocabulary are generated from it. Rows are beside the code that they make values for:
+//! units in [`crate::units`], extractors in [`crate::data::keypoints`], measures in `crate::measures`, all other
+//! calls in the compiler.
 
 use crate::data::annotate::Spot;
 use crate::data::camera::PixelPoint;
@@ -16,35 +17,35 @@ use serde::Serialize;
 
 pub use crate::words::Word;
 
-/// A function that a task may call, and what it makes.
+/// A function that a task may call, and the value it makes.
 #[derive(Clone, Copy, Debug)]
 pub struct Call<Make> {
     /// Its name, arguments and documentation.
     pub signature: Signature,
-    /// Makes its value from arguments that were read by the signature.
+    /// Makes its value from arguments that match the signature.
     pub make: Make,
 }
 
-/// A call whose arguments alone make its value.
+/// A call that makes its value from its arguments alone.
 pub type CallOf<T> = Call<fn(&Args) -> T>;
 
 /// The signature of a call: its name, its arguments, one line of documentation.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Signature {
-    /// Its name. Rows of one name are the forms of one call; the arguments' labels tell them apart.
+    /// Its name. Rows with one name are the forms of one call; the labels of the arguments tell them apart.
     pub name: &'static str,
     /// What it gives, such as `a mask`.
     pub gives: &'static str,
     /// Its arguments; positional ones in order.
     pub args: &'static [Arg],
-    /// What it is, one line.
+    /// What it does, one line.
     pub doc: &'static str,
 }
 
 /// One argument of a call.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Arg {
-    /// Its name: the label of a named argument, and how messages call a positional one.
+    /// Its name: the label of a named argument, or how messages refer to a positional one.
     pub name: &'static str,
     /// How it is given.
     pub place: Place,
@@ -54,7 +55,7 @@ pub struct Arg {
     pub default: Option<Default>,
     /// The other argument that it needs, if it makes no sense alone.
     pub needs: Option<Needs>,
-    /// What it is, a few words.
+    /// What it means, a few words.
     pub doc: &'static str,
 }
 
@@ -107,14 +108,14 @@ pub enum Kind {
     Between(Range),
     /// One word of a closed set.
     Word(&'static [Word]),
-    /// Likewise, of a set that has a noun.
+    /// The same, for a set that has a noun.
     NameOf {
-        /// What its words are called, such as `colour`.
+        /// The noun for its words, such as `colour`.
         noun: &'static str,
         /// The set.
         words: &'static [Word],
     },
-    /// The name of a keypoint of one of these shapes; of an earlier one where a keypoint is declared.
+    /// The name of a keypoint of one of these shapes; in a keypoint's declaration, an earlier one.
     Keypoint(&'static [KeypointShape]),
     /// `depth < LIMIT`, the limit in the range.
     DepthLimit(Range),
@@ -122,7 +123,7 @@ pub enum Kind {
     Pixel,
     /// A point: a field, a keypoint, `last.place`, `mirror(…)`.
     Point,
-    /// A point that is known before an action is proposed, or a keypoint that is points.
+    /// A point that is known before an action is proposed, or a keypoint with several points.
     Spot,
     /// A direction: `from A to B`, an angle, a field.
     Heading,
@@ -134,27 +135,27 @@ pub enum Kind {
     WordOrFile {
         /// The set.
         words: &'static [Word],
-        /// What the path ends with.
+        /// The ending of the path.
         ending: &'static str,
     },
 }
 
-/// The numbers that are accepted, both ends included, stated once and as authors write them.
+/// The accepted numbers, both ends included, stated once and in the author's units.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Range {
     /// What the number is, such as `a width`.
     pub noun: &'static str,
-    /// The least, and its unit; empty: none.
+    /// The smallest, and its unit; no unit if empty.
     pub from: (f64, &'static str),
-    /// The most, and its unit.
+    /// The largest, and its unit.
     pub to: (f64, &'static str),
-    /// Whether the least itself is accepted.
+    /// Whether the smallest itself is accepted.
     pub least: Bound,
-    /// Whether a range `A to B` may end below its beginning, as hues do.
+    /// Whether the end of a range `A to B` may be below its beginning, as with hues.
     pub wraps: bool,
 }
 
-/// Whether an end of a range belongs to it.
+/// Whether an end of a range is included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bound {
@@ -165,7 +166,7 @@ pub enum Bound {
 }
 
 impl Range {
-    /// States a range with both ends included.
+    /// Makes a range with both ends included.
     pub const fn new(
         noun: &'static str,
         from: (f64, &'static str),
@@ -181,12 +182,12 @@ impl Range {
         }
     }
 
-    /// States a range of plain numbers with both ends included.
+    /// Makes a range of plain numbers with both ends included.
     pub const fn plain(noun: &'static str, from: f64, to: f64) -> Range {
         Range::new(noun, (from, ""), (to, ""))
     }
 
-    /// Returns the same without its least value.
+    /// Returns the same range without its smallest value.
     pub const fn above(self) -> Range {
         Range {
             least: Bound::Excluded,
@@ -194,7 +195,7 @@ impl Range {
         }
     }
 
-    /// Returns the same for ranges that may end below their beginning.
+    /// Returns the same range, with ends allowed below their beginnings.
     pub const fn wrapping(self) -> Range {
         Range {
             wraps: true,
@@ -202,12 +203,12 @@ impl Range {
         }
     }
 
-    /// Returns what its numbers measure.
+    /// Returns the dimension of its numbers.
     pub fn dimension(&self) -> Dimension {
         units::find(self.to.1).map_or(Dimension::Number, |unit| unit.dimension)
     }
 
-    /// Returns whether a number in base units lies in it; never one that is not a number.
+    /// Returns whether a number in base units is in the range; NaN never is.
     pub fn contains(&self, value: f64) -> bool {
         let (least, most) = (units::base(self.from), units::base(self.to));
         let above = match self.least {
@@ -217,7 +218,7 @@ impl Range {
         above && value <= most
     }
 
-    /// Says what is accepted, such as ``a width from `1px` to `20px` ``.
+    /// Describes what is accepted, such as ``a width from `1px` to `20px` ``.
     pub fn words(&self) -> String {
         let [from, to] = [self.from, self.to].map(|(number, unit)| format!("`{number}{unit}`"));
         match self.least {
@@ -239,22 +240,22 @@ impl Arg {
         }
     }
 
-    /// Describes an argument that is given by its place.
+    /// Makes an argument that is given by its place.
     pub const fn positional(name: &'static str, kind: Kind, doc: &'static str) -> Arg {
         Arg::new(name, Place::Positional, kind, doc)
     }
 
-    /// Describes an argument that is given by its label.
+    /// Makes an argument that is given by its label.
     pub const fn named(name: &'static str, kind: Kind, doc: &'static str) -> Arg {
         Arg::new(name, Place::Named, kind, doc)
     }
 
-    /// Describes one or more arguments without a label.
+    /// Makes an argument that stands for one or more without a label.
     pub const fn rest(name: &'static str, kind: Kind, doc: &'static str) -> Arg {
         Arg::new(name, Place::Rest, kind, doc)
     }
 
-    /// Returns the same, which need not be given.
+    /// Returns the same argument with a default, so it is optional.
     pub const fn or(self, default: Default) -> Arg {
         Arg {
             default: Some(default),
@@ -262,7 +263,7 @@ impl Arg {
         }
     }
 
-    /// Returns the same, which makes sense beside another argument only.
+    /// Returns the same argument, which makes sense only together with another one.
     pub const fn needs(self, arg: &'static str, words: &'static [&'static str]) -> Arg {
         Arg {
             needs: Some(Needs { arg, words }),
@@ -272,7 +273,7 @@ impl Arg {
 }
 
 impl Signature {
-    /// Writes how the call looks when it is complete: `contour(MASK, tolerance: …, [at: …])`.
+    /// Writes the form of a complete call: `contour(MASK, tolerance: …, [at: …])`.
     pub fn form(&self) -> String {
         let arg = |arg: &Arg| match (arg.place, arg.default) {
             (Place::Positional, _) => arg.name.to_uppercase(),
@@ -300,7 +301,7 @@ pub enum ArgValue {
     Pixel(PixelPoint),
     /// A point.
     Point(Point),
-    /// A place of a drawing.
+    /// A place in a drawing.
     Spot(Spot),
     /// A direction.
     Heading(Heading),
@@ -312,9 +313,9 @@ pub enum ArgValue {
     Nothing,
 }
 
-/// The arguments of one call, by name; those of [`Place::Rest`] several times.
+/// The arguments of one call, by name; those of [`Place::Rest`] may occur several times.
 ///
-/// Every argument of the signature is there, so that asking for one by its name and kind cannot fail: a row that asks for
+/// Every argument of the signature is present, so reading one by its name and kind cannot fail. A row that reads
 /// another name or kind than it declares is a bug, which the test over all rows finds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Args(pub Vec<(&'static str, ArgValue)>);
@@ -353,7 +354,7 @@ getters! {
 }
 
 impl Args {
-    /// Returns a whole number; the kinds that give one are bounded far below the largest.
+    /// Returns a whole number. The kinds that give one have limits far below the largest `u32`.
     pub fn whole(&self, name: &str) -> u32 {
         self.number(name) as u32
     }
@@ -363,12 +364,12 @@ impl Args {
         from_word(self.word(name)).expect(ROW)
     }
 
-    /// Returns the name of a keypoint, where one is given.
+    /// Returns the name of a keypoint, if one is given.
     pub fn optional_name(&self, name: &str) -> Option<String> {
         self.is_given(name).then(|| self.name(name))
     }
 
-    /// Returns whether an argument is given, or has a value by default.
+    /// Returns whether an argument is given, or has a default value.
     pub fn is_given(&self, name: &str) -> bool {
         !matches!(self.get(name), None | Some(ArgValue::Nothing))
     }

@@ -17,7 +17,7 @@ macro_rules! words {
             pub const WORDS: &'static [$crate::words::Word] =
                 &[$($crate::words::Word { name: $word, doc: $doc }),*];
 
-            /// Returns what a word of a task means; None where it is no such word.
+            /// Returns the value that a word of a task means; `None` if it is not such a word.
             pub fn from_word(word: &str) -> Option<$type> {
                 match word {
                     $($word => Some($type::$variant),)*

@@ -14,7 +14,7 @@ use fab_program::units::Dimension;
 use fab_program::{ActionField, Choices, Direction, KeypointShape, LengthChoice, LengthUnit};
 use std::collections::BTreeMap;
 
-/// The most choices that a field lists; a keypoint among them may be many points.
+/// The most choices that a field lists; one keypoint among them may be many points.
 const MAX_CHOICES: usize = 256;
 
 /// Builds the action space.
@@ -36,7 +36,7 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fie
     let right = list
         .iter()
         .try_for_each(|(_, field)| field.as_ref().map(drop).map_err(|it| *it));
-    // A broken field may be the missing one.
+    // A field with an error may be the missing one.
     let complete = right.and_then(|()| {
         let mut complete = Ok(());
         for fault in incomplete(part) {
@@ -47,7 +47,7 @@ pub(crate) fn check<'a>(part: Actions<'a>, context: &mut Context<'a, '_>) -> Fie
     Fields { list, complete }
 }
 
-/// Reports fields that do not make an action: one is missing, or two contradict each other.
+/// Reports fields that do not make a complete action: one is missing, or two contradict each other.
 fn incomplete(part: Actions<'_>) -> Vec<Diagnostic> {
     let has = |name: &str| part.fields().any(|field| field.name().text() == name);
     for name in part.fields().map(|field| field.name()) {
@@ -67,16 +67,16 @@ fn incomplete(part: Actions<'_>) -> Vec<Diagnostic> {
             "write `place: one of …`, or a `direction` and a `distance`",
         )),
         [false, true, false] => Some((
-            "the action has a `direction` and no `distance`",
-            "the place follows from the pick, a direction and a distance",
+            "the action has a `direction` but no `distance`",
+            "the place is computed from the pick, a `direction` and a `distance`",
         )),
         [false, false, true] => Some((
-            "the action has a `distance` and no `direction`",
-            "the place follows from the pick, a direction and a distance",
+            "the action has a `distance` but no `direction`",
+            "the place is computed from the pick, a `direction` and a `distance`",
         )),
         [true, ..] => Some((
-            "the action has a `place` beside a direction or a distance",
-            "the place is either chosen, or follows from a direction and a distance",
+            "the action has a `place` as well as a `direction` or a `distance`",
+            "use either a `place`, or a `direction` and a `distance`",
         )),
     };
     let pick = (!has("pick")).then_some(("the action has no `pick`", "write `pick: one of …`"));
@@ -109,7 +109,7 @@ fn region<'a>(
     Ok(Choices::Region { mask })
 }
 
-/// Builds a field from a list of choices of one kind.
+/// Builds a field from a list of choices, all of one kind.
 fn listed<'a>(
     part: Field<'a>,
     row: Option<&FieldRow>,
@@ -229,7 +229,7 @@ fn are_points(shape: KeypointShape) -> bool {
     matches!(shape, KeypointShape::Points | KeypointShape::Point)
 }
 
-/// Returns the keypoints that may be choices; one that is broken may be meant to.
+/// Returns the keypoints that may be choices, including those with an error, which may be points too.
 fn offerable<'a>(context: &Context<'a, '_>) -> Vec<&'a str> {
     context
         .names
@@ -261,7 +261,7 @@ fn points<'a>(
     Ok(Choices::Points { keypoints })
 }
 
-/// Reports a choice without quotes that names no keypoint, in a field that may offer words.
+/// Reports an unquoted choice that names no keypoint, in a field that may offer words.
 fn bare_word(name: Name<'_>, context: &mut Context<'_, '_>) -> Reported {
     if let Err(reported) = context.may_be_hidden(name.text()) {
         return reported;
@@ -271,7 +271,7 @@ fn bare_word(name: Name<'_>, context: &mut Context<'_, '_>) -> Reported {
     context.error(match nearest(name.text(), offerable(context)) {
         Some(meant) => diagnostic.meant(name.span(), meant),
         None => diagnostic.help(format!(
-            "a word stands in quotes: write `\"{}\"`",
+            "words are written in quotes: write `\"{}\"`",
             name.text()
         )),
     })
@@ -308,7 +308,7 @@ fn lengths<'a>(
             field.text()
         );
         let diagnostic = Diagnostic::new(Code::MixedChoices, span, message);
-        let help = "write all of them in one unit, which prompts and answers use";
+        let help = "write all of them in one unit; prompts and answers use it too";
         return Err(context.error(diagnostic.help(help)));
     }
     Ok(Choices::Lengths {
@@ -317,10 +317,10 @@ fn lengths<'a>(
     })
 }
 
-/// The least number of a length; a prompt would show a smaller one as 0.
+/// The smallest length in its unit; a prompt would show a smaller one as 0.
 const LEAST_LENGTH: f64 = 0.001;
 
-/// The longest way of an arm, metres; also so that no length is infinite.
+/// The longest distance that an arm may move, metres. The limit also rules out infinite lengths.
 const MOST_LENGTH_M: f64 = 100.0;
 
 fn length<'a>(
@@ -343,9 +343,8 @@ fn length<'a>(
         return Err(context.error(diagnostic.help(help)));
     };
     if found.number < LEAST_LENGTH || found.value > MOST_LENGTH_M {
-        let help = format!(
-            "accepted is {LEAST_LENGTH} of its unit or more, and {MOST_LENGTH_M} m or less"
-        );
+        let help =
+            format!("write at least {LEAST_LENGTH} of its unit, and at most {MOST_LENGTH_M} m");
         return Err(out_of_range(choice, &help, context));
     }
     // Without a cloth there is no program, and `edge` has no size.

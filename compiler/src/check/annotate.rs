@@ -22,7 +22,7 @@ pub(crate) fn check<'a>(
     let layers = || merged.annotate.into_iter().flat_map(|part| part.list());
     let twice = unique(layers().map(|layer| layer.name()), "layer", context.report);
     let beyond = layers().nth(MAX_LAYERS).map(|layer| layer.name().span());
-    let within = context.bounded(beyond, || format!("at most {MAX_LAYERS} layers are drawn"));
+    let within = context.bounded(beyond, || format!("a task has at most {MAX_LAYERS} layers"));
     let layer = |declared: NamedValue<'a>| {
         let name = declared.name().text();
         let layer = within.and_then(|()| layer(declared, context));
@@ -39,8 +39,7 @@ fn layer<'a>(declared: NamedValue<'a>, context: &mut Context<'a, '_>) -> Result<
         _ => {
             let message = format!("the name `{}` is declared twice", name.text());
             let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);
-            let help =
-                "layers share one space of names with keypoints, texts, fields and constants";
+            let help = "layers, keypoints, texts, fields and constants share one namespace";
             Err(context.error(diagnostic.help(help)))
         }
     };
@@ -74,7 +73,7 @@ fn layer<'a>(declared: NamedValue<'a>, context: &mut Context<'a, '_>) -> Result<
     })
 }
 
-/// Returns a layer's name in prompts, without an article: `blue dots`, `red ring`.
+/// Returns a layer's name as prompts write it, without an article: `blue dots`, `red ring`.
 fn words(mark: &str, args: &Args) -> String {
     let color = args.word(COLOR.name);
     let ending = match (args.spots(POINTS.name).as_slice(), mark) {

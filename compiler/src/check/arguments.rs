@@ -15,7 +15,7 @@ const MAX_ARGUMENTS: usize = 1000;
 /// The parameters of a call with the expressions given for them; [`Place::Rest`] may appear several times.
 pub(crate) type Bound<'a> = Vec<(&'static Arg, Expr<'a>)>;
 
-/// Returns the row that fits a call best, among those of its name: the one that knows most of its labels.
+/// Returns the row that fits a call best: of the rows with its name, the one that has the most of its labels.
 pub(crate) fn form<'s>(
     call: Call<'_>,
     rows: impl Iterator<Item = &'s Signature>,
@@ -34,7 +34,7 @@ pub(crate) fn form<'s>(
     let named = rows
         .enumerate()
         .filter(|(_, row)| row.name == call.name().text());
-    // Of equally good rows the first counts; `max_by_key` would return the last.
+    // Of equally good rows, take the first; `max_by_key` would return the last.
     named.fold(None, |best, (index, row)| match best {
         Some((_, before)) if fit(before) >= fit(row) => best,
         _ => Some((index, row)),
@@ -110,7 +110,7 @@ pub(crate) fn bind<'a>(
         }
         if bound.len() > MAX_ARGUMENTS {
             let span = argument.value().span();
-            let message = format!("at most {MAX_ARGUMENTS} are listed");
+            let message = format!("a call takes at most {MAX_ARGUMENTS} arguments");
             return Err(context.fault(Code::OutOfRange, span, message));
         }
     }
@@ -162,12 +162,9 @@ fn needs_partner(
         None => format!("{}: …", needs.arg),
         Some(word) => format!("{}: {word}", needs.arg),
     };
-    let message = format!("`{}` means nothing without `{partner}`", arg.name);
+    let message = format!("`{}` has no effect without `{partner}`", arg.name);
     let diagnostic = Diagnostic::new(Code::WrongArguments, value.span(), message);
-    Err(context.error(diagnostic.help(format!(
-        "write `{partner}` beside it, or leave `{}` out",
-        arg.name
-    ))))
+    Err(context.error(diagnostic.help(format!("add `{partner}`, or remove `{}`", arg.name))))
 }
 
 fn unknown_label(
@@ -202,7 +199,7 @@ fn decimal_comma(call: Call<'_>, context: &Context<'_, '_>) -> Option<Diagnostic
         };
         (number.unit().is_none() && context.loaded.written(comma) == ",").then_some(comma)
     })?;
-    let message = "decimals follow a point, not a comma";
+    let message = "the decimal separator is a point, not a comma";
     let diagnostic = Diagnostic::new(Code::WrongArguments, comma, message);
     Some(diagnostic.help("write `.`, or a space after the comma if these are two numbers"))
 }

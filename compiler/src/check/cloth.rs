@@ -39,7 +39,7 @@ pub(crate) fn check<'a>(
     Ok(cloth)
 }
 
-/// Replaces the declared grid by the caller's, if there is one.
+/// Replaces the declared grid with the caller's, if there is one.
 fn replaced(
     declared: Cloth,
     [dimx, dimy]: [u32; 2],
@@ -56,11 +56,11 @@ fn replaced(
     }
     let message = format!("the start's cloth has {dimx} by {dimy} particles");
     let diagnostic = Diagnostic::new(Code::OutOfRange, statement.value().span(), message);
-    let help = format!("accepted are {least} to {most} particles on each side");
+    let help = format!("a side has {least} to {most} particles");
     Err(context.error(diagnostic.help(help)))
 }
 
-/// Notes that a cloth of whole particles is not exactly as large as stated.
+/// Notes that a cloth of whole particles cannot have exactly the stated size.
 fn rounded(
     cloth: &Cloth,
     args: &[(&str, ArgValue)],
@@ -84,5 +84,5 @@ fn rounded(
         side_mm(dimy)
     );
     let diagnostic = Diagnostic::new(Code::Rounded, statement.value().span(), message);
-    context.remark(diagnostic.help(format!("`grid({dimx}, {dimy})` says the same exactly")));
+    context.remark(diagnostic.help(format!("`grid({dimx}, {dimy})` states this size exactly")));
 }

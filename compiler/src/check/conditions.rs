@@ -36,7 +36,7 @@ pub(crate) fn check<'a>(
             let found = context.written(expr.span()).to_lowercase();
             context.error(diagnostic.help(match found.as_str() {
                 "true" | "false" | "none" => {
-                    "a condition says what it depends on; remove what always holds"
+                    "a condition compares values; remove it if it always holds"
                 }
                 _ => FORMS,
             }))
@@ -67,7 +67,7 @@ fn within<'a>(within: Within<'a>, context: &mut Context<'a, '_>) -> Result<Condi
     })
 }
 
-/// Returns the condition that a word is by itself; `None` if it is not one, or if the task gives it another meaning.
+/// Returns the condition that a single word states; `None` if it states none, or if the task declares that name.
 fn word(expr: Expr<'_>, context: &Context<'_, '_>) -> Option<Condition> {
     let Expr::Name(name) = expr else {
         return None;
@@ -124,9 +124,9 @@ struct Side<'a> {
     value: Operand,
 }
 
-/// Compares a value with a constant; `None` if the two are not such a pair.
+/// Compares a value with a constant; `None` for any other pair.
 ///
-/// - `turned`: turns a comparison round if the constant is on the left.
+/// - `turned`: mirrors the comparison if the constant is on the left.
 fn fixed<'a>(
     value: &Side<'a>,
     limit: &Side<'a>,
@@ -142,7 +142,7 @@ fn fixed<'a>(
                 .contains(deg.to_radians())
                 .then_some(())
                 .ok_or_else(|| {
-                    let help = format!("accepted is {}", ANGLE_BETWEEN.words());
+                    let help = format!("expected {}", ANGLE_BETWEEN.words());
                     out_of_range(limit.expr, &help, context)
                 });
             accepted.and(is).map(|is| Condition::Angle {
@@ -156,7 +156,7 @@ fn fixed<'a>(
         (Operand::Counted { number, as_percent }, Operand::Number(written)) => {
             let is_same = matches!(meaning(sign.text()), Some(Sign::Same | Sign::Different));
             if is_same && number.is_whole() && written.fract() != 0.0 {
-                let help = "a count is a whole number: compare with one, or by `<` or `>`";
+                let help = "a count is a whole number: compare it with one, or use `<` or `>`";
                 return Some(Err(not_whole(limit.expr, help, context)));
             }
             let share = match as_percent {
@@ -206,7 +206,8 @@ fn lengths<'a>(
         let span = compare.span();
         let message = format!("`{}` compares two constants", context.written(span));
         let diagnostic = Diagnostic::new(Code::WrongExpression, span, message);
-        let help = "one side depends on the action or the scene, such as `distance(pick, place)`";
+        let help =
+            "one side must depend on the action or the scene, such as `distance(pick, place)`";
         return Err(context.error(diagnostic.help(help)));
     }
     Ok(Condition::Lengths {
@@ -216,7 +217,7 @@ fn lengths<'a>(
     })
 }
 
-/// Compares a number; whole numbers can be equal.
+/// Compares a number. Only whole numbers can be tested for equality.
 fn counted(
     number: Number,
     sign: Name<'_>,
@@ -275,7 +276,7 @@ fn words(
             of: Box::new(holds),
         }),
         _ => {
-            let message = format!("words are not compared by `{}`", sign.text());
+            let message = format!("words cannot be compared with `{}`", sign.text());
             let diagnostic = Diagnostic::new(Code::WrongExpression, sign.span(), message);
             Err(context.error(diagnostic.help("write `==` or `!=`")))
         }
@@ -291,7 +292,7 @@ fn order(
     if let Some(Sign::Order(is)) = meaning(sign.text()) {
         return Ok(is);
     }
-    let message = format!("{what} are not compared by `{}`", sign.text());
+    let message = format!("{what} cannot be compared with `{}`", sign.text());
     let diagnostic = Diagnostic::new(Code::WrongExpression, sign.span(), message);
     let meant = SIGNS
         .iter()
@@ -326,19 +327,19 @@ fn unlike(
         let both = format!("`{left_words}` and `{right_words}`");
         let (message, help) = match (&left.value, &right.value) {
             (Operand::Point(_), _) => (
-                format!("{both} are points, which are not compared"),
+                format!("{both} are points, which cannot be compared"),
                 "write, for example, `distance(pick, place) < 10px`",
             ),
             (Operand::Heading, _) => (
-                format!("{both} are directions, which are not compared"),
+                format!("{both} are directions, which cannot be compared"),
                 "write, for example, `angle_between(from center to pick, 90deg) < 45deg`",
             ),
             (a, b) if a.is_constant() && b.is_constant() => {
                 (format!("{both} are both constants"), FORMS)
             }
             _ => (
-                format!("{both} are compared, and neither is a constant"),
-                "one side is a constant: a number, an angle such as `45deg`, or a word in quotes",
+                format!("{both} cannot be compared, because neither is a constant"),
+                "one side must be a constant: a number, an angle such as `45deg`, or a word in quotes",
             ),
         };
         return new(Code::WrongExpression, compare.span(), message).help(help);

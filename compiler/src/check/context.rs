@@ -10,7 +10,7 @@ use fab_program::vocabulary::Word;
 use fab_program::{ActionField, Camera, Cloth, Layer};
 use std::collections::BTreeMap;
 
-/// A part of a task: `Ok(None)` if it is not declared, the proof of an error if its declaration is wrong.
+/// A part of a task: `Ok(None)` if it is not declared, `Err(Reported)` if its declaration is wrong.
 pub(crate) type Declared<T> = Result<Option<T>, Reported>;
 
 /// The shared state of one task's checks.
@@ -19,7 +19,7 @@ pub(crate) struct Context<'a, 'r> {
     pub report: &'r mut Report,
     pub names: Names<'a>,
     pub constants: BTreeMap<&'a str, Result<Quantity<'a>, Reported>>,
-    /// Like `camera` and the fields below, set when its section is checked; later sections depend on it.
+    /// Set, like `camera` and the fields below, when its section is checked. Later sections depend on it.
     pub cloth: Declared<Cloth>,
     /// The grid that replaces every declared one, if the caller gave one.
     pub grid: Option<[u32; 2]>,
@@ -34,10 +34,10 @@ pub(crate) struct Context<'a, 'r> {
     pub variables: Variables,
 }
 
-/// The declared fields of the action; each that is wrong was reported.
+/// The declared fields of the action; errors in them were reported.
 pub(crate) struct Fields<'a> {
     pub list: Vec<(&'a str, Result<ActionField, Reported>)>,
-    /// Whether together they make an action.
+    /// Whether together they make a complete action.
     pub complete: Result<(), Reported>,
 }
 
@@ -112,7 +112,7 @@ impl<'a, 'r> Context<'a, 'r> {
             .map_or(f64::NAN, Camera::px_per_m))
     }
 
-    /// Returns the text of a place, cut to a length that fits a message.
+    /// Returns the text of a span, cut to a length that fits a message.
     pub fn written(&self, span: Span) -> String {
         const MOST: usize = 40;
         let text = self.loaded.written(span);
@@ -179,7 +179,7 @@ impl<'a, 'r> Context<'a, 'r> {
             return reported;
         }
         let mut candidates: Vec<&str> = candidates.into_iter().collect();
-        // A word of several forms has a row for each, one below the other.
+        // A word with several forms has several rows, one after the other.
         candidates.dedup();
         let message = format!("there is no {kind} `{text}`");
         let diagnostic = Diagnostic::new(Code::UnknownName, span, message);
@@ -190,7 +190,7 @@ impl<'a, 'r> Context<'a, 'r> {
         })
     }
 
-    /// Returns the proof of an error that may hide the declaration of a name without a meaning.
+    /// Returns the proof of an error if it may hide the declaration of an undeclared name.
     pub fn may_be_hidden(&self, name: &str) -> Result<(), Reported> {
         match self.names.get(name) {
             Some(_) => Ok(()),

@@ -30,15 +30,15 @@ pub(crate) fn check<'a>(
     };
     if stage.read != Read::Action || !stage.show.is_empty() {
         let lacks = match stage.show.is_empty() {
-            true => "reads no action",
+            true => "does not read the action",
             false => "shows pictures",
         };
         let message = format!("the stage `{}` {lacks}", stage.name);
         let diagnostic = Diagnostic::new(Code::WrongForm, part.stage().span(), message);
-        return Err(context
-            .error(diagnostic.help(
-                "demonstrations go to a stage that shows no pictures and reads the action",
-            )));
+        return Err(context.error(
+            diagnostic
+                .help("demonstrations need a stage that reads the action and shows no pictures"),
+        ));
     }
     Ok(Some(Demos {
         stage: stage.name.clone(),

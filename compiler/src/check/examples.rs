@@ -106,7 +106,7 @@ fn question<'a>(
     let texts = say.list().map(|saying| match saying {
         Saying::Text(text) => words(text, context),
         Saying::Component(name) => {
-            let message = "an example says its own words, not components";
+            let message = "an example cannot use components";
             let diagnostic = Diagnostic::new(Code::BadExample, name.span(), message);
             Err(context.error(diagnostic.help("write the text in quotes")))
         }
@@ -122,7 +122,7 @@ fn images<'a>(
 ) -> Result<Vec<FileRef>, Reported> {
     let mut all = Ok(());
     if let (Some(image), Ok(ModelRole::Text)) = (example.images().next(), role) {
-        let message = "a text model is shown the picture of an example";
+        let message = "the example shows a picture to a text model";
         let diagnostic = Diagnostic::new(Code::PicturesForTextModel, image.span(), message);
         let help = "write `model vision`, or remove the image";
         all = Err(context.error(diagnostic.help(help)));
@@ -149,7 +149,7 @@ fn words(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<LiteralText, R
     })
 }
 
-/// Returns a text, which may not have placeholders.
+/// Returns a text that must not have placeholders.
 pub(super) fn plain(text: Text<'_>, context: &mut Context<'_, '_>) -> Result<String, Reported> {
     text.plain().ok_or_else(|| {
         let message = "this text is used as it is and cannot contain `{{ … }}`";
@@ -194,7 +194,7 @@ fn unreadable_action(fields: &[ActionField], edge_m: f64, answer: &str) -> Optio
         let offered = space::declared(field);
         (!offered.is_empty() && !offered.contains(value)).then(|| {
             format!(
-                "the {} `{}` is not offered; it is one of {}",
+                "the {} `{}` is not offered; the choices are {}",
                 field.name,
                 space::text(field, value),
                 space::listed(field, &offered)

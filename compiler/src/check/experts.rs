@@ -47,7 +47,7 @@ pub(crate) fn sequences<'a>(
     };
     let file = named.name().span().file;
     match context.loaded.experts(file, named.name().text()) {
-        // Every list is checked by itself too; the report shows the same message once.
+        // Each list is also checked by itself; the report keeps one of two equal findings.
         Some(found) => check(found, context),
         None => {
             let seen = context

@@ -1,7 +1,7 @@
 //! Reads expressions: points, directions, values, and the arguments of calls by their kinds.
 //!
-//! In: an expression and what is expected there. Out: its part of the program. Lengths carry the frame in which they are
-//! compared, the picture or the table; they are converted through the camera only where the source says `in`.
+//! In: an expression and what is expected there. Out: its part of the program. Each length carries the frame in which
+//! it is compared, the picture or the table. It is converted through the camera only where the source says `in`.
 
 use super::arguments::{Bound, bind, form};
 use super::context::Context;
@@ -56,7 +56,7 @@ pub(crate) fn call<'a>(
     let mut values = Vec::with_capacity(signature.args.len());
     let mut all = Ok(());
     for (index, (arg, expr)) in bound.iter().enumerate() {
-        // The parts of a list probably share the same slip, so one report is enough.
+        // The parts of a list probably share one mistake, so report only the first.
         if all.is_err() && arg.place == Place::Rest && index > 0 {
             break;
         }
@@ -88,7 +88,7 @@ fn by_default(default: Default, context: &Context<'_, '_>) -> Result<ArgValue, R
     })
 }
 
-/// Reports a value that is no call of these rows.
+/// Reports a value that is not a call of any of these rows.
 pub(super) fn wrong_form(
     value: Expr<'_>,
     expected: &str,
@@ -116,7 +116,7 @@ fn argument<'a>(
             if number % 2.0 != 1.0 {
                 return Err(out_of_range(
                     expr,
-                    &format!("accepted is {}", range.words()),
+                    &format!("expected {}", range.words()),
                     context,
                 ));
             }
@@ -209,9 +209,9 @@ fn word_or_file(
     let file = files::named(text, "a start file", context)?;
     if !file.path.ends_with(ending) {
         let written = context.written(expr.span());
-        let message = format!("{written} names no `{ending}` file");
+        let message = format!("{written} is not a `{ending}` file");
         let help = format!(
-            "the path ends in `{ending}`; {} stand without quotes",
+            "the path must end in `{ending}`; {} are written without quotes",
             among(names(words)).replace(" or ", " and ")
         );
         return Err(
@@ -299,7 +299,9 @@ pub(super) fn keypoint(
         if found.is_none_or(|(found, _)| *found >= place) {
             let message = format!("`{}` is declared further down", name.text());
             let diagnostic = Diagnostic::new(Code::NotYetKnown, name.span(), message);
-            return Err(context.error(diagnostic.help("an extractor uses keypoints above it")));
+            return Err(
+                context.error(diagnostic.help("an extractor can use only the keypoints above it"))
+            );
         }
     }
     match shape {
@@ -358,7 +360,7 @@ fn pixel_in_picture<'a>(
         let diagnostic = Diagnostic::new(Code::OutOfRange, expr.span(), message);
         return Err(context.error(
             diagnostic
-                .help("the camera's `image` says how large the picture is; pixels count from 0"),
+                .help("the camera's `image` sets the size of the picture; pixels count from 0"),
         ));
     }
     Ok(pixel)
@@ -427,7 +429,7 @@ pub(super) fn cloth_point<'a>(
     }
 }
 
-/// Reports `corner(top_left)`: the top of the picture is called the back of the cloth.
+/// Reports `corner(top_left)`: the top of the picture is called the back of the cloth here.
 fn turned_name(call: Call<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported> {
     let Some(Expr::Name(place)) = call.arguments().next().map(|argument| argument.value()) else {
         return Ok(());
@@ -465,7 +467,8 @@ pub(crate) fn point<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result
             "last.place" => Ok(Point::Last { end: End::Place }),
             text => match last_field(text, context)? {
                 Some(_) => {
-                    let message = format!("`{text}` is known only in texts, as `{{{{ {text} }}}}`");
+                    let message =
+                        format!("`{text}` can be used only in texts, as `{{{{ {text} }}}}`");
                     Err(context.fault(Code::WrongExpression, path.span(), message))
                 }
                 None => {
@@ -482,7 +485,7 @@ pub(crate) fn point<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result
     }
 }
 
-/// Returns the field of the last action that a name with a dot means; none if the action has no such field.
+/// Returns the field of the last action that a dotted name refers to; `None` if the action has no such field.
 fn last_field<'c>(
     text: &str,
     context: &'c Context<'_, '_>,
@@ -531,7 +534,7 @@ fn named_point(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<Point, R
     }
 }
 
-/// Returns the names of points.
+/// Returns the names that can stand for a point.
 fn points<'a>(context: &Context<'a, '_>) -> Vec<&'a str> {
     let mut names = context.names.that(|meaning| {
         matches!(
@@ -546,7 +549,7 @@ fn points<'a>(context: &Context<'a, '_>) -> Vec<&'a str> {
     names
 }
 
-/// Returns the `place` of an action that declares a direction and a distance instead.
+/// Returns the `place` of an action that declares a direction and a distance instead of a place.
 fn carried(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<Point, Reported> {
     context.actions.complete?;
     for field in ["pick", "direction", "distance"] {
@@ -679,7 +682,7 @@ pub(crate) enum Frame {
 }
 
 /// A value.
-// One lives at a time, so its size does not matter.
+// Only one exists at a time, so its size does not matter.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 pub(crate) enum Operand {
@@ -707,7 +710,7 @@ pub(crate) enum Operand {
 }
 
 impl Operand {
-    /// Returns whether it is the same in every scene and for every action; lengths are compared in their own way.
+    /// Returns whether it is the same in every scene and for every action. Lengths are compared elsewhere.
     pub fn is_constant(&self) -> bool {
         matches!(
             self,
@@ -732,7 +735,7 @@ pub(crate) struct FramedLength {
     pub unit: &'static str,
 }
 
-/// A length by its origin.
+/// A length, by where it comes from.
 #[derive(Clone, Debug)]
 pub(crate) enum NativeLength {
     /// Pixels.
@@ -814,7 +817,7 @@ pub(crate) fn operand<'a>(
             Measure::Point(point) => Operand::Point(point),
             Measure::Nearest { .. } => {
                 let message = format!(
-                    "`{0}` is written in texts, as `{{{{ {0}(…) }}}}`",
+                    "`{0}` can be used only in texts, as `{{{{ {0}(…) }}}}`",
                     call.name().text()
                 );
                 return Err(context.fault(Code::WrongExpression, expr.span(), message));
@@ -844,7 +847,7 @@ pub(super) fn measure<'a>(
     let flat_px = context
         .area_m2()
         .and_then(|area_m2| Ok(area_m2 * px_per_m? * px_per_m?));
-    // A task with a broken cloth or camera never becomes a program, so its size does not matter.
+    // A task with an error in its cloth or camera never becomes a program, so the size does not matter.
     Ok(MEASURES[row].measure(&args, flat_px.unwrap_or(f64::NAN)))
 }
 
@@ -855,7 +858,7 @@ fn constant<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Operand
     };
     // Huge numbers would overflow when they are squared.
     if found.value.abs() > 1e6 {
-        let help = "accepted are values up to a million in pixels, metres or degrees";
+        let help = "write at most a million pixels, metres or degrees";
         return Err(out_of_range(expr, help, context));
     }
     let is_length = matches!(found.dimension, Dimension::Length | Dimension::Pixels);
@@ -941,7 +944,11 @@ fn convert(
             }
         }
         (value, _) => {
-            let message = format!("{} has no size in `{}`", kind_of(&value), target.text());
+            let message = format!(
+                "{} cannot be converted to `{}`",
+                kind_of(&value),
+                target.text()
+            );
             let fitting = match &value {
                 Operand::Length(_) => units_of(&[Dimension::Length, Dimension::Pixels]),
                 Operand::Angle { .. } | Operand::Between { .. } => units_of(&[Dimension::Angle]),
@@ -953,7 +960,7 @@ fn convert(
     })
 }
 
-/// Names the kind of a value.
+/// Returns a noun for the kind of a value.
 pub(crate) fn kind_of(value: &Operand) -> &'static str {
     match value {
         Operand::Length(FramedLength {

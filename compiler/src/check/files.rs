@@ -6,7 +6,7 @@ use crate::path;
 use fab_grammar::ast::Text;
 use fab_program::FileRef;
 
-/// Returns the file that a text names; it must lie in the entry's folder or below.
+/// Returns the file that a text names. It must be in the entry's folder or below.
 pub(crate) fn named(
     text: Text<'_>,
     what: &str,
@@ -25,6 +25,6 @@ pub(crate) fn named(
         .map(|path| FileRef { path })
         .ok_or_else(|| {
             let message = format!("the path `{written}` leads out of the folder of the first file");
-            context.error(bad(message).help("move it beside the first file or below"))
+            context.error(bad(message).help("move it into the folder of the first file, or below"))
         })
 }

@@ -56,12 +56,14 @@ pub(crate) fn check<'a>(
         };
         let message = format!("an untouched cloth meets this goal: it scores {written}");
         let diagnostic = Diagnostic::new(Code::GoalMetAtStart, statement.value().span(), message);
-        context.remark(diagnostic.help("demand more, so that a rollout that does nothing fails"));
+        context.remark(
+            diagnostic.help("set a stricter limit, so that a rollout that does nothing fails"),
+        );
     }
     Ok(goal)
 }
 
-/// Returns the comparison if it points the way in which the measure improves.
+/// Returns the comparison if it has the direction in which the measure improves.
 fn comparison(
     row: &MetricRow,
     sign: Name<'_>,
@@ -74,7 +76,7 @@ fn comparison(
     let right = row.reached[0].sign();
     let side = if right == "<" { "below" } else { "above" };
     let message = format!(
-        "`{}` is reached {side} its limit, not by `{}`",
+        "`{}` must be {side} its limit, so `{}` is the wrong way round",
         row.metric.as_str(),
         sign.text()
     );
@@ -86,7 +88,7 @@ fn comparison(
     ))
 }
 
-/// Reports a goal of distance without expert results to measure to.
+/// Reports a distance goal without an expert result to measure against.
 fn has_experts(
     goal: &Goal,
     statement: Statement<'_>,
@@ -103,7 +105,7 @@ fn has_experts(
     if goal.metric != Metric::ParticleDistance || !has_none || !are_images || !is_meant_to_run {
         return Ok(());
     }
-    let message = "there is no expert's result to compare with";
+    let message = "there is no expert result to compare with";
     let span = statement.value().span();
     let diagnostic = Diagnostic::new(Code::NothingToCompare, span, message);
     Err(context.error(diagnostic.help("name `experts`: images do not say how the cloth ends")))

@@ -7,7 +7,7 @@ use crate::lang::goal::STEPS;
 use crate::merge::Merged;
 use fab_program::Subgoals;
 
-/// Returns the most steps of a rollout: as stated, or else as many as the subgoals show.
+/// Returns the most steps of a rollout: the stated number, or by default as many as the subgoals show.
 pub(crate) fn check<'a>(
     merged: &Merged<'a>,
     subgoals: &Declared<Subgoals>,

@@ -29,7 +29,7 @@ pub(crate) fn constants<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) 
             },
             other => {
                 let found = context.written(other.span());
-                let message = format!("a constant is a number and its unit, found `{found}`");
+                let message = format!("expected a number and its unit, found `{found}`");
                 let diagnostic = Diagnostic::new(Code::WrongForm, other.span(), message);
                 let help = format!("write `const {} = 20mm`", constant.name().text());
                 Err(context.error(diagnostic.help(help)))
@@ -40,10 +40,10 @@ pub(crate) fn constants<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) 
     }
 }
 
-/// Reports a constant that takes the name of a word, a text or a field; one with a keypoint's name is reported there.
+/// Reports a constant with the name of a reserved word, a text or a field. A clash with a keypoint is reported there.
 fn is_free(name: Name<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported> {
     let taken_by = match context.names.get(name.text()) {
-        _ if RESERVED.contains(&name.text()) => "has a meaning of its own",
+        _ if RESERVED.contains(&name.text()) => "is a reserved name",
         Some(Meaning::Text { .. }) => "is a text that a stage reads",
         Some(Meaning::Field) => "is a field of the action",
         Some(Meaning::Twice(reported)) => return Err(reported),
@@ -92,15 +92,15 @@ fn keypoint_of<'a>(
     let name = keypoint.name();
     let mut named = context.names.one_meaning(name.text());
     if RESERVED.contains(&name.text()) {
-        let message = format!("`{}` has a meaning of its own", name.text());
+        let message = format!("`{}` is a reserved name", name.text());
         let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);
         named = Err(context.error(diagnostic.help("choose another name for the keypoint")));
     }
     if let Some(constant) = merged.constants.get(name.text()) {
         let message = format!("the name `{}` is declared twice", name.text());
         let diagnostic = Diagnostic::new(Code::DuplicateName, name.span(), message);
-        named =
-            Err(context.error(diagnostic.also(constant.name().span(), "this constant has it too")));
+        named = Err(context
+            .error(diagnostic.also(constant.name().span(), "this constant has the same name")));
     }
     let Expr::Call(written) = keypoint.value() else {
         let message = "expected an extractor";
@@ -118,7 +118,7 @@ fn keypoint_of<'a>(
     })
 }
 
-/// Returns the picture that a keypoint is taken from: the latest one if its row offers no choice.
+/// Returns the picture that a keypoint is taken from: the latest one without an `at` argument.
 fn moment(args: &Args) -> Moment {
     match args.is_given(AT.name) {
         true => args.meaning(AT.name, Moment::from_word),

@@ -50,7 +50,7 @@ pub(crate) struct Checked {
     pub tests: Vec<Test>,
 }
 
-/// The most that all tasks of a compilation may inherit together, bytes: each is checked with everything it inherits.
+/// The most text that all tasks of a compilation may inherit together, bytes. Each task is checked with all of it.
 pub const MAX_INHERITED_BYTES: usize = 64 << 20;
 
 /// Checks every task of every file, and returns the programs of the entry's tasks.
@@ -60,7 +60,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
     let files = || loaded.files.iter();
     let tasks = files().flat_map(|file| &file.tasks);
     let lists = files().flat_map(|file| &file.experts);
-    // An error outside of tasks counts against every task that sees the file, so the proofs are not needed here.
+    // An error outside of tasks counts against every task that sees the file, so this proof is not needed here.
     merge::unique(tasks.map(|task| task.name()), "task", report);
     merge::unique(
         lists.clone().map(|list| list.name()),
@@ -69,7 +69,7 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
     );
     let mut context = Context::outside(loaded, report);
     for list in lists {
-        // Reports every broken list, also those that no task names.
+        // This reports errors in every list, even in one that no task names.
         let _: Result<_, _> = experts::check(*list, &mut context);
     }
     let form_of = |file: FileId| {
@@ -84,7 +84,8 @@ pub(crate) fn check(loaded: &Loaded<'_>, grid: Option<[u32; 2]>, report: &mut Re
     for (file, form) in files().zip(forms) {
         let is_entry = file.id == loaded.entry().id;
         for task in &file.tasks {
-            // Each task has its own report: an inherited error counts against every heir, but is shown once.
+            // Each task has its own report: an inherited error counts against every task that inherits it, but is
+            // shown once.
             let mut variants = vec![None];
             let mut number = 0;
             while number < variants.len() {

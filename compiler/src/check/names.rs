@@ -15,11 +15,11 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) enum Meaning {
     /// A keypoint; without a shape if its declaration is wrong.
     Keypoint(Option<KeypointShape>),
-    /// A text that the stage of this number reads.
+    /// A text that the stage with this index reads.
     Text { stage: usize },
     /// A field of the action.
     Field,
-    /// It is declared twice, which was reported.
+    /// Declared twice, which was reported.
     Twice(Reported),
 }
 
@@ -31,8 +31,8 @@ pub(crate) struct Names<'a> {
 }
 
 impl<'a> Names<'a> {
-    /// Collects the names of a task, and reports those with two meanings; the call in a keypoint's declaration gives
-    /// its shape.
+    /// Collects the names of a task and reports those with two meanings. A keypoint's shape follows from the call in
+    /// its declaration.
     pub fn of(merged: &Merged<'a>, report: &mut Report) -> Names<'a> {
         let keypoints = merged.keypoints.iter().map(|keypoint| {
             let meaning = match merged.twice.of(keypoint.name().text()) {
@@ -44,7 +44,7 @@ impl<'a> Names<'a> {
         let fields = merged.actions.into_iter().flat_map(|part| part.fields());
         let fields = fields.map(|field| (field.name(), "field", Meaning::Field));
         let texts = merged.stages.iter().enumerate().flat_map(|(stage, part)| {
-            // A stage that reads twice is reported as that.
+            // A stage with two `read` lines gets its own error.
             let mut seen = BTreeSet::from(["action"]);
             let names = part.read().map(|read| read.name());
             let names = names.filter(move |name| seen.insert(name.text()));
@@ -97,9 +97,10 @@ impl<'a> Names<'a> {
         self.meanings.get(name).copied()
     }
 
-    /// Returns the names with such a meaning, in alphabetical order; only the first names are searched.
+    /// Returns the names whose meaning passes the test, in alphabetical order; only the first 1000 names are
+    /// searched.
     pub fn that(&self, fits: impl Fn(Meaning) -> bool) -> Vec<&'a str> {
-        // They are only suggestions, and searching all names for each unknown one would take quadratic time.
+        // These are only suggestions. Searching all names for each unknown one would take quadratic time.
         const MOST: usize = 1000;
         let some = self.meanings.iter().take(MOST);
         some.filter(|(_, meaning)| fits(**meaning))

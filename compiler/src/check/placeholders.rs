@@ -1,4 +1,4 @@
-//! Texts become templates: each `{{ … }}` is looked up, and everything else stands for itself.
+//! Turns texts into templates: each `{{ … }}` is looked up, and all other text is literal.
 //!
 //! In: a text, where it is used, and what is known about the task. Out: a [`Template`] in the portable Jinja subset. A
 //! value that is already known is written into the template; one that is known only at run time becomes a variable. A
@@ -34,12 +34,12 @@ const FORMAT: &str = "actions.format";
 /// The placeholder for how a point is written.
 const POINTS: &str = "actions.points";
 
-/// Where a text is used, which decides the names that it may use.
+/// Where a text is used. This decides which names it may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TextPlace {
-    /// In the stage of this number: keypoints, and texts that earlier stages read.
+    /// In the stage with this index: keypoints, and texts that earlier stages read.
     Stage(usize),
-    /// In the message of a check: all of these and the action's fields.
+    /// In the message of a check: the same, and the action's fields.
     Message,
     /// In the message about a step's result: keypoints, and the overlap.
     Result,
@@ -47,7 +47,7 @@ pub(crate) enum TextPlace {
     Nowhere,
 }
 
-/// Where and under which condition a text is used.
+/// Where, and on which condition, a text is used.
 #[derive(Clone, Copy)]
 pub(crate) struct TextScope<'s> {
     pub place: TextPlace,
@@ -123,7 +123,7 @@ pub(crate) fn template<'a>(
     })
 }
 
-/// Warns of `{name}` if the name has a value: a brace was probably forgotten.
+/// Warns about `{name}` if the name has a value: the second brace was probably forgotten.
 fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
     const LONGEST: usize = 64;
     let span = text.span();
@@ -138,7 +138,7 @@ fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
             || context.constants.contains_key(name)
             || context.layers.contains_key(name)
             || [FORMAT, POINTS].contains(&name);
-        // Two braces are a placeholder, or the text has wrong quotes and was reported already.
+        // Two braces are a placeholder, or the quotes are wrong and that was reported already.
         let is_double = source[..at].ends_with('{') || rest[length + 1..].starts_with('}');
         if !is_value || is_double {
             continue;
@@ -156,9 +156,9 @@ fn single_braces(text: Text<'_>, context: &mut Context<'_, '_>) {
 
 /// The content of a placeholder.
 enum Resolved {
-    /// A text that is already known.
+    /// A text that is known at compile time.
     Words(String),
-    /// A value that is known at run time.
+    /// A value that is known only at run time.
     Later(Box<Placeholder>),
 }
 
@@ -239,7 +239,7 @@ fn named<'a>(
         Some(Meaning::Twice(reported)) => return Err(reported),
         Some(Meaning::Field) => match context.actions.get(name.text())? {
             Some(_) => Placeholder::Field { field: text },
-            // The place that follows from a direction and a distance.
+            // The place that results from a direction and a distance.
             None => return written(Expr::Name(name), context),
         },
         None if text == OVERLAP && scope.place == TextPlace::Result => {
@@ -320,7 +320,7 @@ fn dotted<'a>(path: Path<'a>, context: &mut Context<'a, '_>) -> Result<Resolved,
 
 // ---- how values are written ----------------------------------------------------------------------
 
-/// Writes any value.
+/// Resolves a placeholder with any value.
 fn written<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Resolved, Reported> {
     let plain = |factor, decimals, unit: &str| NumberFormat {
         factor,
@@ -348,7 +348,7 @@ fn written<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Resolved
         Operand::Word(word) => Resolved::Words(word),
         Operand::Heading => {
             let message = format!(
-                "the direction `{}` has no text",
+                "the direction `{}` cannot be written as text",
                 context.written(expr.span())
             );
             let diagnostic = Diagnostic::new(Code::WrongExpression, expr.span(), message);
@@ -396,7 +396,7 @@ fn length(length: &FramedLength, context: &Context<'_, '_>) -> Result<Resolved, 
     };
     let written = in_unit(unit, 1.0 / size / base);
     Ok(match length.native.in_frame(length.frame, context)? {
-        // The size of a pixel depends on the picture that the model is sent, which is not known yet.
+        // A pixel's size depends on the picture that is sent to the model, which is not known yet.
         Length::Constant { value } if length.frame == Frame::Table => {
             Resolved::Words(number(value, &written))
         }

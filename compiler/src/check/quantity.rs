@@ -107,7 +107,7 @@ pub(crate) fn measured<'a>(
     }))
 }
 
-/// Reads a number in a range, in base units; NaN, for `edge` in a base without a cloth, is in every range.
+/// Reads a number in a range, in base units. NaN, for `edge` in a base without a cloth, passes every range.
 pub(crate) fn read<'a>(
     expr: Expr<'a>,
     range: &Range,
@@ -119,7 +119,7 @@ pub(crate) fn read<'a>(
     }
     Err(out_of_range(
         expr,
-        &format!("accepted is {}", range.words()),
+        &format!("expected {}", range.words()),
         context,
     ))
 }
@@ -134,7 +134,7 @@ pub(crate) fn read_whole<'a>(
     if value.fract() == 0.0 {
         return read(expr, range, context);
     }
-    let help = format!("accepted is {}", range.words());
+    let help = format!("expected {}", range.words());
     Err(not_whole(expr, &help, context))
 }
 
@@ -152,7 +152,7 @@ pub(super) fn out_of_range(expr: Expr<'_>, help: &str, context: &mut Context<'_,
     context.error(Diagnostic::new(Code::OutOfRange, expr.span(), message).help(help))
 }
 
-/// Which numbers are accepted; a length on the table is hardly ever a whole number of pixels.
+/// Which numbers are accepted. A length on the table is hardly ever a whole number of pixels.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Precision {
     Any,
@@ -242,7 +242,11 @@ fn converted<'a>(
         (Dimension::Length, Dimension::Pixels) => Ok(from.value * context.px_per_m()?),
         (Dimension::Pixels, Dimension::Length) => Ok(from.value / context.px_per_m()?),
         (dimension, _) => {
-            let message = format!("{} has no size in `{}`", noun(dimension), target.text());
+            let message = format!(
+                "{} cannot be converted to `{}`",
+                noun(dimension),
+                target.text()
+            );
             Err(no_conversion(
                 target,
                 message,

@@ -1,7 +1,7 @@
-//! `stage plan { model text … say … read action }`: the questions to models, and the texts in them.
+//! `stage plan { model text … say … read action }`: the questions to models, and their texts.
 //!
-//! In: the stages and components of a task. Out: a stage for each declaration, and a template for each text that one
-//! says. Examples are read in [`super::examples`], the values in texts in [`super::placeholders`].
+//! In: the stages and components of a task. Out: a stage for each declaration, and a template for each text that a
+//! stage says. [`super::examples`] reads examples, [`super::placeholders`] the values in texts.
 
 use super::conditions;
 use super::context::Context;
@@ -33,7 +33,7 @@ pub(crate) struct Prompts {
     /// In the order of their declarations.
     pub stages: Vec<Result<program::Stage, Reported>>,
     pub templates: Vec<Result<Template, Reported>>,
-    /// The proof of an error between stages, if there is one.
+    /// The proof of an error that concerns several stages, if there is one.
     pub joined: Result<(), Reported>,
 }
 
@@ -76,7 +76,7 @@ pub(crate) fn check<'a>(merged: &Merged<'a>, context: &mut Context<'a, '_>) -> P
     }
 }
 
-/// Reports the stages if the action is not read by the last one alone.
+/// Reports an error unless the last stage, and only that one, reads the action.
 fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) -> Result<(), Reported> {
     let mut earlier = merged.stages.iter();
     let Some(last) = earlier.next_back() else {
@@ -105,7 +105,7 @@ fn action_readers(merged: &Merged<'_>, context: &mut Context<'_, '_>) -> Result<
     all
 }
 
-/// Builds the condition under which a component is used.
+/// Builds the condition on which a component is used.
 pub(crate) fn guard<'a>(
     expr: Expr<'a>,
     context: &mut Context<'a, '_>,
@@ -121,7 +121,7 @@ pub(crate) fn guard<'a>(
     Ok(when)
 }
 
-/// The layers that a stage's texts name, and whether its pictures show layers.
+/// The layers that a stage's texts name, and whether its pictures show any.
 struct StageLayers {
     named: Vec<(String, Span)>,
     shows_layers: Result<bool, Reported>,
@@ -221,7 +221,7 @@ impl<'a> Builder<'_, 'a> {
         })
     }
 
-    /// Reports pictures for a model that sees none, and annotations where no layers are declared.
+    /// Reports pictures for a model that takes none, and annotations if no layers are declared.
     fn showable(
         &self,
         stage: ast::Stage<'a>,
@@ -233,7 +233,7 @@ impl<'a> Builder<'_, 'a> {
         let mut all = Ok(());
         if let Ok((ModelRole::Text, model)) = model {
             let message = format!(
-                "the text model of `{}` is shown pictures",
+                "the stage `{}` shows pictures to a text model",
                 stage.name().text()
             );
             let diagnostic = Diagnostic::new(Code::PicturesForTextModel, show.span(), message);
@@ -284,15 +284,20 @@ impl<'a> Builder<'_, 'a> {
         }
         all?;
         if names.is_empty() && part == "say" {
-            let message = format!("nothing is left for `{}` to say", stage.name().text());
+            let message = format!(
+                "the stage `{}` has no text left to say",
+                stage.name().text()
+            );
             let span = self.merged.task.name().span();
             let diagnostic = Diagnostic::new(Code::StageIncomplete, span, message);
-            return Err(context.error(diagnostic.also(line.span(), "all of this is left out")));
+            return Err(
+                context.error(diagnostic.also(line.span(), "all of these components are left out"))
+            );
         }
         Ok(names)
     }
 
-    /// Returns the name of a component's template; `None` for a component that is left out.
+    /// Returns the name of a component's template; `None` for a removed component.
     fn component(
         &mut self,
         number: usize,
@@ -311,7 +316,7 @@ impl<'a> Builder<'_, 'a> {
                 .map(|component| component.name().text());
             return Err(context.unknown("component", name, all));
         };
-        // Each stage that says it checks it again: later stages know more names.
+        // Each stage that says it checks it again, because later stages know more names.
         if self.last_use.insert(text, number) != Some(number) {
             let when = component
                 .when()
@@ -323,9 +328,9 @@ impl<'a> Builder<'_, 'a> {
         Ok(Some(text.to_owned()))
     }
 
-    /// Builds a template, or checks one again that another stage built.
+    /// Builds a template, or checks again one that another stage built.
     ///
-    /// - `guarded`: the beginning of a component's declaration that would say the text under a condition.
+    /// - `guarded`: the beginning of a component declaration that would say the text conditionally.
     fn build(
         &mut self,
         name: &str,
@@ -337,7 +342,7 @@ impl<'a> Builder<'_, 'a> {
     ) {
         let has_last = match &when {
             Ok(when) => when.as_ref().is_some_and(Condition::implies_last),
-            // The text is checked as if the condition were right.
+            // Check the text as if the condition were right.
             Err(_) => true,
         };
         let scope = TextScope {
@@ -418,7 +423,7 @@ impl<'a> Builder<'_, 'a> {
         }
     }
 
-    /// Returns whether a stage, or a line of one, may be in a part that did not parse.
+    /// Returns whether a stage, or a line of one, may be in text that did not parse.
     fn may_say_more(&self) -> bool {
         let mut stages = self.merged.stages.iter();
         self.merged.is_damaged || stages.any(ast::Stage::is_damaged)
@@ -439,7 +444,7 @@ impl<'a> Builder<'_, 'a> {
                 all = Err(context.error(diagnostic.help(help)));
             }
         }
-        // A variant may leave out the text that names a layer; that is no slip.
+        // A variant may remove the text that names a layer; that is no mistake.
         let merged = self.merged;
         if merged.stages.is_empty() || merged.variant.is_some() || self.may_say_more() {
             return all;
@@ -590,7 +595,7 @@ fn picture<'a>(
     })
 }
 
-/// Writes a name, or a call with names, as the rows of pictures do.
+/// Writes a name, or a call with names, in the form that the rows of pictures use.
 fn form(value: Expr<'_>) -> String {
     match value {
         Expr::Name(name) => name.text().to_owned(),
@@ -609,7 +614,7 @@ fn form(value: Expr<'_>) -> String {
     }
 }
 
-/// Returns whether a picture shows the task's layers; a broken picture may be meant to.
+/// Returns whether a picture shows the task's layers. A picture with an error may be meant to.
 fn shows_layers(pictures: &[Result<Picture, Reported>]) -> Result<bool, Reported> {
     let drawn = Picture::Scene {
         layers: Layers::Drawn,
@@ -662,7 +667,10 @@ fn read(line: ast::Read<'_>, context: &mut Context<'_, '_>) -> Result<Read, Repo
     };
     let (before, after) = (before.trim(), after.trim());
     if before.is_empty() {
-        return refuse(pattern.span(), format!("no words stand before `{hole}`"));
+        return refuse(
+            pattern.span(),
+            format!("the pattern has no words before `{hole}`"),
+        );
     }
     if after.contains(&hole) {
         return refuse(pattern.span(), format!("the pattern has `{hole}` twice"));

@@ -11,7 +11,7 @@ use fab_program::{SubgoalImage, Subgoals};
 /// The most subgoal pictures of a task.
 const MAX_IMAGES: usize = 101;
 
-/// Builds the subgoals: folds that the simulator draws, or the author's pictures.
+/// Builds the subgoals: folds for the simulator to draw, or the author's pictures.
 pub(crate) fn check<'a>(
     part: fab_grammar::ast::Subgoals<'a>,
     context: &mut Context<'a, '_>,
@@ -48,9 +48,12 @@ fn images<'a>(
 ) -> Result<Subgoals, Reported> {
     let images: Vec<Image<'_>> = part.images().collect();
     if let [only] = images.as_slice() {
-        let diagnostic =
-            Diagnostic::new(Code::TooFewImages, only.span(), "one image shows no step")
-                .help("add the picture after the step");
+        let diagnostic = Diagnostic::new(
+            Code::TooFewImages,
+            only.span(),
+            "one image does not show a step",
+        )
+        .help("add the picture after the step");
         return Err(context.missing(part.is_damaged(), only.span().file, diagnostic));
     }
     context.bounded(images.get(MAX_IMAGES).map(|beyond| beyond.span()), || {

@@ -1,7 +1,7 @@
-//! Checks one task, section by section, and puts its program together.
+//! Checks one task, section by section, and assembles its program.
 //!
 //! Every part of the program under construction is present, absent, or replaced by the proof of its error. A
-//! [`Program`] is built only if no part is broken, so nothing can be missing from one.
+//! [`Program`] is built only if no part has an error, so no part of it can be missing.
 
 use super::context::{Context, Declared};
 use super::names::Names;
@@ -18,12 +18,12 @@ use fab_grammar::ast::{Expr, Statement};
 use fab_program::{PROGRAM_FORMAT, Picker, Program, SourceStamp, Test, hex};
 use sha2::{Digest, Sha256};
 
-/// A task's program and its tests; `None` for a base that only others extend.
+/// A task's program and its tests; `None` for a base, which cannot run by itself.
 pub(super) type Built = Declared<(Program, Vec<Test>)>;
 
 /// Checks one task or variant.
 ///
-/// - `form`: the proof of an error outside of tasks in a file that it sees; later errors may then be noise.
+/// - `form`: `Err` if a file that the task sees has an error outside of tasks; later errors may then be noise.
 pub(super) fn check<'a>(
     merged: &Merged<'a>,
     stamps: &[SourceStamp],
@@ -83,7 +83,7 @@ pub(super) fn check<'a>(
     let joined = prompts.joined.and(merged.joined);
     let (cloth, camera) = (context.cloth.clone(), context.camera.clone());
     let whole = completeness(merged, form, loaded, context.report)?;
-    // Any reported error counts, whichever part it concerns.
+    // Any reported error counts, in whichever part.
     context.report.has_errors()?;
     joined?;
     form?;
@@ -138,9 +138,9 @@ fn about(statement: Statement<'_>, context: &mut Context<'_, '_>) -> Result<Stri
         return Err(context.error(diagnostic.help("write `about \"what the task is for\"`")));
     };
     let Some(about) = text.plain() else {
-        let message = "`about` has a placeholder, and nothing is known yet that it could show";
+        let message = "`about` cannot have a placeholder";
         let diagnostic = Diagnostic::new(Code::WrongForm, span, message);
-        return Err(context.error(diagnostic.help("write plain words")));
+        return Err(context.error(diagnostic.help("write plain text")));
     };
     let n_chars = about.chars().count();
     if about.trim().is_empty() {
@@ -154,7 +154,7 @@ fn about(statement: Statement<'_>, context: &mut Context<'_, '_>) -> Result<Stri
     Ok(about)
 }
 
-/// Reports where the action space contradicts itself.
+/// Reports the contradictions in the action space.
 fn contradictions(
     program: &Program,
     merged: &Merged<'_>,
@@ -187,8 +187,8 @@ pub(super) fn stamps(loaded: &Loaded<'_>) -> Vec<SourceStamp> {
 
 /// Returns whether the task has everything a rollout needs, and reports what it lacks.
 ///
-/// A task with a cloth, subgoals or a horizon, and stages is meant to run, so lacking anything else is an
-/// error. A task without these may be a base.
+/// A task with a cloth, subgoals or a horizon, and stages is meant to run, so a missing section is an error. Without
+/// these it may be a base.
 fn completeness(
     merged: &Merged<'_>,
     form: Result<(), Reported>,
@@ -231,7 +231,7 @@ fn completeness(
             among(lacking)
         );
         let diagnostic = Diagnostic::new(Code::BaseOnly, name.span(), message);
-        report.remark(diagnostic.help("that is right for a task that others extend"));
+        report.remark(diagnostic.help("this is fine for a task that others extend"));
     }
     Ok(false)
 }

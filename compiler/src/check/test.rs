@@ -117,7 +117,7 @@ fn answered<'p>(
 
 // ---- given ---------------------------------------------------------------------------------------
 
-/// Pick and place of the previous action, each if it is given.
+/// Pick and place of the previous action, where given.
 type Last = [Option<Result<PixelPoint, Reported>>; 2];
 
 fn given<'a>(test: ast::Test<'a>, context: &mut Context<'a, '_>) -> Result<Given, Reported> {
@@ -142,7 +142,7 @@ fn given<'a>(test: ast::Test<'a>, context: &mut Context<'a, '_>) -> Result<Given
         [None, None] => None,
         [Some(pick), Some(place)] => Some([pick?, place?]),
         [Some(_), None] | [None, Some(_)] => {
-            let message = "the action before has a pick and a place";
+            let message = "the previous action must have both a pick and a place";
             let diagnostic = Diagnostic::new(Code::TestIncomplete, test.head_span(), message);
             let help = "give both `last.pick` and `last.place`";
             return Err(context.error(diagnostic.help(help)));
@@ -261,7 +261,7 @@ fn rectangle<'a>(
 
 // ---- expect --------------------------------------------------------------------------------------
 
-/// Reads what a test expects; of a base without stages as much as can be said.
+/// Reads what a test expects. In a base without stages, not everything can be checked.
 fn expect<'a>(
     line: ast::Expect<'a>,
     stage: Option<&Stage>,
@@ -282,7 +282,7 @@ fn expect<'a>(
             Some(text) => plain(text, context).map(|text| Expect::Text { text }),
             None => Err(mismatch(
                 line,
-                "the line does not say which text is read",
+                "the line does not state the expected text",
                 context,
             )),
         },
@@ -296,7 +296,7 @@ fn expect<'a>(
             Some(check) => reject(check, merged, context),
             None => Err(mismatch(
                 line,
-                "the line does not say which check refuses",
+                "the line does not state the expected check",
                 context,
             )),
         },
@@ -306,7 +306,7 @@ fn expect<'a>(
 fn mismatch(line: ast::Expect<'_>, message: &str, context: &mut Context<'_, '_>) -> Reported {
     let diagnostic = Diagnostic::new(Code::TestIncomplete, line.span(), message);
     context.error(diagnostic.help(
-        "an action is expected as `accept`, `reject(CHECK)` or `malformed`, a text as `text \"…\"` or `malformed`",
+        "for an action write `accept`, `reject(CHECK)` or `malformed`; for a text, `text \"…\"` or `malformed`",
     ))
 }
 

@@ -1,11 +1,11 @@
-//! Estimates the score of an untouched cloth, for a warning if it already meets the goal.
+//! Estimates the score of an untouched cloth, to warn if it already meets the goal.
 //!
-//! A fold is treated as a fold of ideal paper: everything on the picked side of the line midway between pick and
-//! place is mirrored at that line. Real cloth drags and overshoots, so the score is an estimate.
+//! Each fold is treated as a fold of ideal paper: everything on the picked side of the line midway between pick and
+//! place is mirrored at that line. Real cloth drags and overshoots, so the score is only an estimate.
 
 use fab_program::{Cloth, ClothPoint, ClothStart, Fold, Goal, Metric, Sequence};
 
-/// Points on each side of the sheet that represents the cloth.
+/// Points along each side of the sheet that stands for the cloth.
 const SIDE: usize = 15;
 
 /// The most sequences that are folded; more do not change the estimate much.
@@ -38,7 +38,7 @@ fn distance_m(cloth: &Cloth, folds: &[Fold]) -> f64 {
         .collect();
     let mut folded = flat.clone();
     for fold in folds {
-        // The sheet's own points carry the pick and the place; the center stays on the table.
+        // Points of the cloth move with the folded sheet; the center belongs to the table.
         let at = |point: &ClothPoint, sheet: &[[f64; 2]]| match point {
             ClothPoint::Center => [sides_m[0] / 2.0, sides_m[1] / 2.0],
             ClothPoint::Particle { right, front } => {

@@ -1,4 +1,4 @@
-//! `verify { check NAME { … } else "…" … attempts 3 }`: which answers are refused, and the messages for the model.
+//! `verify { check NAME { … } else "…" … attempts 3 }`: which answers are rejected, and the messages to the model.
 
 use super::conditions;
 use super::context::Context;
@@ -90,7 +90,7 @@ fn declared<'a>(
         }
     };
     let when = check.when().map(|expr| (expr, condition(expr, context)));
-    // If the guard is wrong, the rest is checked as if there was a previous action.
+    // If the guard has an error, check the rest as if there was a previous action.
     let implies_last =
         |when: &Result<Condition, _>| when.as_ref().map_or(true, |it| it.implies_last());
     let has_last = when.as_ref().is_some_and(|(_, when)| implies_last(when));
@@ -122,7 +122,7 @@ fn declared<'a>(
     let message = format!("check.{}", name.text());
     let Some(text) = check.message() else {
         let diagnostic = lacks(Code::MissingMessage, "why it refuses");
-        let diagnostic = diagnostic.help("add `else \"…\"` behind the condition");
+        let diagnostic = diagnostic.help("add `else \"…\"` after the condition");
         return Err(context.missing(check.is_damaged(), file, diagnostic));
     };
     let scope = TextScope {
@@ -142,7 +142,8 @@ fn declared<'a>(
     })
 }
 
-/// Builds a condition of a check. Emitted verifiers evaluate it too, and they do not know which points are out of reach.
+/// Builds a condition of a check. Emitted verifiers evaluate it too, and they do not know which points are
+/// unreachable.
 fn condition<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Condition, Reported> {
     let condition = conditions::check(expr, context)?;
     if !condition.uses().reach {
@@ -157,7 +158,7 @@ fn condition<'a>(expr: Expr<'a>, context: &mut Context<'a, '_>) -> Result<Condit
 
 // ---- attempts ------------------------------------------------------------------------------------
 
-/// Reports `with picture` if the stage that reads the action asks a model that sees no pictures.
+/// Reports `with picture` if the stage that reads the action asks a model that takes no pictures.
 fn shows_refused(
     with_picture: Phrase<'_>,
     prompts: &Prompts,
@@ -172,7 +173,7 @@ fn shows_refused(
         return Ok(());
     };
     let message = format!(
-        "the stage `{}` asks a text model, and a correction would show it a picture",
+        "`with picture` needs a vision model, but the stage `{}` asks a text model",
         stage.name
     );
     let diagnostic = Diagnostic::new(Code::PicturesForTextModel, with_picture.span(), message);
@@ -180,7 +181,7 @@ fn shows_refused(
         .error(diagnostic.help("write `model vision` in that stage, or leave out `with picture`")))
 }
 
-/// Returns the checks that the last attempt leaves out.
+/// Returns the checks that `then without` removes.
 fn relaxed<'a>(
     attempts: Attempts<'a>,
     merged: &Merged<'a>,
@@ -200,7 +201,7 @@ fn relaxed<'a>(
     relaxed.into_iter().collect()
 }
 
-/// Reports a name that no check has, or a check that cannot be left out.
+/// Reports a name that no check has, or a check that cannot be removed.
 fn not_relaxed<'a>(name: Name<'a>, merged: &Merged<'a>, context: &mut Context<'a, '_>) -> Reported {
     let new = |message: String| Diagnostic::new(Code::NothingToRemove, name.span(), message);
     if let Some(row) = given(name.text()) {
@@ -230,7 +231,7 @@ fn result<'a>(
         read_whole(it, &RETRIES.range, context)
     });
     let Some(text) = part.message() else {
-        let message = "`result` does not say what a model is told before a step is asked again";
+        let message = "`result` has no message for the model";
         let diagnostic = Diagnostic::new(Code::MissingMessage, part.span(), message);
         return Err(context.error(diagnostic.help("add `else \"…\"` at its end")));
     };

@@ -1,11 +1,11 @@
 //! Every code: its title, what it means, and what to do.
 //!
-//! A code never changes its meaning. Its name describes the fault, not the cure. `examples/` holds a file for each code,
-//! which `explain` shows.
+//! A code never changes its meaning. Its name describes the fault, not the cure. `examples/` has a file for each
+//! code, which `explain` shows.
 
 use Severity::{Error, Note, Warning};
 
-/// How bad it is.
+/// How serious a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// The task cannot run.
@@ -129,7 +129,7 @@ codes! {
 
     "F0102" UnknownWord Error
     "a line begins with an unknown word"
-    "Each line of a block begins with one of a few words. Where one of them is near, the message suggests it."
+    "Each line of a block begins with one of a few words. If one of them is similar, the message suggests it."
 
     "F0103" MissingBrace Error
     "a brace is missing"
@@ -144,12 +144,12 @@ codes! {
     "Tasks, stages, checks and lists of experts have a name: a letter, then letters, digits and `_`."
 
     "F0106" SectionOutsideTask Error
-    "a section stands outside of any task"
+    "a section is outside of any task"
     "Sections such as `keypoints` belong between the braces of a `task`. Perhaps a `}` above closes it too early."
 
     "F0107" TrailingComma Error
     "a list ends with a comma"
-    "A comma announces another part. Remove it, or add the part."
+    "A comma must be followed by another part. Remove it, or add the part."
 
     "F0108" UnclosedText Error
     "a text does not end"
@@ -157,7 +157,7 @@ codes! {
 
     "F0109" WrongQuotes Error
     "quotes are not of the right kind"
-    "Texts stand between straight double quotes `\"`. Word processors replace them with curved ones."
+    "Texts are written between straight double quotes `\"`. Word processors replace them with curved ones."
 
     "F0110" BadEscape Error
     "a backslash escapes nothing"
@@ -177,7 +177,7 @@ codes! {
 
     "F0201" UnknownUnit Error
     "a unit is unknown"
-    "A number is followed by its unit, without a blank between them. Lengths on the table and in the picture, and angles, have units of their own; the message lists them all."
+    "A number is followed by its unit, without a blank between them. Lengths on the table, lengths in the picture and angles have different units; the message lists them all."
 
     "F0202" MissingUnit Error
     "a number has no unit"
@@ -225,11 +225,11 @@ codes! {
 
     "F0301" UnknownName Error
     "a name is unknown"
-    "Nothing of this kind has this name here. Where one is near, the message suggests it."
+    "Nothing of this kind has this name here. If one is similar, the message suggests it."
 
     "F0302" DuplicateName Error
     "a name is declared twice"
-    "Names are unique among things that can be mistaken for each other. Rename one."
+    "Two things that could be confused cannot have the same name. Rename one."
 
     "F0303" WrongKindOfName Error
     "a name stands for something else"
@@ -237,7 +237,7 @@ codes! {
 
     "F0304" NotYetKnown Error
     "a name is used before it is known"
-    "Stages run in order: what one reads is known to the stages after it. Action fields are known only in the messages of checks. An extractor uses only keypoints above it."
+    "Stages run in order: what one reads is known to the stages after it. Action fields are known only in checks and their messages. An extractor uses only keypoints above it."
 
     "F0305" NeedsLast Error
     "the previous action is not known in the first step"
@@ -248,8 +248,8 @@ codes! {
     "A task may not extend itself, directly or through others."
 
     "F0402" ExtendsTooDeep Error
-    "too many tasks extend each other"
-    "A task may extend at most 16 others, one through another."
+    "a chain of `extends` is too long"
+    "A task may extend at most 16 others, counting those that they extend in turn."
 
     "F0403" Repeated Error
     "something is stated twice"
@@ -313,7 +313,7 @@ codes! {
 
     "F0509" NoHorizon Error
     "a task does not state its number of steps"
-    "A task without subgoals has no steps to count, so it states a `horizon`."
+    "A task without subgoals has no steps to count, so it must state a `horizon`."
 
     "F0601" SaidNowhere Warning
     "a component is never used"
@@ -329,7 +329,7 @@ codes! {
 
     "F0604" PicturesForTextModel Error
     "a text model is shown pictures"
-    "`show`, and `with picture` behind `attempts`, need `model vision`."
+    "`show`, and `with picture` after `attempts`, need `model vision`."
 
     "F0605" TextTooLong Error
     "a text is too long"
@@ -348,8 +348,8 @@ codes! {
     "An example has one `say` and one `reply`. The stage must be able to read the reply, because the example shows the model how to answer. The message says what is missing or cannot be read."
 
     "F0609" SingleBraces Warning
-    "a value stands between single braces"
-    "`{corners}` is literal text, as in JSON; a model would read it as it stands. Write `{{ corners }}` for the value. Where the braces are meant, rename what is between them."
+    "a value is between single braces"
+    "`{corners}` is literal text, as in JSON; a model would read exactly that. Write `{{ corners }}` for the value. If the braces are intended, rename the word between them."
 
     "F0701" MissingField Error
     "an action lacks a field"
@@ -373,15 +373,15 @@ codes! {
 
     "F0706" Contradiction Error
     "the action space contradicts itself"
-    "A value that a prompt offers must be read back as the same value, and two choices must not be written alike. The compiler tries every choice; the message says which one fails. Rename it, or remove one of the two."
+    "A value that a prompt offers must be read back as the same value, and two choices must not have the same text. The compiler tries every choice; the message says which one fails. Rename it, or remove one of the two."
 
     "F0801" LayerNotNamed Error
     "something is drawn, but no prompt says what it is"
     "Each layer of `annotate` is named in a text of every stage that shows the annotated picture, such as `The corners are {{ corner_dots }}.`: a model has to know what the marks mean. Name it, or remove the layer."
 
     "F0802" LayerNotShown Error
-    "a text speaks of a layer that its stage does not show"
-    "The text names a layer of `annotate`, and no picture of the stage is shown `with annotations`. Write `show scene with annotations`, or leave the name out."
+    "a text names a layer that its stage does not show"
+    "The text names a layer of `annotate`, but the stage shows no picture `with annotations`. Write `show scene with annotations`, or leave the name out."
 
     "F0803" NothingToDraw Error
     "annotations are shown, but none are declared"

@@ -8,23 +8,23 @@ use fab_grammar::Span;
 pub struct Diagnostic {
     /// The kind of fault.
     pub code: Code,
-    /// How bad it is.
+    /// How serious it is.
     pub severity: Severity,
     /// What is wrong, with the values: lower case, no full stop.
     pub message: String,
-    /// The main place.
+    /// The main location.
     pub span: Span,
-    /// The words at the main place; may be empty.
+    /// The label at the main location; may be empty.
     pub label: String,
-    /// Other places that matter.
+    /// Other locations that matter.
     pub labels: Vec<Label>,
     /// What would be right.
     pub help: Vec<String>,
-    /// Changes that repair it, all of the same certainty.
+    /// Changes that repair it, all equally certain.
     pub edits: Vec<Edit>,
 }
 
-/// A second place.
+/// A secondary location.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     /// Where.
@@ -40,11 +40,11 @@ pub struct Edit {
     pub span: Span,
     /// The new text.
     pub replacement: String,
-    /// Whether it is what the author meant.
+    /// Whether the author meant it.
     pub certainty: Certainty,
 }
 
-/// Whether a change is what the author meant.
+/// Whether the author meant a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certainty {
     /// The source can only mean this; `fabc check --fix` makes the change.
@@ -54,7 +54,7 @@ pub enum Certainty {
 }
 
 impl Diagnostic {
-    /// Makes a diagnostic with its code's own severity.
+    /// Makes a diagnostic with the severity of its code.
     pub(crate) fn new(code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
         Diagnostic {
             code,
@@ -68,13 +68,13 @@ impl Diagnostic {
         }
     }
 
-    /// Marks the main place with words.
+    /// Sets the label at the main location.
     pub(crate) fn label(mut self, text: impl Into<String>) -> Diagnostic {
         self.label = text.into();
         self
     }
 
-    /// Adds a second place.
+    /// Adds a secondary location.
     pub(crate) fn also(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
         self.labels.push(Label {
             span,
@@ -94,7 +94,7 @@ impl Diagnostic {
         self.with_edit(span, replacement.into(), Certainty::Certain)
     }
 
-    /// Adds a change to the nearest name, and asks whether it was meant.
+    /// Adds a change to the nearest name, and asks whether that was meant.
     pub(crate) fn meant(self, span: Span, meant: &str) -> Diagnostic {
         self.help(format!("did you mean `{meant}`?")).with_edit(
             span,
@@ -103,7 +103,7 @@ impl Diagnostic {
         )
     }
 
-    /// Adds a change that probably repairs it; more may be needed.
+    /// Adds a change that probably repairs it; other changes may be needed too.
     pub(crate) fn likely(self, span: Span, replacement: impl Into<String>) -> Diagnostic {
         self.with_edit(span, replacement.into(), Certainty::Likely)
     }

@@ -1,4 +1,4 @@
-//! Diagnostics for tools and editors; the fields are fixed by the command line's contract.
+//! Diagnostics for tools and editors. The command line's contract fixes the fields.
 
 use super::diagnostic::{Certainty, Diagnostic};
 use fab_grammar::{Source, Sources, Span};

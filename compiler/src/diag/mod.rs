@@ -1,7 +1,7 @@
 //! Diagnostics: what is wrong with a source, as data. Text and JSON are made from it.
 //!
-//! A [`Diagnostic`] has a code, a message with the values, a main place, other places that matter, and advice.
-//! Messages are for people and may change; programs should match on the code.
+//! A [`Diagnostic`] has a code, a message with the values, a main location, other locations that matter, and advice.
+//! Messages are for readers and may change; programs should match on the code.
 
 mod codes;
 mod diagnostic;

@@ -8,29 +8,30 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// The most findings of each severity that are kept; the rest are only counted.
 ///
-/// A file of a megabyte can have a hundred thousand. Nobody reads them, and writing them takes longer than finding them.
+/// A file of a megabyte can have a hundred thousand. Nobody reads that many, and writing them takes longer than
+/// finding them.
 pub const MAX_FINDINGS: usize = 1000;
 
 /// Proof that an error was reported; only a [`Report`] makes one.
 ///
-/// A part that cannot be built because of an error is `Err(Reported)`, so no part goes missing without a message.
+/// A part that cannot be built because of an error is `Err(Reported)`, so no part is dropped without a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Reported(());
 
-/// Collects findings, each once.
+/// Collects findings, each only once.
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     found: Vec<Diagnostic>,
-    /// Place, code and digest of the message of each finding. Two findings that share all three count as one.
+    /// Location, code and message digest of each finding. Two findings that share all three count as one.
     seen: BTreeSet<(Span, Code, u64)>,
-    /// For each severity, how many findings there are and how many of them are kept.
+    /// For each severity, the number of findings, and how many of them are kept.
     counts: BTreeMap<Severity, (usize, usize)>,
-    /// The files in which an error's main place lies.
+    /// The files with the main location of an error.
     files_with_errors: BTreeSet<FileId>,
 }
 
 impl Report {
-    /// Adds an error once: a task is checked again in each task that extends it.
+    /// Adds an error once: each task that extends a task checks it again.
     pub(crate) fn error(&mut self, diagnostic: Diagnostic) -> Reported {
         debug_assert_eq!(
             diagnostic.severity,
@@ -72,7 +73,7 @@ impl Report {
         }
     }
 
-    /// Counts more errors of a file without their messages.
+    /// Counts further errors of a file, without their messages.
     pub(crate) fn count_further(&mut self, errors: usize, file: FileId) {
         if errors > 0 {
             self.counts.entry(Severity::Error).or_default().0 += errors;
@@ -103,7 +104,7 @@ impl Report {
             .sum()
     }
 
-    /// Takes over another report's findings and its count of those that it did not keep.
+    /// Takes over another report's findings, and its count of those that were not kept.
     pub(crate) fn absorb(&mut self, other: Report) {
         for (severity, (count, n_kept)) in other.counts {
             self.counts.entry(severity).or_default().0 += count - n_kept;
@@ -114,7 +115,7 @@ impl Report {
         }
     }
 
-    /// Returns the findings by file and place.
+    /// Returns the findings by file and position.
     pub(crate) fn into_sorted(mut self) -> Vec<Diagnostic> {
         self.found
             .sort_by_key(|diagnostic| (diagnostic.span, diagnostic.code));

@@ -1,11 +1,12 @@
 //! Finds the word that was probably meant, and lists candidates.
 
-/// How many candidates are looked at for one message: were it all, the time of a file full of errors would grow with its square.
+/// The most candidates per message. With all of them, a file full of errors would take quadratic time.
 const MOST_LOOKED_AT: usize = 200;
 
 /// Returns the candidate nearest to `word`, within an edit distance of `max(1, len / 3)`.
 ///
-/// Of equally near candidates the first wins. Words and lists far longer than people write are not searched to their end.
+/// Of equally near candidates the first wins. Words and lists far longer than anyone writes are not searched to the
+/// end.
 pub fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
     const LONGEST: usize = 40;
     if word.len() > LONGEST {
@@ -21,7 +22,7 @@ pub fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) ->
     {
         if let Some(distance) = edit_distance(&word, &lower_case(candidate), limit) {
             best = Some(candidate);
-            // Only a nearer candidate can replace it.
+            // From here on, only a nearer candidate counts.
             match distance.checked_sub(1) {
                 Some(nearer) => limit = nearer,
                 None => break,
@@ -54,7 +55,7 @@ pub fn among<'c>(names: impl IntoIterator<Item = &'c str>) -> String {
     }
 }
 
-/// Counts insertions, deletions, replacements and swaps of neighbours; None where there are more than `limit`.
+/// Counts insertions, deletions, replacements and swaps of neighbours; `None` if there are more than `limit`.
 fn edit_distance(from: &[char], to: &[char], limit: usize) -> Option<usize> {
     if from.len().abs_diff(to.len()) > limit {
         return None;
@@ -78,7 +79,7 @@ fn edit_distance(from: &[char], to: &[char], limit: usize) -> Option<usize> {
             row[j] = least;
             nearest = nearest.min(least);
         }
-        // A swap reaches back over one row, so the search ends only after two rows beyond the limit.
+        // A swap looks back one row, so the search ends only after two rows beyond the limit.
         let is_lost = nearest > limit && last.iter().all(|distance| *distance > limit);
         if is_lost {
             return None;

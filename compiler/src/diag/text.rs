@@ -1,4 +1,4 @@
-//! Diagnostics for people, formatted like rustc's.
+//! Diagnostics as text, formatted like rustc's.
 
 use super::codes::Severity;
 use super::diagnostic::Diagnostic;
@@ -9,10 +9,10 @@ use std::ops::Range;
 /// The most findings that are written; the rest are counted.
 const MOST: usize = 100;
 
-/// The most bytes of source shown for one finding; beyond that each place is shown by itself.
+/// The most bytes of source shown for one finding. Beyond that, each location is shown separately.
 const MOST_BYTES: usize = 4096;
 
-/// Bytes shown on either side of a place in a line that is too long to show whole.
+/// Bytes shown on each side of a location in a line that is too long to show whole.
 const AROUND: usize = 40;
 
 /// Whether the text is coloured.
@@ -24,7 +24,7 @@ pub enum Color {
     Ansi,
 }
 
-/// Writes diagnostics with the source lines that they concern.
+/// Writes diagnostics with their source lines.
 pub fn to_text(diagnostics: &[Diagnostic], sources: &Sources, color: Color) -> String {
     let renderer = match color {
         Color::Plain => Renderer::plain(),
@@ -65,7 +65,7 @@ fn write(diagnostic: &Diagnostic, sources: &Sources, renderer: &Renderer) -> Str
     renderer.render(&[group]).trim_end().to_owned()
 }
 
-/// Returns the files that a diagnostic points at, the main one first.
+/// Returns the files with a diagnostic's locations, the main one first.
 fn files(diagnostic: &Diagnostic) -> Vec<FileId> {
     let mut files = vec![diagnostic.span.file];
     for label in &diagnostic.labels {
@@ -76,7 +76,7 @@ fn files(diagnostic: &Diagnostic) -> Vec<FileId> {
     files
 }
 
-/// Shows the places in one file that a diagnostic concerns.
+/// Shows the locations of a diagnostic in one file.
 fn excerpt<'d>(diagnostic: &'d Diagnostic, file: FileId, sources: &'d Sources) -> Vec<Element<'d>> {
     let source = sources.get(file);
     let main = (
@@ -94,7 +94,7 @@ fn excerpt<'d>(diagnostic: &'d Diagnostic, file: FileId, sources: &'d Sources) -
         .collect();
     let first = marks.iter().map(|(span, ..)| span.start).min().unwrap_or(0);
     let last = marks.iter().map(|(span, ..)| span.end).max().unwrap_or(0);
-    // Only the lines in question: a large file must not be searched again for each finding.
+    // Only these lines: a large file must not be searched again for each finding.
     let start = line_start(&source.text, first);
     let end = line_end(&source.text, last);
     if let (Some(start), Some(end)) = (start, end)
@@ -106,7 +106,7 @@ fn excerpt<'d>(diagnostic: &'d Diagnostic, file: FileId, sources: &'d Sources) -
     marks.iter().flat_map(|mark| apart(source, mark)).collect()
 }
 
-/// Shows one place by itself, because its line is too long or the other places are far away.
+/// Shows one location separately, because its line is too long or the other locations are far away.
 fn apart<'d>(source: &'d Source, mark: &(Span, &'d str, AnnotationKind)) -> Vec<Element<'d>> {
     let (span, label, kind) = *mark;
     let (line, column) = source.line_and_column(span.start);
@@ -120,7 +120,7 @@ fn apart<'d>(source: &'d Source, mark: &(Span, &'d str, AnnotationKind)) -> Vec<
         ..span
     };
     let end = text.floor_char_boundary(line_end.min(excerpt.end + AROUND));
-    // The snippet may begin inside its line, so the position cannot be counted from it.
+    // The snippet may begin in the middle of a line, so the position cannot be counted from it.
     vec![
         Origin::path(source.name.as_str())
             .line(line)

@@ -17,7 +17,7 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
             Diagnostic::new(Code::FileTooLong, span, format!("the file has {bytes} bytes, at most {limit} are accepted"))
         }
         Problem::TooDeep { limit } => {
-            Diagnostic::new(Code::NestedTooDeep, span, format!("more than {limit} brackets and braces are open"))
+            Diagnostic::new(Code::NestedTooDeep, span, format!("more than {limit} brackets and braces are open at once"))
         }
         Problem::LongWord { limit } => {
             Diagnostic::new(Code::WordTooLong, span, format!("a word has more than {limit} letters"))
@@ -51,14 +51,14 @@ pub(crate) fn diagnose(fault: &Fault, text: &str) -> Diagnostic {
         Problem::StrayClose => Diagnostic::new(Code::StrayBrace, span, "this `}` closes nothing")
             .help("remove it, or look for a `}` too many above"),
         Problem::OutsideTask { word } => {
-            Diagnostic::new(Code::SectionOutsideTask, span, format!("`{word}` stands outside of any task"))
+            Diagnostic::new(Code::SectionOutsideTask, span, format!("`{word}` is outside of any task"))
                 .help("move it between the braces of a `task`; perhaps a `}` above closes the task too early")
         }
         Problem::TrailingComma => Diagnostic::new(Code::TrailingComma, span, "a list ends with a comma")
             .help("remove the comma, or add another part")
             .edit(span, ""),
         Problem::UnclosedString => Diagnostic::new(Code::UnclosedText, span, "the text does not end on this line")
-            .help("close it with `\"`; a text of several lines stands between `\"\"\"` and `\"\"\"`"),
+            .help("close it with `\"`; a text of several lines is written between `\"\"\"` and `\"\"\"`"),
         Problem::UnclosedText => Diagnostic::new(Code::UnclosedText, span, "the text that begins here does not end")
             .help("close it with `\"\"\"`"),
         Problem::WrongQuotes { right } => Diagnostic::new(Code::WrongQuotes, span, "these quotes are not of the right kind")

@@ -1,9 +1,9 @@
-//! Common slips: signs and words of other programming languages, and typographic ones.
+//! Common mistakes: signs and words of other programming languages, and typographic characters.
 
 use crate::diag::{Code, Diagnostic};
 use fab_grammar::Span;
 
-/// Makes the diagnostic for the text at `span` if it is a common slip.
+/// Makes the diagnostic for the text at `span` if it is a common mistake.
 ///
 /// - `found`: the text there.
 /// - `expected`: what would fit, in backticks where it is literal; may be empty.
@@ -24,7 +24,7 @@ pub(super) fn recognise(
         };
         Diagnostic::new(Code::Unexpected, span, message)
     };
-    // The sign may be longer than the text that was found.
+    // The sign may be longer than the text found.
     let sign = |sign: &str| Span {
         end: span.start + sign.len(),
         ..span
@@ -55,15 +55,15 @@ pub(super) fn recognise(
         "!" if !rest.starts_with("!=") => written("!", "not "),
         "&" => written("&", "and"),
         "|" => written("|", "or"),
-        "=" if is_in_condition(before) => fault(span, "`=` compares nothing".to_owned())
-            .help("write `<`, `<=`, `>` or `>=`; words and counts may also be compared by `==`"),
+        "=" if is_in_condition(before) => fault(span, "`=` is not a comparison".to_owned())
+            .help("write `<`, `<=`, `>` or `>=`; words and counts may also be compared with `==`"),
         "<" | "<=" | ">" | ">=" | "==" if expected.is_empty() => fault(
             span,
             format!("a comparison has two sides, and `{found}` begins a third"),
         )
         .help("write two comparisons joined by `and`"),
-        ";" => fault(span, "`;` ends nothing".to_owned())
-            .help("remove it: a line needs no end")
+        ";" => fault(span, "`;` is not part of the language".to_owned())
+            .help("remove it: a statement ends with its line")
             .edit(span, ""),
         "/" if rest.starts_with("/*") => {
             fault(sign("/*"), "`/*` does not begin a comment".to_owned())
@@ -71,7 +71,7 @@ pub(super) fn recognise(
         }
         "True" | "False" | "None" | "true" | "false" | "none" if expected.is_empty() => {
             fault(span, format!("expected a condition, found `{found}`"))
-                .help("a condition says what it depends on; remove what always holds")
+                .help("a condition compares values; remove it if it always holds")
         }
         "." if rest[1..].starts_with(|next: char| next.is_ascii_digit()) => {
             fault(span, "a number begins with a digit".to_owned())
@@ -84,11 +84,12 @@ pub(super) fn recognise(
                     "0",
                 )
         }
-        "," if is_decimal_comma(before, &rest[1..]) => {
-            fault(span, "decimals follow a point, not a comma".to_owned())
-                .help("write `.`")
-                .edit(span, ".")
-        }
+        "," if is_decimal_comma(before, &rest[1..]) => fault(
+            span,
+            "the decimal separator is a point, not a comma".to_owned(),
+        )
+        .help("write `.`")
+        .edit(span, "."),
         _ if found.starts_with('_')
             && found[1..].bytes().all(|byte| byte.is_ascii_digit())
             && before.ends_with(|last: char| last.is_ascii_digit()) =>
@@ -103,10 +104,11 @@ pub(super) fn recognise(
         {
             fault(span, "a number has no exponent".to_owned()).help("write all of its digits")
         }
-        _ if rest.starts_with('"') && text[..span.start].ends_with("\"\"") => {
-            fault(span, "a text of several lines cannot stand here".to_owned())
-                .help("write one line between `\"` and `\"`")
-        }
+        _ if rest.starts_with('"') && text[..span.start].ends_with("\"\"") => fault(
+            span,
+            "a text of several lines is not allowed here".to_owned(),
+        )
+        .help("write one line between `\"` and `\"`"),
         _ if before.ends_with("expect reject") && found.starts_with(char::is_alphabetic) => {
             fault(span, format!("expected `(`, found `{found}`"))
                 .help(format!("write `expect reject({found})`"))
@@ -124,7 +126,7 @@ pub(super) fn recognise(
     })
 }
 
-/// Returns whether a place lies in the condition of a check: after its `{` on the same line.
+/// Returns whether a position is in the condition of a check: after its `{` on the same line.
 fn is_in_condition(before: &str) -> bool {
     let line = before.rsplit('\n').next().unwrap_or(before);
     line.trim_start().starts_with("check ") && line.contains('{')

@@ -34,7 +34,7 @@ pub(crate) const FIELDS: &[FieldRow] = &[
         name: "place",
         choices: ChoiceKind::Points,
         example: "place: one of corners, center",
-        doc: "where it is let go; without it, the direction and the distance from the pick say where",
+        doc: "where it is released; without it, the direction and the distance from the pick decide",
     },
     FieldRow {
         name: "direction",

@@ -1,4 +1,4 @@
-//! Calls that make parts of a task: cloths, cameras, points of the cloth. One row each.
+//! The calls that make parts of a task: cloths, cameras, points of the cloth. One row each.
 
 use fab_program::data::keypoints::IMAGE;
 use fab_program::units::base;
@@ -9,13 +9,13 @@ use fab_program::{Camera, Cloth, ClothPoint, ClothStart, ImageUp};
 
 // ---- cloths --------------------------------------------------------------------------------------
 
-/// Distance between particles, metres: the grid that the paper's cloths have (protocol, section 1).
+/// Distance between particles, metres: the grid of the paper's cloths (protocol, section 1).
 pub(crate) const SPACING_M: f64 = 0.00625;
 
 /// Particles on a side; their number grows with the square.
 pub(crate) const PARTICLES: Range = Range::plain("a count of particles", 2.0, 200.0);
 
-/// A side, from the fewest to the most particles.
+/// The length of a side, for the fewest to the most particles.
 const SIDE: Kind = Kind::Quantity(Range::new("a side", (6.25, "mm"), (1243.75, "mm")));
 
 const STARTS: &[Word] = &[
@@ -25,7 +25,7 @@ const STARTS: &[Word] = &[
     },
     Word {
         name: "crumpled",
-        doc: "lifted and dropped at random, as the seed says",
+        doc: "lifted and dropped at random, depending on the seed",
     },
 ];
 
@@ -35,7 +35,7 @@ const START: Arg = Arg::named(
         words: STARTS,
         ending: ".npy",
     },
-    "how it lies at first: a word, or particle positions from a file",
+    "how it lies at the start: a word, or particle positions from a file",
 )
 .or(Default::Word("flat"));
 
@@ -191,7 +191,7 @@ const SIDES: &[Word] = &[
 
 const PART: Kind = Kind::Quantity(Range::plain("a fraction", 0.0, 1.0));
 
-/// How far a fold goes towards its place.
+/// How far towards its place a fold goes.
 pub(crate) const FOLD_FRACTION: Range = Range::plain("a fraction", 0.0, 1.0).above();
 
 /// Points of the cloth that are calls; `center` is a word.
@@ -265,7 +265,8 @@ pub(crate) const CLOTH_POINTS: &[CallOf<ClothPoint>] = &[
     },
 ];
 
-/// Returns the point of a corner's or a side's name: each word in it is one end of an axis; without a word, the middle.
+/// Returns the point of a named corner or side. Each word in the name is one end of an axis; without a word, the
+/// middle.
 fn side(name: &str) -> ClothPoint {
     let along = |least: &str, most: &str| {
         if name.contains(most) {
@@ -282,7 +283,7 @@ fn side(name: &str) -> ClothPoint {
     }
 }
 
-/// Returns a point's fractions; `center`, which belongs to the table, was already refused.
+/// Returns a point's fractions. `center` belongs to the table and was already rejected.
 fn particle(point: ClothPoint) -> [f64; 2] {
     match point {
         ClothPoint::Particle { right, front } => [right, front],

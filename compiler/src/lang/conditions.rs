@@ -1,4 +1,4 @@
-//! Rows of conditions: the words that are not calls, and the signs between two values.
+//! Rows of conditions: words that are not calls, and the signs between two values.
 
 use fab_program::vocabulary::Range;
 use fab_program::{Comparison, Condition};
@@ -9,13 +9,13 @@ use fab_program::{Comparison, Condition};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WordRow {
     pub name: &'static str,
-    /// The condition that it is by itself; `None` for a value that is compared.
+    /// The condition that the word is by itself; `None` for a value to compare.
     pub condition: Option<fn() -> Condition>,
     /// What it says, one line.
     pub doc: &'static str,
 }
 
-/// The word for points out of reach: a condition of components, and a value in texts.
+/// The word for unreachable points: a condition of components, and a value in texts.
 pub(crate) const UNREACHABLE: &str = "unreachable";
 
 /// The words.
@@ -23,12 +23,12 @@ pub(crate) const WORDS: &[WordRow] = &[
     WordRow {
         name: "last",
         condition: Some(|| Condition::Last),
-        doc: "an action was carried out before this one",
+        doc: "there was a previous action",
     },
     WordRow {
         name: UNREACHABLE,
         condition: Some(|| Condition::Unreachable),
-        doc: "some points are out of reach; a condition of components, not of checks",
+        doc: "some points are unreachable; only for components, not for checks",
     },
     WordRow {
         name: "step",
@@ -43,7 +43,7 @@ pub(crate) const WORDS: &[WordRow] = &[
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SignRow {
     pub name: &'static str,
-    /// Another sign that people write for it; the right one is suggested.
+    /// A wrong sign that people write for it; the right one is then suggested.
     pub misspelling: Option<&'static str>,
     pub means: Sign,
     /// What it says, one line.

@@ -6,10 +6,10 @@ use fab_program::{Comparison, Metric};
 /// A measure that a goal may name.
 pub(crate) struct MetricRow {
     pub metric: Metric,
-    /// The comparisons by which it is reached.
+    /// The comparisons that count as reaching it.
     pub reached: [Comparison; 2],
     pub limit: Range,
-    /// A goal that states it.
+    /// A goal with this measure.
     pub example: &'static str,
     pub doc: &'static str,
 }
@@ -32,14 +32,14 @@ pub(crate) const METRICS: &[MetricRow] = &[
         reached: ABOVE,
         limit: FRACTION,
         example: "goal coverage > 0.9",
-        doc: "the covered area over that of the flat cloth; reached above its limit, judged after each step",
+        doc: "the covered area divided by that of the flat cloth; reached above its limit, judged after each step",
     },
     MetricRow {
         metric: Metric::NormalizedImprovement,
         reached: ABOVE,
         limit: FRACTION,
         example: "goal normalized_improvement > 0.95",
-        doc: "how much of the coverage that was missing at first has been gained; reached above its limit, judged after each step",
+        doc: "which part of the coverage missing at the start has been gained; reached above its limit, judged after each step",
     },
 ];
 

@@ -1,7 +1,7 @@
-//! The tables of the reference, written from the language's own tables.
+//! The reference tables, written from the language's own tables.
 //!
-//! In: [`Vocabulary`]. Out: Markdown, one table a name. `docs/language.md` holds each between
-//! `<!-- table: NAME -->` and `<!-- end -->`; [`refreshed`] writes them anew.
+//! In: [`Vocabulary`]. Out: Markdown, one table per name. `docs/language.md` holds each between
+//! `<!-- table: NAME -->` and `<!-- end -->`; [`refreshed`] replaces them.
 
 use super::sections::Merges;
 use super::vocabulary::{CallEntry, Vocabulary, WordEntry, vocabulary};
@@ -39,7 +39,7 @@ pub fn tables() -> Vec<(&'static str, String)> {
     tables
 }
 
-/// The tables of calls: the name of each, and where its calls may stand.
+/// The tables of calls: the name of each, and where its calls may be used.
 const CALLS: &[(&str, &str)] = &[
     ("cloths", "cloth"),
     ("cameras", "camera"),
@@ -49,7 +49,7 @@ const CALLS: &[(&str, &str)] = &[
     ("measures", "measure"),
 ];
 
-/// The tables of words: the name of each, and its set.
+/// The tables of words: the name of each, and its set of words.
 const WORDS: &[(&str, &str)] = &[
     ("pickers", "picker"),
     ("goals", "goal"),
@@ -62,9 +62,9 @@ const WORDS: &[(&str, &str)] = &[
     ("expectations", "expectation"),
 ];
 
-/// Writes the tables of a page anew; what stands between other markers, or between none, is left alone.
+/// Replaces the tables of a page; other text is left alone.
 ///
-/// Returns none where a table's end is missing.
+/// Returns `None` if a table's end marker is missing.
 pub fn refreshed(page: &str) -> Option<String> {
     let tables = tables();
     let mut text = String::with_capacity(page.len());
@@ -154,7 +154,7 @@ fn argument(arg: &Arg) -> String {
             format!(" (without it: `{number}{unit}`)")
         }
     };
-    // As in the call's form: only labels are written in small letters.
+    // As in the call's form, only labels are in lower case.
     let name = match arg.place {
         Place::Named => arg.name.to_owned(),
         Place::Positional | Place::Rest => arg.name.to_uppercase(),
@@ -162,9 +162,9 @@ fn argument(arg: &Arg) -> String {
     format!("`{name}`: {}{}{default}", arg.doc, accepted(arg.kind))
 }
 
-/// Says which numbers or words are accepted.
+/// Describes which numbers or words are accepted.
 fn accepted(kind: Kind) -> String {
-    // A longer set has a table of its own.
+    // A larger set has a table of its own.
     const MOST: usize = 4;
     if let Some(range) = range(kind) {
         let [from, to] = [range.from, range.to].map(|(number, unit)| format!("`{number}{unit}`"));
@@ -209,7 +209,7 @@ fn words<'v>(words: impl Iterator<Item = &'v WordEntry>) -> String {
     table(&["word", "means"], rows)
 }
 
-/// Writes words in lines that are not too long.
+/// Joins words into lines of limited length.
 fn wrapped(words: &[&str]) -> String {
     const WIDTH: usize = 110;
     let mut lines: Vec<String> = vec![String::new()];

@@ -2,29 +2,29 @@
 
 use serde::Serialize;
 
-/// Who must have a section.
+/// Which tasks must have a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Needed {
-    /// Each task that runs, by itself or by what it extends; without it a task is a base.
+    /// Each task that runs must declare or inherit it; without it a task is a base.
     ByEachTask,
-    /// Each task that runs; most inherit it.
+    /// Each task that runs needs it; most inherit it.
     ByARun,
-    /// None.
+    /// No task.
     Never,
 }
 
-/// What a task that extends another does to its section.
+/// What happens to a section when a task extends another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Merges {
-    /// Replaces it whole.
+    /// The whole section is replaced.
     Whole,
-    /// Replaces and adds parts by their names.
+    /// Parts are replaced and added by name.
     ByName,
-    /// Changes parts that are inherited.
+    /// It changes inherited parts.
     Changes,
-    /// It belongs to the one task.
+    /// It is not inherited.
     Never,
 }
 
@@ -35,9 +35,9 @@ pub struct Section {
     pub word: &'static str,
     /// How it is written.
     pub form: &'static str,
-    /// Who must have it.
+    /// Which tasks must have it.
     pub needed: Needed,
-    /// What a task that extends another does to it.
+    /// What happens to it when a task extends another.
     pub merges: Merges,
     /// What it says, one line.
     pub doc: &'static str,
@@ -66,7 +66,7 @@ pub(crate) const SECTIONS: &[Section] = &[
         "about \"TEXT\"",
         Needed::Never,
         Merges::Never,
-        "what the task is for in one line, shown by `fabc check`; no model is told, and it changes no program's hash",
+        "what the task is for, in one line, shown by `fabc check`; no model sees it, and it does not change the program's hash",
     ),
     row(
         "const",
@@ -94,7 +94,7 @@ pub(crate) const SECTIONS: &[Section] = &[
         "picker put_down",
         Needed::Never,
         Merges::Whole,
-        "how the cloth is carried and let go",
+        "how the cloth is carried and released",
     ),
     row(
         "goal",
@@ -129,7 +129,7 @@ pub(crate) const SECTIONS: &[Section] = &[
         "demos STAGE from \"FILE\"",
         Needed::Never,
         Merges::Whole,
-        "which demonstrations a stage is told",
+        "which demonstrations a stage's model is shown",
     ),
     row(
         "keypoints",
@@ -185,7 +185,7 @@ pub(crate) const SECTIONS: &[Section] = &[
         "verify { check NAME { CONDITION } else \"TEXT\" }",
         Needed::Never,
         Merges::Whole,
-        "which answers are refused, and what a model is told",
+        "which answers are rejected, and the messages to the model",
     ),
     row(
         "variant",
@@ -206,6 +206,6 @@ pub(crate) const SECTIONS: &[Section] = &[
         "test \"WHAT\" { given … reply … expect … }",
         Needed::Never,
         Merges::Never,
-        "what must come of an answer",
+        "the expected result of an answer",
     ),
 ];

@@ -11,11 +11,11 @@ pub(crate) const MODELS: &[Word] = &[
     },
     Word {
         name: "text",
-        doc: "a model that reads text alone",
+        doc: "a model that reads only text",
     },
 ];
 
-/// The settings after the kind of model, each at most once; without one, the model's own default applies.
+/// The settings after the kind of model, each at most once. Without a setting, the model's own default applies.
 pub(crate) const SETTINGS: &[Arg] = &[
     setting(
         "temperature",

@@ -6,11 +6,11 @@ use fab_program::vocabulary::{Range, Word};
 pub(crate) const GIVEN: &[Word] = &[
     Word {
         name: "last.pick",
-        doc: "where the action before gripped the cloth, a pixel",
+        doc: "where the previous action gripped the cloth, a pixel",
     },
     Word {
         name: "last.place",
-        doc: "where the action before let it go, a pixel",
+        doc: "where the previous action released it, a pixel",
     },
     Word {
         name: "step",
@@ -29,7 +29,7 @@ pub(crate) const EXPECTATIONS: &[Word] = &[
     },
     Word {
         name: "reject",
-        doc: "the check in brackets refuses the action: `reject(far)`",
+        doc: "the check in brackets rejects the action: `reject(far)`",
     },
     Word {
         name: "malformed",

@@ -1,9 +1,9 @@
-//! Rows of `verify`: the numbers that it states, and the checks that every task has.
+//! Rows of `verify`: its numbers, and the checks that every task has.
 
 use fab_program::verify::{OFFERED, REACHABLE};
 use fab_program::vocabulary::Range;
 
-/// A number that `verify` states.
+/// A number in `verify`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NumberRow {
     /// The words before it.
@@ -25,13 +25,13 @@ pub(crate) const DEFAULT_ATTEMPTS: f64 = 3.0;
 pub(crate) const OVERLAP: NumberRow = NumberRow {
     name: "result overlap >",
     range: Range::plain("a share", 0.0, 0.999),
-    doc: "the share in which the silhouettes of the result and of the next subgoal must overlap",
+    doc: "how much the silhouettes of the result and of the next subgoal must overlap, as a fraction",
 };
 
 pub(crate) const RETRIES: NumberRow = NumberRow {
     name: "retries",
     range: Range::plain("a count", 1.0, 5.0),
-    doc: "the most further actions of a step whose result is refused; without it, `1`",
+    doc: "how often a step whose result is rejected may be repeated; without it, `1`",
 };
 
 /// Further actions of a step if `retries` is not stated.
@@ -40,7 +40,7 @@ pub(crate) const DEFAULT_RETRIES: f64 = 1.0;
 /// The numbers, in the order of the reference.
 pub(crate) const NUMBERS: [&NumberRow; 3] = [&ATTEMPTS, &OVERLAP, &RETRIES];
 
-/// A check that every task has: no other check may have its name, and no task may leave it out.
+/// A check that every task has. No other check may have its name, and no task may remove it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GivenCheck {
     pub name: &'static str,

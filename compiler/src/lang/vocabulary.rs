@@ -1,7 +1,7 @@
-//! Everything that the language knows as one list: for editors, and for the tables of the reference.
+//! Everything that the language knows as one list, for editors and for the tables of the reference.
 //!
 //! In: the tables. Out: [`Vocabulary`], the rows themselves, which serialize to the JSON of `fabc vocabulary --json`.
-//! Nothing is known here that does not stand in a table.
+//! This module adds nothing of its own.
 
 use super::actions::FIELDS;
 use super::annotate::{COLORS, MARKS};
@@ -19,7 +19,7 @@ use fab_program::vocabulary::{Kind, Signature, Word};
 use fab_program::{EXTRACTORS, Picker};
 use serde::Serialize;
 
-/// Version of the shape of [`Vocabulary`].
+/// Version of the format of [`Vocabulary`].
 pub const VOCABULARY_FORMAT: u32 = 1;
 
 /// Every word of the language.
@@ -27,17 +27,17 @@ pub const VOCABULARY_FORMAT: u32 = 1;
 pub struct Vocabulary {
     /// [`VOCABULARY_FORMAT`].
     pub format: u32,
-    /// Words that can name nothing.
+    /// Words that cannot be names.
     pub keywords: &'static [&'static str],
-    /// Which words may begin a line, by the block that it stands in; none where lines begin with names.
+    /// The words that may begin a line, by block; empty if lines begin with names.
     pub blocks: Vec<BlockWords>,
     /// The sections of a task.
     pub sections: &'static [Section],
-    /// The units of numbers; a size of null is one that the cloth decides.
+    /// The units of numbers; a null size depends on the cloth.
     pub units: &'static [Unit],
-    /// What is called with arguments.
+    /// Everything that is called with arguments.
     pub calls: Vec<CallEntry>,
-    /// Words of closed sets, and words that a number follows.
+    /// Words of closed sets, and words followed by a number.
     pub words: Vec<WordEntry>,
 }
 
@@ -46,23 +46,23 @@ pub struct Vocabulary {
 pub struct BlockWords {
     /// The block's keyword; `file` for a whole file.
     pub block: &'static str,
-    /// What may begin a line of it.
+    /// The words that may begin a line in it.
     pub words: &'static [&'static str],
 }
 
 /// One form of a call.
 #[derive(Clone, Debug, Serialize)]
 pub struct CallEntry {
-    /// Where it may stand: `cloth`, `camera`, `point of the cloth`, `extractor`, `mark`, `measure`.
+    /// Where it may be used: `cloth`, `camera`, `point of the cloth`, `extractor`, `mark`, `measure`.
     pub kind: &'static str,
-    /// How it looks when it is complete.
+    /// How a complete call is written.
     pub form: String,
     /// Its row.
     #[serde(flatten)]
     pub signature: Signature,
 }
 
-/// A word that stands by itself.
+/// A word that is not a call.
 #[derive(Clone, Debug, Serialize)]
 pub struct WordEntry {
     /// The set: `picker`, `colour`, `setting`, `condition` and others.
@@ -70,7 +70,7 @@ pub struct WordEntry {
     /// The word.
     #[serde(flatten)]
     pub word: Word,
-    /// The numbers that follow it, where numbers do.
+    /// The numbers that may follow it, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<Kind>,
 }

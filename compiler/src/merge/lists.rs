@@ -21,7 +21,7 @@ impl<T> Default for Indexed<'_, T> {
 }
 
 impl<'a, T: Copy> Indexed<'a, T> {
-    /// Replaces the part of this name where it is, or adds one at the end.
+    /// Replaces the part of this name in place, or appends a new one.
     pub fn put(&mut self, name: &'a str, part: T) {
         match self.places.get(name) {
             Some(place) => self.list[*place] = Some(part),
@@ -32,8 +32,8 @@ impl<'a, T: Copy> Indexed<'a, T> {
         }
     }
 
-    /// Merges a block of parts. A part with an existing name replaces the old one; new parts above it in the block
-    /// come directly before it; all other parts come last.
+    /// Merges a block of parts. A part with an existing name replaces the old one. New parts above it in the block go
+    /// directly before it; all other parts go last.
     pub fn put_block(&mut self, block: impl Iterator<Item = T>, name: impl Fn(T) -> &'a str) {
         let mut before: BTreeMap<usize, Vec<T>> = BTreeMap::new();
         let mut new: Vec<T> = Vec::new();
@@ -92,9 +92,9 @@ impl<'a, T: Copy> Indexed<'a, T> {
     }
 }
 
-/// The first of some statements, and the proof of an error if others follow it.
+/// The first of some statements, and the proof of an error if there are more.
 ///
-/// The first is checked all the same, so that its own errors are reported in the same run.
+/// The first is still checked, so its own errors are reported in the same run.
 pub(crate) struct Once<T> {
     pub first: Option<T>,
     pub alone: Result<(), Reported>,
@@ -116,7 +116,7 @@ pub(crate) fn once<T: Copy>(
     Once { first, alone }
 }
 
-/// Makes the diagnostic for a repeated statement.
+/// Makes the diagnostic for a statement that is repeated.
 pub(crate) fn repeated(what: &str, first: Span, again: Span) -> Diagnostic {
     let message = format!("`{what}` is stated twice");
     Diagnostic::new(Code::Repeated, again, message).also(first, "stated here first")
@@ -163,7 +163,7 @@ pub(crate) fn declared_twice(kind: &str, name: &str, first: Span, again: Span) -
     Diagnostic::new(Code::DuplicateName, again, message).also(first, "declared here first")
 }
 
-/// A change to an inherited part by its name; an error if nothing of this name is inherited.
+/// A change to an inherited part, by name. It is an error if no such part is inherited.
 pub(super) struct Change {
     code: Code,
     verb: &'static str,
@@ -180,14 +180,14 @@ pub(super) const LEAVE_OUT: Change = Change {
 };
 
 impl Change {
-    /// Makes the diagnostic for a name that is not inherited, with the names that are.
+    /// Makes the diagnostic for a name that is not inherited; it lists the names that are.
     pub fn impossible(&self, kind: &str, name: Name<'_>, inherited: &BTreeSet<&str>) -> Diagnostic {
         let message = format!("there is no {kind} `{}` to {}", name.text(), self.verb);
         let diagnostic = Diagnostic::new(self.code, name.span(), message);
         match nearest(name.text(), inherited.iter().copied()) {
             Some(meant) => diagnostic.meant(name.span(), meant),
             None if inherited.is_empty() => diagnostic.help(format!(
-                "only a {kind} of an extended task can be changed so; this task inherits none"
+                "this is only for a {kind} of an extended task, and this task inherits none"
             )),
             None => diagnostic.help(format!("it inherits {}", among(inherited.iter().copied()))),
         }

@@ -1,8 +1,8 @@
 //! Joins a task with the tasks that it extends, and with one of its variants.
 //!
-//! A section of the task replaces the extended task's whole section. Five kinds of parts merge by name instead:
-//! - A constant, a keypoint or a stage replaces the one of the same name; new ones come last. New keypoints above a
-//!   replaced one come directly before it, so it may use them.
+//! A section of the task replaces the whole section of the extended task. Five kinds of parts merge by name instead:
+//! - A constant, a keypoint or a stage replaces the one of the same name; new ones go last. New keypoints above a
+//!   replaced one go directly before it, so it may use them.
 //! - A component is added, replaced with `override`, or removed with `without`.
 //! - Single checks of an inherited `verify` are replaced with `override` and removed with `without`.
 //!
@@ -23,10 +23,10 @@ use fab_grammar::ast::{
 use lists::{LEAVE_OUT, OVERRIDE};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The most tasks that one may extend, one through another.
+/// The longest chain of `extends`, in tasks.
 pub const MAX_EXTENDS_DEPTH: usize = 16;
 
-/// The most variants of a task; each is checked as a task of its own.
+/// The most variants of a task; each is checked like a task.
 pub(crate) const MAX_VARIANTS: usize = 64;
 
 /// A task with everything that it inherits.
@@ -44,13 +44,13 @@ pub(crate) struct Merged<'a> {
     pub annotate: Option<Keypoints<'a>>,
     pub actions: Option<Actions<'a>>,
     pub components: Indexed<'a, Component<'a>>,
-    /// The inherited components that are left out.
+    /// The inherited components that are removed.
     pub removed: BTreeSet<&'a str>,
     pub stages: Indexed<'a, Stage<'a>>,
     /// The section that states attempts and results; the checks are in `checks`.
     pub verify: Option<Verify<'a>>,
     pub checks: Indexed<'a, Check<'a>>,
-    /// The inherited checks that are left out.
+    /// The inherited checks that are removed.
     pub removed_checks: BTreeSet<&'a str>,
     /// The variants that the task and those it extends declare.
     pub variants: Vec<VariantOf<'a>>,
@@ -62,7 +62,7 @@ pub(crate) struct Merged<'a> {
     pub missing_base: Option<Reported>,
     /// The constants and keypoints that one body declares twice.
     pub twice: Twice<'a>,
-    /// The proof of an error in how its parts were put together, if there is one.
+    /// The proof of an error in how its parts were joined, if there is one.
     pub joined: Result<(), Reported>,
 }
 
@@ -80,9 +80,9 @@ pub(crate) struct VariantOf<'a> {
 /// How a variant changes a task.
 #[derive(Clone, Copy)]
 pub(crate) enum VariantChange<'a> {
-    /// It replaces and adds sections, under a name of its own.
+    /// It replaces and adds sections, under its own name.
     Body(Body<'a>),
-    /// It leaves out a component.
+    /// It removes a component.
     Without(Name<'a>),
 }
 
@@ -155,7 +155,7 @@ fn chain<'a>(
             return (chain, Some(report.error(diagnostic.label(through))));
         }
         if chain.len() > MAX_EXTENDS_DEPTH {
-            let message = format!("more than {MAX_EXTENDS_DEPTH} tasks extend each other");
+            let message = format!("the chain of `extends` is longer than {MAX_EXTENDS_DEPTH}");
             let diagnostic = Diagnostic::new(Code::ExtendsTooDeep, base.span(), message);
             return (chain, Some(report.error(diagnostic)));
         }
@@ -187,7 +187,7 @@ fn unknown_task(base: Name<'_>, loaded: &Loaded<'_>) -> Diagnostic {
 }
 
 impl<'a> Merged<'a> {
-    /// Drops the statements of an extended task that belong to it alone; a variant keeps its task's.
+    /// Drops the statements of an extended task that are not inherited; a variant keeps its task's.
     fn forget_what_is_not_inherited(&mut self) {
         let never = |word: &str| {
             let mut rows = SECTIONS.iter();
@@ -239,7 +239,7 @@ impl<'a> Merged<'a> {
         self.bytes += body.bytes();
     }
 
-    /// Returns the first of a section, and keeps the proof that it is not the only one.
+    /// Returns the first of a section, and records the proof of an error if there are more.
     fn only<T>(&mut self, section: Once<T>) -> Option<T> {
         self.joined = self.joined.and(section.alone);
         section.first
@@ -292,7 +292,7 @@ impl<'a> Merged<'a> {
         }
     }
 
-    /// Leaves out a component; reports an error if there is none of this name.
+    /// Removes a component; reports an error if there is none of this name.
     fn leave_out(&mut self, name: Name<'a>, report: &mut Report) {
         if self.components.remove(name.text()).is_some() {
             self.removed.insert(name.text());
@@ -312,7 +312,7 @@ impl<'a> Merged<'a> {
 
     // ---- checks --------------------------------------------------------------------------------
 
-    /// Takes over the checks of a `verify`, or changes single inherited ones.
+    /// Takes over the checks of a `verify`, or changes inherited ones.
     fn add_checks(&mut self, body: Body<'a>, report: &mut Report) {
         let changed = || body.override_checks().map(|check| check.name());
         let verify = once(body.verify(), "verify", |it| it.head_span(), report);
@@ -414,7 +414,7 @@ impl<'a> Merged<'a> {
         self.statements.get(word).copied()
     }
 
-    /// Returns whether a rollout needs subgoals: if a stage shows one, or if results are compared with them.
+    /// Returns whether a rollout needs subgoals: a stage shows one, or results are compared with them.
     pub fn needs_subgoals(&self) -> bool {
         let compares = self
             .verify
@@ -427,10 +427,10 @@ impl<'a> Merged<'a> {
     }
 }
 
-/// Makes the diagnostic for a change to a single check beside a `verify` that states all of them again.
+/// Makes the diagnostic for a change to one check next to a `verify` that states all of them again.
 fn beside(name: Name<'_>, verify: Verify<'_>) -> Diagnostic {
     let message = format!(
-        "`{}` is no longer inherited: the `verify` beside it states all checks anew",
+        "`{}` is not inherited, because this task has its own `verify`",
         name.text()
     );
     Diagnostic::new(Code::Repeated, name.span(), message)

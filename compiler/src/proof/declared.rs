@@ -8,16 +8,16 @@ use fab_program::{ActionField, Choices, Program};
 /// The longest word, bytes.
 const MAX_WORD_BYTES: usize = 100;
 
-/// The largest length, in the field's unit; the reader refuses larger numbers.
+/// The largest length, in the field's unit; the reader rejects larger numbers.
 const MAX_LENGTH: f64 = 1_000_000.0;
 
 /// How far the two forms of one value may differ, relative to the value.
 const SAME: f64 = 1e-9;
 
-/// Signs that mean something else in an answer: quotes, brackets, markdown, separators of statements.
+/// Characters that have another meaning in an answer: quotes, brackets, Markdown, statement separators.
 const RESERVED: &str = "|\"'“”`*$\\~,;:!?()[]{}<>=#";
 
-/// Reports faults, and notes whether values can be tried at all.
+/// Reports flaws, and notes whether values can be tried at all.
 pub(super) fn check(program: &Program, found: &mut Flaws) {
     if let Some(field) = program.actions.get(MAX_FIELDS) {
         let message = format!("an action has at most {MAX_FIELDS} fields");
@@ -87,7 +87,7 @@ fn check_field(program: &Program, field: &ActionField, found: &mut Flaws) {
                     found.push(
                         field,
                         &text,
-                        format!("the vector of `{text} deg` points elsewhere"),
+                        format!("the vector of `{text} deg` has another direction"),
                     );
                 }
             }
@@ -120,7 +120,7 @@ fn check_field(program: &Program, field: &ActionField, found: &mut Flaws) {
     }
 }
 
-/// Reports choices that are written alike, ignoring case.
+/// Reports choices whose texts are equal except for case.
 fn check_alike(field: &ActionField, found: &mut Flaws) {
     let mut texts: Vec<(String, String)> = space::declared(field)
         .iter()
@@ -149,23 +149,23 @@ fn wrong_word(program: &Program, word: &str) -> Option<&'static str> {
     } else if word.chars().any(char::is_control) {
         Some("has a line break or another control character")
     } else if word.contains(|character| RESERVED.contains(character)) {
-        Some("has a sign that means something else in an answer")
+        Some("has a character that means something else in an answer")
     } else if !word.chars().any(char::is_alphabetic) {
         Some("has no letter")
     } else if !is_edge(word.chars().next()) || !is_edge(word.chars().next_back()) {
-        Some("begins or ends with neither letter nor digit")
+        Some("must begin and end with a letter or a digit")
     } else if program
         .actions
         .iter()
         .any(|field| plain(&field.name) == plain(word))
     {
-        Some("is a field's name too")
+        Some("is also the name of a field")
     } else {
         None
     }
 }
 
-/// Returns a text without differences of case and separators.
+/// Returns a text in lower case, with `_` and `-` as spaces.
 fn plain(text: &str) -> String {
     text.to_lowercase().replace(['_', '-'], " ")
 }

@@ -26,7 +26,7 @@ pub struct Flaw {
 #[derive(Default)]
 pub(super) struct Flaws {
     pub list: Vec<Flaw>,
-    /// Whether values cannot be tried at all.
+    /// Whether it makes no sense to try any values.
     pub is_hopeless: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Caches proofs: a thousand tasks that share a library share its action space.
+//! Caches proofs: tasks that share a library share its action space.
 //!
 //! [`super::flaws`] depends only on the parts of a program in [`key`], so caching changes no result.
 
@@ -7,7 +7,7 @@ use fab_program::{Extractor, Program};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-/// The most cached action spaces; then the cache is cleared.
+/// The most cached action spaces; when it is full, the cache is cleared.
 const MOST: usize = 256;
 
 static CACHE: Mutex<BTreeMap<String, Vec<Flaw>>> = Mutex::new(BTreeMap::new());
@@ -40,7 +40,7 @@ pub(super) fn key(program: &Program) -> String {
 
 /// Returns the cached flaws of a key.
 pub(super) fn recall(key: &str) -> Option<Vec<Flaw>> {
-    // A thread that panicked cannot leave half an entry.
+    // Each entry is written at once, so the cache is whole even if a thread panicked.
     let cache = CACHE
         .lock()
         .unwrap_or_else(|poisoned| poisoned.into_inner());

@@ -1,7 +1,7 @@
-//! Proves for a program that prompt, schema, reader, verifier and sampler mean the same action space.
+//! Proves that a program's prompt, schema, reader, verifier and sampler agree on the action space.
 //!
-//! In: a program. Out: contradictions. Each offered value is written as prompts and schema write it; it must be
-//! read back as itself and must not be refused. Values that are not offered must be refused with a message that
+//! In: a program. Out: contradictions. Each offered value is written as the prompt and the schema write it. It must
+//! be read back unchanged and must not be rejected. Values that are not offered must be rejected with a message that
 //! lists the choices. Points come from two generated scenes. The work is bounded and deterministic.
 
 mod declared;
@@ -23,7 +23,7 @@ use scene::Generated;
 
 /// Returns the contradictions in a program's action space; empty if it is consistent.
 ///
-/// At most one flaw for each value, in the order in which they are found. Results are cached by action space.
+/// There is at most one flaw per value, in the order in which they are found. Results are cached by action space.
 pub fn flaws(program: &Program) -> Vec<Flaw> {
     let key = memory::key(program);
     if let Some(known) = memory::recall(&key) {
@@ -48,7 +48,7 @@ fn prove(program: &Program) -> Vec<Flaw> {
     proof.check_offered(&mut found);
     proof.check_others(&mut found);
     proof.check_sampler(&mut found);
-    // Values that are not points have been tried; the smaller scene adds the case of a single point.
+    // All values except points have been tried. The smaller scene adds the case of a single point.
     let one = Generated::one(program);
     let proof = Proof::of(program, &one);
     proof.check_answer(0, &reply::schema(program, &proof.offered), &mut found);
@@ -93,7 +93,7 @@ impl<'a> Proof<'a> {
         }
     }
 
-    /// Returns the fields with one value each: the `index`-th, starting over if there are fewer.
+    /// Returns the fields with one value each: value `index`, counting round if there are fewer.
     fn tried(&self, index: usize) -> Vec<Tried<'_>> {
         let values = self.offered.iter().zip(&self.texts);
         self.program
@@ -108,7 +108,7 @@ impl<'a> Proof<'a> {
             .collect()
     }
 
-    /// Every offered value is read back as itself, from text and from JSON, and is not refused.
+    /// Checks that every offered value is read back unchanged, from text and from JSON, and is not rejected.
     fn check_offered(&self, found: &mut Flaws) {
         let schema = reply::schema(self.program, &self.offered);
         let most = self.texts.iter().map(Vec::len).max();
@@ -117,13 +117,13 @@ impl<'a> Proof<'a> {
         }
     }
 
-    /// The answer that states the `index`-th value of each field is read back, from text and from JSON.
+    /// Checks that the answer with value `index` of each field is read back, from text and from JSON.
     fn check_answer(&self, index: usize, schema: &serde_json::Value, found: &mut Flaws) {
         let tried = self.tried(index);
         self.check_reading(&tried, &answer(&tried), Form::Asked, found);
         let mut object = serde_json::Map::new();
         for (one, texts) in tried.iter().zip(&self.texts) {
-            // For a region the schema only gives the form.
+            // For a region the schema gives only the form.
             if let Choices::Region { .. } = one.field.choices {
                 object.insert(one.field.name.clone(), one.text.into());
                 continue;
@@ -178,7 +178,7 @@ impl<'a> Proof<'a> {
         }
     }
 
-    /// Returns the first field that the verifier refuses as not offered, and its value's text.
+    /// Returns the first field whose value the verifier rejects as not offered, and the value's text.
     fn unoffered(&self, proposal: &Proposal) -> Option<(&'a ActionField, String)> {
         let refused = verify::unoffered(self.program, self.scene, proposal, &Notation::pixels);
         let Ok(Some(Verdict::Reject { values, .. })) = refused else {
@@ -188,7 +188,7 @@ impl<'a> Proof<'a> {
         Some((self.program.field(&name)?, text))
     }
 
-    /// Values that are not offered are refused, with the field's name and its choices.
+    /// Checks that values that are not offered are rejected, with the field's name and its choices.
     fn check_others(&self, found: &mut Flaws) {
         for (position, (field, (_, offered))) in
             self.program.actions.iter().zip(&self.offered).enumerate()
@@ -213,7 +213,7 @@ impl<'a> Proof<'a> {
         }
     }
 
-    /// Fails if an answer is not refused for a field, or if the refusal lacks its name or its first choice.
+    /// Fails if an answer is not rejected for a field, or if the message lacks the field's name or its first choice.
     fn refused(&self, field: &ActionField, first: &str, answer: &str) -> Result<(), String> {
         let names_both = |message: &str, choice: &str| {
             message.contains(&space::spoken(field)) && message.contains(choice)
@@ -251,7 +251,7 @@ impl<'a> Proof<'a> {
         }
     }
 
-    /// The sampler draws what is offered.
+    /// Checks that the sampler draws offered values.
     fn check_sampler(&self, found: &mut Flaws) {
         for draw in [0, 1, 2, 12_345_678_901, u64::MAX] {
             let drawn = space::sample(self.program, self.scene, &mut |_| draw);
@@ -266,7 +266,7 @@ impl<'a> Proof<'a> {
     }
 }
 
-/// Writes an answer as the format asks for it.
+/// Writes an answer in the format that prompts ask for.
 fn answer(tried: &[Tried<'_>]) -> String {
     let lines: Vec<String> = tried
         .iter()

@@ -1,13 +1,13 @@
-//! Values that are not offered: between choices, one pixel off, other words, none, far too large.
+//! Generates values that are not offered: between choices, one pixel off, other words, none, far too large.
 
 use fab_program::exact::normalised_deg;
 use fab_program::space;
 use fab_program::{ActionField, PixelPoint, Program, Value};
 
-/// The most places between choices that are tried for one field.
+/// The most pairs of neighbouring choices per field between which values are tried.
 const MAX_BETWEEN: usize = 2;
 
-/// Returns values that a field does not offer, as an answer states them.
+/// Returns values that a field does not offer, as an answer would state them.
 ///
 /// - `texts`: the offered values as prompts write them.
 pub(super) fn of(field: &ActionField, offered: &[Value], texts: &[String]) -> Vec<String> {
@@ -19,7 +19,7 @@ pub(super) fn of(field: &ActionField, offered: &[Value], texts: &[String]) -> Ve
                 others.push(PixelPoint::new(point.u.saturating_add(1), point.v).to_string());
                 others.push(PixelPoint::new(point.u, point.v.saturating_sub(1)).to_string());
             }
-            // The reader finds an offered word inside a phrase, and says so.
+            // The reader finds an offered word inside a phrase, and reports that.
             Value::Word(word) if word.contains([' ', '-', '_']) => {}
             Value::Word(word) => {
                 let shorter = &word[..word.char_indices().last().map_or(0, |(at, _)| at)];
@@ -67,7 +67,7 @@ pub(super) fn of(field: &ActionField, offered: &[Value], texts: &[String]) -> Ve
     others
 }
 
-/// Returns values that a field of every pixel of the picture does not offer.
+/// Returns values that a field with every pixel of the picture does not offer.
 pub(super) fn beside(program: &Program, texts: &[String]) -> Vec<String> {
     let side = i32::try_from(program.camera.image_px).unwrap_or(i32::MAX);
     let mut others = vec![String::new(), "9".repeat(400)];
@@ -79,7 +79,7 @@ pub(super) fn beside(program: &Program, texts: &[String]) -> Vec<String> {
     others
 }
 
-/// Returns pairs of neighbours spread over the list, at most this many.
+/// Returns neighbouring values from up to `most` places, spread over the list.
 fn spread(values: &[Value], most: usize) -> impl Iterator<Item = &Value> {
     let step = values.len().div_ceil(most).max(1);
     values

@@ -1,10 +1,10 @@
-//! Scenes for the proof: points that are easily mistaken for each other, at the picture's edges and beyond.
+//! Scenes for the proof: points that are easy to confuse, at the picture's edges and beyond.
 
 use fab_program::scene::SceneView;
 use fab_program::space;
 use fab_program::{ActionField, Choices, Extractor, KeypointShape, PixelPoint, Program, Value};
 
-/// The points of the larger scene.
+/// The number of points in the larger scene.
 const N_POINTS: usize = 30;
 
 /// A generated scene.
@@ -14,7 +14,7 @@ pub(super) struct Generated {
     single: Vec<String>,
     /// Keypoints whose points are always the same.
     fixed: Vec<(String, Vec<PixelPoint>)>,
-    /// The last pixel of a row: every mask is the whole picture.
+    /// The last pixel of a row; every mask is the whole picture.
     far: i32,
 }
 

@@ -1,6 +1,6 @@
 //! Generated inputs that would show work growing faster than the text: one piece of each kind, repeated.
 //!
-//! An `@` in a piece is replaced by the number of the repetition, so that names differ.
+//! An `@` in a piece is replaced by the number of the repetition, so names differ.
 
 #![allow(dead_code)]
 
@@ -9,13 +9,13 @@ mod names;
 
 /// A text that can be made of any length.
 pub struct Input {
-    /// What it is about.
+    /// Its name in reports.
     pub name: &'static str,
     make: Make,
 }
 
 enum Make {
-    /// What stands before, the piece that is repeated, and what stands after.
+    /// The text before, the repeated piece, and the text after.
     Repeated(&'static str, &'static str, &'static str),
     Written(fn(usize) -> String),
 }
@@ -171,7 +171,7 @@ const INPUTS: &[Input] = &[
         "\n}\n",
     ),
     input("carriage returns", "task t {\n horizon 1\n", "\r", "\n}\n"),
-    // Junk of each block, and what looks like a beginning.
+    // Junk of each block, and text that looks like a beginning.
     input("junk in a file", "", "junk @\n", ""),
     input("junk in a task", "task t {\n", "junk @\n", "}\n"),
     input("junk in keypoints", KEYPOINTS, "= @\n", "}}\n"),
@@ -237,7 +237,7 @@ const INPUTS: &[Input] = &[
     input("opening braces in junk", "", "task t { ? {\n }}\n", ""),
 ];
 
-/// Inputs that no single piece makes.
+/// Inputs that are not one piece repeated.
 const WRITTEN: &[Input] = &[
     Input {
         name: "a chain of tasks",
@@ -260,7 +260,7 @@ fn chain(bytes: usize) -> String {
     text
 }
 
-/// Returns one large task and, in as many bytes again, tasks that extend it.
+/// Returns one large task, and tasks that extend it, which fill the other half of the bytes.
 fn large_base(bytes: usize) -> String {
     let mut text = "task base {\nkeypoints {\n".to_owned();
     let mut number = 0usize;
@@ -283,7 +283,7 @@ fn large_base(bytes: usize) -> String {
     text
 }
 
-/// Returns `task`, one task and right, with so many components more that it has 200 lines.
+/// Returns `task`, one valid task, with enough components added for 200 lines.
 pub fn two_hundred_lines(task: &str) -> String {
     let body = task.trim_end().strip_suffix('}').unwrap_or(task);
     let mut text = body.to_owned();

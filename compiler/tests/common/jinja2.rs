@@ -1,4 +1,4 @@
-//! Python's jinja2 as a peer, under the settings that templates are written for.
+//! Python's jinja2 as a peer, with the settings for which templates are written.
 
 #![allow(dead_code, clippy::unwrap_used)]
 
@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::io::Write;
 use std::process::{Command, Stdio};
 
-/// The Python program that renders what it is given: a JSON list of `[template, values]` in, of texts out.
+/// The Python program that renders its input: a JSON list of `[template, values]` in, a list of texts out.
 const PEER: &str = "
 import json, sys, jinja2
 environment = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False)

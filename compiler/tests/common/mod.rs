@@ -13,7 +13,7 @@ use fab_program::{PixelPoint, Program, Value};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// A small task with everything that one needs.
+/// A small task with every section that a task needs.
 pub const TASK: &str = include_str!("task.fab");
 
 /// Files in memory, by name.
@@ -43,14 +43,14 @@ pub fn compile(name: &str, text: &str) -> Compiled {
     fab_compiler::compile(name, &Memory::of([(name, text)])).unwrap()
 }
 
-/// Returns the only program of a file that must be right.
+/// Returns the only program of a file that must have no errors.
 pub fn program(name: &str, text: &str) -> Program {
     let mut programs = programs(name, &Memory::of([(name, text)]));
     assert_eq!(programs.len(), 1);
     programs.remove(0)
 }
 
-/// Returns the programs of a file that must be right, among others.
+/// Returns the programs of a file that must have no errors and may use others.
 pub fn programs(entry: &str, files: &Memory) -> Vec<Program> {
     let compiled = fab_compiler::compile(entry, files).unwrap();
     let shown = fab_compiler::diag::to_text(
@@ -62,7 +62,7 @@ pub fn programs(entry: &str, files: &Memory) -> Vec<Program> {
     compiled.programs
 }
 
-/// Returns the messages of everything that is wrong with a text.
+/// Returns the messages of all findings in a text.
 pub fn messages(text: &str) -> Vec<String> {
     compile("task.fab", text)
         .diagnostics
@@ -80,7 +80,7 @@ pub fn workspace() -> PathBuf {
     root.unwrap().to_owned()
 }
 
-/// Points, masks and texts that a test knows.
+/// The points, masks and texts of a test.
 #[derive(Default)]
 pub struct Known {
     pub points: Vec<(&'static str, Vec<PixelPoint>)>,

@@ -1,4 +1,4 @@
-//! What holds for every text: the property tests and the fuzz target check the same.
+//! Invariants that hold for every text; the property tests and the fuzz target check the same ones.
 
 use fab_compiler::diag::{self, Color, Diagnostic};
 use fab_compiler::{Compiled, LoadError, Loader, Sources, Span, line_and_column};
@@ -7,7 +7,7 @@ use fab_program::Program;
 
 const ENTRY: &str = "entry.fab";
 
-/// Gives one text as the entry, and its beginning as every other file: whole, dozens of files would be compiled.
+/// Gives one text as the entry, and its beginning as every other file: with whole texts, dozens would be compiled.
 struct Everywhere<'t>(&'t str);
 
 impl Loader for Everywhere<'_> {
@@ -22,7 +22,7 @@ impl Loader for Everywhere<'_> {
     }
 }
 
-/// Compiles a text and panics where a promise is broken.
+/// Compiles a text and panics if an invariant is broken.
 pub fn hold(text: &str) {
     tree(text);
     let compiled = compile(text);
@@ -61,7 +61,7 @@ fn bytes(programs: &[Program]) -> Vec<u8> {
     serde_json::to_vec(programs).expect("a program is plain data")
 }
 
-/// Holds a tree to its promises: leaves tile the text, children lie in their parents, junk has a fault.
+/// Asserts a tree's invariants: leaves tile the text, children lie in their parents, junk has a fault.
 fn tree(text: &str) {
     let parsed = fab_grammar::parse(fab_grammar::FileId::FIRST, text);
     let mut at = 0;
@@ -91,7 +91,7 @@ fn tree(text: &str) {
     }
 }
 
-/// Every place is a piece of its file, its line and column are right, and every change can be made.
+/// Asserts that every span is a piece of its file, its line and column are right, and every change can be made.
 fn places(diagnostic: &Diagnostic, sources: &Sources) {
     let labels = diagnostic.labels.iter().map(|label| label.span);
     let edits = diagnostic.edits.iter().map(|edit| edit.span);
@@ -112,7 +112,7 @@ fn places(diagnostic: &Diagnostic, sources: &Sources) {
     }
 }
 
-/// A program can be written and read again, and its hash is that of its bytes.
+/// Asserts that a program can be written and read again, and that its hash is that of its bytes.
 fn program(program: &Program) {
     let bytes = serde_json::to_vec(program).expect("a program is plain data");
     let again: Program = serde_json::from_slice(&bytes).expect("a program that is written is read");

@@ -1,7 +1,7 @@
-//! Programs that declare nothing but an action space, read from `tests/fixtures/spaces`.
+//! Programs that declare only an action space, read from `tests/fixtures/spaces`.
 //!
-//! One field a line: `NAME points KEYPOINT…`, `NAME region MASK`, `NAME directions DEGREES…`, `NAME lengths UNIT NUMBER…`,
-//! `NAME words WORD | WORD…`. The cloth's longer side is 625 mm.
+//! One field per line: `NAME points KEYPOINT…`, `NAME region MASK`, `NAME directions DEGREES…`,
+//! `NAME lengths UNIT NUMBER…`, `NAME words WORD | WORD…`. The cloth's longer side is 625 mm.
 
 #![allow(dead_code, clippy::unwrap_used)]
 
@@ -10,7 +10,7 @@ use fab_program::{
     Program, Verify,
 };
 
-/// The cloth's longer side.
+/// The cloth's longer side, metres.
 pub const EDGE_M: f64 = 0.625;
 
 /// Reads an action space of the fixtures.

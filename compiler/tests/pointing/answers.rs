@@ -6,7 +6,7 @@ use fab_program::pointing::{CoordinateUnit, Frame, Order, Pointing};
 use fab_program::reply;
 use fab_program::verify::{self, OFFERED, Strictness, Verdict};
 
-/// What an answer's pick is read as: a pixel, or a part of the complaint.
+/// The expected reading of an answer's pick: a pixel, or a part of the complaint.
 type Row = (&'static str, Result<[i32; 2], &'static str>);
 
 const HERE: Result<[i32; 2], &str> = Ok([41, 167]);

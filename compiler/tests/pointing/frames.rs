@@ -1,4 +1,4 @@
-//! What is written reads back: by chance over sizes, units and orders.
+//! Written points read back, for random sizes, units and orders.
 
 use super::common::Known;
 use super::{frame, in_frame, known, numbers, program};
@@ -33,7 +33,7 @@ proptest! {
     ) {
         let frame = frame(CoordinateUnit::ALL[unit], Order::ALL[order], side, sent);
         let pointing = if are_marks { Pointing::Marks(frame) } else { Pointing::Frame(frame) };
-        // Neighbours too, which a coarse frame writes alike.
+        // Neighbours are included, because a coarse frame writes them alike.
         let pixel = |part: f64| (part * f64::from(side)) as i32;
         let offered: Vec<PixelPoint> = at
             .iter()

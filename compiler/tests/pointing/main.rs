@@ -1,4 +1,4 @@
-//! Points in every frame: written, read, offered, refused.
+//! Points in every frame: written, read, offered, rejected.
 
 #![allow(clippy::unwrap_used)]
 
@@ -14,7 +14,7 @@ use fab_program::pointing::{CoordinateUnit, Frame, Order, Pointing};
 use fab_program::{PixelPoint, Program};
 use std::sync::LazyLock;
 
-/// A frame of a picture of so many pixels a side, which is sent in another size.
+/// Makes a frame of a square picture with this side, sent in another size.
 fn frame(unit: CoordinateUnit, order: Order, side: u32, sent: u32) -> Frame {
     Frame {
         unit,
@@ -51,7 +51,7 @@ fn in_frame<'a>(known: &'a Known, pointing: Pointing) -> Facts<'a> {
     }
 }
 
-/// Reads the numbers between brackets as a stranger would: first, second.
+/// Reads the numbers between brackets without knowing the frame: first, second.
 fn numbers(text: &str) -> [f64; 2] {
     let inside = &text[1..text.len() - 1];
     let (first, second) = inside.split_once(", ").unwrap();

@@ -1,4 +1,4 @@
-//! Prompts, schemas and refusals in each frame.
+//! Prompts, schemas and rejections in each frame.
 
 use super::{common, frame, in_frame, known, points, program};
 use fab_program::Proposal;
@@ -51,7 +51,7 @@ fn with_y_first_prompt_and_schema_say_so() {
         "Corners: [748, 185], [185, 748], [261, 257], [998, 2]\n",
     );
     assert_has(&text, "\nPick Point = [y, x]\nPlace Point = [y, x]\n");
-    // Its own words do not say how a point is written.
+    // The task's own words do not say how a point is written.
     assert!(text.ends_with(&pointing.sentence()), "{text}");
     assert_eq!(schema["enum"][0], "[748, 185]");
     assert_eq!(

@@ -21,18 +21,19 @@ fn parameter() -> f64 {
     low
 }
 
-/// Hangs a strip two particles wide; returns the largest distance of a particle from its place, metres.
+/// Hangs a strip two particles wide; returns the largest distance of a particle from the catenary, metres.
 fn error_m(particles: usize, substeps: u32) -> f64 {
     let spacing = LENGTH_M / (particles - 1) as f64;
     let grid = Grid::new(particles, 2, spacing as f32).unwrap();
-    // A chain has no bending stiffness, and hangs where the sleeping rule would stop it; damping, to stop soon.
+    // A chain has no bending stiffness and hangs in the air, where the sleeping rule would stop it. Damping stops it
+    // soon.
     let params = Params {
         bend: 0.0,
         damping_per_s: 5.0,
         substeps,
         ..sleepless()
     };
-    // It begins as two straight lines.
+    // It starts as two straight lines.
     let half = LENGTH_M / 2.0;
     let drop = (half * half - SPAN_M * SPAN_M / 4.0).sqrt();
     let along = |i: usize| (i % particles) as f64 * spacing - half;

@@ -1,7 +1,7 @@
 //! Friction of cloth on cloth: a patch that slides on a sheet.
 //!
 //! Both are parts of one cloth, joined by a slack band two particles wide, and the sheet is held. Layers of particles
-//! are bumpy: a patch that slides over them loses speed without any friction too, so laws are of differences.
+//! are bumpy: a patch that slides over them loses speed even without friction, so the tests compare differences.
 
 use super::*;
 use fab_sim::Mask;
@@ -23,7 +23,7 @@ fn mask() -> Mask {
     Mask::from_fn(grid(COLUMNS, SHEET_ROWS + BAND_ROWS + PATCH), there).unwrap()
 }
 
-/// Lays the sheet flat, and the patch on it, turned by 30 degrees so that particles do not lie in rows of hollows.
+/// Lays the sheet flat and the patch on it, turned by 30 degrees so that particles do not lie in rows of hollows.
 fn start() -> Vec<[f32; 3]> {
     let turn = 30f32.to_radians();
     let middle = LEFT as f32 + (PATCH as f32 - 1.0) / 2.0;
@@ -57,7 +57,7 @@ fn start() -> Vec<[f32; 3]> {
         .collect()
 }
 
-/// Returns the patch's mean speed after each step on a slope, from 0.2 m/s on.
+/// Returns the patch's mean speed after each step on a slope, starting at 0.2 m/s.
 fn speeds(degrees: f32, self_friction: f32, steps: u32) -> Vec<f64> {
     let mask = mask();
     let sheet: Vec<usize> = (0..COLUMNS * SHEET_ROWS).collect();
@@ -65,7 +65,7 @@ fn speeds(degrees: f32, self_friction: f32, steps: u32) -> Vec<f64> {
     let patch: Vec<usize> = (COLUMNS * (SHEET_ROWS + BAND_ROWS)..count)
         .filter(|&i| mask.has(i))
         .collect();
-    // The patch settles on the level; damping calms the band.
+    // The patch settles on level ground; damping calms the band.
     let settling = Params {
         damping_per_s: 5.0,
         self_friction,
@@ -122,7 +122,7 @@ fn friction_between_layers_brakes_by_its_share_of_the_weight() {
     }
 }
 
-/// Known limit: bumps between particles brake by up to 1 m/s^2 more, at 0.2 m/s, which is some 6 degrees of slope.
+/// Known limit: bumps between particles brake by up to 1 m/s^2 more at 0.2 m/s, which is about 6 degrees of slope.
 #[test]
 fn a_patch_on_a_sheet_speeds_up_ten_degrees_above_the_angle_of_friction() {
     let cone = Params::default().self_friction.atan().to_degrees();

@@ -1,4 +1,4 @@
-//! Falling: free, damped, onto the table; and what may not fall at all.
+//! Falling: free, damped, onto the table; and things that must not fall at all.
 
 use super::*;
 
@@ -17,7 +17,7 @@ fn a_falling_cloth_covers_half_g_t_squared() {
     let expected = 0.5 * 9.8 * t * t + 0.5 * 9.8 * t * dt;
     for point in cloth.positions() {
         let fallen = 1.0 - point[2];
-        // Positions round to 6e-8 m, which at 2.5 ms a substep adds up to a few tenths of a millimetre.
+        // Positions round to 6e-8 m. At 2.5 ms per substep this adds up to a few tenths of a millimetre.
         assert!(
             (fallen - expected).abs() < 5e-4,
             "{fallen} instead of {expected}"
@@ -44,7 +44,7 @@ fn damping_slows_a_fall_towards_g_over_damping() {
     );
 }
 
-/// A particle in the air does not sleep, however little gravity gives it in one substep.
+/// A particle in the air does not sleep, however little speed gravity gives it in one substep.
 #[test]
 fn a_cloth_begins_to_fall_however_short_the_substep() {
     for substeps in [1, 4, 8, 32] {
@@ -106,7 +106,7 @@ fn a_dropped_cloth_comes_to_rest_on_the_table() {
     }
 }
 
-/// From the smallest to the largest grid, a cloth falls as a body and lands flat.
+/// A cloth falls as one body and lands flat, from the smallest to the largest grid.
 #[test]
 fn rectangles_of_every_size_fall_alike_and_land_flat() {
     for [dimx, dimy] in [
@@ -125,7 +125,7 @@ fn rectangles_of_every_size_fall_alike_and_land_flat() {
             Simulator::from_positions(grid, &at_height(grid, 0.02), &Params::default()).unwrap();
         run(&mut cloth, 3);
         let points = cloth.positions();
-        // A body alone: 12 substeps of 2.5 ms with damping.
+        // A single body: 12 substeps of 2.5 ms with damping.
         let keep = 1.0 - 0.0025 * Params::default().damping_per_s;
         let (expected, _) = (0..12).fold((0.0, 0.0), |(way, speed), _| {
             let speed = keep * speed + 9.8 * 0.0025;

@@ -1,11 +1,11 @@
-//! Folding: nothing below the table, lengths kept, whatever the picks.
+//! Folding: nothing goes below the table and lengths are kept, whatever the picks.
 
 use super::*;
 use proptest::prelude::*;
 
-/// Folds by hand, so that the cloth can be seen after every step; `see` gets its positions.
+/// Folds by hand, so that the cloth can be observed after every step; `see` gets its positions.
 ///
-/// The corner is let go two layers up: a hand that goes down to the table presses what is below into it.
+/// The corner is released two layers up, because a hand that goes down to the table presses the layers below into it.
 fn fold_by_hand(cloth: &mut Simulator, see: &mut dyn FnMut(&[[f32; 3]])) {
     cloth.hold(&[0]).unwrap();
     let legs = [
@@ -33,7 +33,7 @@ fn no_particle_is_below_the_table_after_any_step_of_a_fold_by_hand() {
     fold_by_hand(&mut cloth, &mut |points| {
         deepest = deepest.min(lowest(points))
     });
-    // The table is at 0 and a resting particle at 5 mm. A falling flap presses the lowest down, to 4.0 mm here.
+    // The table is at 0 and a resting particle at 5 mm. A falling flap presses the lowest ones down, here to 4.0 mm.
     assert!(deepest > 0.003, "{deepest} m");
     let lowest = lowest(&cloth.positions());
     assert!(lowest > REST_HEIGHT_M - 5e-4, "{lowest} m in the end");
@@ -46,7 +46,8 @@ fn no_particle_is_below_the_table_at_any_time_of_a_fold_with_the_picker() {
     let place = [0.03, -0.02];
     let mut seen = cloth.clone();
     let total = seen.pick_and_place(from, place, &|| false).unwrap().steps;
-    // Interrupts the action after ever more steps, to look at the cloth in between; before 180 it is on its way.
+    // Interrupts the action after more and more steps, to observe the cloth in between. Before step 180 the picker is
+    // still on its way.
     for stop in (180..total.min(280)).step_by(8) {
         let asked = std::cell::Cell::new(0);
         let interrupted = || {
@@ -59,7 +60,7 @@ fn no_particle_is_below_the_table_at_any_time_of_a_fold_with_the_picker() {
             .unwrap_err();
         assert_eq!(partial.steps(), u64::from(stop));
         let lowest = lowest(&partial.positions());
-        // The sphere at its grasp height reaches 5 mm below the table, and presses what is under it down.
+        // At its grasp height the sphere reaches 5 mm below the table, and presses the cloth under it down.
         assert!(lowest > 0.0, "{lowest} m after {stop} steps");
     }
     cloth.pick_and_place(from, place, &|| false).unwrap();
@@ -80,7 +81,8 @@ fn the_cloth_does_not_stretch_when_folded() {
     assert!(p99 < 0.05 && most < 0.25, "{p99}, {most}");
 }
 
-/// From the smallest to the longest grid, a fold by the picker leaves a cloth: finite, above the table, unstretched.
+/// A fold by the picker leaves a cloth that is finite, above the table and unstretched, from the smallest to the
+/// longest grid.
 #[test]
 fn rectangles_of_every_shape_fold() {
     for [dimx, dimy] in [[2, 2], [2, 40], [40, 2], [9, 17], [33, 8], [200, 3]] {

@@ -1,8 +1,8 @@
-//! Friction on the table: Coulomb's cone, from a slope that gravity makes by its tilt.
+//! Friction on the table: Coulomb's cone, measured on a slope made by tilting gravity.
 
 use super::*;
 
-/// A patch that slides down a slope, by tilted gravity; positions are in the slope's frame.
+/// A patch that slides down a slope made by tilted gravity; positions are in the slope's frame.
 struct Slide {
     /// Mean distance slid, metres.
     way_m: f64,
@@ -44,7 +44,7 @@ fn expected_acceleration(degrees: f64) -> f64 {
 
 #[test]
 fn a_sliding_patch_stops_below_the_angle_of_friction_and_speeds_up_above() {
-    // It begins faster than the sleep speed. Two degrees below, 0.1 m/s last 0.23 s.
+    // It starts faster than the sleep speed. Two degrees below the cone, 0.1 m/s last 0.23 s.
     let below = slide(cone() - 2.0, 0.1, 40, Params::default());
     assert_eq!(below.speed, 0.0);
     let braking = 0.01 / (2.0 * -expected_acceleration(cone() - 2.0));
@@ -84,7 +84,7 @@ fn without_sleep_a_resting_patch_stays_below_the_angle_of_friction_and_slides_ab
 
 /// Known limit: a resting particle starts only if one substep gives it the sleep speed of 0.02 m/s.
 ///
-/// That is 8 m/s^2 along the slope beyond friction, so that a resting patch holds on slopes of up to 77 degrees.
+/// That takes 8 m/s^2 along the slope beyond friction, so a resting patch stays on slopes of up to 77 degrees.
 #[test]
 fn the_sleeping_rule_holds_a_resting_patch_on_much_steeper_slopes() {
     assert_eq!(slide(77.0, 0.0, 40, Params::default()).way_m, 0.0);
@@ -100,7 +100,7 @@ fn more_friction_drags_less_cloth() {
         };
         let mut cloth = Simulator::flat(grid(20, 20), &params);
         let points = cloth.positions();
-        // Pulls the corner away from the cloth by hand, since the picker's sphere would rub on it too.
+        // Pulls the corner away from the cloth by hand, because the picker's sphere would rub on it too.
         cloth.hold(&[0]).unwrap();
         for _ in 0..30 {
             cloth.step_held([-0.002, 0.002, 0.0]).unwrap();
@@ -111,10 +111,10 @@ fn more_friction_drags_less_cloth() {
     assert!(slippery > rough + 1e-3, "{slippery} m and {rough} m");
 }
 
-/// The sphere is pressed 5 mm into the cloth that it slides over; without its friction it would slip (0.05 mm).
+/// The sphere is pressed 5 mm into the cloth that it slides over; without friction it would slip (0.05 mm).
 #[test]
 fn a_sphere_that_holds_nothing_drags_the_cloth_that_it_slides_over() {
-    // It must not grasp, and stay low on its way.
+    // It must not grasp, and must stay low on its way.
     let params = Params {
         picker_capture_m: 0.0,
         picker_grasp_height_m: 0.055,

@@ -2,18 +2,18 @@
 
 use super::*;
 
-/// Rows of soft springs sag as Hooke's law says.
+/// Rows of soft springs sag as Hooke's law predicts.
 ///
-/// A sweep moves each of a spring's two free ends by half of `share * error`, so that `K` sweeps in each
-/// substep of `h` seconds accelerate it by `K * share / (2 h^2) * error`: per unit of mass, the stiffness.
-/// A spring beside a held particle moves its free end by all of it, and is twice as stiff. Spring `j` carries
-/// the particles below it. This holds to first order in `K * share`.
+/// A sweep moves each of a spring's two free ends by half of `share * error`. So `K` sweeps in each substep of `h`
+/// seconds accelerate it by `K * share / (2 h^2) * error`: per unit of mass, the stiffness. A spring next to a held
+/// particle moves its free end by all of it, and is twice as stiff. Spring `j` carries the particles below it. This
+/// holds to first order in `K * share`.
 #[test]
 fn a_soft_strip_sags_by_the_weight_below_over_the_stiffness() {
     const ROWS: usize = 8;
     const SUBSTEPS: u32 = 20;
     for (share, tolerance) in [(0.001, 0.01), (0.005, 0.01), (0.02, 0.03)] {
-        // Columns of soft springs alone have the simple solution; much damping, to hang still soon.
+        // Only columns of soft springs have the simple solution. Strong damping makes them hang still soon.
         let params = Params {
             stretch: share,
             shear: 0.0,
@@ -49,7 +49,7 @@ fn a_soft_strip_sags_by_the_weight_below_over_the_stiffness() {
 /// Hangs a square from its back row, or from two corners; returns its stretches.
 fn hung(dim: usize, held: &[usize], params: Params) -> (f64, Vec<f64>) {
     let grid = grid(dim, dim);
-    // Damping, to hang still soon.
+    // Damping makes it hang still soon.
     let params = Params {
         damping_per_s: 5.0,
         ..params
@@ -77,11 +77,12 @@ fn a_sheet_that_hangs_from_a_side_gains_little_of_its_length() {
     }
 }
 
-/// The remaining stretch of stiff springs is what gravity does in one substep: it goes with the square of dt.
+/// The remaining stretch of stiff springs comes from gravity in one substep, so it is proportional to the square of
+/// dt.
 #[test]
 fn stretch_falls_with_the_square_of_the_substep() {
     const DIM: usize = 20;
-    // The sleeping rule would hold the cloth in the air.
+    // The sleeping rule would stop the cloth in the air.
     let with = |substeps: u32, held: &[usize]| {
         let params = Params {
             substeps,
@@ -91,8 +92,8 @@ fn stretch_falls_with_the_square_of_the_substep() {
         [edges[edges.len() * 99 / 100], edges[edges.len() - 1]]
     };
     let side: Vec<usize> = (0..DIM).collect();
-    // Measured slopes, p99 and maximum: 1.99 and 1.99 from a side; 1.97 and 1.88 from two corners, where 2
-    // substeps stretch the corner's edges by 65 % and small strain is no longer a fair word.
+    // Measured slopes, p99 and maximum: 1.99 and 1.99 from a side; 1.97 and 1.88 from two corners, where with 2
+    // substeps the corner's edges stretch by 65 %, which is not a small strain.
     for (held, low) in [(&side[..], 1.9), (&[0, DIM - 1][..], 1.8)] {
         let stretch = [2, 4, 8, 16].map(|substeps| with(substeps, held));
         for (k, name) in ["p99", "maximum"].into_iter().enumerate() {
@@ -102,7 +103,8 @@ fn stretch_falls_with_the_square_of_the_substep() {
     }
 }
 
-/// Returns the slope of the least-squares line through logarithms of values, each at half the last's substep.
+/// Returns the slope of the least-squares line through logarithms of values, each at half the substep of the one
+/// before.
 fn slope_of(values: [f64; 4]) -> f64 {
     let logs = values.map(f64::log2);
     let offsets = [1.5, 0.5, -0.5, -1.5];

@@ -14,18 +14,18 @@ fn folded() -> Simulator {
     cloth
 }
 
-/// Tells which particles were folded over, by their place in the flat cloth: those well behind the crease.
+/// Returns whether a particle is folded over, by its position in the flat cloth: well behind the crease.
 ///
-/// The crease is the bisector of pick and place, at -0.2 of the half diagonal; `margin` is in spacings of diagonal.
+/// The crease is the bisector of pick and place, at -0.2 of the half diagonal; `margin` is in diagonal spacings.
 fn is_flap(i: usize, margin: f32) -> bool {
     let middle = (DIM - 1) as f32 / 2.0;
     let along = ((i % DIM) as f32 - middle + (i / DIM) as f32 - middle) / 2.0;
     along < -0.2 * middle - margin
 }
 
-/// Returns the pairs (flap, base) of particles within 5 mm of each other seen from above.
+/// Returns the pairs (flap, base) of particles within 5 mm of each other, seen from above.
 ///
-/// A flap whose particles lie amid four of the base is 4.4 mm from each.
+/// A flap particle in the middle of four base particles is 4.4 mm from each.
 fn stacked(points: &[[f32; 3]]) -> Vec<[usize; 2]> {
     let all = 0..points.len();
     let flap = all.clone().filter(|&i| is_flap(i, 3.0));
@@ -76,7 +76,7 @@ fn layers_keep_the_recorded_distance_within_a_tenth() {
     upper.sort_by(f32::total_cmp);
     assert!(upper.len() > 150, "{} particles", upper.len());
     let gap = upper[upper.len() / 2] - REST_HEIGHT_M;
-    // Less than the contact distance of 11.25 mm, as particles nest between those below. Recorded: 10.7 mm.
+    // Less than the contact distance of 11.25 mm, because particles nest between those below. Recorded: 10.7 mm.
     assert!(
         (gap - 0.0107).abs() < 0.1 * 0.0107,
         "layers are {gap} m apart"
@@ -101,7 +101,7 @@ fn a_pick_over_a_stack_takes_its_top_layer_and_leaves_the_lower_one() {
     assert!(moved(below) < 0.001, "{} m", moved(below));
 }
 
-/// What a picker takes that aims, or does not, at a point of the folded cloth.
+/// Returns the particle that the picker grasps with this aim at a point of the folded cloth.
 fn grasped(aim: Aim, pick: [f32; 2]) -> Option<usize> {
     let mut cloth = folded();
     cloth.set_aim(aim);
@@ -134,7 +134,7 @@ fn a_picker_that_aims_takes_the_top_layer_and_misses_what_is_out_of_reach() {
     let points = folded().positions();
     let top = 5 * DIM + 5;
     assert_eq!(grasped(Aim::Uppermost, xy(points[top])), Some(top));
-    // 3 mm off the cloth its corner is grasped; 60 mm off nothing is.
+    // At 3 mm from the cloth its corner is grasped; at 60 mm nothing is.
     let corner = points.len() - 1;
     let [x, y] = xy(points[corner]);
     assert_eq!(

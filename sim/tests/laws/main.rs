@@ -1,8 +1,8 @@
-//! Physical laws that the cloth has to keep, with stated tolerances.
+//! Physical laws that the cloth must obey, with stated tolerances.
 //!
-//! All of them run with the default parameters, changed only where a law needs it and says why. The laws of bodies
-//! without friction need the sleeping rules off: these stand for static friction, and hold a slow particle
-//! wherever it is (`hanging.rs` and `friction.rs` say how far that goes).
+//! All tests run with the default parameters, changed only where a law needs it, with the reason. The laws of bodies
+//! without friction need the sleeping rules off. Those rules stand for static friction, and stop a slow particle
+//! wherever it is (`hanging.rs` and `friction.rs` show how strongly).
 #![allow(clippy::unwrap_used)]
 
 mod catenary;
@@ -32,7 +32,7 @@ fn flat(dimx: usize, dimy: usize) -> Simulator {
     Simulator::flat(grid(dimx, dimy), &Params::default())
 }
 
-/// The default parameters without what stands for static friction.
+/// The default parameters without the rules that stand for static friction.
 fn sleepless() -> Params {
     Params {
         sleep_speed_m_s: 0.0,
@@ -87,7 +87,7 @@ fn lowest(points: &[[f32; 3]]) -> f32 {
     points.iter().map(|p| p[2]).fold(f32::INFINITY, f32::min)
 }
 
-/// Returns the stretch of every edge along a side, ascending: its length over its rest length, less 1.
+/// Returns the stretch of every edge along a side, ascending: its length divided by its rest length, minus 1.
 fn stretches(grid: Grid, points: &[[f32; 3]]) -> Vec<f64> {
     let mut all = Vec::new();
     for i in 0..points.len() {

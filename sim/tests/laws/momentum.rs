@@ -1,12 +1,12 @@
-//! Momentum without gravity and contact: which passes keep it, and which do not.
+//! Momentum without gravity and contact: which passes conserve it, and which do not.
 //!
-//! Springs keep linear momentum to rounding, and angular momentum to first order in the substep. Self-contacts do
-//! not keep it: a particle moves by the mean of what its contacts ask for, and its partners by other means. Damping,
-//! the limit of acceleration, the sleeping rules, table and picker take it by intent.
+//! Springs conserve linear momentum up to rounding, and angular momentum to first order in the substep. Self-contacts
+//! do not: a particle moves by the mean of its contacts' corrections, and its partners by other means. Damping, the
+//! limit of acceleration, the sleeping rules, table and picker reduce it by design.
 
 use super::*;
 
-/// No pass but the springs acts: no gravity, no damping, no limit; contacts shorter than any distance here.
+/// Only springs act: no gravity, no damping, no limit; the contact distance is shorter than any distance here.
 fn springs_alone(substeps: u32) -> Params {
     Params {
         gravity_m_s2: [0.0; 3],
@@ -18,7 +18,8 @@ fn springs_alone(substeps: u32) -> Params {
     }
 }
 
-/// Sums of velocities, and of position x velocity around the vertical through the origin; all masses are 1.
+/// Returns the sums of velocities, and of position x velocity around the vertical through the origin; all masses are
+/// 1.
 fn momenta(cloth: &Simulator) -> ([f64; 3], f64) {
     let mut linear = [0.0; 3];
     let mut angular = 0.0;
@@ -57,8 +58,8 @@ fn springs_keep_the_linear_momentum_of_a_crumpled_cloth() {
         fastest = speeds.fold(fastest, f32::max);
         let (now, _) = momenta(&cloth);
         for axis in 0..3 {
-            // At 0.1 m positions round to 4e-9 m, 1.5e-6 m/s in a substep; 192 particles, 200 substeps of 84
-            // corrections each add up to about 3e-3 m/s if at random.
+            // At 0.1 m positions round to 4e-9 m, or 1.5e-6 m/s per substep. With 192 particles and 200 substeps of
+            // 84 corrections each, random errors add up to about 3e-3 m/s.
             let gained = now[axis] - before[axis];
             assert!(gained.abs() < 6e-3, "axis {axis} gained {gained} m/s");
         }
@@ -86,10 +87,11 @@ fn springs_lose_angular_momentum_in_proportion_to_the_substep() {
     }
 }
 
-/// A pair that touches nothing else parts evenly; a stack does not, and that is bounded.
+/// A pair that touches nothing else separates evenly. A stack does not, but the error is bounded.
 #[test]
 fn self_contacts_keep_momentum_pair_by_pair_but_not_in_stacks() {
-    // Two rows of particles, and rows between them that no spring joins: springs would carry momentum too.
+    // Two rows of particles touch. Other rows that no spring joins are between them: springs would carry momentum
+    // too.
     let parted = |gap_m: f32, shift_m: f32| {
         let grid = grid(6, 12);
         let params = Params {
@@ -119,7 +121,7 @@ fn self_contacts_keep_momentum_pair_by_pair_but_not_in_stacks() {
         let kept = linear.iter().map(|p| p * p).sum::<f64>().sqrt();
         (kept / moved, moved)
     };
-    // Straight above each other at 11 mm every particle has one contact; shifted, up to four.
+    // Directly above each other at 11 mm, every particle has one contact; when shifted, up to four.
     let (pairs, moved) = parted(0.011, 0.0);
     assert!(moved > 0.1 && pairs < 1e-4, "{pairs} of {moved} m/s");
     let (stacks, moved) = parted(0.008, 0.0023);

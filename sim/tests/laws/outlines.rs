@@ -1,4 +1,4 @@
-//! Outlines: cloths with a hole or the shape of a garment keep the laws; missing particles are not there.
+//! Outlines: a cloth with a hole or the shape of a garment obeys the laws; missing particles have no effect.
 
 use super::*;
 use fab_sim::Mask;
@@ -71,7 +71,7 @@ fn outlines_fold_above_the_table_without_stretch() {
     }
 }
 
-/// A rectangle cut out of a larger grid is that rectangle: bit for bit, wherever it was cut.
+/// A rectangle cut out of a larger grid behaves like that rectangle, bit for bit, wherever it was cut.
 #[test]
 fn missing_particles_influence_nothing() {
     const INNER: [usize; 2] = [19, 14];
@@ -83,7 +83,7 @@ fn missing_particles_influence_nothing() {
         let mask = Mask::from_fn(outer, inside).unwrap();
         let alone = grid(INNER[0], INNER[1]);
         let place = |i: usize| (i / INNER[0] + back) * outer.dimx + i % INNER[0] + left;
-        // Missing particles are never read, so that their places may be no numbers.
+        // Missing particles are never read, so their positions may be NaN.
         let mut start = vec![[f32::NAN; 3]; outer.particle_count()];
         for (i, point) in at_height(alone, REST_HEIGHT_M).into_iter().enumerate() {
             start[place(i)] = point;

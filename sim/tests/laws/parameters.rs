@@ -1,11 +1,11 @@
-//! Bad parameters: refused by name, or harmless.
+//! Bad parameters are rejected by name, or harmless.
 
 use super::*;
 use fab_sim::{SimError, StartError};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-/// Returns the default parameters with one number changed, unchecked: `axis` counts within lists.
+/// Returns the default parameters with one unchecked change; `axis` is an index into lists.
 fn with(field: usize, axis: usize, value: f32) -> Params {
     let mut params = Params::default();
     let own: [&mut f32; 18] = [
@@ -132,7 +132,7 @@ fn a_simulator_with_bad_parameters_is_refused_or_never_steps() {
     assert_eq!(cloth.steps(), 0);
 }
 
-/// Numbers of every kind: any bits, and those near bounds.
+/// Numbers of every kind: any bits, and numbers near bounds.
 fn any_number() -> impl Strategy<Value = f32> {
     let special = [
         0.0,
@@ -163,7 +163,7 @@ fn any_number() -> impl Strategy<Value = f32> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 
-    /// Up to two fields at once, since many are harmless alone.
+    /// Changes up to two fields at once, because many are harmless alone.
     #[test]
     fn any_numbers_are_refused_or_simulate_to_finite_places_or_named_errors(
         fields in prop::array::uniform2(0..FIELDS), axis in 0usize..3, values in prop::array::uniform2(any_number()),
@@ -176,7 +176,7 @@ proptest! {
         if let Some(name) = name {
             params[name.as_str()] = serde_json::to_value(&two).unwrap()[name.as_str()].clone();
         }
-        // Text has no word for what is not finite; such a number is tried alone.
+        // JSON cannot express numbers that are not finite; such a number is tried alone.
         let params = serde_json::from_value::<Params>(params).unwrap_or(one);
         let mut cloth = Simulator::flat(grid(6, 5), &params);
         if let Err(fault) = params.check() {

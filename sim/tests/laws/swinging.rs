@@ -1,4 +1,4 @@
-//! Swinging: energy is not gained, and lost by long substeps alone.
+//! Swinging: energy never grows, and only long substeps lose it.
 
 use super::*;
 
@@ -30,7 +30,7 @@ fn raised(degrees: f32, params: &Params) -> Simulator {
 #[test]
 fn an_undamped_swing_gains_no_energy_and_loses_less_with_more_substeps() {
     let lost = [4, 8, 16, 32].map(|substeps| {
-        // Nothing but the springs may take energy away.
+        // Only the springs may reduce the energy.
         let params = Params {
             substeps,
             damping_per_s: 0.0,
@@ -53,7 +53,7 @@ fn an_undamped_swing_gains_no_energy_and_loses_less_with_more_substeps() {
     assert!(lost[3] < 0.2, "{lost:?}");
 }
 
-/// What stands for static friction on the table must not stop a cloth that hangs, however slowly it swings.
+/// The rules that stand for static friction on the table must not stop a hanging cloth, however slowly it swings.
 #[test]
 fn a_gentle_swing_in_the_air_comes_to_hang_straight_down() {
     for degrees in [20.0, 2.0] {

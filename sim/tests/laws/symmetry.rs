@@ -1,4 +1,4 @@
-//! Symmetry: folds of a square that mirror or turn each other end as mirrored or turned cloths.
+//! Symmetry: folds of a square that are mirrored or turned end as mirrored or turned cloths.
 
 use super::*;
 
@@ -16,7 +16,7 @@ impl Symmetry {
         (0..self.quarters).fold([self.mirror * x, y], |[x, y], _| [-y, x])
     }
 
-    /// Returns the particle that lies where `i` comes to lie in the flat cloth.
+    /// Returns the particle at the position to which `i` is mapped in the flat cloth.
     fn particle(self, i: usize) -> usize {
         let middle = (DIM - 1) as f32 / 2.0;
         let place = [(i % DIM) as f32 - middle, middle - (i / DIM) as f32];
@@ -25,7 +25,7 @@ impl Symmetry {
     }
 }
 
-/// Folds the corner that is particle 0's image; returns the cloth, mapped back by particle.
+/// Folds the corner that is the image of particle 0; returns the cloth, mapped back by particle.
 fn folded(symmetry: Symmetry, to: [f32; 2]) -> (Vec<[f32; 2]>, Vec<f32>) {
     let mut cloth = flat(DIM, DIM);
     let corner = symmetry.particle(0);
@@ -40,7 +40,7 @@ fn folded(symmetry: Symmetry, to: [f32; 2]) -> (Vec<[f32; 2]>, Vec<f32>) {
 
 #[test]
 fn folds_that_mirror_or_turn_each_other_agree() {
-    // Each of the seven others once, by a fold short of the middle or one beside it.
+    // Each of the other seven once, with a fold that ends before the middle or beside it.
     for (to, codes) in [
         ([-0.012, 0.012], [1, 2, 4, 7].as_slice()),
         ([0.01, 0.02], &[3, 5, 6]),
@@ -63,8 +63,8 @@ fn folds_that_mirror_or_turn_each_other_agree() {
                 distance([x, y, first_z[i]], [xy[i][0], xy[i][1], z[i]])
             };
             let mean = (0..DIM * DIM).map(apart).sum::<f32>() / (DIM * DIM) as f32;
-            // The sweeps run from one corner to the other and first along one side, so the folds differ, by up to
-            // 0.6 mm here. Cloths whose layers lock into each other differently can be a spacing apart.
+            // The sweeps run from one corner to the other, and along one side first, so the folds differ, here by up
+            // to 0.6 mm. Cloths whose layers interlock differently can be a spacing apart.
             assert!(
                 mean < 2e-3,
                 "{to:?}, {symmetry:?}: mean difference {mean} m"

@@ -27,7 +27,7 @@ pub struct Demonstration {
     pub picked: Vec<usize>,
 }
 
-/// Reads all demonstrations, or `None` where the data is not there; a test then counts as skipped.
+/// Reads all demonstrations; `None` if the data is missing, and the test then counts as skipped.
 pub fn demonstrations(test: &str) -> Option<Vec<Demonstration>> {
     data::recorded_data(test).map(|root| read_all(&root))
 }

@@ -1,20 +1,20 @@
-//! What Rust and Python write differently in an expression.
+//! The differences between Rust and Python in an expression.
 
-/// How a language writes what the two write differently.
+/// How a language writes what Rust and Python write differently.
 pub(super) struct Dialect {
-    /// Stands before the names of functions and tables.
+    /// The prefix of functions and tables.
     pub private: &'static str,
-    /// Stands behind a call that can find something missing.
+    /// The suffix of a call that may find something missing.
     pub may_miss: &'static str,
     /// Brackets of a pair of numbers.
     pub pair: [&'static str; 2],
-    /// What stands around a condition that must not hold.
+    /// What surrounds a condition that must not hold.
     pub not: [&'static str; 2],
-    /// Between conditions that must both hold.
+    /// The operator between conditions that must both hold.
     pub and: &'static str,
-    /// Between conditions of which one is enough.
+    /// The operator between conditions of which one is enough.
     pub or: &'static str,
-    /// Whether there was an action before this one.
+    /// Whether there was a previous action.
     pub has_last: &'static str,
     /// The number of the step, as a float.
     pub step: &'static str,

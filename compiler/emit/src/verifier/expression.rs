@@ -1,6 +1,6 @@
 //! Conditions as calls of small functions, the same in each language.
 //!
-//! Nothing is shortened where that could change a bit: a function does what one line of [`fab_program::eval`] does.
+//! Nothing is simplified if that could change a bit: a function does what one line of [`fab_program::eval`] does.
 
 use super::dialect::Dialect;
 use super::fields::Field;
@@ -11,7 +11,7 @@ use crate::error::EmitError;
 use fab_program::{Choices, Comparison, Condition, End, Heading, Length, Number, Point};
 use std::collections::BTreeSet;
 
-/// Turns conditions into code and notes what that code calls.
+/// Turns conditions into code and records which helpers that code calls.
 pub(super) struct Lowering<'a> {
     pub dialect: &'static Dialect,
     pub fields: &'a [Field<'a>],
@@ -53,7 +53,7 @@ impl<'a> Lowering<'a> {
                 let parts = self.conditions(of)?;
                 self.joined("any", self.dialect.or, parts)
             }
-            // Two of them cancel; a long chain would be nested too deep for some parsers.
+            // Two of them cancel; a long chain would be nested too deeply for some parsers.
             Condition::Not { of } => match &**of {
                 Condition::Not { of } => self.condition(of)?,
                 of => {
@@ -102,7 +102,7 @@ impl<'a> Lowering<'a> {
                 Code::infix(distance, "<=", Code::text(number(*margin_px)?))
             }
             Condition::Last => Code::text(self.dialect.has_last),
-            // The compiler lets no check ask it.
+            // The compiler does not allow it in a check.
             Condition::Unreachable => {
                 return Err(EmitError::Reference {
                     name: "unreachable".to_owned(),
@@ -171,7 +171,7 @@ impl<'a> Lowering<'a> {
         })
     }
 
-    /// Writes the metres of a field, multiplied.
+    /// Writes the metres of a field, times a factor.
     fn scaled(&mut self, field: &str, factor: f64) -> Result<Code, EmitError> {
         let field = self.field(field, "a field of lengths", |choices| {
             matches!(choices, Choices::Lengths { .. })
@@ -216,7 +216,7 @@ impl<'a> Lowering<'a> {
             }
             Number::Step => Code::text(self.dialect.step),
             Number::Coverage { mask, flat_px } => {
-                // Python would raise an error where Rust comes to infinity.
+                // Python would raise an error where Rust gets infinity.
                 if *flat_px == 0.0 {
                     return Err(EmitError::Number {
                         value: format!("coverage of {mask} / {flat_px}"),
@@ -229,7 +229,7 @@ impl<'a> Lowering<'a> {
         })
     }
 
-    /// Writes a part of the action before this one.
+    /// Writes a part of the previous action.
     fn last(&mut self, part: &str) -> Code {
         let close = format!("){}.{part}", self.dialect.may_miss);
         self.helpers.insert("last");
@@ -237,14 +237,14 @@ impl<'a> Lowering<'a> {
         Code::group(open, [Code::text("facts")], close)
     }
 
-    /// Writes what a value that was chosen stands for: metres, or a vector.
+    /// Writes the meaning of a chosen value: metres, or a vector.
     fn chosen(&mut self, field: &Field<'_>, value: Code) -> Code {
         let table = self.table(field);
         let name = self.literal(&field.declared.name);
         self.missing_call("chosen", [table, value, name])
     }
 
-    /// Joins conditions; fewer than two, which no source text has, need a function.
+    /// Joins conditions. Fewer than two need a function, but no source text has so few.
     fn joined(&mut self, helper: &'static str, sign: &'static str, parts: Vec<Code>) -> Code {
         if parts.len() < 2 {
             self.every(helper, parts)

@@ -6,7 +6,7 @@ use super::names;
 use crate::error::EmitError;
 use fab_program::{ActionField, Choices, Program};
 
-/// A field of the action and what it is called in the code.
+/// A field of the action, and its names in the code.
 pub(super) struct Field<'p> {
     pub declared: &'p ActionField,
     /// The field of the action.
@@ -15,7 +15,7 @@ pub(super) struct Field<'p> {
     pub table: String,
     /// The rows of the table.
     pub rows: Vec<String>,
-    /// A value that it may have.
+    /// One of its values.
     pub example: String,
 }
 
@@ -51,7 +51,7 @@ pub(super) fn fields<'p>(
     Ok(fields)
 }
 
-/// Writes what a field may be, and one value of it.
+/// Writes the choices of a field, and one value of it.
 fn rows(choices: &Choices, dialect: &Dialect) -> Result<(Vec<String>, String), EmitError> {
     let texts = |texts: &[String]| texts.iter().map(|it| (dialect.text)(it)).collect();
     let mut rows: Vec<String> = Vec::new();
@@ -94,7 +94,7 @@ fn rows(choices: &Choices, dialect: &Dialect) -> Result<(Vec<String>, String), E
     Ok((rows, example.unwrap_or_default()))
 }
 
-/// Says what a field may be.
+/// Describes the choices of a field.
 pub(super) fn table_words(choices: &Choices) -> String {
     match choices {
         Choices::Points { .. } => "the keypoints whose points it may be".to_owned(),
@@ -107,7 +107,7 @@ pub(super) fn table_words(choices: &Choices) -> String {
     }
 }
 
-/// Says what the value of a field is.
+/// Describes the value of a field.
 pub(super) fn value_words(choices: &Choices) -> String {
     match choices {
         Choices::Points { .. } | Choices::Region { .. } => "a pixel".to_owned(),

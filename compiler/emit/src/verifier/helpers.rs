@@ -1,21 +1,21 @@
 //! The small functions that emitted checks are made of, in Rust and in Python side by side.
 //!
 //! Each does what one line of [`fab_program::eval`] or [`fab_program::measures`] does, on the same floats in the same
-//! order. Whole numbers of Python become floats first, since its own never round. A length in pixels between points,
-//! such as `distance`, is the helper of its name and `_squared`: see [`of_measure`].
+//! order. Python's whole numbers become floats first, because its integers never round. The helper of a length in
+//! pixels between points, such as `distance`, is named after it, with `_squared` added: see [`of_measure`].
 
 use crate::error::EmitError;
 use std::collections::BTreeSet;
 
 /// A helper function.
 pub(super) struct Helper {
-    /// Its name; in Python behind `_`.
+    /// Its name; in Python with `_` in front.
     pub name: &'static str,
-    /// The helpers that it calls, in either language.
+    /// The helpers that it calls, in both languages.
     calls: &'static [&'static str],
-    /// Its text in Rust; empty where only Python needs it.
+    /// Its text in Rust; empty if only Python needs it.
     pub rust: &'static str,
-    /// Its text in Python; empty where only Rust needs it.
+    /// Its text in Python; empty if only Rust needs it.
     pub python: &'static str,
 }
 
@@ -545,7 +545,7 @@ pub(super) fn of_measure(measure: &str) -> Result<&'static str, EmitError> {
         })
 }
 
-/// Adds the helpers that these call, and those that they call.
+/// Adds the helpers that these call, directly or through others.
 pub(super) fn with_dependencies(mut names: BTreeSet<&'static str>) -> BTreeSet<&'static str> {
     loop {
         let n_names = names.len();

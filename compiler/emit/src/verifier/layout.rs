@@ -1,4 +1,4 @@
-//! Lays out expressions: on one line where they fit, else with one argument a line.
+//! Lays out expressions: on one line if they fit, otherwise with one argument per line.
 //!
 //! Rust and Python agree on the shape of calls, lists and comparisons, so one tree serves both.
 
@@ -8,7 +8,7 @@ const WIDTH: usize = 100;
 /// An expression of the emitted code.
 #[derive(Clone, Debug)]
 pub(super) enum Code {
-    /// As it stands.
+    /// A literal piece of code.
     Text(String),
     /// Parts between two brackets, separated by commas.
     Group {
@@ -16,13 +16,13 @@ pub(super) enum Code {
         parts: Vec<Code>,
         close: String,
     },
-    /// One part between two brackets, without a comma: behind one, Python would see a tuple.
+    /// One part between two brackets, without a comma: with one, Python would read a tuple.
     Wrapped {
         open: &'static str,
         part: Box<Code>,
         close: &'static str,
     },
-    /// Parts in brackets with a sign between them, evaluated from left to right until it is decided.
+    /// Parts in brackets with an operator between them, evaluated from left to right until the result is certain.
     Joined {
         sign: &'static str,
         parts: Vec<Code>,
@@ -68,7 +68,7 @@ impl Code {
         }
     }
 
-    /// Writes the expression where `before` stands already on its first line, indented by `indent` blanks.
+    /// Prints the expression after `before` characters on its first line, indented by `indent` blanks.
     pub fn print(&self, before: usize, indent: usize) -> String {
         let flat = self.flat();
         if before + flat.len() <= WIDTH {

@@ -1,9 +1,9 @@
-//! `verifier.rs` and `verifier.py`: the checks of a program as code of two languages.
+//! `verifier.rs` and `verifier.py`: the checks of a program as code in two languages.
 //!
-//! Their meaning is defined by [`crate::verify`] and [`fab_program::eval`]; the code does the same additions,
-//! multiplications and comparisons in the same order, evaluates the parts of a condition until it is decided, and finds the
-//! same keypoints missing. Only a direction of the action before this one that is none of the offered ones
-//! differs: it is missing here, since turning it into a vector would need trigonometry.
+//! [`crate::verify`] and [`fab_program::eval`] define their meaning. The code does the same additions,
+//! multiplications and comparisons in the same order, evaluates the parts of a condition until the result is certain,
+//! and finds the same keypoints missing. There is one difference: a direction of the previous action that was not
+//! offered counts as missing here, because turning it into a vector would need trigonometry.
 
 mod dialect;
 mod expression;

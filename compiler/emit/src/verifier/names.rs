@@ -1,20 +1,20 @@
-//! Names and literals that are right in Rust and in Python alike.
+//! Names and literals that are valid in both Rust and Python.
 //!
-//! A name of a task is data: where it becomes an identifier it must be none of either language's own words.
+//! Names in a task are data. Where one becomes an identifier, it must not be a reserved word of either language.
 
 use crate::error::EmitError;
 
-/// Words that cannot name anything in Rust or in Python, in any edition or version.
+/// Words that cannot be names in Rust or in Python, in any edition or version.
 const RESERVED: &str = "False None Self True abstract and as assert async await become box break class \
 const continue crate def del do dyn elif else enum except extern false final finally fn for from gen global \
 if impl import in is lambda let loop macro match mod move mut nonlocal not or override pass priv pub raise \
 ref return self static struct super trait true try type typeof unsafe unsized use virtual where while with \
 yield";
 
-/// Turns names into identifiers: each keeps its own where it can, and no two become the same.
+/// Turns names into identifiers. A name is kept if possible, and no two become the same.
 ///
-/// What is no letter of ASCII, digit or `_` becomes `_`; `_` is put behind reserved words and behind all but
-/// the first of names that would be alike.
+/// Every character except ASCII letters, digits and `_` becomes `_`. A `_` is appended to reserved words and to all
+/// but the first of equal names.
 pub(super) fn identifiers(names: impl IntoIterator<Item = String>) -> Vec<String> {
     let mut known: Vec<String> = Vec::new();
     for name in names {
@@ -22,7 +22,7 @@ pub(super) fn identifiers(names: impl IntoIterator<Item = String>) -> Vec<String
             .chars()
             .map(|it| if it.is_ascii_alphanumeric() { it } else { '_' })
             .collect();
-        // Python changes names that begin with two of them, and a lone one is no name in Rust.
+        // Python mangles names that begin with two underscores, and a lone one is not a name in Rust.
         if !identifier.starts_with(|it: char| it.is_ascii_alphabetic()) {
             identifier = format!("field{identifier}");
         }
@@ -45,12 +45,12 @@ pub(super) fn number(value: f64) -> Result<String, EmitError> {
     }
 }
 
-/// Writes a Rust string literal of ASCII alone.
+/// Writes a Rust string literal in ASCII.
 pub(super) fn rust_text(text: &str) -> String {
     format!("\"{}\"", text.escape_default())
 }
 
-/// Writes a Python string literal of ASCII alone.
+/// Writes a Python string literal in ASCII.
 pub(super) fn python_text(text: &str) -> String {
     format!("\"{}\"", python_escaped(text))
 }

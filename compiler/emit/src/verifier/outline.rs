@@ -10,7 +10,7 @@ use crate::error::EmitError;
 use fab_program::{Check, Choices, Program};
 use std::collections::BTreeSet;
 
-/// A verifier, in the words of one language but not yet in its form.
+/// A verifier, with expressions in one language but not yet laid out as a module.
 pub(super) struct Outline<'p> {
     pub program: &'p Program,
     pub fields: Vec<Field<'p>>,
@@ -24,7 +24,7 @@ pub(super) struct Outline<'p> {
 /// One check.
 pub(super) struct CheckOutline<'p> {
     pub check: &'p Check,
-    /// The function that asks it.
+    /// The function that runs it.
     pub function: String,
     pub when: Option<Code>,
     pub holds: Code,
@@ -77,12 +77,12 @@ impl<'p> Outline<'p> {
         })
     }
 
-    /// Returns whether a check is asked where the task's `then without` is in force.
+    /// Returns whether a check is run when the task's `then without` applies.
     pub fn is_kept(&self, check: &Check) -> bool {
         !self.program.verify.relaxed.contains(&check.name)
     }
 
-    /// Names the checks that are left out where the task's `then without` is in force.
+    /// Names the checks that are removed when the task's `then without` applies.
     pub fn left_out(&self, escaped: impl Fn(&str) -> String) -> String {
         let names: Vec<String> = self
             .checks
@@ -97,7 +97,7 @@ impl<'p> Outline<'p> {
         }
     }
 
-    /// Writes the values of an action, as an example.
+    /// Writes example values of an action.
     pub fn example(&self, between: &str) -> String {
         let values: Vec<String> = self
             .fields
@@ -107,7 +107,7 @@ impl<'p> Outline<'p> {
         values.join(", ")
     }
 
-    /// Returns the fields that are directions, which the action before this one is asked for.
+    /// Returns the fields that are directions, which the previous action must provide.
     pub fn directions(&self) -> impl Iterator<Item = &Field<'p>> {
         let is_direction =
             |field: &&Field<'p>| matches!(field.declared.choices, Choices::Directions { .. });

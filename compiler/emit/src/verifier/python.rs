@@ -1,4 +1,4 @@
-//! The Python module: the standard library alone.
+//! The Python module; it needs only the standard library.
 
 use super::dialect::Dialect;
 use super::fields;

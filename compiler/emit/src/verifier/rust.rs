@@ -1,4 +1,4 @@
-//! The Rust module: `core` alone, no allocation.
+//! The Rust module; it needs only `core` and does not allocate.
 
 use super::dialect::Dialect;
 use super::fields;

@@ -1,4 +1,4 @@
-//! One case of a table: what is known, an action, and how both are told to the emitted verifiers.
+//! One case of a table: the facts, an action, and how both are passed to the emitted verifiers.
 
 use fab_program::Proposal;
 use fab_program::facts::{ExecutedAction, Facts};
@@ -46,7 +46,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// Returns what this program itself says: with all checks, and with those of the relaxed kind.
+    /// Returns the verdicts of this crate: with all checks, and with the relaxed set.
     pub fn judged(&self, program: &Program) -> [String; 2] {
         let texts = BTreeMap::new();
         let facts = Facts {
@@ -116,7 +116,7 @@ fn pixel(point: PixelPoint) -> String {
     format!(" {} {}", point.u, point.v)
 }
 
-/// Writes a text without blanks and never empty.
+/// Writes a text without blanks and never empty, in hex.
 fn hex(text: &str) -> String {
     let bytes = text.bytes().map(|byte| format!("{byte:02x}"));
     format!("x{}", bytes.collect::<String>())

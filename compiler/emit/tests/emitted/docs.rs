@@ -4,7 +4,7 @@ use super::common::workspace;
 use super::{drivers, programs};
 use std::process::Command;
 
-/// Returns the first block of code of that kind.
+/// Returns the first code block of that kind.
 fn block(kind: &str) -> String {
     let page = std::fs::read_to_string(workspace().join("docs/build.md")).unwrap();
     let fence = format!("```{kind}\n");

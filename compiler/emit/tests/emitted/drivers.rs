@@ -1,4 +1,4 @@
-//! Runs emitted verifiers as programs of their own: lines of cases in, lines of verdicts out.
+//! Runs emitted verifiers as separate programs: lines of cases in, lines of verdicts out.
 
 use super::case::Case;
 use super::recorded_data::count_as_skipped;
@@ -8,13 +8,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The files that a program is written to, on disk.
+/// The emitted files of a program, on disk.
 pub struct Built {
     /// The program's own folder.
     pub folder: PathBuf,
 }
 
-/// Writes everything that is emitted of a program into a folder of the test's own.
+/// Writes everything that is emitted for a program into a folder of this test.
 pub fn build(program: &Program, test: &str) -> Built {
     let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(test);
     let all = [Target::Program, Target::Rust, Target::Python];
@@ -37,7 +37,7 @@ pub fn python(test: &str) -> Option<&'static str> {
     is_there.then_some("python3")
 }
 
-/// Compiles Rust source; fails with what the compiler said.
+/// Compiles Rust source; fails with the compiler's message.
 pub fn rustc(arguments: &[&str], source: &Path, made: &Path) {
     let compiler = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let said = Command::new(compiler)
@@ -50,7 +50,7 @@ pub fn rustc(arguments: &[&str], source: &Path, made: &Path) {
     assert!(said.status.success() && errors.is_empty(), "{errors}");
 }
 
-/// Judges cases by the Rust module, compiled.
+/// Judges cases with the compiled Rust module.
 pub fn by_rust(program: &Program, built: &Built, cases: &[Case]) -> Vec<[String; 2]> {
     let source = built.folder.join("driver.rs");
     let driver = include_str!("driver.rs.txt")
@@ -62,7 +62,7 @@ pub fn by_rust(program: &Program, built: &Built, cases: &[Case]) -> Vec<[String;
     answers(Command::new(executable), program, cases)
 }
 
-/// Judges cases by the Python module.
+/// Judges cases with the Python module.
 pub fn by_python(
     python: &str,
     program: &Program,
@@ -91,7 +91,7 @@ fn kind(choices: &Choices) -> &'static str {
     }
 }
 
-/// What the modules call a field; names that are words of either language get a `_`.
+/// The identifier of a field in the modules; names that are reserved words get a `_`.
 fn identifier(name: &str) -> &str {
     match name {
         "direction" => "direction_deg",
@@ -127,7 +127,7 @@ fn last_in_rust(program: &Program) -> String {
     )
 }
 
-/// Tells a driver all cases and reads what it says to each.
+/// Sends all cases to a driver and reads its answer to each.
 fn answers(mut driver: Command, program: &Program, cases: &[Case]) -> Vec<[String; 2]> {
     let mut running = driver
         .stdin(Stdio::piped())

@@ -1,4 +1,4 @@
-//! The files of a build: which there are, what lists them, and what is refused.
+//! The files of a build: which ones there are, what lists them, and what is rejected.
 
 use super::table::Chance;
 use super::{drivers, programs};

@@ -1,4 +1,4 @@
-//! What is emitted: verifiers that agree in three languages, prompts that render alike, files that fit.
+//! Emitted files: verifiers that agree in three languages, prompts that render alike, files that fit together.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,6 +1,6 @@
-//! Judges cases in another way: with roots and with angles in degrees, far from any limit the same.
+//! Judges cases in a second way, with roots and with angles in degrees. Far from any limit the result is the same.
 //!
-//! It also says how far each comparison is from its limit, in units of what is compared: pixels,
+//! It also reports how far each comparison is from its limit, in the unit of the compared values: pixels,
 //! millimetres, degrees, points, steps, hundredths.
 
 use super::case::Case;
@@ -10,20 +10,20 @@ use fab_program::{
     Choices, Comparison, Condition, End, Heading, Length, Number, Point, Program, Value,
 };
 
-/// A keypoint or an action before this one is missing.
+/// A keypoint or the previous action is missing.
 pub struct Missing;
 
-/// What came of a case.
+/// The result of a case.
 pub struct Outcome {
-    /// None where something is missing.
+    /// `None` if something is missing.
     pub verdict: Option<Said>,
-    /// Each comparison of each check that was reached: which one, and how far from its limit.
+    /// Each comparison of each check that was reached: its number, and how far it is from its limit.
     pub margins: Vec<(usize, f64)>,
-    /// Checks that were asked, by their number.
+    /// The numbers of the checks that were run.
     pub reached: Vec<usize>,
 }
 
-/// The number of the check that refuses; all beyond the last one: accepted.
+/// The number of the check that rejects; a number beyond the last one means accepted.
 pub type Said = usize;
 
 pub struct Oracle<'a> {
@@ -33,7 +33,7 @@ pub struct Oracle<'a> {
     next: usize,
 }
 
-/// Judges a case: 0 where a field is not offered, else from 1 the check that fails, else one more.
+/// Judges a case: 0 if a field is not offered, the number from 1 of the check that fails, or one more than the last.
 pub fn judge(program: &Program, case: &Case) -> Outcome {
     let mut oracle = Oracle {
         program,
@@ -140,7 +140,7 @@ impl Oracle<'_> {
                 let (a, b) = (self.heading(a)?, self.heading(b)?);
                 let deg = |vector: [f64; 2]| vector[1].atan2(vector[0]).to_degrees();
                 let turn = (deg(a) - deg(b)).abs();
-                // Between the same points there is no direction; all comparisons with 0 decide then.
+                // Between equal points there is no direction, so the comparisons with 0 decide.
                 if a == [0.0, 0.0] || b == [0.0, 0.0] {
                     self.margins.push((self.next, 0.0));
                     self.next += 1;

@@ -1,4 +1,4 @@
-//! Programs that the emitted verifiers are tried on: shipped ones, and two that use everything there is.
+//! Programs for testing the emitted verifiers: shipped ones, and two that use everything there is.
 
 use super::common::{TASK, program, workspace};
 use Comparison::{AtLeast, AtMost, Greater, Less};
@@ -26,7 +26,7 @@ pub fn shipped(task: &str) -> Program {
     compiled.programs.remove(0)
 }
 
-/// Returns the programs of `fixtures/truth` that stand above their tables, each with its table.
+/// Returns the programs of `fixtures/truth` that are written above their tables, each with its table.
 pub fn written() -> Vec<(Program, String)> {
     let folder = workspace().join("compiler/emit/tests/fixtures/truth");
     let files = std::fs::read_dir(folder).unwrap();
@@ -62,7 +62,7 @@ pub fn named(name: &str) -> Program {
     found.unwrap_or_else(|| panic!("there is no program {name}"))
 }
 
-/// A task whose action has a direction and a length, and words that are words of Rust and Python too.
+/// A task whose action has a direction and a length, and words that are reserved in Rust and Python.
 pub fn steered() -> Program {
     let mut program = base("steered");
     let px_per_m = program.camera.px_per_m();
@@ -175,7 +175,7 @@ pub fn steered() -> Program {
     program
 }
 
-/// A task whose action has two points, with numbers, mirrored points and the action before this one.
+/// A task whose action has two points, with numbers, mirrored points and the previous action.
 pub fn placed() -> Program {
     let mut program = base("placed");
     program.actions = vec![
@@ -331,7 +331,7 @@ fn direction(deg: f64) -> Direction {
     Direction { deg, vector }
 }
 
-/// Makes a check whose message says nothing of the scene.
+/// Makes a check whose message says nothing about the scene.
 pub fn check(name: &str, when: Option<Condition>, holds: Condition) -> Check {
     Check {
         name: name.to_owned(),

@@ -1,4 +1,4 @@
-//! Emitted prompts say what the compiler's own renderer says, in minijinja and in Python's jinja2.
+//! Emitted prompts render to the compiler's own text, in minijinja and in Python's jinja2.
 
 use super::case::Scene;
 use super::programs;
@@ -15,7 +15,7 @@ use fab_program::{
 };
 use std::collections::BTreeMap;
 
-/// Parts of a stage: names that Python's dictionaries have methods for, and texts that end or begin badly.
+/// Parts of a stage: names that are methods of Python's dictionaries, and texts with awkward beginnings and ends.
 const PARTS: [(&str, &str); 4] = [
     ("items", "\n{{ v0 }} is {"),
     ("plan.say.7", "- {{ v1 }}{{ \"{%\" }} %}"),
@@ -31,7 +31,7 @@ struct Filled {
     text: String,
 }
 
-/// Returns a program whose `plan` says four parts; `guarded` tells which of them stand under a condition.
+/// Returns a program whose `plan` says four parts; `guarded` tells which of them are conditional.
 fn guarded_program(guarded: [bool; 4]) -> Program {
     let mut program = programs::placed();
     let mut names = Vec::new();
@@ -80,7 +80,7 @@ fn scene(holding: [bool; 4], program: &Program) -> Scene {
     scene
 }
 
-/// Returns texts that are hard on templates and on those who carry them.
+/// Returns texts that are hard for templates and for the code that passes them on.
 fn hard_text(chance: &mut Chance) -> String {
     const PIECES: [&str; 18] = [
         "{{",
@@ -107,7 +107,7 @@ fn hard_text(chance: &mut Chance) -> String {
         .collect()
 }
 
-/// Fills every prompt of a program and asserts that the renderer says the same.
+/// Fills every prompt of a program and asserts that the renderer gives the same text.
 fn filled(program: &Program, holding: [bool; 4], chance: &mut Chance) -> Vec<Filled> {
     let artifacts = fab_emit::emit(std::slice::from_ref(program), &[]).unwrap();
     let scene = scene(holding, program);
@@ -173,7 +173,7 @@ fn source(artifacts: &[Artifact], path: &str) -> String {
     found.unwrap_or_else(|| panic!("no {path}")).text.clone()
 }
 
-/// Returns what the renderer says in a stage, without its examples.
+/// Returns the rendered texts of a stage, without its examples.
 fn said<'p>(
     program: &Program,
     stage: &'p Stage,
@@ -196,7 +196,7 @@ fn said<'p>(
     said
 }
 
-/// Fills all prompts of all programs, under every combination of guards that hold.
+/// Fills all prompts of all programs, for every combination of guards that hold.
 fn filled_in_every_way() -> Vec<Filled> {
     let mut chance = Chance::of(5);
     let mut all = Vec::new();
@@ -257,7 +257,7 @@ fn a_missing_guard_or_value_is_an_error() {
 
 #[test]
 fn what_never_changes_stands_in_an_emitted_prompt_as_words() {
-    // Braces beside the words, which a template could take for its own.
+    // Braces next to the words, which a template could interpret.
     let format = "{%{{ actions.points }}{{{ big in px }}%}\n            {{ actions.format }}{";
     let text = crate::common::TASK
         .replacen("cloth grid", "const big = 12px\n    cloth grid", 1)

@@ -1,4 +1,4 @@
-//! Generates cases until every check has refused its share, most of them close to a limit.
+//! Generates cases until every check has rejected its share, most of them close to a limit.
 
 use super::case::{Case, Scene};
 use super::oracle;
@@ -7,22 +7,22 @@ use fab_program::facts::ExecutedAction;
 use fab_program::space;
 use fab_program::{KeypointShape, PixelPoint, Program, Value};
 
-/// The cases of one program's table that are judged without anything missing.
+/// The cases per program that are judged with nothing missing.
 pub const CASES: usize = 10_000;
 
 /// The most cases in which something is missing.
 pub const MISSING: usize = 300;
 
-/// What each check refuses of the cases that reach it, at least.
+/// The smallest share that each check rejects of the cases that reach it.
 const REFUSED: f64 = 0.32;
 
 /// The most cases that are tried for one table.
 const TRIES: usize = 4_000_000;
 
-/// Side of the square in which all happens, pixels: small, so that much lies close together.
+/// Side of the square that contains all points, pixels; small, so many are close together.
 const SIDE_PX: u32 = 60;
 
-/// The same numbers on every machine and in every run.
+/// A sequence of pseudo-random numbers that is the same on every machine and in every run.
 pub struct Chance(u64);
 
 impl Chance {
@@ -66,7 +66,7 @@ pub fn generate(program: &Program, seed: u64) -> Vec<Case> {
     let mut missing = MISSING;
     let mut close_to = vec![CASES / 50; oracle::comparisons(program)];
     let mut cases = Vec::with_capacity(CASES + MISSING);
-    // The latest case that came to each outcome: most cases differ little from one of these.
+    // The latest case with each outcome: most new cases differ little from one of these.
     let mut latest: Vec<Option<Case>> = vec![None; wanted.len()];
     for _ in 0..TRIES {
         if wanted.iter().all(|wanted| *wanted == 0) {
@@ -102,7 +102,7 @@ pub fn generate(program: &Program, seed: u64) -> Vec<Case> {
     cases
 }
 
-/// Prefers cases close to the last limit that few were close to, then such as are close to any.
+/// Prefers cases close to the last limit that still needs some, then cases close to any limit.
 fn is_welcome(
     said: usize,
     margins: &[(usize, f64)],
@@ -112,7 +112,7 @@ fn is_welcome(
     if said == 0 {
         return true;
     }
-    // Few cases come to the last checks, so those are not spent on the limits of the first.
+    // Few cases reach the last checks, so those are not spent on the limits of the first.
     let mut from_the_last = margins.iter().rev();
     match from_the_last.find(|(comparison, _)| close_to[*comparison] > 0) {
         Some((_, margin)) => *margin <= 1.0 || chance.one_in(3000),
@@ -164,7 +164,7 @@ fn changed(program: &Program, case: &Case, chance: &mut Chance) -> Case {
                     let index = chance.below(points.len() as u32) as usize;
                     let (from, to) = (points[index], chance.beside(points[index]));
                     points[index] = to;
-                    // What was chosen stays chosen.
+                    // A choice of this point moves with it.
                     for (_, value) in &mut case.proposal.fields {
                         if *value == Value::Point(from) {
                             *value = Value::Point(to);
@@ -177,7 +177,7 @@ fn changed(program: &Program, case: &Case, chance: &mut Chance) -> Case {
     case
 }
 
-/// Returns how many cases each check refuses, `offered` first, and last how many none does.
+/// Returns how many cases each check must reject, `offered` first, and last how many must be accepted.
 fn quotas(checks: usize) -> Vec<usize> {
     let mut left = CASES;
     let mut quotas = Vec::new();

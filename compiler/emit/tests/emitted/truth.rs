@@ -1,9 +1,9 @@
-//! Reads the truth tables in `fixtures/truth`, which were written by reasoning.
+//! Reads the truth tables in `fixtures/truth`, which were worked out by hand.
 //!
-//! A task may stand above its table, and `---` between them: such a file is found by itself. The others are for the
-//! programs of [`super::programs`].
+//! A file may contain a task, then `---`, then its table; new files are found automatically. The other tables are for
+//! the programs of [`super::programs`].
 //!
-//! A line sets what is known from there on, or judges an action:
+//! A line sets a fact for the lines after it, or judges an action:
 //!
 //! ```text
 //! corners = 10,10 90,10            points; nothing behind the sign: none found
@@ -20,7 +20,7 @@ use fab_program::Proposal;
 use fab_program::facts::ExecutedAction;
 use fab_program::{Choices, PixelPoint, Program, Value};
 
-/// Returns each case with its line, what is said of it, and what is said with fewer checks.
+/// Returns each case with its line, its verdict, and its verdict with fewer checks.
 pub fn read(program: &Program, text: &str) -> Vec<(String, Case, [String; 2])> {
     let mut state = Case {
         scene: Scene::default(),

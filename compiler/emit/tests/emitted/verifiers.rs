@@ -1,4 +1,4 @@
-//! Interpreter, emitted Rust and emitted Python say the same of every case.
+//! The interpreter, emitted Rust and emitted Python give the same verdict on every case.
 
 use super::case::Case;
 use super::{drivers, oracle, programs, table, truth};
@@ -7,9 +7,9 @@ use fab_program::measures::{MEASURES, Make};
 use fab_program::{Condition, Program};
 use std::collections::BTreeSet;
 
-/// Asserts that all three verifiers say what the interpreter says, and returns that.
+/// Asserts that all three verifiers agree with the interpreter, and returns their verdicts.
 ///
-/// The interpreter runs on the program as `program.json` gives it back.
+/// The interpreter runs on the program as read back from `program.json`.
 fn agreed(program: &Program, cases: &[Case], test: &str) -> Option<Vec<[String; 2]>> {
     let built = drivers::build(program, test);
     let text = std::fs::read_to_string(built.folder.join("program.json")).unwrap();
@@ -34,7 +34,7 @@ fn agreed(program: &Program, cases: &[Case], test: &str) -> Option<Vec<[String; 
     Some(said)
 }
 
-/// Asserts that a table tries every check and every limit, then that all three agree on it.
+/// Asserts that a table covers every check and every limit, then that all three agree on it.
 fn agree_on_a_table(name: &str, seed: u64) {
     let program = programs::named(name);
     let cases = table::generate(&program, seed);
@@ -93,7 +93,7 @@ fn agree_on_a_table(name: &str, seed: u64) {
         return;
     };
     for ((case, outcome), [full, _]) in cases.iter().zip(&outcomes).zip(&said) {
-        // Where a limit is hit exactly, a root or an angle in degrees may round to either side.
+        // If a limit is hit exactly, a root or an angle in degrees may round to either side.
         if outcome.margins.iter().any(|(_, margin)| *margin < 1e-9) {
             continue;
         }
@@ -149,7 +149,7 @@ fn three_verifiers_of_points_numbers_and_the_last_action_agree() {
     agree_on_a_table("placed", 4);
 }
 
-/// What the hand-made programs are for: nothing that a check can say goes untried.
+/// Asserts that the hand-made programs cover everything that a check can use.
 #[test]
 fn the_programs_use_everything_that_a_check_can_say() {
     let text: String = programs::all()
@@ -267,7 +267,7 @@ fn truth_of_distances_along_the_axes() {
 fn the_rust_module_needs_core_alone_and_gives_no_warning() {
     for program in programs::all() {
         let built = drivers::build(&program, "bare");
-        // What nobody calls must not be there, so here it may not stay unseen.
+        // Here an unused helper must be an error, so `dead_code` is not allowed.
         let module = built.folder.join("verifier.rs");
         let text = std::fs::read_to_string(&module).unwrap();
         assert!(text.contains("#![allow(dead_code, "));

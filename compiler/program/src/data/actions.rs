@@ -1,4 +1,4 @@
-//! The discretised action space: the one declaration behind prompt, schema, parser, verifier and sampler.
+//! The discretised action space: one declaration for prompt, schema, parser, verifier and sampler.
 
 use crate::data::camera::PixelPoint;
 use crate::units::LengthUnit;
@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 /// One field of an answer and its choices.
 ///
-/// Every action has `pick`, which is points, and either `place`, which is points too, or `direction` and
-/// `distance`. Further fields are words; they are read, checked and kept, and move nothing.
+/// Every action has `pick`, which is points, and either `place`, which is points too, or `direction` and `distance`.
+/// Further fields are words; they are read, checked and recorded, and move nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActionField {
     /// Its name.
@@ -24,7 +24,7 @@ impl ActionField {
 }
 
 impl Choices {
-    /// Returns whether they are pixels: those of keypoints, or of a region.
+    /// Returns whether the choices are pixels: those of keypoints, or of a region.
     pub fn are_points(&self) -> bool {
         matches!(self, Choices::Points { .. } | Choices::Region { .. })
     }
@@ -36,7 +36,7 @@ impl Choices {
 pub enum Choices {
     /// The points of these keypoints.
     Points {
-        /// Keypoints that are points or a point.
+        /// Keypoints with one point or several.
         keypoints: Vec<String>,
     },
     /// Any pixel of a mask.
@@ -46,19 +46,19 @@ pub enum Choices {
     },
     /// Directions in the picture.
     Directions {
-        /// No two the same.
+        /// All different.
         choices: Vec<Direction>,
     },
     /// Lengths on the table.
     Lengths {
         /// The unit that prompt and answer use.
         unit: LengthUnit,
-        /// No two the same.
+        /// All different.
         choices: Vec<LengthChoice>,
     },
     /// Words.
     Words {
-        /// No two equal, ignoring case.
+        /// All different, ignoring case.
         choices: Vec<String>,
     },
 }
@@ -68,7 +68,7 @@ pub enum Choices {
 pub struct Direction {
     /// Degrees, counter-clockwise from the image's right, `0 <= deg < 360`.
     pub deg: f64,
-    /// The same as a unit vector: right and down, so that 90 degrees is `[0, -1]`.
+    /// The same as a unit vector, right and down: 90 degrees is `[0, -1]`.
     pub vector: [f64; 2],
 }
 
@@ -101,7 +101,7 @@ pub enum Value {
     Word(String),
 }
 
-/// An action as a model states it, not yet judged.
+/// An action as the model stated it, before any check.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Proposal {
     /// Each field's value, in the order of the declaration.
@@ -117,7 +117,7 @@ impl Proposal {
             .map(|(_, value)| value)
     }
 
-    /// Returns a field's point; None if the field is not a point.
+    /// Returns a field's point; `None` if the field is not a point.
     pub fn point(&self, field: &str) -> Option<PixelPoint> {
         match self.get(field)? {
             Value::Point(point) => Some(*point),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// One layer of drawing; later layers cover earlier ones.
 ///
-/// A layer that needs the action before this one is not drawn in the first step.
+/// A layer that needs the previous action is not drawn in the first step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Layer {
     /// Its name in the task.
@@ -15,17 +15,17 @@ pub struct Layer {
     pub rgb: [u8; 3],
     /// What is drawn.
     pub mark: Mark,
-    /// What a prompt calls it, such as `blue dots`.
+    /// Its name in prompts, such as `blue dots`.
     pub words: String,
 }
 
 impl Layer {
-    /// Returns whether it shows where the action before was carried out.
+    /// Returns whether it shows where the previous action was executed.
     pub fn uses_last(&self) -> bool {
         self.mark.uses().last
     }
 
-    /// Returns whether it shows that end of the action before.
+    /// Returns whether it shows that end of the previous action.
     pub fn uses_end(&self, end: End) -> bool {
         let uses = self.mark.uses();
         match end {
@@ -64,7 +64,7 @@ pub enum Mark {
         /// Width of the lines, pixels.
         width_px: u32,
     },
-    /// The index of each point in its list, from 1, written beside it.
+    /// The number of each point in its list, from 1, written next to it.
     Number {
         /// Where.
         at: Vec<Spot>,
@@ -78,11 +78,11 @@ pub enum Mark {
         /// Width of the line, pixels.
         width_px: u32,
     },
-    /// A box's sides: every `spacing_px`-th pixel of them.
+    /// The sides of a box: every `spacing_px`-th pixel of them.
     Box {
         /// The keypoint.
         of: String,
-        /// 1: a solid line.
+        /// Distance between drawn pixels; 1 is a solid line.
         spacing_px: u32,
     },
     /// An outline's sides.

@@ -1,4 +1,4 @@
-//! The camera, and the pixels that every point of a task is given in.
+//! The camera, and the pixels in which a task gives its points.
 
 use crate::words::words;
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,7 @@ pub struct Camera {
     pub fov_rad: f64,
     /// Side of the square image, pixels.
     pub image_px: u32,
-    /// Which way of the table is up in the image.
+    /// Which table direction is up in the image.
     pub up: ImageUp,
 }
 
@@ -23,7 +23,7 @@ impl Camera {
     }
 }
 
-/// Which way of the table is up in an image.
+/// Which table direction is up in an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ImageUp {
@@ -49,7 +49,7 @@ pub struct PixelPoint {
 }
 
 impl PixelPoint {
-    /// Names a pixel by column and row.
+    /// Makes a pixel from column and row.
     pub const fn new(u: i32, v: i32) -> Self {
         PixelPoint { u, v }
     }
@@ -75,7 +75,7 @@ impl From<PixelPoint> for [i32; 2] {
 }
 
 impl std::fmt::Display for PixelPoint {
-    /// Writes `(u, v)`, the form that prompts use and answers are asked for in.
+    /// Writes `(u, v)`, the form in prompts and answers.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "({}, {})", self.u, self.v)
     }

@@ -1,4 +1,4 @@
-//! The cloth that a task is about.
+//! The cloth of a task.
 
 use crate::data::files::FileRef;
 use serde::{Deserialize, Serialize};
@@ -12,12 +12,12 @@ pub struct Cloth {
     pub dimy: u32,
     /// Distance between neighbours, metres.
     pub spacing_m: f64,
-    /// How it lies where the command line does not say.
+    /// How it lies at the start, unless the command line says otherwise.
     pub start: ClothStart,
 }
 
 impl Cloth {
-    /// Returns the length of the longer side, metres: what the unit `edge` counts.
+    /// Returns the length of the longer side, metres: one `edge`.
     pub fn edge_m(&self) -> f64 {
         f64::from(self.dimx.max(self.dimy) - 1) * self.spacing_m
     }
@@ -29,15 +29,15 @@ impl Cloth {
     }
 }
 
-/// How a cloth lies at first.
+/// How a cloth lies at the start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "lies", rename_all = "snake_case")]
 pub enum ClothStart {
     /// Flat and straight.
     Flat,
-    /// Crumpled: lifted and dropped at random, as the rollout's seed says.
+    /// Crumpled: lifted and dropped at random, from the rollout's seed.
     Crumpled,
-    /// As a file of particle positions says.
+    /// At the particle positions in a file.
     File {
         /// The file.
         file: FileRef,

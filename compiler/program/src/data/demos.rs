@@ -3,10 +3,10 @@
 use crate::data::files::FileRef;
 use serde::{Deserialize, Serialize};
 
-/// Demonstrations of the task that a stage's model is told before its own question.
+/// Demonstrations of the task, shown to a stage's model before its own question.
 ///
-/// The file holds what was seen and chosen, and not texts: question and answer are written by the task's own
-/// templates and format when they are told, so that an example never differs from what is asked.
+/// The file holds observations and choices, not texts. The task's own templates and format write each question and
+/// answer when they are needed, so an example always has the same form as the real question.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Demos {
     /// The stage; it reads the action and shows no pictures.

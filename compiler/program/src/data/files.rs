@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// One source file's name and content hash.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SourceStamp {
-    /// The file as seen from the entry file's folder, `/` as separator: the same wherever the folder lies.
+    /// The path relative to the entry file's folder, with `/` as separator: the same wherever the folder is.
     pub name: String,
     /// SHA-256 of the text, hex.
     pub sha256: String,
@@ -14,6 +14,6 @@ pub struct SourceStamp {
 /// A file that a task names: a picture, or particle positions.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileRef {
-    /// Path relative to the entry file's folder, `/` as separator, never above it.
+    /// Path relative to the entry file's folder, with `/` as separator; never above it.
     pub path: String,
 }

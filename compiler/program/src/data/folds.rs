@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Moves one cloth point to another: `place = pick + fraction * (target - pick)` (protocol, section 6).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fold {
-    /// The point that is picked.
+    /// The picked point.
     pub pick: ClothPoint,
     /// The point it is carried to.
     pub place: ClothPoint,
@@ -17,8 +17,8 @@ pub struct Fold {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClothPoint {
-    /// A particle, by its place in the flat cloth: `right` from 0 (left edge) to 1 (right edge), `front`
-    /// from 0 (back edge, image top) to 1 (front edge). The particle's grid index is
+    /// A particle, by its position in the flat cloth: `right` from 0 (left edge) to 1 (right edge), `front` from 0
+    /// (back edge, image top) to 1 (front edge). The particle's grid index is
     /// `floor(right * (dimx - 1)), floor(front * (dimy - 1))`; its position is read when the fold starts.
     Particle {
         /// Fraction from the left edge to the right edge.

@@ -10,7 +10,7 @@ pub struct Goal {
     pub metric: Metric,
     /// How it must compare with the limit.
     pub is: Comparison,
-    /// Metres for a distance, else a fraction.
+    /// Metres for a distance, otherwise a fraction.
     pub limit: f64,
 }
 
@@ -25,11 +25,12 @@ impl Goal {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Metric {
-    /// Mean distance between equal particles of the result and of the nearest expert result, metres, after the last step (protocol, section 6).
+    /// Mean distance between corresponding particles of the result and of the nearest expert result, metres, after
+    /// the last step (protocol, section 6).
     ParticleDistance,
-    /// Covered area over that of the flat cloth, after each step (protocol, section 5).
+    /// Covered area divided by the area of the flat cloth, after each step (protocol, section 5).
     Coverage,
-    /// How much of the coverage that was missing at first has been gained, after each step (protocol, section 5).
+    /// Which part of the coverage missing at the start has been gained, after each step (protocol, section 5).
     NormalizedImprovement,
 }
 
@@ -43,7 +44,7 @@ impl Metric {
         }
     }
 
-    /// Returns whether it is judged after every step, so that a rollout may end early.
+    /// Returns whether it is judged after every step, so a rollout may end early.
     pub fn is_judged_each_step(self) -> bool {
         !matches!(self, Metric::ParticleDistance)
     }

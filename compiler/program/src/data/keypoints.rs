@@ -23,7 +23,7 @@ pub struct Keypoint {
 pub enum Moment {
     /// The latest.
     Now,
-    /// The first of the rollout, kept until its end (the paper's cloth centre, protocol section 6).
+    /// The first of the rollout, then kept to the end (the paper's cloth centre, protocol section 6).
     Start,
 }
 
@@ -41,24 +41,24 @@ pub enum Extractor {
         /// Depth limit along the optical axis, metres, exclusive.
         below_m: f64,
     },
-    /// The pixels whose colour lies within three ranges, both ends included. Gives a mask.
+    /// The pixels whose colour is in three ranges, both ends included. Gives a mask.
     ColorMask {
-        /// Hue, degrees, 0 to 360; a range that ends below its beginning passes through 360.
+        /// Hue, degrees, 0 to 360; a range whose end is below its beginning passes through 360.
         hue_deg: [f64; 2],
         /// Saturation, 0 to 1.
         saturation: [f64; 2],
         /// Value (brightness), 0 to 1.
         value: [f64; 2],
     },
-    /// The pixels on one side of the level that best tells two kinds of pixels apart (Otsu's). Gives a mask.
+    /// The pixels on one side of the threshold that best separates two kinds of pixels (Otsu's method). Gives a mask.
     SplitMask {
-        /// What is told apart.
+        /// The number that is compared with the threshold.
         of: Channel,
         /// Which side is kept.
         keep: Side,
         /// Side of the square over which levels are averaged first, pixels, odd; 1 for none.
         blur_px: u32,
-        /// How far the means of the two sides must lie apart, 0 to 1; where they do not, the mask is empty.
+        /// The least difference between the means of the two sides, 0 to 1; below it, the mask is empty.
         contrast: f64,
     },
     /// A mask with its gaps filled: grown by a square and shrunk again. Gives a mask.
@@ -82,7 +82,7 @@ pub enum Extractor {
     Minus {
         /// The mask's name.
         mask: String,
-        /// The name of the mask that is taken away.
+        /// The name of the mask to subtract.
         without: String,
     },
     /// Corners that a mask shows (OpenCV's goodFeaturesToTrack). Gives points.
@@ -91,19 +91,20 @@ pub enum Extractor {
         mask: String,
         /// What the detector looks at.
         of: Sight,
-        /// A mask whose pixels are painted white in the picture before the detector sees it; none: it is as it is.
+        /// A mask whose pixels are painted white before the detector sees the picture; `None` leaves the picture
+        /// unchanged.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         white: Option<String>,
-        /// The box in or near which corners are kept; none: all are.
+        /// The box in or near which corners are kept; `None` keeps all.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         inside: Option<Inside>,
-        /// Side of the square image that the detector sees, pixels of that image; results are scaled back.
+        /// Side of the square image that the detector sees, pixels of that image. Results are scaled back.
         image_px: u32,
         /// The most corners kept, strongest first.
         max: u32,
-        /// Least accepted response as a fraction of the strongest, `0 < quality <= 1`.
+        /// Smallest accepted response, as a fraction of the strongest, `0 < quality <= 1`.
         quality: f64,
-        /// Least distance between corners, pixels of the detector's image.
+        /// Smallest distance between corners, pixels of the detector's image.
         spacing_px: f64,
         /// Side of the square over which a response is averaged, pixels of the detector's image, odd.
         block_px: u32,
@@ -125,21 +126,21 @@ pub enum Extractor {
         /// The box's name.
         of: String,
     },
-    /// The middle of the picture, as that of a box around all of it. Gives a point.
+    /// The middle of the picture, computed like that of a box around all of it. Gives a point.
     PictureCenter,
     /// The outline of a mask's largest piece as a polygon. Gives an outline.
     Contour {
         /// The mask's name.
         mask: String,
-        /// How far the polygon may run beside the outline, pixels; 0 keeps every bend.
+        /// How far the polygon may deviate from the outline, pixels; 0 keeps every bend.
         tolerance_px: f64,
     },
-    /// The middle of each side of an outline, in its order. Gives points.
+    /// The middle of each side of an outline, in the outline's order. Gives points.
     EdgeMiddles {
         /// The outline's name.
         outline: String,
     },
-    /// Points at equal distances along an outline, from its first one on. Gives points.
+    /// Points at equal distances along an outline, starting at its first one. Gives points.
     Along {
         /// The outline's name.
         outline: String,
@@ -152,29 +153,29 @@ pub enum Extractor {
         points: String,
         /// The name of the point that they move towards.
         to: String,
-        /// By which share of their way to it, above 0 and below 1.
+        /// How much of the way to it, above 0 and below 1.
         share: f64,
     },
-    /// The point that lies farthest towards a side of the picture; of several the first. Gives a point.
+    /// The point farthest towards a side of the picture; the first of equally far ones. Gives a point.
     Outermost {
         /// The points' name.
         points: String,
         /// The side.
         side: PictureSide,
     },
-    /// Points that are always the same. Gives points.
+    /// Points that never change. Gives points.
     Fixed {
         /// The points.
         points: Vec<PixelPoint>,
     },
 }
 
-/// The box that corners are kept in.
+/// The box in which corners are kept.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inside {
     /// The box's name.
     pub of: String,
-    /// How far beside it a corner may lie, pixels.
+    /// How far outside it a corner may be, pixels.
     pub margin_px: f64,
 }
 
@@ -190,16 +191,16 @@ pub enum Channel {
 
 words! { Channel {
     "brightness" => Brightness, "how bright a pixel is";
-    "saturation" => Saturation, "how far its colour is from grey; a third counts as all";
+    "saturation" => Saturation, "how far its colour is from grey: three times its saturation, at most 1";
 } }
 
-/// One side of a level.
+/// One side of a threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
-    /// What is below it: dark, or grey.
+    /// Below it: dark, or grey.
     Low,
-    /// What is above it: bright, or coloured.
+    /// Above it: bright, or coloured.
     High,
 }
 
@@ -208,7 +209,7 @@ words! { Side {
     "high" => High, "what is bright, or coloured";
 } }
 
-/// What a corner detector looks at; outside of the mask all is black.
+/// What a corner detector looks at; everything outside of the mask is black.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sight {
@@ -218,8 +219,8 @@ pub enum Sight {
     Mask,
     /// The camera's picture in grey.
     Picture,
-    /// The same, its blue, green and red taken for hue, saturation and value: a mistake of the paper's code
-    /// (protocol, section 4), only for comparisons with its recordings.
+    /// The same, with its blue, green and red read as hue, saturation and value. This is a mistake in the paper's
+    /// code (protocol, section 4), kept only for comparisons with its recordings.
     MisreadPicture,
 }
 
@@ -227,7 +228,7 @@ words! { Sight {
     "depth" => Depth, "the depth image";
     "mask" => Mask, "the mask itself, white";
     "picture" => Picture, "the camera's picture in grey";
-    "misread_picture" => MisreadPicture, "the same with a mistake of the smoothing paper's code";
+    "misread_picture" => MisreadPicture, "the same, with a mistake in the smoothing paper's code";
 } }
 
 /// A side of the picture.
@@ -244,7 +245,7 @@ pub enum PictureSide {
     Bottom,
 }
 
-/// What a corner detector takes for a strong response.
+/// How a corner detector measures a response.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Response {
@@ -258,7 +259,7 @@ pub enum Response {
 }
 
 impl Extractor {
-    /// Returns whether it needs the camera's depth and not its picture alone.
+    /// Returns whether it needs the camera's depth as well as its picture.
     pub fn needs_depth(&self) -> bool {
         match self {
             Extractor::DepthMask { .. } => true,
@@ -267,7 +268,7 @@ impl Extractor {
         }
     }
 
-    /// Returns the mask that this one is a cleaner form of; none where it is taken from the picture.
+    /// Returns the mask that this one refines; `None` if it is taken from the picture.
     pub fn refines(&self) -> Option<&str> {
         match self {
             Extractor::Closed { mask, .. } | Extractor::Largest { mask } => Some(mask),
@@ -275,7 +276,7 @@ impl Extractor {
         }
     }
 
-    /// Returns what this extractor gives.
+    /// Returns the shape that this extractor gives.
     pub fn shape(&self) -> KeypointShape {
         match self {
             Extractor::DepthMask { .. }
@@ -300,14 +301,14 @@ impl Extractor {
     }
 }
 
-/// The arguments of both corner detectors, and those of one alone.
+/// The arguments that both corner detectors share, and the ones that only one has.
 macro_rules! corner_args {
     ($($own:expr),*) => {
         &[
             MASK,
             Arg::named("max", Kind::Whole(N_POINTS), "the most corners that are kept"),
-            Arg::named("quality", Kind::Quantity(QUALITY), "the least response, as a part of the strongest"),
-            Arg::named("spacing", Kind::Quantity(SPACING), "the least distance between two"),
+            Arg::named("quality", Kind::Quantity(QUALITY), "the smallest accepted response, as a fraction of the strongest"),
+            Arg::named("spacing", Kind::Quantity(SPACING), "the smallest distance between two corners"),
             Arg::named("image", Kind::Whole(IMAGE), "the side of the picture that the detector sees")
                 .or(Default::CameraSide),
             Arg::named("of", Kind::Word(Sight::WORDS), "what the detector looks at inside of the mask")
@@ -315,9 +316,9 @@ macro_rules! corner_args {
             Arg::named("white", Kind::Keypoint(&[KeypointShape::Mask]), "a mask that is painted white first")
                 .or(Default::Nothing)
                 .needs("of", &["picture", "misread_picture"]),
-            Arg::named("inside", Kind::Keypoint(&[KeypointShape::Box]), "the box that corners are kept in")
+            Arg::named("inside", Kind::Keypoint(&[KeypointShape::Box]), "the box in which corners are kept")
                 .or(Default::Nothing),
-            Arg::named("margin", Kind::Quantity(SPACING), "how far beside the box a corner may be")
+            Arg::named("margin", Kind::Quantity(SPACING), "how far outside the box a corner may be")
                 .or(Default::Number(0.0))
                 .needs("inside", &[]),
             Arg::named("block", Kind::Odd(BLOCK), "the side of the square over which a response is averaged")
@@ -328,10 +329,10 @@ macro_rules! corner_args {
     };
 }
 
-/// An extractor of the language: how it is called, and what it gives.
+/// An extractor of the language: its call, and the shape it gives.
 #[derive(Clone, Copy, Debug)]
 pub struct ExtractorRow {
-    /// How it is called, and what that makes.
+    /// The call, and what it makes.
     pub call: Call<fn(&Args) -> Extractor>,
     /// What it gives; the same for all rows of one name.
     pub gives: KeypointShape,
@@ -366,7 +367,7 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
         ],
         "the pixels of a colour",
         |args| Extractor::ColorMask {
-            // The way through radians must not move a limit off the whole degree that it names.
+            // Converting through radians must not move a limit off the whole degree that the author wrote.
             hue_deg: args
                 .between("hue")
                 .map(|hue_rad| (hue_rad.to_degrees() * 1e9).round() / 1e9),
@@ -378,7 +379,11 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
         "mask",
         KeypointShape::Mask,
         &[
-            Arg::named("split", Kind::Word(Channel::WORDS), "what is told apart"),
+            Arg::named(
+                "split",
+                Kind::Word(Channel::WORDS),
+                "the value of each pixel that is compared",
+            ),
             Arg::named(
                 "keep",
                 Kind::Word(Side::WORDS),
@@ -387,17 +392,17 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
             Arg::named(
                 "blur",
                 Kind::Odd(BLUR),
-                "the side of a square that is averaged over first",
+                "the side of the square over which it is averaged first",
             )
             .or(Default::Number(1.0)),
             Arg::named(
                 "contrast",
                 Kind::Quantity(FRACTION),
-                "how far apart the two kinds must be",
+                "the smallest difference between the two kinds",
             )
             .or(Default::Number(DEFAULT_CONTRAST)),
         ],
-        "one of the two kinds of pixels that a picture tells apart best",
+        "one of the two kinds of pixels into which a picture splits best",
         |args| Extractor::SplitMask {
             of: args.meaning("split", Channel::from_word),
             keep: args.meaning("keep", Side::from_word),
@@ -451,7 +456,7 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
             Arg::positional(
                 "without",
                 Kind::Keypoint(&[KeypointShape::Mask]),
-                "the mask that is taken away",
+                "the mask to subtract",
             ),
         ],
         "the pixels of a mask that are not in another",
@@ -529,7 +534,7 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
             Arg::named(
                 "tolerance",
                 Kind::Quantity(SPACING),
-                "how far the polygon may run beside it",
+                "how far the polygon may deviate from it",
             ),
             AT,
         ],
@@ -571,7 +576,7 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
             Arg::named(
                 "share",
                 Kind::Quantity(SHARE),
-                "which part of its way each moves",
+                "how much of its way each one moves",
             ),
             AT,
         ],
@@ -586,28 +591,28 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
         "leftmost",
         KeypointShape::Point,
         &[POINTS, AT],
-        "the point that is nearest to the left of the picture; of several the first",
+        "the point that is nearest to the left of the picture; the first of equally near ones",
         |args| outermost(args, PictureSide::Left),
     ),
     row(
         "rightmost",
         KeypointShape::Point,
         &[POINTS, AT],
-        "the point that is nearest to the right of the picture; of several the first",
+        "the point that is nearest to the right of the picture; the first of equally near ones",
         |args| outermost(args, PictureSide::Right),
     ),
     row(
         "topmost",
         KeypointShape::Point,
         &[POINTS, AT],
-        "the point that is nearest to the top of the picture; of several the first",
+        "the point that is nearest to the top of the picture; the first of equally near ones",
         |args| outermost(args, PictureSide::Top),
     ),
     row(
         "bottommost",
         KeypointShape::Point,
         &[POINTS, AT],
-        "the point that is nearest to the bottom of the picture; of several the first",
+        "the point that is nearest to the bottom of the picture; the first of equally near ones",
         |args| outermost(args, PictureSide::Bottom),
     ),
     row(
@@ -625,7 +630,7 @@ pub const EXTRACTORS: &[ExtractorRow] = &[
     ),
 ];
 
-/// The moment that an extractor's keypoint is taken at; a keypoint holds it beside its extractor.
+/// When an extractor's keypoint is taken. A keypoint stores it next to its extractor.
 pub const AT: Arg =
     Arg::named("at", Kind::Word(Moment::WORDS), "when it is looked for").or(Default::Word("now"));
 
@@ -658,14 +663,14 @@ const BLOCK: Range = Range::new("an odd side", (1.0, "px"), (31.0, "px"));
 const HARRIS_K: Range = Range::plain("a number", 0.001, 0.25);
 const SHARE: Range = Range::plain("a share", 0.001, 0.999);
 
-/// How far apart the two kinds of pixels of a split must be where it is not stated. A cloth and a table that look alike to
-/// a person are nearer; the simulator's two kinds of tiles are 0.12 apart, and are no cloth.
+/// The smallest contrast between the two kinds of pixels of a split, if none is stated. A cloth and a table that look
+/// alike to a person differ by less. The simulator's two kinds of tiles differ by 0.12, and neither is cloth.
 const DEFAULT_CONTRAST: f64 = 0.15;
 
-/// Harris' free parameter where none is stated: the detector's usual one (protocol, section 6).
+/// Harris' free parameter if none is stated: the usual one (protocol, section 6).
 const DEFAULT_HARRIS_K: f64 = 0.04;
 
-/// Side of the square over which a response is averaged where none is stated: OpenCV's, which the paper keeps.
+/// Side of the square over which a response is averaged, if none is stated: OpenCV's default, which the paper uses.
 const DEFAULT_BLOCK_PX: f64 = 3.0;
 
 fn corners(args: &Args, response: Response) -> Extractor {

@@ -1,6 +1,6 @@
-//! The parts of a [`Program`](program::Program): one file a section of the language, each plain data.
+//! The parts of a [`Program`](program::Program): one file per section of the language, each plain data.
 //!
-//! What the data means is said by the modules of the crate; nothing here computes but what follows from one value alone.
+//! Other modules of the crate define what the data means. Functions here compute only from a single value.
 
 pub mod actions;
 pub mod annotate;

@@ -11,12 +11,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "shows", rename_all = "snake_case")]
 pub enum Placeholder {
-    /// What a stage read.
+    /// A text that a stage read.
     Text {
         /// Its name.
         name: String,
     },
-    /// The lines in which an answer states the action.
+    /// The lines in which an answer must state the action.
     Format,
     /// How a point is written, e.g. `(x, y) in pixels`.
     PointForm,
@@ -58,19 +58,19 @@ pub enum Placeholder {
         /// The field.
         field: String,
     },
-    /// The value of a field in the action before this one.
+    /// The value of a field in the previous action.
     LastField {
         /// The field.
         field: String,
     },
-    /// What a field may be, in order, separated by commas.
+    /// The choices of a field, in order, separated by commas.
     Choices {
         /// The field.
         field: String,
     },
-    /// The candidate points that are out of reach, each with why, `(x, y): why; (x, y): why`; `none` where all are in reach.
+    /// The unreachable candidate points, each with a reason, `(x, y): why; (x, y): why`; `none` if there are none.
     Unreachable,
-    /// The choice of a direction field that is nearest to a direction; the first of equally near ones.
+    /// The choice of a direction field nearest to a direction; the first of equally near ones.
     Nearest {
         /// The field.
         field: String,
@@ -82,21 +82,22 @@ pub enum Placeholder {
 /// The format of a number: a factor, a number of decimals without trailing zeros, and a unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NumberFormat {
-    /// What it is multiplied by.
+    /// The factor that it is multiplied by.
     pub factor: f64,
-    /// The most digits behind the point.
+    /// The most digits after the decimal point.
     pub decimals: u8,
-    /// What follows, such as ` px`.
+    /// The text after it, such as ` px`.
     pub unit: String,
 }
 
 impl NumberFormat {
-    /// Writes an angle, which programs hold in degrees, in a unit of angles.
+    /// Makes the format of an angle, degrees in programs, in a unit of angles.
     pub fn angle(unit: &Unit) -> NumberFormat {
         NumberFormat::new(DEG.size / unit.size, unit)
     }
 
-    /// Writes a length in metres in a unit of the table, or one in pixels in pixels; `edge_m` is the cloth's longer side.
+    /// Makes the format of a length: metres in a unit of the table, or pixels in pixels. `edge_m` is the cloth's
+    /// longer side.
     pub fn length(unit: &Unit, edge_m: f64) -> NumberFormat {
         NumberFormat::new(1.0 / unit.size_with(edge_m), unit)
     }

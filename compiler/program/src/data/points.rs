@@ -21,7 +21,7 @@ pub enum Point {
         /// The keypoint.
         name: String,
     },
-    /// Where the action before this one was carried out.
+    /// Where the previous action was executed.
     Last {
         /// Its pick or its place.
         end: End,
@@ -33,9 +33,9 @@ pub enum Point {
         /// The point between the two.
         about: Box<Point>,
     },
-    /// Where a direction and a distance lead, as the camera sees the table's plane.
+    /// The end of a direction and a distance, as the camera sees the table's plane.
     Carried {
-        /// Where from.
+        /// The start.
         from: Box<Point>,
         /// The field that is a direction.
         direction: String,
@@ -50,7 +50,7 @@ pub enum Point {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
-    /// Where the cloth is taken.
+    /// Where the cloth is picked.
     Pick,
     /// Where it is released.
     Place,
@@ -65,7 +65,7 @@ pub enum Heading {
         /// The field.
         field: String,
     },
-    /// The same field of the action before this one.
+    /// The same field of the previous action.
     Last {
         /// The field.
         field: String,

@@ -1,7 +1,7 @@
 //! A compiled task: plain, versioned data that a runtime executes.
 //!
-//! Only the compiler makes programs, so their references are valid. The bytes of the JSON depend on the source text
-//! alone. Quantities are in base units (metres, pixels, radians); pixels are those of the task's camera picture,
+//! Only the compiler makes programs, so their references are valid. The bytes of the JSON depend only on the source
+//! text. Quantities are in base units (metres, pixels, radians). Pixels are those of the task's camera picture,
 //! `[column, row]`, origin top left.
 
 use super::actions::ActionField;
@@ -21,7 +21,7 @@ use super::verify::Verify;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Version of the shape of [`Program`]; it changes whenever an older reader would misread the data.
+/// Version of the format of [`Program`]; it changes whenever an older reader would misread the data.
 pub const PROGRAM_FORMAT: u32 = 7;
 
 /// Everything a rollout needs to know about one task.
@@ -33,20 +33,20 @@ pub struct Program {
     pub compiler: String,
     /// The task's name as written in the file.
     pub task: String,
-    /// The variant of the task that this is; none: the task itself.
+    /// Which variant of the task this is; `None` for the task itself.
     pub variant: Option<String>,
-    /// What the task is for, in its author's words; for people alone.
+    /// What the task is for, in its author's words; no model sees it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<String>,
-    /// The files that went in, in the order in which they were first read.
+    /// The source files, in the order in which they were first read.
     pub sources: Vec<SourceStamp>,
-    /// The cloth that the task is about.
+    /// The cloth of the task.
     pub cloth: Cloth,
-    /// The camera whose pixels every point is given in.
+    /// The camera in whose pixels every point is given.
     pub camera: Camera,
-    /// How the cloth is taken, carried and let go.
+    /// How the cloth is picked, carried and released.
     pub picker: Picker,
-    /// The pictures that show what to do, step by step, where the task has any.
+    /// The pictures that show what to do, step by step, if the task has any.
     pub subgoals: Option<Subgoals>,
     /// Fold sequences that count as right; the score is the distance to the nearest of their results.
     pub experts: Vec<Sequence>,
@@ -60,7 +60,7 @@ pub struct Program {
     pub templates: Vec<Template>,
     /// The questions that make up one step, in order; the last one reads the action.
     pub stages: Vec<Stage>,
-    /// The in-context examples of one of them, where the task names any.
+    /// The in-context examples of one stage, if the task names any.
     pub demos: Option<Demos>,
     /// The checks that a proposed action must pass.
     pub verify: Verify,
@@ -71,15 +71,15 @@ pub struct Program {
 }
 
 impl Program {
-    /// Returns the program's identity: the first 16 hex digits of the SHA-256 of its compact JSON, without what changes
-    /// nothing in a rollout: its sources, the lines in them, and its [`Program::notes`].
+    /// Returns the program's identity: the first 16 hex digits of the SHA-256 of its compact JSON. It leaves out what
+    /// does not affect a rollout: the sources, the lines in them, and the [`Program::notes`].
     pub fn hash(&self) -> String {
         let bytes = serde_json::to_vec(&self.without_notes())
             .expect("a program has string keys and finite numbers");
         hex(&Sha256::digest(bytes))[..16].to_owned()
     }
 
-    /// Returns what the task says of itself to people, each with its name; no model is told.
+    /// Returns the task's notes for readers, each with its name; no model sees them.
     pub fn notes(&self) -> Vec<(&'static str, &str)> {
         let notes = [("about", self.about.as_deref())].into_iter();
         notes
@@ -120,7 +120,7 @@ impl Program {
         self.actions.iter().find(|field| field.name == name)
     }
 
-    /// Returns the task's name, and the variant's behind a slash.
+    /// Returns the task's name, followed by a slash and the variant's name if there is one.
     pub fn title(&self) -> String {
         match &self.variant {
             Some(variant) => format!("{}/{variant}", self.task),
@@ -128,7 +128,7 @@ impl Program {
         }
     }
 
-    /// Returns whether a question or its picture says something of the action before, so that the first step does not
+    /// Returns whether a question or its picture says something about the previous action, so the first step does not
     /// show all of it.
     pub fn looks_back(&self) -> bool {
         let stages = self.stages.iter();
@@ -139,13 +139,13 @@ impl Program {
         guards.any(|guard| guard.uses().history) || self.layers.iter().any(Layer::uses_last)
     }
 
-    /// Returns the largest number of model calls in one step: every stage, asked as often as it may be, for each
-    /// action of the step.
+    /// Returns the largest number of model calls in one step: every stage, with all its attempts, for each action of
+    /// the step.
     pub fn calls_per_step(&self) -> u32 {
         self.stages.len() as u32 * self.verify.attempts * self.actions_per_step()
     }
 
-    /// Returns the largest number of actions in one step: more than one where a step is retried.
+    /// Returns the largest number of actions in one step: more than one if a step is retried.
     pub fn actions_per_step(&self) -> u32 {
         let retries = self.verify.result.as_ref();
         1 + retries.map_or(0, |result| result.retries)

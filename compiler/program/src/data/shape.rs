@@ -1,6 +1,6 @@
-//! What a keypoint is.
+//! The shapes of keypoints.
 
-/// What an extractor gives.
+/// The shape that an extractor gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum KeypointShape {
@@ -17,7 +17,7 @@ pub enum KeypointShape {
 }
 
 impl KeypointShape {
-    /// Returns what tables and messages call it, such as `a mask`.
+    /// Returns its name in tables and messages, such as `a mask`.
     pub const fn words(self) -> &'static str {
         match self {
             KeypointShape::Mask => "a mask",

@@ -1,4 +1,4 @@
-//! The texts that reach a model, and the questions they make up.
+//! The texts that reach a model, and the questions that they make up.
 
 use crate::data::files::FileRef;
 use crate::data::placeholders::Placeholder;
@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 /// One piece of text in the portable Jinja subset.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Template {
-    /// The component's name; `STAGE.say` or `STAGE.system` for a text of a stage's own (`STAGE.say.2` for a
-    /// second one); `check.NAME` for the message of a check.
+    /// The component's name; `STAGE.say` or `STAGE.system` for a stage's own text (`STAGE.say.2` for a second one);
+    /// `check.NAME` for the message of a check.
     pub name: String,
-    /// When it is part of the prompt; always if None.
+    /// When it is part of the prompt; `None` means always.
     pub when: Option<Condition>,
     /// Jinja source; every variable in it is a string.
     pub text: String,
-    /// The variables it needs, by name.
+    /// The variables in it, by name.
     pub variables: Vec<Variable>,
     /// The file that declares it, as in [`crate::data::files::SourceStamp::name`].
     pub declared_in: String,
@@ -26,9 +26,9 @@ pub struct Template {
 /// A variable of a template.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Variable {
-    /// What the template calls it; one name means one value in the whole program.
+    /// Its name in templates; one name means one value in the whole program.
     pub name: String,
-    /// What it shows.
+    /// The value that it shows.
     pub value: Placeholder,
 }
 
@@ -39,15 +39,15 @@ pub struct Stage {
     pub name: String,
     /// Which model is asked.
     pub model: ModelRole,
-    /// Sampling temperature, where the task states one.
+    /// Sampling temperature, if the task states one.
     pub temperature: Option<f64>,
-    /// Nucleus sampling, 0 to 1, where the task states it.
+    /// Nucleus sampling, 0 to 1, if the task states it.
     pub top_p: Option<f64>,
-    /// The longest answer, tokens, where the task states one.
+    /// The longest answer, tokens, if the task states one.
     pub max_tokens: Option<u32>,
-    /// Templates of the system message, joined by a blank line; empty: no system message.
+    /// Templates of the system message, joined by a blank line; if empty, there is no system message.
     pub system: Vec<String>,
-    /// Questions with their answers that are told before this one.
+    /// Questions and answers that come before this question.
     pub examples: Vec<Example>,
     /// Templates of the user message, joined by a blank line.
     pub say: Vec<String>,
@@ -57,7 +57,7 @@ pub struct Stage {
     pub read: Read,
 }
 
-/// A question with its answer, told to a model as if it had been asked before.
+/// A question with its answer, shown to a model as if it had been asked before.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Example {
     /// The question's texts, joined by a blank line.
@@ -68,12 +68,12 @@ pub struct Example {
     pub reply: LiteralText,
 }
 
-/// A text of a source file that is used without change.
+/// A text of a source file that is used unchanged.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LiteralText {
     /// The text.
     pub text: String,
-    /// The file that holds it, as in [`crate::data::files::SourceStamp::name`].
+    /// The file that contains it, as in [`crate::data::files::SourceStamp::name`].
     pub declared_in: String,
     /// The line of its first character there, from 1.
     pub line: u32,
@@ -147,7 +147,7 @@ pub enum Read {
         name: String,
         /// The literal before it, e.g. `Instructions:`.
         before: String,
-        /// The literal after it; empty: to the end of the line.
+        /// The literal after it; if empty, the text ends with the line.
         after: String,
     },
     /// All fields of the action.

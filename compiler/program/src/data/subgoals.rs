@@ -5,16 +5,16 @@ use crate::data::files::FileRef;
 use crate::data::folds::Fold;
 use serde::{Deserialize, Serialize};
 
-/// Where the subgoal pictures come from; `n` folds have `n + 1` pictures.
+/// Where the subgoal pictures come from. `n` folds have `n + 1` pictures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "from", rename_all = "snake_case")]
 pub enum Subgoals {
-    /// Drawn in the simulator by executing these folds on the task's flat cloth.
+    /// Drawn by the simulator, which executes these folds on the task's flat cloth.
     Demonstrate {
         /// One fold per step.
         folds: Vec<Fold>,
     },
-    /// Pictures that the author brings.
+    /// The author's own pictures.
     Images {
         /// At least two, in order.
         images: Vec<SubgoalImage>,
@@ -31,11 +31,11 @@ impl Subgoals {
     }
 }
 
-/// One picture of the author's.
+/// One of the author's pictures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SubgoalImage {
     /// The picture.
     pub file: FileRef,
-    /// Tail and tip in the picture's pixels of the arrow to draw on it; none where the picture already has one.
+    /// Tail and tip of the arrow to draw on it, in the picture's pixels; `None` if the picture already has one.
     pub arrow: Option<[PixelPoint; 2]>,
 }

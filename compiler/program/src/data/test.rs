@@ -10,7 +10,7 @@ pub struct Test {
     pub name: String,
     /// The task that it belongs to.
     pub task: String,
-    /// What the scene shows and what went before.
+    /// What the scene shows, and what happened before.
     pub given: Given,
     /// The stage that is answered, by its index.
     pub stage: usize,
@@ -24,16 +24,16 @@ pub struct Test {
     pub line: u32,
 }
 
-/// What the scene shows and what went before.
+/// What the scene shows, and what happened before.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Given {
-    /// Points by keypoint.
+    /// Points, by keypoint.
     pub points: Vec<(String, Vec<PixelPoint>)>,
     /// Masks and boxes as upright rectangles, two opposite corners each, both included.
     pub regions: Vec<(String, [PixelPoint; 2])>,
     /// Texts that earlier stages read.
     pub texts: Vec<(String, String)>,
-    /// Pick and place of the action before this one.
+    /// Pick and place of the previous action.
     pub last: Option<[PixelPoint; 2]>,
     /// Which step it is, from 1.
     pub step: u32,
@@ -45,7 +45,7 @@ pub struct Given {
 pub enum Expect {
     /// The action may run.
     Accept,
-    /// A check refuses it.
+    /// A check rejects it.
     Reject {
         /// The check.
         check: String,

@@ -1,4 +1,4 @@
-//! What a value, a condition or a drawing depends on: worked out once, for all who ask.
+//! What a value, a condition or a drawing depends on, computed in one place.
 
 use std::collections::BTreeSet;
 
@@ -7,21 +7,21 @@ use std::collections::BTreeSet;
 pub struct Uses {
     /// Whether it needs the proposed action.
     pub action: bool,
-    /// Whether it needs the action before this one.
+    /// Whether it needs the previous action.
     pub last: bool,
-    /// Whether it needs the pixel that the action before picked.
+    /// Whether it needs the pixel at which the previous action picked.
     pub last_pick: bool,
-    /// Whether it needs the pixel that the action before placed on.
+    /// Whether it needs the pixel at which the previous action placed.
     pub last_place: bool,
     /// The keypoints that it needs, by name.
     pub keypoints: BTreeSet<String>,
-    /// Whether it asks which step it is, or whether there was an action before.
+    /// Whether it asks for the number of the step, or whether there was a previous action.
     pub history: bool,
-    /// Whether it asks which points are out of reach.
+    /// Whether it asks which points are unreachable.
     pub reach: bool,
 }
 
-/// Something that depends on the scene, on the proposed action or on the one before.
+/// Something that depends on the scene, on the proposed action or on the previous one.
 pub trait Depends {
     /// Adds what it depends on.
     fn add_uses(&self, uses: &mut Uses);

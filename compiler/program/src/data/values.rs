@@ -26,7 +26,7 @@ pub enum Condition {
         /// The part.
         of: Box<Condition>,
     },
-    /// Two lengths compare so. Their squares are compared, which needs no root.
+    /// Two lengths compare like this. Their squares are compared, which needs no root.
     Lengths {
         /// Left of the sign.
         left: Length,
@@ -35,10 +35,10 @@ pub enum Condition {
         /// Right of the sign.
         right: Length,
     },
-    /// The angle between two directions, 0 to 180 degrees, compares so with a limit.
+    /// The angle between two directions, 0 to 180 degrees, compares like this with a limit.
     ///
-    /// With `d = a · b` this compares `d |d|` with `c |c| |a|² |b|²`, which needs no root and no
-    /// trigonometry. Where a direction has no length (its ends are one point) both are 0.
+    /// With `d = a · b` this compares `d |d|` with `c |c| |a|² |b|²`, which needs no root and no trigonometry. If a
+    /// direction has no length (its ends are one point), both are 0.
     Angle {
         /// One direction.
         a: Heading,
@@ -51,7 +51,7 @@ pub enum Condition {
         /// Its cosine `c`.
         limit_cos: f64,
     },
-    /// A number compares so with a limit.
+    /// A number compares like this with a limit.
     Number {
         /// The number.
         left: Number,
@@ -67,7 +67,7 @@ pub enum Condition {
         /// The word.
         is: String,
     },
-    /// A point lies in a mask or a box, or at most `margin_px` away from it.
+    /// A point is in a mask or a box, or at most `margin_px` away from it.
     Within {
         /// The point, rounded to a whole pixel.
         point: Point,
@@ -76,9 +76,10 @@ pub enum Condition {
         /// Distance to the nearest pixel of the region that is still accepted, pixels.
         margin_px: f64,
     },
-    /// An action was carried out before this one.
+    /// There was a previous action.
     Last,
-    /// Some candidate points are out of reach. Never in a check, which every host of an emitted verifier has to judge.
+    /// Some candidate points are unreachable. Never used in a check, because hosts of emitted verifiers do not know
+    /// which.
     Unreachable,
 }
 
@@ -101,7 +102,7 @@ impl Depends for Condition {
                 point.add_uses(uses);
                 uses.keypoints.insert(region.clone());
             }
-            // Whether there was an action before is known in the first step too.
+            // Whether there was a previous action is known in the first step too.
             Condition::Last => uses.history = true,
             Condition::Unreachable => uses.reach = true,
         }
@@ -109,7 +110,7 @@ impl Depends for Condition {
 }
 
 impl Condition {
-    /// Returns whether there was an action before wherever it holds.
+    /// Returns whether it can hold only if there was a previous action.
     pub fn implies_last(&self) -> bool {
         match self {
             Condition::Last => true,
@@ -135,7 +136,7 @@ pub enum Comparison {
 }
 
 impl Comparison {
-    /// Returns whether `left` compares so with `right`; never where one is not a number.
+    /// Returns whether `left` compares like this with `right`; always false if one is NaN.
     pub fn holds(self, left: f64, right: f64) -> bool {
         match self {
             Comparison::Less => left < right,
@@ -145,7 +146,7 @@ impl Comparison {
         }
     }
 
-    /// Returns the comparison that holds between negated numbers, or with the sides exchanged.
+    /// Returns the comparison that holds for negated numbers, or with the sides swapped.
     pub fn reversed(self) -> Comparison {
         match self {
             Comparison::Less => Comparison::Greater,
@@ -155,7 +156,7 @@ impl Comparison {
         }
     }
 
-    /// Returns how it is written.
+    /// Returns its sign.
     pub fn sign(self) -> &'static str {
         match self {
             Comparison::Less => "<",

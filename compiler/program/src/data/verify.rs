@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 /// The checks on a proposed action.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verify {
-    /// In order; the first one that fails speaks.
+    /// In order; the first one that fails gives the message.
     pub checks: Vec<Check>,
     /// The most questions per stage and step, at least 1 (the paper: three).
     pub attempts: u32,
-    /// Checks that are left out when the answers to all questions are judged once more, newest first.
+    /// Checks to remove when the answers to all questions are judged once more, newest first.
     pub relaxed: Vec<String>,
-    /// Whether a question after a refusal shows the refused action on the picture; for a vision model's stage.
+    /// Whether a question after a rejection shows the rejected action on the picture; for stages with a vision model.
     pub with_picture: bool,
     /// What happens after a step whose last answer was rejected or unreadable.
     pub exhausted: Exhausted,
@@ -25,16 +25,16 @@ pub struct Verify {
 /// The condition on a step's result; if it fails, the model is asked again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResultCheck {
-    /// The cloth's silhouette and that of the next subgoal, brought to the same place, must overlap by more than this:
-    /// the area of both over the area of either, from 0 to 1.
+    /// The silhouettes of the cloth and of the next subgoal, aligned, must overlap by more than this: the area of
+    /// their intersection over that of their union, from 0 to 1.
     pub overlap_above: f64,
     /// The most further actions per step.
     pub retries: u32,
-    /// Template of what the model is told; it may name [`OVERLAP`].
+    /// Template of the message to the model; it may name [`OVERLAP`].
     pub message: String,
 }
 
-/// The text in which the message of a [`ResultCheck`] finds the overlap, in percent.
+/// The name under which the message of a [`ResultCheck`] refers to the overlap, in percent.
 pub const OVERLAP: &str = "overlap";
 
 /// What happens after a step without an accepted answer.
@@ -52,7 +52,7 @@ pub enum Exhausted {
 pub struct Check {
     /// Its name in the task and in the journal.
     pub name: String,
-    /// When the check applies; always if None.
+    /// When the check applies; `None` means always.
     pub when: Option<Condition>,
     /// What must hold.
     pub holds: Condition,

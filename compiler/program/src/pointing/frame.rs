@@ -1,10 +1,10 @@
-//! One frame of coordinates: what the numbers count, which comes first, and in which picture.
+//! One frame of coordinates: what the numbers count, their order, and the picture they refer to.
 
 use crate::data::camera::PixelPoint;
 use crate::exact;
 use serde::{Deserialize, Serialize};
 
-/// How far beyond the end of a pixel a place may be taken for it, pixels: what a decimal number loses in binary.
+/// How far beyond the end of a pixel a position may be to still belong to it, pixels. It covers rounding in binary.
 const ROUNDED: f64 = 1e-6;
 
 /// What coordinates count.
@@ -30,7 +30,7 @@ impl CoordinateUnit {
         CoordinateUnit::PerMille,
     ];
 
-    /// Returns how many digits behind the point a coordinate has.
+    /// Returns how many digits after the decimal point a coordinate has.
     pub fn decimals(self) -> u32 {
         match self {
             CoordinateUnit::Pixels | CoordinateUnit::PerMille => 0,
@@ -62,9 +62,9 @@ pub struct Frame {
     pub unit: CoordinateUnit,
     /// Which comes first.
     pub order: Order,
-    /// The picture in whose pixels every [`PixelPoint`] is given: the camera's.
+    /// The size of the picture in whose pixels every [`PixelPoint`] is given: the camera's.
     pub size: [u32; 2],
-    /// The picture that the model works on: the same, or resized.
+    /// The size of the picture that the model works on: the same, or resized.
     pub sent: [u32; 2],
 }
 
@@ -89,8 +89,8 @@ impl Frame {
         self.write_to(point, self.unit.decimals())
     }
 
-    /// Returns the place that coordinates mean: `[column, row]` of the camera's picture, pixels, the centre of pixel
-    /// `(u, v)` being `[u + 0.5, v + 0.5]`.
+    /// Returns the position that coordinates mean: `[column, row]` of the camera's picture, pixels. The centre of
+    /// pixel `(u, v)` is `[u + 0.5, v + 0.5]`.
     pub fn read(&self, x: f64, y: f64) -> [f64; 2] {
         [self.along(x, 0), self.along(y, 1)]
     }
@@ -101,7 +101,7 @@ impl Frame {
             return PixelPoint::new(x.round() as i32, y.round() as i32);
         }
         let [u, v] = [(x, 0), (y, 1)].map(|(value, axis)| {
-            // The far edge is still the picture's.
+            // The far edge still belongs to the picture.
             let is_edge = self.unit != CoordinateUnit::Pixels && value == self.full(axis) as f64;
             let pixel = (self.along(value, axis) + ROUNDED).floor() as i32;
             if is_edge { pixel - 1 } else { pixel }
@@ -109,7 +109,8 @@ impl Frame {
         PixelPoint::new(u, v)
     }
 
-    /// Returns where a pixel's centre lies in the sent picture: `[column, row]`, edges counted as in [`Frame::read`].
+    /// Returns the position of a pixel's centre in the sent picture: `[column, row]`, edges counted as in
+    /// [`Frame::read`].
     pub fn in_sent_picture(&self, point: PixelPoint) -> [f64; 2] {
         let place = |pixel: i32, axis: usize| {
             let scale = f64::from(self.sent[axis].max(1)) / f64::from(self.size[axis].max(1));
@@ -118,7 +119,7 @@ impl Frame {
         [place(point.u, 0), place(point.v, 1)]
     }
 
-    /// Writes a length of the camera's picture, as compared with its width; None where pixels stay as they are.
+    /// Writes a length of the camera's picture relative to its width; `None` if it stays in pixels.
     pub fn length(&self, px: f64) -> Option<String> {
         let part = px / f64::from(self.size[0].max(1));
         let written = |value: f64, decimals: u32| exact::written(value, decimals as usize);
@@ -148,7 +149,7 @@ impl Frame {
         }
     }
 
-    /// Says what the coordinates count and which comes first.
+    /// Describes what the coordinates count and which comes first.
     pub(super) fn phrase(&self) -> String {
         let form = self.form();
         let sides = match self.order {
@@ -171,7 +172,7 @@ impl Frame {
         self.unit == CoordinateUnit::Pixels && self.size == self.sent
     }
 
-    /// Writes a pixel with so many digits behind the point.
+    /// Writes a pixel with this many digits after the decimal point.
     pub(super) fn write_to(&self, point: PixelPoint, decimals: u32) -> String {
         let [x, y] = self
             .scaled(point, decimals)
@@ -187,10 +188,10 @@ impl Frame {
         [(point.u, 0), (point.v, 1)].map(|(pixel, axis)| {
             let (side, full) = (i128::from(self.size[axis].max(1)), self.full(axis));
             let scale = 10_i128.pow(decimals);
-            // A pixel is named by its number, which is half less than the place of its centre.
+            // A pixel is written as its number, which is half less than the position of its centre.
             let half = i128::from(self.unit == CoordinateUnit::Pixels);
             let doubled = (2 * i128::from(pixel) + 1) * full * scale - half * scale * side;
-            // Halves go down, so that a picture of just as many pixels as steps has one step for each pixel.
+            // Halves go down. With as many steps as pixels, each pixel then has its own step.
             ceil_div(doubled - side, 2 * side)
         })
     }
@@ -219,7 +220,7 @@ fn ceil_div(number: i128, by: i128) -> i128 {
     -(-number).div_euclid(by)
 }
 
-/// Writes a number that is given times ten to the power of `decimals`.
+/// Writes a number given times ten to the power of `decimals`.
 fn digits(scaled: i128, decimals: u32) -> String {
     let sign = if scaled < 0 { "-" } else { "" };
     let (scale, scaled) = (10_u128.pow(decimals), scaled.unsigned_abs());

@@ -1,4 +1,4 @@
-//! The points of one scene, as a model is told of them.
+//! The points of one scene, as a model sees them.
 
 use super::{CoordinateUnit, Frame, Order, Pointing};
 use crate::data::actions::{ActionField, Value};
@@ -6,29 +6,29 @@ use crate::data::camera::PixelPoint;
 use crate::scene::SceneView;
 use crate::space;
 
-/// The most digits that are added so that offered points can be told apart; a picture has fewer than 10,000 pixels a side.
+/// The most digits added to tell offered points apart; a picture has fewer than 10,000 pixels a side.
 const MORE_DECIMALS: u32 = 5;
 
 /// The most offered values that a message lists.
 const MAX_LISTED: usize = 30;
 
-/// How near a number must be to one that was written to be the same, in steps of its last digit.
+/// How near two numbers must be to count as the same, in steps of the last written digit.
 const SAME: f64 = 1e-3;
 
 /// Writes and reads the points of one scene.
 ///
-/// Every offered point reads back as itself, however coarse the frame: where two would be written alike, all points
+/// Every offered point reads back as itself, however coarse the frame is. If two would be written alike, all points
 /// get more digits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notation {
     pointing: Pointing,
-    /// What the action's fields offer, each once; empty where points are pixels of the camera's picture.
+    /// The points that the action's fields offer, each once; empty if points are pixels of the camera's picture.
     offered: Vec<PixelPoint>,
     decimals: u32,
 }
 
 impl Notation {
-    /// Makes the notation of a scene, whose offered points it numbers.
+    /// Makes the notation of a scene and numbers its offered points.
     pub fn of(pointing: Pointing, actions: &[ActionField], scene: &dyn SceneView) -> Notation {
         if pointing.is_native() {
             return Notation::pixels();
@@ -40,7 +40,7 @@ impl Notation {
         Notation::offering(pointing, values)
     }
 
-    /// Makes the notation of pixels as tasks are written; it needs no scene.
+    /// Makes the notation of pixels in which tasks are written; it needs no scene.
     pub fn pixels() -> Notation {
         Notation {
             pointing: Pointing::pixels([1, 1]),
@@ -81,7 +81,7 @@ impl Notation {
         &self.pointing
     }
 
-    /// Returns the offered points in the order of their numbers, where points are numbered.
+    /// Returns the offered points in the order of their numbers, if points are numbered.
     pub fn marks(&self) -> &[PixelPoint] {
         match self.pointing {
             Pointing::Marks(_) => &self.offered,
@@ -89,7 +89,7 @@ impl Notation {
         }
     }
 
-    /// Writes a point as prompts do: `(41, 167)`; `3 at (41, 167)` where it is numbered.
+    /// Writes a point as prompts do: `(41, 167)`; `3 at (41, 167)` if it is numbered.
     pub fn written(&self, point: PixelPoint) -> String {
         let place = self.place(point);
         match self.number(point) {
@@ -98,7 +98,7 @@ impl Notation {
         }
     }
 
-    /// Writes a point as answers state it: `(41, 167)`, or `3` where it is numbered.
+    /// Writes a point as answers state it: `(41, 167)`, or `3` if it is numbered.
     pub fn stated(&self, point: PixelPoint) -> String {
         match self.number(point) {
             Some(number) => number.to_string(),
@@ -122,7 +122,7 @@ impl Notation {
         }
     }
 
-    /// Writes values one after the other, as prompts do.
+    /// Lists values as prompts do.
     pub fn listed(&self, field: &ActionField, values: &[Value]) -> String {
         let texts: Vec<String> = values
             .iter()
@@ -131,7 +131,7 @@ impl Notation {
         texts.join(", ")
     }
 
-    /// Writes as many values as a message to a model can list, and how many more there are.
+    /// Lists as many values as a message to a model can hold, and says how many more there are.
     pub fn shortened(&self, field: &ActionField, values: &[Value]) -> String {
         let mut text = self.listed(field, &values[..values.len().min(MAX_LISTED)]);
         if values.len() > MAX_LISTED {
@@ -140,7 +140,7 @@ impl Notation {
         text
     }
 
-    /// Returns a text with each of these points, where it stands in pixels, in this notation instead.
+    /// Rewrites these points in a text from pixels to this notation.
     pub fn retold(&self, text: &str, points: &[PixelPoint]) -> String {
         let mut retold = String::with_capacity(text.len());
         let mut rest = text;
@@ -160,8 +160,8 @@ impl Notation {
         retold + rest
     }
 
-    /// Returns the pixel that the coordinates x and y mean: an offered point that is written so, else the one that
-    /// holds the place.
+    /// Returns the pixel that the coordinates x and y mean: an offered point that is written like this, otherwise the
+    /// pixel that contains the position.
     pub(crate) fn pixel(&self, x: f64, y: f64) -> PixelPoint {
         let frame = self.frame();
         let scale = 10_f64.powi(self.decimals as i32);
@@ -175,7 +175,7 @@ impl Notation {
         }
     }
 
-    /// Returns the point of that number, from 1.
+    /// Returns the point with that number, from 1.
     pub(crate) fn marked(&self, number: usize) -> Option<PixelPoint> {
         self.marks().get(number.checked_sub(1)?).copied()
     }

@@ -1,4 +1,4 @@
-//! How a model is told of points: by coordinates in a frame, or by numbers.
+//! How points are given to a model: by coordinates in a frame, or by numbers.
 
 use super::frame::{Frame, Order};
 use crate::data::actions::Choices;
@@ -7,18 +7,19 @@ use crate::data::program::Program;
 use crate::data::stage::{Read, Stage};
 use std::fmt;
 
-/// How a model is told of points, and states them.
+/// How points are given to a model, and how it states them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pointing {
     /// By their coordinates.
     Frame(Frame),
     /// By numbers: the points that the action's fields offer are numbered from 1, in the order in which the fields
-    /// list them, each once. Prompts write `3 at (41, 167)`, the place in this frame; answers state `3`.
+    /// list them, each once. Prompts write `3 at (41, 167)`, with the position in this frame; answers state `3`.
     Marks(Frame),
 }
 
 impl Pointing {
-    /// Returns what tasks are written for: `(x, y)` in pixels of the camera's picture, `[width, height]`.
+    /// Returns the notation in which tasks are written: `(x, y)` in pixels of the camera's picture,
+    /// `[width, height]`.
     pub fn pixels(size: [u32; 2]) -> Pointing {
         Pointing::Frame(Frame::pixels(size))
     }
@@ -35,12 +36,12 @@ impl Pointing {
         }
     }
 
-    /// Returns whether points are written as tasks are: in pixels of the camera's picture.
+    /// Returns whether points are written as in tasks: in pixels of the camera's picture.
     pub fn is_native(&self) -> bool {
         matches!(self, Pointing::Frame(frame) if frame.is_native())
     }
 
-    /// Returns what an answer puts in a point's place: `(x, y)`, `[y, x]` or `number`.
+    /// Returns the form of a point in the answer's format: `(x, y)`, `[y, x]` or `number`.
     pub fn form(&self) -> &'static str {
         match self {
             Pointing::Frame(frame) => frame.form(),
@@ -48,7 +49,7 @@ impl Pointing {
         }
     }
 
-    /// Says how a point is written, e.g. `(x, y) in pixels`; what `{{ actions.points }}` becomes.
+    /// Describes how a point is written, e.g. `(x, y) in pixels`. This replaces `{{ actions.points }}`.
     pub fn phrase(&self) -> String {
         match self {
             Pointing::Frame(frame) => frame.phrase(),
@@ -58,7 +59,7 @@ impl Pointing {
         }
     }
 
-    /// Says how a point is written, in a sentence of its own.
+    /// Describes how a point is written, as a whole sentence.
     pub fn sentence(&self) -> String {
         let zero = match self.frame().order {
             Order::Xy => "(0, 0)",
@@ -70,7 +71,7 @@ impl Pointing {
         )
     }
 
-    /// Returns why a stage cannot be asked so; nothing for pixels of the camera's picture.
+    /// Returns why a stage cannot be asked in this way; pixels of the camera's picture always work.
     pub fn check(&self, program: &Program, stage: &Stage) -> Result<(), PointingError> {
         if self.is_native() || !matches!(stage.read, Read::Action) {
             return Ok(());
@@ -96,10 +97,10 @@ impl Pointing {
     }
 }
 
-/// Why a task cannot be asked of a model that is told of points in its own way.
+/// Why a task cannot be used with a model's way of giving points.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PointingError {
-    /// A field may be any point of a mask, and points are to be numbered.
+    /// A field may be any point of a mask, but points are to be numbered.
     UncountedPoints {
         /// The field.
         field: String,

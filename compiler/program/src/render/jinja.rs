@@ -1,18 +1,18 @@
 //! The Jinja source of a text: literal words and variables, in the subset that [`super`] names.
 //!
-//! In: words as they are to appear, and names of variables. Out: source that renders to them, a `{` that Jinja could
-//! take for its own being escaped.
+//! In: literal words, and names of variables. Out: source that renders to them. A `{` that Jinja could interpret is
+//! escaped.
 
 /// Writes Jinja source.
 #[derive(Default)]
 pub struct Jinja {
     text: String,
-    /// Whether a literal `{` waits to learn what follows it.
+    /// Whether a literal `{` is pending until the next character is known.
     has_brace: bool,
 }
 
 impl Jinja {
-    /// Writes words as they are to appear.
+    /// Writes literal words.
     pub fn literal(&mut self, literal: &str) {
         for character in literal.chars() {
             self.settle(matches!(character, '{' | '%' | '#'));
@@ -24,13 +24,13 @@ impl Jinja {
         }
     }
 
-    /// Writes a place that a value goes to.
+    /// Writes a variable.
     pub fn variable(&mut self, path: &str) {
         self.settle(true);
         self.text.push_str(&placeholder(path));
     }
 
-    /// Writes a waiting brace, escaped where Jinja would join it with what follows.
+    /// Writes a pending brace, escaped if Jinja would join it with the next character.
     fn settle(&mut self, would_join: bool) {
         if std::mem::take(&mut self.has_brace) {
             self.text
@@ -50,7 +50,7 @@ pub fn placeholder(variable: &str) -> String {
     format!("{{{{ {variable} }}}}")
 }
 
-/// Escapes words so that they render to themselves in any place of a template.
+/// Escapes words so that they render to themselves anywhere in a template.
 pub fn escaped(words: &str) -> String {
     let mut jinja = Jinja::default();
     jinja.literal(words);

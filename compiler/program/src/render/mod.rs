@@ -1,8 +1,8 @@
 //! Fills templates: the one place where a template becomes text.
 //!
-//! In: a program and [`Facts`], which become strings first. Out: the exact messages for a model. The
-//! templates keep to a subset of Jinja that minijinja and Python's jinja2 render byte for byte alike;
-//! a missing value is an error, nothing is escaped, and rendering is bounded.
+//! In: a program and [`Facts`], which become strings first. Out: the exact messages for a model. The templates use a
+//! subset of Jinja that minijinja and Python's jinja2 render to the same bytes. A missing value is an error, nothing
+//! is escaped, and rendering is bounded.
 
 mod jinja;
 mod placeholders;
@@ -46,12 +46,12 @@ pub enum Values<'a> {
     Partly(Facts<'a>),
     /// Without facts: each value appears as a description in angle brackets.
     ///
-    /// Texts that stand under a condition are shown, since some scene would show them.
+    /// Conditional texts are shown, because some scene would show them.
     Typed,
 }
 
 impl Values<'_> {
-    /// Returns the same for a model that writes points so; placeholders of [`Values::Typed`] stay as they are.
+    /// Returns the same for a model with this pointing; placeholders of [`Values::Typed`] stay unchanged.
     pub fn with_pointing(self, pointing: Pointing) -> Self {
         match self {
             Values::Known(facts) => Values::Known(Facts { pointing, ..facts }),
@@ -68,7 +68,7 @@ impl Values<'_> {
         }
     }
 
-    /// Returns in which frame they are written.
+    /// Returns the frame in which they are written.
     pub fn pointing(&self, program: &Program) -> Pointing {
         match self {
             Values::Known(facts) | Values::Partly(facts) => facts.pointing,
@@ -80,7 +80,7 @@ impl Values<'_> {
 /// Who speaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PromptSpeaker {
-    /// The frame of the conversation.
+    /// The instructions for the whole conversation.
     System,
     /// The question.
     User,
@@ -102,18 +102,18 @@ pub struct PromptMessage {
 /// A picture of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PromptPicture {
-    /// One that the runtime draws.
+    /// A picture that the runtime draws.
     Drawn(Picture),
-    /// One of the author's.
+    /// One of the author's pictures.
     File(FileRef),
 }
 
 /// Renders the messages of a stage: the system message, if it has one, its examples, and the question.
 ///
-/// A question whose texts do not say which candidate points are out of reach says so at its end, where there are any.
-/// A question that shows points and does not say how they are written says so at its end, unless they are pixels
-/// of the camera's picture, which the task's own words are for. Fails where a value is missing, the stage cannot be
-/// asked in this frame, or the program was edited by hand.
+/// Two remarks may be appended to the question. If some candidate points are unreachable and its texts do not say so,
+/// it lists them. If it shows points without saying how they are written, it says that, unless they are pixels of the
+/// camera's picture, for which the task's own words are written. Fails if a value is missing, if the stage cannot be
+/// asked in this frame, or if the program was edited by hand.
 pub fn messages(
     program: &Program,
     stage: &Stage,
@@ -157,14 +157,14 @@ pub fn messages(
     Ok(messages)
 }
 
-/// Returns whether a stage shows or asks for points and none of its texts says how they are written, though they are
-/// no pixels of the camera's picture; [`messages`] then says it.
+/// Returns whether a stage shows or asks for points that are not pixels of the camera's picture, and none of its
+/// texts says how they are written. [`messages`] then says it.
 pub fn leaves_frame_open(program: &Program, stage: &Stage, pointing: &Pointing) -> bool {
     if pointing.is_native() {
         return false;
     }
     let templates = templates_of(program, stage);
-    // A part under a condition may be left out.
+    // A conditional part may be missing from the prompt.
     let says_so = templates
         .iter()
         .filter(|template| template.when.is_none())
@@ -175,8 +175,8 @@ pub fn leaves_frame_open(program: &Program, stage: &Stage, pointing: &Pointing) 
     !says_so && (asks || shows_points(program, &templates))
 }
 
-/// Returns what [`messages`] says of candidate points that are out of reach, where a stage shows or asks for points and
-/// none of the texts that are said names them.
+/// Returns the remark of [`messages`] about unreachable candidate points, if a stage shows or asks for points and
+/// none of its rendered texts names the unreachable ones.
 fn reach_remark(program: &Program, stage: &Stage, values: Values<'_>) -> Option<String> {
     let (Values::Known(facts) | Values::Partly(facts)) = values else {
         return None;
@@ -215,15 +215,15 @@ fn shows_points(program: &Program, templates: &[&Template]) -> bool {
 pub const NUMBERED_POINTS: &str =
     "The numbers in the picture of the scene are those of the listed points.";
 
-/// What a correction says of the picture beside it, where the task corrects `with picture`.
+/// What a correction says about its picture, if the task corrects `with picture`.
 ///
-/// The runtime draws the marks; the words stand here, with all else that reaches a model.
+/// The runtime draws the marks. The words are here, with every other text that reaches a model.
 pub const REFUSED_ACTION: &str = "The picture shows the refused action: a green ring around the pick point, a green arrow along the move, and a purple ring around the place point.";
 
-/// Renders what a model would be told where a check fails, for each check, and then where a step's result is refused.
+/// Renders the message to the model for each check that could fail, and then for a step whose result is rejected.
 ///
-/// - Returns `NAME` of the check, or `result`, and the text. With [`Values::Partly`] the refused action, which nobody
-///   proposed yet, stands as placeholders.
+/// - Returns the check's `NAME`, or `result`, and the text. With [`Values::Partly`], placeholders stand for the
+///   rejected action, because there is none yet.
 pub fn corrections(
     program: &Program,
     values: Values<'_>,
@@ -240,7 +240,7 @@ pub fn corrections(
     Ok(told)
 }
 
-/// Renders what a model is told when a check fails.
+/// Renders the message to the model when a check fails.
 pub fn correction(
     program: &Program,
     check: &Check,
@@ -250,9 +250,9 @@ pub fn correction(
     Ok(text.unwrap_or_default())
 }
 
-/// Renders one template to plain text; None where its condition does not hold.
+/// Renders one template to plain text; `None` if its condition does not hold.
 ///
-/// Fails where a value is missing or the program was edited by hand.
+/// Fails if a value is missing or if the program was edited by hand.
 pub fn plain_text(
     program: &Program,
     name: &str,
@@ -261,7 +261,7 @@ pub fn plain_text(
     Ok(text(program, name, values)?.map(|content| content.text))
 }
 
-/// Renders one template with the place that each stretch comes from; None where its condition does not hold.
+/// Renders one template with the source of each stretch; `None` if its condition does not hold.
 pub fn text(
     program: &Program,
     name: &str,
@@ -324,7 +324,7 @@ fn joined(
     Ok(PromptText::joined(texts, SEPARATOR))
 }
 
-/// Fills Jinja source; says why where that is impossible.
+/// Fills Jinja source; fails with the reason in words.
 pub fn fill(source: &str, context: &BTreeMap<String, Value>) -> Result<String, String> {
     let text = environment()
         .render_str(source, Value::from(context.clone()))
@@ -338,7 +338,7 @@ pub fn fill(source: &str, context: &BTreeMap<String, Value>) -> Result<String, S
     Ok(text)
 }
 
-/// Returns minijinja with the settings under which it agrees with Python's jinja2.
+/// Returns a minijinja environment with the settings under which it agrees with Python's jinja2.
 fn environment() -> Environment<'static> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
@@ -353,7 +353,7 @@ fn environment() -> Environment<'static> {
     environment
 }
 
-/// Why a template does not become a text.
+/// Why a template cannot be rendered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RenderError {
     /// The program has no such template.
@@ -361,7 +361,7 @@ pub enum RenderError {
         /// Its name.
         template: String,
     },
-    /// A keypoint, a field or a text that is needed is not there.
+    /// A keypoint, a field or a text is missing.
     MissingFact {
         /// Its name.
         name: String,
@@ -370,10 +370,10 @@ pub enum RenderError {
     BadTemplate {
         /// The template.
         template: String,
-        /// What the template engine said.
+        /// The template engine's message.
         why: String,
     },
-    /// The stage cannot be asked of a model that is told of points in this way.
+    /// The stage cannot be asked of a model with this pointing.
     Pointing(PointingError),
 }
 

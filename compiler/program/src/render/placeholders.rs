@@ -12,7 +12,7 @@ use crate::pointing::{Notation, Pointing};
 use crate::scene::{Missing, SceneView};
 use crate::space;
 
-/// How a length in pixels ends.
+/// The unit after a length in pixels.
 const PIXELS: &str = " px";
 
 /// Writes a placeholder's value from the facts.
@@ -76,7 +76,7 @@ pub(super) fn known(
     }
 }
 
-/// Writes the points that are out of reach, each with why.
+/// Writes the unreachable points, each with the reason.
 pub(super) fn unreachable(scene: &dyn SceneView, notation: &Notation) -> String {
     let points = scene.unreachable().iter();
     let texts: Vec<String> = points
@@ -88,7 +88,7 @@ pub(super) fn unreachable(scene: &dyn SceneView, notation: &Notation) -> String 
     }
 }
 
-/// Writes the value of a placeholder that depends on nothing except how points are written; None for the others.
+/// Writes the value of a placeholder that depends only on how points are written; `None` for the others.
 pub fn constant(program: &Program, pointing: &Pointing, shown: &Placeholder) -> Option<String> {
     match shown {
         Placeholder::Format => Some(space::format_with(pointing.form(), &program.actions)),
@@ -101,7 +101,7 @@ pub fn constant(program: &Program, pointing: &Pointing, shown: &Placeholder) -> 
     }
 }
 
-/// Returns whether points are among what is shown.
+/// Returns whether a placeholder shows points.
 pub(super) fn has_points(program: &Program, shown: &Placeholder) -> bool {
     match shown {
         Placeholder::Points { .. }
@@ -147,7 +147,7 @@ pub(super) fn typed(program: &Program, name: &str, shown: &Placeholder) -> Strin
     format!("<{name}: {what}>")
 }
 
-/// Writes a length; one in pixels in the unit of the model's coordinates.
+/// Writes a length. One in pixels is written in the unit of the model's coordinates.
 fn length(value: f64, written: &NumberFormat, pointing: &Pointing) -> String {
     let in_pixels =
         (written.unit == PIXELS).then(|| pointing.frame().length(value * written.factor));

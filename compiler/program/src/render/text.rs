@@ -1,14 +1,14 @@
 //! Texts that know where each stretch of them comes from.
 //!
-//! In: a template with the values that fill it, and what it became. Out: the same text as a [`PromptText`], which names for
-//! every stretch the component, the file and the line. Nothing is rendered here: the stretches are laid over what the
-//! template engine gave, and where the two differ, the template counts as one stretch.
+//! In: a template with its values, and its rendered text. Out: the same text as a [`PromptText`], which gives the
+//! component, the file and the line of every stretch. Nothing is rendered here. The stretches are matched against the
+//! rendered text; if the two differ, the whole template counts as one stretch.
 
 use crate::data::stage::{LiteralText, Template};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Who speaks the words that stand in no file.
+/// The source of words that are in no file.
 pub const FABC: &str = "fabc";
 
 /// A text, and where it comes from.
@@ -16,7 +16,7 @@ pub const FABC: &str = "fabc";
 pub struct PromptText {
     /// The text.
     pub text: String,
-    /// Its stretches, in order, apart from each other; what stands between two texts is in none of them.
+    /// Its stretches, in order and without overlap. A separator between two texts belongs to none of them.
     pub stretches: Vec<Stretch>,
 }
 
@@ -32,11 +32,11 @@ pub struct Stretch {
 /// Where a stretch of a text comes from.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Origin {
-    /// What says it: the name of a template, `example 2`, `demonstration 3`, or [`FABC`].
+    /// The name of a template, `example 2`, `demonstration 3`, or [`FABC`].
     pub source: String,
-    /// The variable that the value fills; none for words that stand in the file.
+    /// The variable of a value; `None` for words in the file.
     pub value: Option<String>,
-    /// Where it is declared; none for [`FABC`].
+    /// Where it is declared; `None` for [`FABC`].
     pub place: Option<Place>,
 }
 
@@ -50,7 +50,7 @@ pub struct Place {
 }
 
 impl PromptText {
-    /// Makes a text that `fabc` itself says.
+    /// Makes a text that `fabc` itself adds.
     pub fn by_fabc(text: impl Into<String>) -> PromptText {
         let origin = Origin {
             source: FABC.to_owned(),
@@ -68,7 +68,7 @@ impl PromptText {
         PromptText { text, stretches }
     }
 
-    /// Makes a text of words that stand in a file, a stretch for each line.
+    /// Makes a text from words in a file, with a stretch for each line.
     pub fn literal(words: &LiteralText, source: &str) -> PromptText {
         let mut said = PromptText::default();
         for (line, number) in words.text.split_inclusive('\n').zip(words.line..) {
@@ -85,7 +85,7 @@ impl PromptText {
         said
     }
 
-    /// Adds another text behind `between`, which nobody says.
+    /// Appends another text after the separator `between`, which has no source.
     pub fn push(&mut self, between: &str, more: PromptText) {
         self.text.push_str(between);
         let offset = self.text.len();
@@ -118,7 +118,7 @@ impl PromptText {
     }
 }
 
-/// Lays the lines and values of a template over the text that it became.
+/// Matches the lines and values of a template against its rendered text.
 pub(super) fn laid_over(
     template: &Template,
     values: &BTreeMap<String, String>,
@@ -130,7 +130,7 @@ pub(super) fn laid_over(
     }
 }
 
-/// Fills a template of the form that the compiler emits; None for one of another form.
+/// Fills a template in the form that the compiler emits; `None` for any other form.
 fn pieced(template: &Template, values: &BTreeMap<String, String>) -> Option<PromptText> {
     let mut said = PromptText::default();
     let mut line = template.line;

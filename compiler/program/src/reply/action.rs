@@ -1,8 +1,8 @@
 //! Reads an action: one value for each field.
 //!
-//! An answer is searched for statements such as `Pick Point = (x, y)`, the format that is asked for. Others
-//! are understood too: markdown, JSON, other brackets, words between. Statements differ in how firm they
-//! are; loose ones count only where there is no firmer one, and what counts must agree.
+//! An answer is searched for statements such as `Pick Point = (x, y)`, the requested format. Other forms are
+//! understood too: Markdown, JSON, other brackets, words in between. Statements differ in how firm they are. Loose
+//! ones count only if there is no firmer one, and all that count must agree.
 
 use super::finding::Firmness;
 use super::names::{Mention, named};
@@ -14,15 +14,15 @@ use crate::data::program::Program;
 use crate::pointing::{Notation, Pointing};
 use crate::space;
 
-/// Reads every field of the action, points being pixels of the camera's picture.
+/// Reads every field of the action, with points in pixels of the camera's picture.
 ///
-/// Fails where a field is not stated, is stated in two ways, or the answer is longer than
+/// Fails if a field is missing or has two different values, or if the answer is longer than
 /// [`super::MAX_REPLY_BYTES`].
 pub fn read_action(program: &Program, reply: &str) -> Result<Reading<Proposal>, Malformed> {
     read_action_in(program, &Notation::pixels(), reply)
 }
 
-/// Reads every field of the action, points being written as this scene's are.
+/// Reads every field of the action, with points written as in this scene.
 ///
 /// Fails as [`read_action`] does.
 pub fn read_action_in(
@@ -117,7 +117,7 @@ fn field(
             None => {}
         }
     }
-    // A firm statement that cannot be used makes loose ones doubtful too.
+    // A firm statement that cannot be used casts doubt on the loose ones too.
     let is_firm = |statement: &Statement<'_>| statement.firmness > Firmness::Loose;
     if bad.is_some() || statements.iter().any(is_firm) {
         statements.retain(is_firm);
@@ -158,7 +158,7 @@ fn field(
     })
 }
 
-/// Returns what a field's value is called in a sentence.
+/// Returns the noun for a field's value in a sentence.
 fn noun(field: &ActionField) -> String {
     let name = space::spoken(field);
     if field.is_point() {

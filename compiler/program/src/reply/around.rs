@@ -1,13 +1,13 @@
-//! Recognises what stands around a value: words before it, what joins it to the next one, list numbers, units.
+//! Recognises what surrounds a value: words before it, links to the next value, list numbers, units.
 
 use super::cursor::{Cursor, decorates, first_word, starts_with_word};
 use super::expression::skip_decoration;
 use super::number::{AnswerUnit, unit};
 
-/// The most words that are passed over before a value.
+/// The most words to skip before a value.
 const MAX_LEADING: usize = 6;
 
-/// Words that may stand before a value and do not change it.
+/// Words that may precede a value without changing it.
 const LEADING: [&str; 20] = [
     "the",
     "a",
@@ -31,7 +31,7 @@ const LEADING: [&str; 20] = [
     "value",
 ];
 
-/// Words behind a value that make it another.
+/// Words after a value that change its meaning.
 pub(super) const CHANGING: [&str; 13] = [
     "clockwise",
     "cw",
@@ -48,10 +48,10 @@ pub(super) const CHANGING: [&str; 13] = [
     "larger",
 ];
 
-/// What joins a value to the next one.
+/// How a value is linked to the next one.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Link {
-    /// They are to be the same: `45 deg (pi/4)`.
+    /// Both mean the same: `45 deg (pi/4)`.
     Same,
     /// One or the other.
     Or,
@@ -59,7 +59,7 @@ pub(super) enum Link {
     Range,
 }
 
-/// Moves over words that do not change the value behind them.
+/// Skips words that do not change the value after them.
 pub(super) fn skip_leading(cursor: &mut Cursor<'_>) {
     for _ in 0..MAX_LEADING {
         cursor.skip(|character| {
@@ -71,7 +71,7 @@ pub(super) fn skip_leading(cursor: &mut Cursor<'_>) {
     }
 }
 
-/// Moves over what joins a value to the next one.
+/// Skips the link between a value and the next one.
 pub(super) fn link(cursor: &mut Cursor<'_>) -> Option<Link> {
     for words in ["to", "through", "until", "till", "and"] {
         if cursor.eat_word(words) {
@@ -113,7 +113,7 @@ pub(super) fn link(cursor: &mut Cursor<'_>) -> Option<Link> {
     Some(link)
 }
 
-/// Returns what follows the number of a list, `2. `; None where the text does not begin with one.
+/// Returns the text after a list number, `2. `; `None` if the text does not begin with one.
 pub(super) fn list_number<'t>(mut cursor: Cursor<'t>) -> Option<&'t str> {
     let digits = cursor.skip(|character| character.is_ascii_digit());
     let is_number = (1..=2).contains(&digits.len()) && (cursor.eat('.') || cursor.eat(')'));
@@ -121,7 +121,7 @@ pub(super) fn list_number<'t>(mut cursor: Cursor<'t>) -> Option<&'t str> {
     (is_number && rest.starts_with([' ', '\t', '*'])).then_some(rest)
 }
 
-/// Returns whether a text is the few words that may stand before a field's name.
+/// Returns whether a text is short enough to precede a field's name.
 pub(super) fn is_short(text: &str) -> bool {
     text.len() <= 40
         && text
@@ -135,7 +135,7 @@ pub(super) fn is_ordinal(text: &str) -> bool {
     ["st", "nd", "rd", "th"].contains(&word)
 }
 
-/// Reads the unit beside a field's name, `(degrees)`, `[mm]`, `in deg`; otherwise the cursor does not move.
+/// Reads the unit next to a field's name, `(degrees)`, `[mm]`, `in deg`; otherwise the cursor does not move.
 pub(super) fn hint(cursor: &mut Cursor<'_>) -> Option<AnswerUnit> {
     let start = *cursor;
     skip_decoration(cursor);

@@ -1,7 +1,7 @@
-//! Decides which choice a stated number is.
+//! Decides which choice a stated number means.
 //!
-//! In: a field's directions or lengths, and a quantity. Out: the choice that it matches. A number that matches no choice
-//! is returned as stated, and [`crate::verify`] rejects it; a number that can mean two choices is an error.
+//! In: a field's directions or lengths, and a quantity. Out: the choice that it matches. A number that matches no
+//! choice is returned as stated, and [`crate::verify`] rejects it. A number that can mean two choices is an error.
 
 use super::expression::Quantity;
 use super::number::{AnswerUnit, Decimals};
@@ -11,35 +11,35 @@ use crate::space::{self, DECIMALS};
 use crate::units::{Dimension, LengthUnit, RAD};
 use std::f64::consts::PI;
 
-/// How far a number with pi, or in radians, may be from a choice, as a part of itself: `0.785 rad` is 45 degrees.
+/// The relative tolerance for a number with pi, or in radians: `0.785 rad` is 45 degrees.
 const ROUNDED: f64 = 1e-3;
 
-/// How far a length that had to be converted may be from a choice, as a part of it.
+/// The relative tolerance for a length that had to be converted.
 const CONVERTED: f64 = 1e-6;
 
-/// How far apart two numbers can be that are written alike.
+/// How far apart two numbers that are written alike can be.
 const WRITTEN: f64 = 1e-4;
 
-/// The largest angle in radians that a number without a unit can mean: a turn, rounded.
+/// The largest angle in radians that a number without a unit can mean: one turn, rounded up.
 const MAX_BARE_RAD: f64 = 6.29;
 
 /// The largest multiple of pi that a number without a unit can mean.
 const MAX_BARE_PI: f64 = 2.0;
 
-/// The field that is read, and what its surroundings say about its value.
+/// The expected field, and what its surroundings say about its value.
 #[derive(Clone, Copy)]
 pub(super) struct Expected<'a> {
-    /// The field that is stated.
+    /// The field.
     pub field: &'a ActionField,
     /// The cloth's longer side, metres.
     pub edge_m: f64,
-    /// The unit that stands beside the field's name, where there is one.
+    /// The unit next to the field's name, if there is one.
     pub hint: Option<AnswerUnit>,
     /// What the text ends with.
     pub end: TextEnd,
 }
 
-/// Why the text that may state a field ends where it does.
+/// Why the text that may state a field ends there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TextEnd {
     /// Another field is named there.
@@ -48,12 +48,12 @@ pub(super) enum TextEnd {
     Answer,
 }
 
-/// A choice, and how a number became it where that is not obvious.
+/// A choice, and how the number was read if that is not obvious.
 pub(super) type Resolved = (Value, Option<String>);
 
-/// Returns what a quantity says; fails with the reason in words, to follow `it cannot be used:`.
+/// Returns the meaning of a quantity. Fails with the reason in words, to follow `it cannot be used:`.
 ///
-/// - `text`: the quantity as it stands in the answer.
+/// - `text`: the quantity as written in the answer.
 pub(super) fn resolve(
     expected: &Expected<'_>,
     quantity: Quantity,
@@ -103,7 +103,7 @@ fn direction(
     Ok(stated(deg, nearest_deg(choices, deg, rounded_rad, text)?))
 }
 
-/// Takes a number without a unit as what makes it a choice, if that is one choice only.
+/// Reads a number without a unit in the unit that makes it a choice, if there is only one such choice.
 fn bare_direction(choices: &[Direction], number: f64, text: &str) -> Result<Resolved, String> {
     let mut hits: Vec<(f64, &str)> = Vec::new();
     let meanings = [
@@ -140,9 +140,9 @@ fn bare_direction(choices: &[Direction], number: f64, text: &str) -> Result<Reso
     }
 }
 
-/// Returns the choice that an angle is; fails where it can be two.
+/// Returns the choice that an angle means; fails if it can mean two.
 ///
-/// - `rad`: the same in radians where it may be rounded as such.
+/// - `rad`: the same in radians if it may be a rounded number of radians.
 fn nearest_deg(
     choices: &[Direction],
     deg: f64,
@@ -154,7 +154,7 @@ fn nearest_deg(
         let apart = (choice.deg - deg).abs();
         apart.min((360.0 - apart).abs())
     };
-    // `359.99999` is written `360`, which says 0.
+    // `359.99999` is written `360`, which means 0.
     let reads = |choice: &Direction| {
         let same = |value: f64| written(normalised_deg(value), DECIMALS);
         apart(choice) < WRITTEN && same(choice.deg) == same(deg)
@@ -174,7 +174,7 @@ fn nearest_deg(
     Ok(found.map(|choice| choice.deg))
 }
 
-/// Returns the only one of what is left; fails where there are several.
+/// Returns the only remaining one; fails if there are several.
 fn only<T>(mut left: impl Iterator<Item = T>, text: &str) -> Result<Option<T>, String> {
     let first = left.next();
     match left.next() {
@@ -199,7 +199,7 @@ fn length(
             let note = format!("the number in `{}`", unit.name);
             (number, unit, Some(note))
         }
-        // Of what is clear where the choices are parts of the edge.
+        // Percent of what is clear only if the choices are parts of the edge.
         Some(AnswerUnit::Percent) if unit != LengthUnit::EDGE => {
             return Err(format!("`{text}` does not say of what"));
         }

@@ -1,6 +1,6 @@
-//! A place in an answer that moves forward as pieces are recognised.
+//! A position in an answer, which moves forward as pieces are recognised.
 
-/// A text and how far it is read.
+/// A text, and how far it has been read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cursor<'t> {
     pub text: &'t str,
@@ -20,12 +20,12 @@ impl<'t> Cursor<'t> {
         self.rest().chars().next()
     }
 
-    /// Moves over one character.
+    /// Skips one character.
     pub fn step(&mut self) {
         self.at += self.peek().map_or(0, char::len_utf8);
     }
 
-    /// Moves over all characters that are wanted, and returns them.
+    /// Skips all wanted characters and returns them.
     pub fn skip(&mut self, wanted: impl Fn(char) -> bool) -> &'t str {
         let rest = self.rest();
         let length = rest
@@ -35,7 +35,7 @@ impl<'t> Cursor<'t> {
         &rest[..length]
     }
 
-    /// Moves over one character if it is wanted.
+    /// Skips one character if it is the wanted one.
     pub fn eat(&mut self, wanted: char) -> bool {
         let is_there = self.peek() == Some(wanted);
         if is_there {
@@ -44,7 +44,7 @@ impl<'t> Cursor<'t> {
         is_there
     }
 
-    /// Moves over a word in any case, if it stands here whole.
+    /// Skips a word in any case, if the whole word is here.
     pub fn eat_word(&mut self, word: &str) -> bool {
         let is_there = starts_with_word(self.rest(), word);
         if is_there {
@@ -54,7 +54,7 @@ impl<'t> Cursor<'t> {
     }
 }
 
-/// Returns whether `text` begins with an ASCII word in any case, and not with a longer one.
+/// Returns whether `text` begins with this whole ASCII word, in any case.
 pub(super) fn starts_with_word(text: &str, word: &str) -> bool {
     let Some(start) = text.get(..word.len()) else {
         return false;
@@ -63,7 +63,7 @@ pub(super) fn starts_with_word(text: &str, word: &str) -> bool {
         && !text[word.len()..].starts_with(|next: char| next.is_alphanumeric())
 }
 
-/// Returns whether a character only decorates: markdown, quotes, LaTeX, escapes.
+/// Returns whether a character is only decoration: Markdown, quotes, LaTeX, escapes.
 pub(super) fn decorates(character: char) -> bool {
     matches!(
         character,
@@ -71,7 +71,7 @@ pub(super) fn decorates(character: char) -> bool {
     )
 }
 
-/// Returns at most the last `most` bytes of a text, from a whole character on.
+/// Returns at most the last `most` bytes of a text, starting at a whole character.
 pub(super) fn tail(text: &str, most: usize) -> &str {
     let mut from = text.len().saturating_sub(most);
     while !text.is_char_boundary(from) {
@@ -89,7 +89,7 @@ pub(super) fn head(text: &str, most: usize) -> &str {
     &text[..to]
 }
 
-/// Returns the word that a text begins with; empty where it begins with none.
+/// Returns the first word of a text; empty if it does not begin with a word.
 pub(super) fn first_word(text: &str) -> &str {
     let length = text
         .find(|character: char| !character.is_alphanumeric())

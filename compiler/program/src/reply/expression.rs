@@ -1,6 +1,7 @@
-//! Reads a number with what people put around it: fractions, multiples of pi, units.
+//! Reads a number with its surroundings: fractions, multiples of pi, units.
 //!
-//! In: a cursor. Out: a number, whether it is multiplied by pi, and its unit. [`super::choice`] decides what it means. Numbers are finite and of bounded size, products short, brackets shallow.
+//! In: a cursor. Out: a number, whether it is multiplied by pi, and its unit. [`super::choice`] decides what it
+//! means. Numbers are finite and of bounded size, products short, brackets shallow.
 
 use super::cursor::{Cursor, decorates};
 use super::number::{AnswerUnit, Decimals, MAX_NUMBER, blanks, eat_any, number, unit};
@@ -11,28 +12,28 @@ const MAX_FACTORS: usize = 6;
 /// The most brackets inside one another.
 const MAX_DEPTH: usize = 3;
 
-/// A number as it is stated.
+/// A number as stated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quantity {
     /// The number, without pi.
     pub number: f64,
     /// Whether it is multiplied by pi.
     pub times_pi: bool,
-    /// Its unit, where it has one.
+    /// Its unit, if it has one.
     pub unit: Option<AnswerUnit>,
-    /// How its decimals are set apart.
+    /// Its decimal separator.
     pub decimals: Decimals,
 }
 
-/// What stands where a number is expected.
+/// What was found where a number is expected.
 pub(super) enum Parsed {
     Quantity(Quantity),
-    /// Nearly a number, and what is wrong with it.
+    /// Almost a number, and what is wrong with it.
     Bad(String),
     Nothing,
 }
 
-/// A product that is being read.
+/// A product while it is being read.
 struct Product {
     over: f64,
     under: f64,
@@ -41,10 +42,10 @@ struct Product {
     decimals: Decimals,
 }
 
-/// Why a product cannot be read; None if there is no product at all.
+/// Why a product cannot be read; `None` if there is no product at all.
 type Failure = Option<String>;
 
-/// Reads a number with its unit and moves behind it; otherwise the cursor does not move.
+/// Reads a number with its unit and moves past it; otherwise the cursor does not move.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Parsed {
     let start = *cursor;
     let mut product = Product {
@@ -90,7 +91,7 @@ impl Product {
         }
     }
 
-    /// Reads factors with `*`, `/` or pi between them; depth counts open brackets.
+    /// Reads factors with `*`, `/` or pi between them. `depth` counts open brackets.
     fn read(&mut self, cursor: &mut Cursor<'_>, depth: usize) -> Result<(), Failure> {
         if depth > MAX_DEPTH {
             return Err(Some("it has too many brackets".to_owned()));
@@ -118,7 +119,7 @@ impl Product {
             blanks(cursor);
             match self.factor(cursor, depth, line) {
                 Ok(()) => {}
-                // `0.5 * edge` goes on with its unit.
+                // In `0.5 * edge`, the unit follows.
                 Err(None) => {
                     *cursor = before;
                     return Ok(());
@@ -193,7 +194,7 @@ impl Product {
                 self.over *= inner.under;
                 self.under *= inner.over;
                 self.pi -= inner.pi;
-                // What divides by a fraction of zero must not come out as zero over zero.
+                // Dividing by a fraction over zero must not give zero over zero.
                 if inner.under == 0.0 {
                     self.under = 0.0;
                 }
@@ -203,7 +204,7 @@ impl Product {
     }
 }
 
-/// On which side of a fraction's line a factor stands.
+/// The side of a fraction's line that a factor is on.
 #[derive(Clone, Copy)]
 enum Line {
     Above,
@@ -219,7 +220,7 @@ impl Line {
     }
 }
 
-/// Moves over a sign; returns whether it negates.
+/// Skips a sign; returns whether it negates.
 fn sign(cursor: &mut Cursor<'_>) -> Result<bool, Failure> {
     if cursor.eat('-') {
         if cursor.peek().is_some_and(char::is_whitespace) {
@@ -236,7 +237,7 @@ fn sign(cursor: &mut Cursor<'_>) -> Result<bool, Failure> {
     Ok(is_negative)
 }
 
-/// What is written for a minus, besides a hyphen.
+/// Characters used as a minus sign, besides a hyphen.
 const MINUS: [char; 3] = ['−', '－', '﹣'];
 
 fn starts_pi(cursor: &Cursor<'_>) -> bool {
@@ -249,7 +250,7 @@ fn eat_pi(cursor: &mut Cursor<'_>) -> bool {
     eat_any(cursor, &['π', '𝜋', 'Π']) || cursor.eat_word("pi")
 }
 
-/// Moves over what only decorates, on the same line.
+/// Skips decoration on the same line.
 pub(super) fn skip_decoration(cursor: &mut Cursor<'_>) {
     cursor.skip(|character| {
         matches!(character, ' ' | '\t' | '\u{a0}' | '\u{202f}') || decorates(character)

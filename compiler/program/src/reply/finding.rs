@@ -2,7 +2,7 @@
 
 use crate::data::actions::Value;
 
-/// How clearly a statement is one.
+/// How clearly something is a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Firmness {
     /// `pick (10, 20)`.
@@ -13,11 +13,11 @@ pub(super) enum Firmness {
     Assigned,
 }
 
-/// What stands where a value is expected.
+/// What was found where a value is expected.
 pub(super) enum Found {
-    /// A value, and how it was taken where that is not obvious.
+    /// A value, and how it was read if that is not obvious.
     Value(Value, Option<String>),
-    /// Something that is no value, and why not.
+    /// Something that is not a value, and why not.
     Bad(String),
     /// Something else.
     Nothing,

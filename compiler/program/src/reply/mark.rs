@@ -1,7 +1,7 @@
-//! Reads one point by its number, where points are numbered: `3`, `point 3`, `#3`, `3 at (41, 167)`.
+//! Reads one point by its number, if points are numbered: `3`, `point 3`, `#3`, `3 at (41, 167)`.
 //!
-//! In: a cursor behind the field's name. Out: the numbered point. Coordinates alone are refused, since a model that is
-//! asked for a number and gives coordinates has its own frame in mind.
+//! In: a cursor after the field's name. Out: the numbered point. Coordinates alone are rejected: a model that gives
+//! them instead of a number has its own frame in mind.
 
 use super::around::list_number;
 use super::cursor::{Cursor, decorates};
@@ -13,7 +13,7 @@ use crate::pointing::Notation;
 /// The most digits of a number; no scene has so many points.
 const MAX_DIGITS: usize = 6;
 
-/// Words that may stand before a number.
+/// Words that may precede a number.
 const LEADING: [&str; 12] = [
     "the",
     "listed",
@@ -32,13 +32,13 @@ const LEADING: [&str; 12] = [
 /// Words that join a number to another one.
 const JOINING: [&str; 5] = ["or", "and", "to", "through", "then"];
 
-/// Reads a number and moves behind it.
+/// Reads a number and moves past it.
 pub(super) fn read(cursor: &mut Cursor<'_>, notation: &Notation, firmness: Firmness) -> Found {
     if firmness == Firmness::Loose {
         return Found::Nothing;
     }
     match number(cursor, notation) {
-        // In free speech a number that is no point means nothing.
+        // In running text, a number that is not a point means nothing.
         Found::Bad(_) if firmness == Firmness::Spoken => Found::Nothing,
         found => found,
     }
@@ -97,18 +97,18 @@ fn skip_blank(cursor: &mut Cursor<'_>) {
     cursor.skip(|character| character.is_whitespace() || decorates(character));
 }
 
-/// Returns whether coordinates stand here: two numbers in a row, with or without brackets.
+/// Returns whether coordinates follow: two numbers in a row, with or without brackets.
 fn by_coordinates(start: Cursor<'_>, notation: &Notation) -> bool {
     let mut cursor = start;
     match pixel::read(&mut cursor, notation, Brackets::Optional) {
         pixel::PixelFound::Pixel(..) => true,
-        // One number may be a point's.
+        // A single number may be a point's.
         pixel::PixelFound::Bad(_) => start.text[start.at..cursor.at].contains(','),
         pixel::PixelFound::Nothing => false,
     }
 }
 
-/// Moves over brackets, words, their colons and a `#`.
+/// Skips brackets, words, their colons and a `#`.
 fn lead(cursor: &mut Cursor<'_>) {
     for _ in 0..5 {
         cursor.skip(|character| {

@@ -1,7 +1,7 @@
 //! Reads the answers of models by the task's declarations.
 //!
-//! In: an answer. Out: its values, with every tolerated deviation named, or a message to the model about what is wrong.
-//! An answer that contradicts itself is rejected, never guessed at. [`crate::verify`] decides whether the values are
+//! In: an answer. Out: its values and every tolerated deviation, or a message to the model about what is wrong. An
+//! answer that contradicts itself is rejected, never guessed at. [`crate::verify`] decides whether the values are
 //! allowed.
 
 mod action;
@@ -29,7 +29,7 @@ pub use text::read_text;
 use crate::data::program::Program;
 use crate::space;
 
-/// Returns the lines in which an answer states an action, points in pixels.
+/// Returns the lines in which an answer must state an action, with points in pixels.
 pub fn answer_format(program: &Program) -> String {
     space::format(&program.actions)
 }

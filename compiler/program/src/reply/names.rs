@@ -1,21 +1,21 @@
 //! Finds where an answer names the fields of an action.
 //!
-//! In: the fields and an answer. Out: for each field the places of its name, in order, and how far what
-//! follows may belong to it. A name inside a longer one (`angle` in `Tip angle`) belongs to the longer.
+//! In: the fields and an answer. Out: for each field the positions of its name, in order, and how far the text after
+//! each may belong to it. A name inside a longer one (`angle` in `Tip angle`) belongs to the longer one.
 
 use super::cursor::{starts_with_word, tail};
 use crate::data::actions::ActionField;
 
-/// How far back a word may stand that turns a statement, bytes.
+/// How far before a statement a word that negates it may be, bytes.
 const MAX_BEFORE: usize = 120;
 
-/// Words that turn a statement into its opposite, or into one about something else.
+/// Words that negate a statement, or make it one about something else.
 pub(super) const NEGATING: [&str; 12] = [
     "not", "never", "avoid", "previous", "last", "old", "cannot", "don", "isn", "instead",
     "former", "would",
 ];
 
-/// A place where a field is named.
+/// A position where a field is named.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mention {
     /// The field, by its index.
@@ -24,13 +24,13 @@ pub(super) struct Mention {
     pub at: usize,
     /// Where it ends.
     pub end: usize,
-    /// Where it ends together with the noun that the format puts behind it.
+    /// Where it ends together with the noun that the format puts after it.
     claimed: usize,
     /// Where the next name of any field begins, or the answer ends.
     pub until: usize,
 }
 
-/// Returns the places of each field's name, in the order of the fields and of the answer.
+/// Returns the positions of each field's name, in the order of the fields and of the answer.
 pub(super) fn named(fields: &[ActionField], reply: &str) -> Vec<Vec<Mention>> {
     let mut all: Vec<Mention> = Vec::new();
     for (index, field) in fields.iter().enumerate() {
@@ -39,7 +39,7 @@ pub(super) fn named(fields: &[ActionField], reply: &str) -> Vec<Vec<Mention>> {
     all.sort_by_key(|named| (named.at, std::cmp::Reverse(named.claimed), named.field));
     let mut kept: Vec<Mention> = Vec::new();
     for named in all {
-        // Sorted so, whatever contains a name stands before it; equal spans are kept, for the proof to find.
+        // In this order, a name comes after any that contains it. Equal spans are kept, for the proof to find.
         let inside = kept.last().is_some_and(|last: &Mention| {
             named.end < last.claimed || (named.end == last.claimed && last.at < named.at)
         });
@@ -63,7 +63,7 @@ pub(super) fn named(fields: &[ActionField], reply: &str) -> Vec<Vec<Mention>> {
     found
 }
 
-/// Returns the places where a name stands, in any case and not as a part of another word.
+/// Returns the positions of a name, in any case and not as a part of another word.
 fn occurrences(index: usize, field: &ActionField, reply: &str) -> Vec<Mention> {
     let mut before = ' ';
     let mut found = Vec::new();
@@ -79,7 +79,7 @@ fn occurrences(index: usize, field: &ActionField, reply: &str) -> Vec<Mention> {
             continue;
         };
         let end = at + length;
-        // `pickPoint` is one word to the eye, two to the reader.
+        // `pickPoint` is one word in the text, but two words to the reader.
         let rest = &reply[end..];
         if rest.starts_with(|next: char| next.is_alphanumeric() && !next.is_uppercase()) {
             continue;
@@ -102,7 +102,7 @@ fn occurrences(index: usize, field: &ActionField, reply: &str) -> Vec<Mention> {
     found
 }
 
-/// Returns how long a name is as it stands at the start of a text: `tip_angle`, `Tip angle`, `tipAngle`.
+/// Returns the length of a name at the start of a text: `tip_angle`, `Tip angle`, `tipAngle`.
 fn name_length(name: &str, text: &str) -> Option<usize> {
     let mut rest = text;
     for letter in name.chars() {
@@ -119,7 +119,7 @@ fn name_length(name: &str, text: &str) -> Option<usize> {
     Some(text.len() - rest.len())
 }
 
-/// Returns whether one of the three words before `at`, in the same sentence, turns the statement.
+/// Returns whether one of the three words before `at`, in the same sentence, negates the statement.
 pub(super) fn is_negated(reply: &str, at: usize) -> bool {
     let sentence = tail(&reply[..at], MAX_BEFORE)
         .rsplit(['\n', '\r', '.', ';', ',', ':', '!', '?'])
@@ -128,7 +128,7 @@ pub(super) fn is_negated(reply: &str, at: usize) -> bool {
     turns(sentence, 3, &NEGATING)
 }
 
-/// Returns whether one of the last words of a text is one of these, or begins with one and an apostrophe.
+/// Returns whether one of the last words of a text is one of these; `don't` counts as `don`.
 pub(super) fn turns(text: &str, last: usize, words: &[&str]) -> bool {
     text.rsplit(|character: char| !character.is_alphanumeric())
         .filter(|word| !word.is_empty())

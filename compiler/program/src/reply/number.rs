@@ -3,18 +3,18 @@
 use super::cursor::{Cursor, first_word};
 use crate::units::{DEG, Dimension, EDGE, UNITS, Unit};
 
-/// The largest number that can be meant.
+/// The largest number that an answer can mean.
 pub(super) const MAX_NUMBER: f64 = 1_000_000.0;
 
 /// The most digits of a number.
 const MAX_DIGITS: usize = 24;
 
-/// How a number's decimals are set apart.
+/// A number's decimal separator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Decimals {
-    /// By a point, or it has none.
+    /// A point, or none.
     Point,
-    /// By a comma, which may also separate two numbers.
+    /// A comma, which may also separate two numbers.
     Comma,
 }
 
@@ -23,13 +23,13 @@ pub(super) enum Decimals {
 pub(super) enum AnswerUnit {
     /// A unit of the language.
     Of(&'static Unit),
-    /// Percent of something that is not named.
+    /// Percent of something unnamed.
     Percent,
     /// Percent of the cloth's longer side.
     PercentOfEdge,
 }
 
-/// Returns a decimal digit, of usual or of full width.
+/// Returns a decimal digit, of normal or full width.
 fn digit(character: char) -> Option<char> {
     match character {
         '0'..='9' => Some(character),
@@ -40,7 +40,7 @@ fn digit(character: char) -> Option<char> {
 
 /// Reads a number without sign or exponent.
 ///
-/// Fails with what is wrong, or with nothing where no number stands here.
+/// Fails with the reason, or with `None` if there is no number here.
 pub(super) fn number(cursor: &mut Cursor<'_>) -> Result<(f64, Decimals), Option<String>> {
     for (character, value) in [('¼', 0.25), ('½', 0.5), ('¾', 0.75), ('⅛', 0.125)] {
         if cursor.eat(character) {
@@ -115,7 +115,7 @@ pub(super) fn unit(cursor: &mut Cursor<'_>) -> Option<AnswerUnit> {
     found
 }
 
-/// Reads what stands behind `^` in LaTeX's `^{\circ}`.
+/// Reads the rest of LaTeX's `^{\circ}` after the `^`.
 fn raised_circle(cursor: &mut Cursor<'_>) -> bool {
     cursor.skip(|character| character == '{' || character == '\\');
     let is_there = cursor.eat_word("circ") || cursor.eat('∘');
@@ -123,7 +123,7 @@ fn raised_circle(cursor: &mut Cursor<'_>) -> bool {
     is_there
 }
 
-/// Reads the name or a spelling of a unit that answers may use: pixels belong to points.
+/// Reads the name or a spelling of a unit that answers may use. Pixels are only for points.
 fn named(cursor: &mut Cursor<'_>) -> Option<&'static Unit> {
     let rest = cursor.rest();
     let stands_here = |word: &&str| match word.is_ascii() {
@@ -161,12 +161,12 @@ fn of_edge(cursor: &mut Cursor<'_>) -> bool {
     true
 }
 
-/// Moves over one of these characters.
+/// Skips one of these characters.
 pub(super) fn eat_any(cursor: &mut Cursor<'_>, wanted: &[char]) -> bool {
     wanted.iter().any(|character| cursor.eat(*character))
 }
 
-/// Moves over blanks on the same line.
+/// Skips blanks on the same line.
 pub(super) fn blanks(cursor: &mut Cursor<'_>) {
     cursor.skip(|character| matches!(character, ' ' | '\t' | '\u{a0}' | '\u{202f}'));
 }

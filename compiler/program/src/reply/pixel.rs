@@ -1,19 +1,19 @@
-//! Reads one point by its coordinates: `(x, y)` or `[y, x]` as asked for, and the forms that models use instead.
+//! Reads one point by its coordinates: `(x, y)` or `[y, x]` as requested, and the forms that models use instead.
 //!
-//! In: a cursor, and the scene's notation, which turns numbers into the pixel that they mean. Numbers whose order or
-//! unit is not what was asked for are refused where they show it.
+//! In: a cursor, and the scene's notation, which turns numbers into the pixel that they mean. Numbers that show that
+//! their order or unit is not the requested one are rejected.
 
 use super::cursor::{Cursor, decorates, head};
 use crate::data::camera::PixelPoint;
 use crate::pointing::{CoordinateUnit, Notation, Order};
 
-/// The largest coordinate that can be meant, pixels; far beyond any picture.
+/// The largest coordinate that an answer can mean, pixels; far beyond any picture.
 const MAX_COORDINATE: f64 = 1_000_000.0;
 
 /// The most characters between brackets.
 const MAX_INSIDE: usize = 200;
 
-/// Keys that a point may stand behind, `{"point": [10, 20]}`.
+/// Keys that may precede a point, `{"point": [10, 20]}`.
 const KEYS: [&str; 7] = [
     "point_2d",
     "point",
@@ -24,11 +24,11 @@ const KEYS: [&str; 7] = [
     "coords",
 ];
 
-/// What stands where a pixel is expected.
+/// What was found where a pixel is expected.
 pub(super) enum PixelFound {
-    /// A pixel, and how it was taken where the numbers are not as it is written.
+    /// A pixel, and how it was read if it would be written with other numbers.
     Pixel(PixelPoint, Option<String>),
-    /// Numbers that make no pixel, and why not.
+    /// Numbers that are not a pixel, and why not.
     Bad(String),
     /// Something else.
     Nothing,
@@ -41,7 +41,7 @@ pub(super) enum Brackets {
     Optional,
 }
 
-/// Reads a pixel and moves behind it; otherwise the cursor does not move.
+/// Reads a pixel and moves past it; otherwise the cursor does not move.
 pub(super) fn read(cursor: &mut Cursor<'_>, notation: &Notation, brackets: Brackets) -> PixelFound {
     let start = *cursor;
     let closing = opened(cursor);
@@ -61,7 +61,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>, notation: &Notation, brackets: Brack
                 cursor.at += length;
                 inside
             }
-            // A cut answer may have lost digits, so that even two numbers are not to be trusted.
+            // A truncated answer may have lost digits, so even two numbers cannot be trusted.
             None if starts_number(cursor.rest()) => {
                 return PixelFound::Bad("its bracket is never closed".to_owned());
             }
@@ -93,7 +93,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>, notation: &Notation, brackets: Brack
     }
 }
 
-/// Moves behind opening brackets, `[[`, `{"point": [`, `<point`; returns what closes them.
+/// Skips opening brackets, `[[`, `{"point": [`, `<point`; returns the closing ones.
 fn opened(cursor: &mut Cursor<'_>) -> Vec<char> {
     let mut closing = Vec::new();
     let mut most = 2;
@@ -115,7 +115,7 @@ fn opened(cursor: &mut Cursor<'_>) -> Vec<char> {
     closing
 }
 
-/// Moves behind `"point":`; where there is no such key, or no bracket behind it, the cursor does not move.
+/// Skips `"point":`; if there is no such key, or no bracket after it, the cursor does not move.
 fn skip_key(cursor: &mut Cursor<'_>) -> bool {
     let start = *cursor;
     let blank = |character: char| character.is_whitespace() || decorates(character);
@@ -152,14 +152,14 @@ fn is_bare(character: char) -> bool {
 
 /// A coordinate.
 struct Coordinate {
-    /// `x` or `y`, where it is named.
+    /// `x` or `y`, if it is named.
     name: Option<char>,
     value: f64,
-    /// Whether it is said to count pixels.
+    /// Whether it has the unit px.
     has_px: bool,
 }
 
-/// Reads `x = 0.412, y = 0.33` without brackets; where there is no such pair the cursor does not move.
+/// Reads `x = 0.412, y = 0.33` without brackets; if there is no such pair, the cursor does not move.
 fn named_pair(cursor: &mut Cursor<'_>, notation: &Notation) -> Option<Vec<Coordinate>> {
     let start = *cursor;
     let mut numbers = Vec::with_capacity(2);
@@ -179,7 +179,7 @@ fn named_pair(cursor: &mut Cursor<'_>, notation: &Notation) -> Option<Vec<Coordi
     Some(numbers)
 }
 
-/// Returns the coordinates between two brackets; None where there is anything else.
+/// Returns the coordinates between two brackets; `None` if there is anything else.
 fn coordinates(inside: &str, notation: &Notation) -> Option<Vec<Coordinate>> {
     let mut cursor = Cursor::new(inside, 0);
     let mut numbers = Vec::new();
@@ -191,7 +191,7 @@ fn coordinates(inside: &str, notation: &Notation) -> Option<Vec<Coordinate>> {
         if cursor.peek().is_none() {
             return (!numbers.is_empty()).then_some(numbers);
         }
-        // What a point is called says nothing of where it lies.
+        // A point's name says nothing about its position.
         if !numbers.is_empty() && cursor.rest().starts_with("alt=") {
             return Some(numbers);
         }
@@ -199,7 +199,7 @@ fn coordinates(inside: &str, notation: &Notation) -> Option<Vec<Coordinate>> {
     }
 }
 
-/// Reads a number with its name and unit, where it has them.
+/// Reads a number with its name and unit, if it has them.
 fn coordinate(cursor: &mut Cursor<'_>, notation: &Notation) -> Option<Coordinate> {
     let name = name(cursor);
     let value = number(cursor)?;
@@ -217,7 +217,7 @@ fn coordinate(cursor: &mut Cursor<'_>, notation: &Notation) -> Option<Coordinate
     })
 }
 
-/// Reads `x:` or `"y" =`; the cursor does not move where there is no such name.
+/// Reads `x:` or `"y" =`; otherwise the cursor does not move.
 fn name(cursor: &mut Cursor<'_>) -> Option<char> {
     let start = *cursor;
     for (words, axis) in [
@@ -255,7 +255,7 @@ fn number(cursor: &mut Cursor<'_>) -> Option<f64> {
         digits
     };
     let value: f64 = digits.parse().ok()?;
-    // `1e3` is a number too, but nobody writes a pixel so: better to ask again.
+    // `1e3` is a number too, but nobody writes a pixel like that, so it is better to ask again.
     if cursor.peek().is_some_and(|next| next.is_alphabetic())
         && !cursor.rest().to_ascii_lowercase().starts_with('p')
     {

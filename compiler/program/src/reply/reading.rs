@@ -6,7 +6,7 @@ pub const MAX_REPLY_BYTES: usize = 64 << 10;
 /// The longest text that is taken from an answer, characters.
 pub const MAX_TEXT_CHARS: usize = 2_000;
 
-/// A value that was read, and the deviations that were tolerated.
+/// A value that was read, and the tolerated deviations.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reading<T> {
     /// The value.
@@ -24,7 +24,7 @@ pub struct Malformed {
     pub message: String,
 }
 
-/// Refuses an answer that is too long to be read.
+/// Rejects an answer that is too long.
 pub(super) fn bounded(field: &str, reply: &str) -> Result<(), Malformed> {
     if reply.len() <= MAX_REPLY_BYTES {
         return Ok(());
@@ -39,7 +39,7 @@ pub(super) fn bounded(field: &str, reply: &str) -> Result<(), Malformed> {
     })
 }
 
-/// Shortens what is quoted from an answer.
+/// Shortens a quotation from an answer.
 pub(super) fn quoted(text: &str) -> String {
     const MOST: usize = 60;
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -1,4 +1,4 @@
-//! The JSON Schema of an answer, for models that keep to one.
+//! The JSON Schema of an answer, for models with structured output.
 
 use crate::data::actions::{ActionField, Choices, Value};
 use crate::data::program::Program;
@@ -6,7 +6,7 @@ use crate::pointing::{CoordinateUnit, Notation, Order, Pointing};
 use crate::space;
 use serde_json::{Map, Value as Json, json};
 
-/// What a point looks like as [`space::text`] writes it; the reader refuses larger numbers.
+/// The pattern of a point as [`space::text`] writes it; the reader rejects larger numbers.
 const POINT: &str = r"^\((0|-?[1-9][0-9]{0,6}), (0|-?[1-9][0-9]{0,6})\)$";
 
 /// The same with decimals.
@@ -15,19 +15,19 @@ const DECIMAL_POINT: &str = r"^\(-?[0-9]{1,7}(\.[0-9]{1,9})?, -?[0-9]{1,7}(\.[0-
 /// The same as a list.
 const DECIMAL_LIST: &str = r"^\[-?[0-9]{1,7}(\.[0-9]{1,9})?, -?[0-9]{1,7}(\.[0-9]{1,9})?\]$";
 
-/// Returns a schema that accepts exactly the offered values, as strings that [`space::text`] writes; of a region, every
-/// point.
+/// Returns a schema that accepts exactly the offered values, as strings that [`space::text`] writes; for a region,
+/// every point.
 ///
-/// - `offered`: for each field what it may be in the scene; for a field that is not among them, what is
-///   declared, and nothing for points.
+/// - `offered`: the values of each field in the scene. For a field that is not listed, the declared ones, and for
+///   points none.
 ///
-/// Strings, because they are what every provider's structured output enumerates; the reader of answers
+/// Values are strings because every provider's structured output can enumerate those, and the reader of answers
 /// understands them.
 pub fn schema(program: &Program, offered: &[(String, Vec<Value>)]) -> Json {
     schema_in(program, &Notation::pixels(), offered)
 }
 
-/// Returns the same where points are written as a scene's are: in another frame, or as numbers.
+/// Returns the same with points written as in a scene: in another frame, or as numbers.
 pub fn schema_in(program: &Program, notation: &Notation, offered: &[(String, Vec<Value>)]) -> Json {
     object(program, |field| {
         if let Choices::Region { .. } = field.choices {
@@ -39,7 +39,7 @@ pub fn schema_in(program: &Program, notation: &Notation, offered: &[(String, Vec
     })
 }
 
-/// Returns a schema that accepts every value that some scene may offer; points are given by a pattern.
+/// Returns a schema that accepts every value that some scene may offer. Points are given by a pattern.
 pub fn static_schema(program: &Program) -> Json {
     let notation = &Notation::pixels();
     object(program, |field| match field.choices {
@@ -63,7 +63,7 @@ fn object(program: &Program, property: impl Fn(&ActionField) -> Json) -> Json {
     })
 }
 
-/// Accepts everything that is written as a point.
+/// Accepts everything written as a point.
 fn any_point(notation: &Notation, field: &ActionField) -> Json {
     let pattern = if notation.is_native() {
         POINT

@@ -1,7 +1,7 @@
-//! Reads one statement of a field, from the field's name on.
+//! Reads one statement of a field, starting at the field's name.
 //!
-//! In: an answer and a place where a field is named. Out: the value that is stated there and how firmly, or
-//! nothing. Markdown, JSON, other signs and words between are understood.
+//! In: an answer and a position where a field is named. Out: the value that is stated there and how firmly, or
+//! nothing. Markdown, JSON, other signs and words in between are understood.
 
 use super::around;
 use super::choice::{Expected, TextEnd};
@@ -32,7 +32,7 @@ const POINT_NOUNS: [&str; 7] = [
 /// Words that may follow the name of any other field.
 const NOUNS: [&str; 5] = ["angle", "value", "choice", "length", "type"];
 
-/// What lengths and points of an answer are measured by.
+/// What is needed to read lengths and points of an answer.
 #[derive(Clone, Copy)]
 pub(super) struct Scale<'a> {
     /// The cloth's longer side, metres.
@@ -43,17 +43,17 @@ pub(super) struct Scale<'a> {
 
 /// A statement of a field.
 pub(super) struct Statement<'t> {
-    /// How clearly it is one.
+    /// How clearly it is a statement.
     pub firmness: Firmness,
-    /// What it says.
+    /// Its value.
     pub value: Value,
-    /// Its words.
+    /// Its text.
     pub text: &'t str,
-    /// How the value was taken from them, where that is not obvious.
+    /// How the value was read from it, if that is not obvious.
     pub note: Option<String>,
 }
 
-/// Reads the statement that begins with a field's name: None without a statement, an error for a wrong one.
+/// Reads the statement that begins with a field's name: `None` if there is none, an error for a wrong one.
 pub(super) fn statement_at<'t>(
     scale: Scale<'_>,
     field: &ActionField,
@@ -65,7 +65,7 @@ pub(super) fn statement_at<'t>(
     }
     let is_point = field.is_point();
     let blank = |character: char| matches!(character, ' ' | '\t' | '-') || decorates(character);
-    // What stands behind another field's name belongs to that.
+    // The text after another field's name belongs to that field.
     let text = &reply[..named.until];
     let mut cursor = Cursor::new(text, named.end);
     cursor.skip(blank);
@@ -143,7 +143,7 @@ fn point(cursor: &mut Cursor<'_>, notation: &Notation, firmness: Firmness) -> Fo
             }
         }
         pixel::PixelFound::Pixel(point, rounding) => Found::Value(Value::Point(point), rounding),
-        // In free speech brackets with other numbers mean nothing.
+        // In running text, brackets with other numbers mean nothing.
         pixel::PixelFound::Bad(why) if firmness == Firmness::Assigned => Found::Bad(why),
         pixel::PixelFound::Bad(_) | pixel::PixelFound::Nothing => Found::Nothing,
     }
@@ -164,7 +164,7 @@ fn leaves_open(mut cursor: Cursor<'_>, notation: &Notation, point: PixelPoint) -
     }
 }
 
-/// Skips `(x, y)` or `[y, x]` between the name and the sign, a repetition of the format.
+/// Skips `(x, y)` or `[y, x]` between the name and the sign: the model repeats the format there.
 fn skip_echo(cursor: &mut Cursor<'_>) {
     let start = *cursor;
     cursor.skip(|character| character == ' ' || decorates(character));
@@ -219,9 +219,9 @@ fn sign(cursor: &mut Cursor<'_>) -> Sign {
     Sign::None
 }
 
-/// Skips words up to a bracket on the same line; does not move where a turning word comes first.
+/// Skips words up to a bracket on the same line; does not move if a negating word comes first.
 fn skip_words(cursor: &mut Cursor<'_>) -> bool {
-    // Four bytes are the most that a character has.
+    // A character has at most four bytes.
     let rest = head(cursor.rest(), 4 * MAX_BETWEEN + 4);
     let Some(length) = rest.find(|character: char| {
         matches!(character, '(' | '[' | '\n' | '\r' | '.' | ';' | '{') || character.is_ascii_digit()

@@ -1,13 +1,13 @@
 //! Reads a text that follows given words, such as `Instructions:`.
 //!
-//! Markdown, bullets, quotes, letter case and a missing end are tolerated and named.
+//! Markdown, bullets, quotes, letter case and a missing end are tolerated and reported as repairs.
 
 use super::cursor::{Cursor, decorates};
 use super::reading::{MAX_TEXT_CHARS, Malformed, Reading, bounded, quoted};
 
-/// Reads the text between `before` and `after`; an empty `after` is the end of the line.
+/// Reads the text between `before` and `after`; if `after` is empty, up to the end of the line.
 ///
-/// Fails where `before` is not found, nothing follows it, two lines say different things, or the text is
+/// Fails if `before` is not found, if nothing follows it, if two lines contradict each other, or if the text is
 /// longer than [`MAX_TEXT_CHARS`].
 pub fn read_text(before: &str, after: &str, reply: &str) -> Result<Reading<String>, Malformed> {
     let wrong = |why: String| {
@@ -89,7 +89,7 @@ fn at_line_starts(before: &str, after: &str, reply: &str) -> Vec<Reading<String>
     readings
 }
 
-/// Returns whether a line begins with a label of its own, such as `Explanation:`.
+/// Returns whether a line begins with its own label, such as `Explanation:`.
 fn is_labelled(line: &str) -> bool {
     let mut cursor = Cursor::new(line, 0);
     skip_bullet(&mut cursor);
@@ -98,7 +98,7 @@ fn is_labelled(line: &str) -> bool {
     !word.trim().is_empty() && word.split_whitespace().count() <= 3 && cursor.peek() == Some(':')
 }
 
-/// Finds the words inside a line, where they begin none.
+/// Finds the words inside a line, if no line begins with them.
 fn within_a_line(before: &str, after: &str, reply: &str) -> Option<Reading<String>> {
     for line in reply.lines() {
         let starts = line.char_indices().map(|(at, _)| at).filter(|at| {
@@ -117,7 +117,7 @@ fn within_a_line(before: &str, after: &str, reply: &str) -> Option<Reading<Strin
     None
 }
 
-/// Skips what a list or a heading puts before its words.
+/// Skips the marks of a list or a heading.
 fn skip_bullet(cursor: &mut Cursor<'_>) {
     let bullet = |character: char| {
         character.is_whitespace()
@@ -137,7 +137,7 @@ fn skip_bullet(cursor: &mut Cursor<'_>) {
     }
 }
 
-/// Moves over words in any case, spacing and markdown; returns whether they are written exactly so.
+/// Skips words in any case, spacing and Markdown; returns whether they are spelled exactly.
 fn eat_words(cursor: &mut Cursor<'_>, words: &str) -> Option<bool> {
     let start = *cursor;
     let mut is_exact = true;
@@ -167,7 +167,7 @@ fn eat_words(cursor: &mut Cursor<'_>, words: &str) -> Option<bool> {
     Some(is_exact)
 }
 
-/// Takes the text up to `after`, without the decoration round it.
+/// Takes the text up to `after`, without the decoration around it.
 fn cut(rest: &str, after: &str, repairs: &mut Vec<String>) -> String {
     let rest = rest.trim();
     let text = match rest.rfind(after).filter(|_| !after.is_empty()) {

@@ -1,7 +1,7 @@
 //! Reads the value of a field that is a direction, a length or a word, where one is expected.
 //!
-//! In: a cursor behind the field's name, in a text that ends where another field is named. Out: the value,
-//! or why there is none. Text after a value counts too: `45 deg or 90 deg` states neither.
+//! In: a cursor after the field's name, in a text that ends where another field is named. Out: the value, or why
+//! there is none. Text after a value counts too: `45 deg or 90 deg` states neither.
 
 use super::around::{CHANGING, Link, is_ordinal, is_short, link, list_number, skip_leading};
 use super::choice::{Expected, Resolved, TextEnd, resolve};
@@ -14,7 +14,7 @@ use super::words::{self, Offered};
 use crate::data::actions::{Choices, Value};
 use crate::space;
 
-/// The most values that are compared with the first one.
+/// The most values to compare with the first one.
 const MAX_OTHERS: usize = 8;
 
 /// Words that may follow a number without a unit.
@@ -23,7 +23,7 @@ const FOLLOWING: [&str; 14] = [
     "while", "in",
 ];
 
-/// How much a value alone says about its kind.
+/// How much a value by itself says about its kind.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Explicitness {
     /// A number without a unit, or a word.
@@ -32,7 +32,7 @@ enum Explicitness {
     Full,
 }
 
-/// Reads a value and moves behind it.
+/// Reads a value and moves past it.
 pub(super) fn read(cursor: &mut Cursor<'_>, expected: &Expected<'_>, firmness: Firmness) -> Found {
     let sign = cursor.at;
     cursor.skip(|character| character.is_whitespace() || decorates(character));
@@ -46,15 +46,15 @@ pub(super) fn read(cursor: &mut Cursor<'_>, expected: &Expected<'_>, firmness: F
     };
     match found {
         Some(Ok((value, note))) => Found::Value(value, note),
-        // In free speech a number that is no value means nothing.
+        // In running text, a number that is not a value means nothing.
         Some(Err(why)) if firmness == Firmness::Assigned => Found::Bad(why),
         _ => Found::Nothing,
     }
 }
 
-/// Returns whether the values of the format stand here, all of them.
+/// Returns whether the text repeats all choices as the format lists them.
 fn is_echo(text: &str, expected: &Expected<'_>) -> bool {
-    // Most lines have no bar, and then nothing needs to be written out.
+    // Most lines have no bar, so the choices need not be written out.
     let bar = text.find(['|', '\n']);
     if !bar.is_some_and(|bar| text[bar..].starts_with('|')) {
         return false;
@@ -114,7 +114,7 @@ fn stated(
     Ok(Some(Ok(taken)))
 }
 
-/// Looks for an offered word in the words that stand here, and complains where something else does.
+/// Looks for an offered word in the following words, and fails if there is something else.
 fn fallback(
     cursor: &mut Cursor<'_>,
     begin: Cursor<'_>,
@@ -146,7 +146,7 @@ fn fallback(
     }
 }
 
-/// Reads one value without looking at what follows.
+/// Reads one value and ignores what follows it.
 fn single(
     cursor: &mut Cursor<'_>,
     expected: &Expected<'_>,
@@ -214,7 +214,7 @@ fn side(
     )))
 }
 
-/// Moves over an opening bracket, and over the key of an object; returns what closes it.
+/// Skips an opening bracket, and the key of an object; returns the closing one.
 fn open(cursor: &mut Cursor<'_>, expected: &mut Expected<'_>) -> Result<Option<char>, String> {
     let close = match cursor.peek() {
         Some('(') => ')',
@@ -244,7 +244,7 @@ fn open(cursor: &mut Cursor<'_>, expected: &mut Expected<'_>) -> Result<Option<c
     Ok(Some(close))
 }
 
-/// Moves over what decorates a value's end; fails where the value goes on as something else.
+/// Skips decoration after a value; fails if the value continues as something else.
 fn ends(cursor: &mut Cursor<'_>, dress: Explicitness) -> Result<(), String> {
     let start = cursor.at;
     let goes_on = |cursor: &Cursor<'_>| {
@@ -280,7 +280,7 @@ fn ends(cursor: &mut Cursor<'_>, dress: Explicitness) -> Result<(), String> {
     Ok(())
 }
 
-/// Fails where the same line goes on with a value that is another, or with a range.
+/// Fails if the same line continues with a different value, or with a range.
 fn others_agree(
     mut cursor: Cursor<'_>,
     expected: &Expected<'_>,

@@ -3,10 +3,10 @@
 use super::cursor::{Cursor, first_word, head};
 use super::names::{NEGATING, turns};
 
-/// The longest part of a line in which a word is looked for, bytes.
+/// The longest part of a line that is searched for a word, bytes.
 const MAX_CLAUSE: usize = 160;
 
-/// Words that turn an offered word behind them, besides [`NEGATING`].
+/// Words that negate an offered word after them, besides [`NEGATING`].
 const REFUSING: [&str; 14] = [
     "no", "non", "without", "than", "neither", "nor", "but", "except", "less", "too", "or",
     "either", "between", "unlike",
@@ -59,7 +59,7 @@ pub(super) fn side(cursor: &mut Cursor<'_>) -> Option<f64> {
         } else {
             (second, first)
         };
-        // One to a side and one up or down make a diagonal; `left left` and `up northeast` mean nothing.
+        // One left or right and one up or down make a diagonal; `left left` and `up northeast` mean nothing.
         if flat % 180.0 == 0.0 && upright % 180.0 == 90.0 {
             return Some(match (flat == 0.0, upright == 90.0) {
                 (true, true) => 45.0,
@@ -82,15 +82,15 @@ fn one_side(cursor: &mut Cursor<'_>) -> Option<f64> {
     Some(*deg)
 }
 
-/// What of the offered words stands somewhere.
+/// Which offered word was found.
 pub(super) enum Offered<'a> {
     One(&'a str),
-    /// Two that cannot be told apart.
+    /// Two that could both be meant.
     Several(&'a str, &'a str),
     Nothing,
 }
 
-/// Reads the offered word that stands here; the longest where one begins another.
+/// Reads the offered word at the cursor; the longest if one begins with another.
 ///
 /// Letters may be of any case, and `very soft` may be written `very_soft`.
 pub(super) fn direct<'a>(cursor: &mut Cursor<'_>, words: &'a [String]) -> Offered<'a> {
@@ -105,7 +105,7 @@ pub(super) fn direct<'a>(cursor: &mut Cursor<'_>, words: &'a [String]) -> Offere
         match best {
             Some((longest, _)) if longest > length => {}
             Some((longest, known)) if longest == length => {
-                // What is written exactly so wins over what only sounds alike.
+                // An exact match wins over one that differs in case or separators.
                 if rest.starts_with(word.as_str()) {
                     (best, other) = (Some((length, word.as_str())), None);
                 } else if !rest.starts_with(known) {
@@ -125,9 +125,9 @@ pub(super) fn direct<'a>(cursor: &mut Cursor<'_>, words: &'a [String]) -> Offere
     }
 }
 
-/// Finds the only offered word in the words up to the next sign of punctuation, and moves behind those words.
+/// Finds the only offered word up to the next punctuation mark, and moves past the words there.
 ///
-/// A word behind a negation counts as none.
+/// A negated word does not count.
 pub(super) fn within<'a>(cursor: &mut Cursor<'_>, words: &'a [String]) -> Offered<'a> {
     let text = head(cursor.rest(), MAX_CLAUSE);
     let ends = |character: char| ".,;:!?()[]{}<>|\n\r".contains(character);
@@ -171,7 +171,7 @@ pub(super) fn within<'a>(cursor: &mut Cursor<'_>, words: &'a [String]) -> Offere
     found.map_or(Offered::Nothing, Offered::One)
 }
 
-/// Returns how long a word is as it stands at the start of a text.
+/// Returns the length of a word at the start of a text.
 fn length_in(text: &str, word: &str) -> Option<usize> {
     let mut rest = text;
     for letter in word.chars() {
@@ -188,7 +188,7 @@ fn length_in(text: &str, word: &str) -> Option<usize> {
     Some(text.len() - rest.len())
 }
 
-/// Returns whether no word goes on at the start of a text.
+/// Returns whether a word that precedes this text ends there.
 fn ends_word(text: &str) -> bool {
     let mut letters = text.chars();
     match letters.next() {
