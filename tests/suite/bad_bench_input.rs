@@ -121,7 +121,7 @@ fn wrong_suites_are_named_with_the_line() {
             64,
             "there is no model `none`",
         ),
-        ("sides = [28]", "sides = [900]", 1, "accepted are 2 to"),
+        ("sides = [28]", "sides = [900]", 1, "a side has 2 to"),
     ];
     for (from, to, code, wanted) in cases {
         assert!(SUITE.contains(from));

@@ -23,6 +23,7 @@ const SIDE_BY_SIDE: usize = 2;
 const WRITE: &str = "FABC_WRITE_DOCS";
 
 #[test]
+#[ignore = "long"]
 fn every_block_of_the_book_does_what_its_page_says() {
     let walked = walk_all(&pages(root()), &Pace::Fast);
     let n_files: usize = walked.iter().map(|walked| walked.n_files).sum();

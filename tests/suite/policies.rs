@@ -233,6 +233,7 @@ fn a_task_without_a_demonstration_has_no_expert() {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_random_policy_writes_no_prompt_and_its_seed_decides() {
     let folder = tempfile::tempdir().unwrap();
     let program = support::small_task();

@@ -417,7 +417,7 @@ fn each_rule_finds_what_it_forbids_and_nothing_else() {
         ),
         (
             "tests/a.rs",
-            "//! A.\n#[test]\nfn folds() {}\n",
+            "//! A.\n#[test]\nfn peer_folds() {}\n",
             Some(3),
         ),
         (
