@@ -100,8 +100,8 @@ impl Ros {
 
     /// Starts the arm's node.
     pub fn start_node(&mut self) {
-        let engine = std::env::var("FABC_PEER_ARM_ENGINE")
-            .expect("make test-all sets FABC_PEER_ARM_ENGINE");
+        let engine =
+            std::env::var("FABC_PEER_ARM_ENGINE").expect("make test-all sets FABC_PEER_ARM_ENGINE");
         let mut command = Command::new(PYTHON);
         command.arg(project("tests/peers/arm_node.py"));
         command

@@ -91,7 +91,7 @@ impl Task {
         let mut camera = Camera::of(program, &folder, io);
         let moments = self.moments.clone();
         for moment in moments.iter().filter(|it| it.step <= program.horizon) {
-            let scene = self.scene(program, moment, &mut camera, plan, io)?;
+            let scene = self.scene(program, moment, &mut camera, plan)?;
             let page = Page {
                 program,
                 moment,
@@ -106,7 +106,7 @@ impl Task {
                 };
                 self.wants.push((name, wanted));
             }
-            self.pictures(&page, &mut camera, plan, io)?;
+            self.pictures(&page, &mut camera, plan)?;
         }
         Ok(())
     }
@@ -118,7 +118,6 @@ impl Task {
         moment: &Moment,
         camera: &mut Camera<'_>,
         plan: &Plan,
-        io: &Io,
     ) -> Result<PinnedScene, Failure> {
         let seen_of = moment.seen_of(program);
         if program.variant.is_some()
@@ -128,7 +127,7 @@ impl Task {
         }
         let name = scene_name(program, &moment.name)?;
         // An undone edit leaves a pending scene of something else before an accepted one that fits, perhaps by hand.
-        let known = known_scenes(&name, plan, io)?.into_iter();
+        let known = known_scenes(&name, plan, camera.io)?.into_iter();
         let fits =
             |known: &PinnedScene| known.seen_of == seen_of && known.moment(&moment.name) == *moment;
         let scene = match { known }.find(fits) {
@@ -198,7 +197,6 @@ impl Task {
         page: &Page<'_>,
         camera: &mut Camera<'_>,
         plan: &Plan,
-        io: &Io,
     ) -> Result<(), Failure> {
         let Page {
             program,
@@ -225,7 +223,7 @@ impl Task {
                 drawn_from: Some(drawn_from),
                 ..self.info(page, None)
             };
-            let wanted = self.picture(&name, info, page, picture, camera, plan, io)?;
+            let wanted = self.picture(&name, info, page, picture, camera, plan)?;
             self.wants.push((name, wanted));
         }
         Ok(())
@@ -239,7 +237,6 @@ impl Task {
         picture: &Picture,
         camera: &mut Camera<'_>,
         plan: &Plan,
-        io: &Io,
     ) -> Result<Wanted, Failure> {
         let is_of_this = |snapshot: &Snapshot| {
             let known = snapshot.metadata.info.as_ref();
@@ -254,7 +251,7 @@ impl Task {
             }
         };
         let mut is_damaged = false;
-        if let Readable::Yes(Some(accepted)) = plan.accepted(name, io)
+        if let Readable::Yes(Some(accepted)) = plan.accepted(name, camera.io)
             && is_of_this(&accepted)
         {
             if is_whole(&accepted) && !self.redraws {

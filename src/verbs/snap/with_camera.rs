@@ -66,7 +66,8 @@ const AS_DECLARED: StartArguments = StartArguments {
 pub struct Camera<'p> {
     program: &'p Program,
     folder: &'p Path,
-    io: &'p Io,
+    /// Where talk goes.
+    pub io: &'p Io,
     world: Option<Box<dyn World>>,
     seen: BTreeMap<Moment, Seen>,
     examples: OnceCell<Examples>,

@@ -18,7 +18,8 @@ pub fn fitted(_file: &str, programs: Vec<Program>, _io: &Io) -> Result<Vec<Progr
 pub struct Camera<'p> {
     program: &'p Program,
     folder: &'p Path,
-    io: &'p Io,
+    /// Where talk goes.
+    pub io: &'p Io,
 }
 
 impl<'p> Camera<'p> {
