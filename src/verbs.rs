@@ -7,6 +7,7 @@ pub mod build;
 pub mod check;
 pub mod completions;
 pub mod explain;
+pub mod manual;
 pub mod new;
 pub mod render;
 pub mod review;
@@ -114,4 +115,6 @@ verbs! {
     Shell:
     /// Writes what a shell needs to complete words of this command line.
     Completions(completions::CompletionsArguments),
+    /// Writes manual pages for `man`, one for each verb.
+    Manual(manual::ManualArguments),
 }

@@ -1,4 +1,4 @@
-//! `fabc completions`: scripts that shells can read, and that complete verbs and files.
+//! `fabc completions` and `fabc manual`: scripts that shells can read, and pages that `man` can.
 
 use super::support::{fabc, finish};
 use std::process::Command;
@@ -15,6 +15,28 @@ fn every_shell_gets_a_script_that_names_the_verbs() {
     }
     let said = finish(fabc(folder.path()).args(["completions", "cmd"]));
     assert_eq!(said.code, 64, "{}", said.stderr);
+}
+
+#[test]
+fn every_verb_has_a_manual_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = finish(fabc(folder.path()).args(["manual", "pages"]));
+    assert_eq!(
+        (said.code, said.stdout.as_str(), said.stderr.as_str()),
+        (0, "pages/fabc.1\n", "")
+    );
+    let page = |name: &str| std::fs::read_to_string(folder.path().join("pages").join(name));
+    for verb in fabc::command().get_subcommands() {
+        let name = format!("fabc-{}.1", verb.get_name());
+        let text = page(&name).unwrap_or_else(|_| panic!("there is no {name}"));
+        assert!(text.contains(".SH SYNOPSIS"), "{name}: {text}");
+    }
+    assert!(page("fabc-sim-replay.1").unwrap().contains("DIR"));
+    assert!(page("fabc-robot-watchdog.1").is_err(), "it is hidden");
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    let said = finish(fabc(folder.path()).args(["manual", "file"]));
+    assert_eq!(said.code, 2, "{}", said.stderr);
+    assert!(said.stderr.contains("`file`"), "{}", said.stderr);
 }
 
 /// What bash offers after some words, the last of which is being written.
