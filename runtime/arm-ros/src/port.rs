@@ -23,7 +23,7 @@ pub(super) const SERVICE_TIMEOUT: Duration = Duration::from_secs(1);
 /// How long goals may take to end after a stop.
 const STOP_SETTLE: Duration = Duration::from_millis(500);
 
-/// The longest that a cancellation is in transit.
+/// The longest transit time of a cancellation.
 const CANCEL_SETTLE: Duration = Duration::from_millis(100);
 
 /// Interval between two repeated stops.
@@ -36,10 +36,10 @@ pub struct RosPort {
     pub(super) clock: Instant,
     pub(super) servers: Servers,
     pub(super) topics: Topics,
-    /// Kept open, so that a stop needs no master; `None` where the node has no such service, or it failed.
+    /// Kept open, so that a stop does not need the master; `None` if the node has no such service, or it failed.
     pub(super) stop: Option<Arc<ServiceClient<Stop>>>,
     pub(super) has_stop: bool,
-    /// Last, since everything above lives on its threads.
+    /// Dropped last, because everything above lives on its threads.
     pub(super) link: Link,
 }
 
@@ -92,7 +92,7 @@ impl RosPort {
         }
     }
 
-    /// Stops by the open connection, else by a new one.
+    /// Stops through the open connection, or else a new one.
     fn call_stop(&mut self) -> Result<(), String> {
         if let Some(client) = self.stop.take()
             && self.call(&client, StopRequest {}).is_ok()
@@ -183,7 +183,7 @@ impl Port for RosPort {
     fn state(&mut self, goal: &GoalId) -> GoalState {
         let servers = self.servers.all().into_iter();
         let state = servers.filter_map(|server| server.state(&goal.0)).next();
-        // A goal of another port was never taken by this one's servers.
+        // A goal of another port was never sent to this one's servers.
         state.unwrap_or(GoalState::Ended(Ending::Rejected))
     }
 

@@ -120,10 +120,10 @@ pub(super) fn fingers(
     })
 }
 
-/// Makes the goal of a trajectory through `points`, which begins when it arrives.
+/// Makes the goal of a trajectory through `points`, which starts on arrival.
 ///
-/// kinova-ros's controller reads the velocities of every point and of the last but one without looking whether they are
-/// there, so a trajectory has at least two points, and each its velocities: the mean over its neighbours, 0 at the ends.
+/// kinova-ros's controller reads the velocities of every point and of the last but one without checking that they
+/// exist, so a trajectory has at least two points, each with velocities: the mean over its neighbours, 0 at the ends.
 pub(super) fn trajectory(
     points: &[Waypoint],
     joints: &[String],
@@ -176,7 +176,7 @@ fn point_message(points: &[Waypoint], index: usize) -> JointTrajectoryPoint {
         let (before, after) = (&points[index - 1], &points[index + 1]);
         (after.joints_rad[joint] - before.joints_rad[joint]) / (after.at_s - before.at_s)
     };
-    // Rounded to a nanosecond as a whole, so that the rest never reaches a second.
+    // Rounded as a whole, so that the nanoseconds never reach a full second.
     let nanoseconds = (point.at_s * 1e9).round() as i64;
     JointTrajectoryPoint {
         positions: point.joints_rad.clone(),

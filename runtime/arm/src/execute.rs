@@ -177,7 +177,7 @@ impl Execution<'_> {
         }
     }
 
-    /// Returns why motion was not confirmed: a question that an interrupt cut off has no answer.
+    /// Returns why motion was not confirmed: an interrupted question has no answer.
     fn not_confirmed(&self) -> ArmError {
         match self.interrupt.is_raised() {
             true => ArmError::Interrupted,

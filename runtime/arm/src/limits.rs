@@ -177,7 +177,7 @@ fn leaves(zone: &KeepOut, margin_m: f64, [from, to]: &[Point3<f64>; 2]) -> bool 
         from[axis].clamp(zone.min_m[axis], zone.max_m[axis])
     }));
     let away = from - nearest;
-    // The distance to a box is convex along a line: where it does not fall at first, it never does.
+    // The distance to a box is convex along a line: if it does not decrease at first, it never does.
     away.norm() > 0.0 && away.dot(&(to - from)) >= 0.0 && !crosses(zone, margin_m, to, to)
 }
 

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Name of the journal in a run folder.
 pub const ARM_FILE: &str = "arm.jsonl";
 
-/// The longest journal that is read.
+/// The longest journal accepted.
 const MAX_BYTES: u64 = 64 << 20;
 
 /// A line of the journal.

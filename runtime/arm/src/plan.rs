@@ -53,7 +53,7 @@ pub struct PlannedSegment {
 impl Plan {
     /// Plans a pick and place with the hand pointing down.
     ///
-    /// - `from`: where the tool is, `base_from_tool`.
+    /// - `from`: the tool's pose, `base_from_tool`.
     /// - `points`: pick and place, metres, base frame.
     pub fn make(
         settings: &Settings,

@@ -64,7 +64,7 @@ pub struct Reading<T> {
     pub at_s: f64,
 }
 
-/// The last readings of an arm; `None` where nothing was received yet.
+/// The last readings of an arm; `None` if nothing was received yet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Readings {
     /// Pose of the tool (`out/tool_pose`), `base_from_tool`.

@@ -48,7 +48,7 @@ pub struct ArmWorld {
     base_from_world: Isometry3<f64>,
     arm: Limited<Box<dyn Arm>>,
     camera: Box<dyn RgbdSource>,
-    /// The simulated table, where there is one.
+    /// The simulated table, if there is one.
     table: Option<Rc<RefCell<ClothTable>>>,
     flat: Option<FlatPicture>,
     reach: ArmReach,

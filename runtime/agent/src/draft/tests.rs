@@ -1,4 +1,4 @@
-//! Folds are found again in pictures of known folds.
+//! Tests that drafting recovers the folds of known pictures.
 #![allow(clippy::unwrap_used)]
 
 use super::*;
@@ -41,7 +41,7 @@ const TASKS: [&str; 8] = [
     "sash",
 ];
 
-/// The pictures that are pinned for a shipped task, and the arrows of its steps.
+/// The pinned pictures of a shipped task, and the arrows of its steps.
 fn pinned(task: &str) -> (Vec<Named>, Vec<ArrowPx>) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../tasks")
@@ -67,7 +67,7 @@ fn draw(pictures: &mut [Named], arrows: &[ArrowPx]) {
     }
 }
 
-/// Asserts that every step's arrow was found or proposed where it is right.
+/// Asserts that every step's arrow was detected or proposed in the right place.
 fn check(task: &str, draft: &Draft, arrows: &[ArrowPx], origin: ArrowOrigin, within_px: f64) {
     assert_eq!(draft.steps.len(), arrows.len(), "{task}");
     for (number, (step, right)) in draft.steps.iter().zip(arrows).enumerate() {
@@ -166,7 +166,7 @@ fn folds_are_proposed_from_recorded_pictures() {
     let draft = drafted(&pictures).unwrap();
     let off = off_px(&draft.steps[0].arrow, &arrows[0].unwrap());
     assert!(off <= 2.0, "{off} px off, {:?}", draft.steps[0]);
-    // The second fold was recorded as between these two corners.
+    // The second fold was recorded between these two corners.
     let corner = |right, front| ClothPoint::Particle { right, front };
     let fold = draft.steps[1].fold.clone().unwrap();
     assert_eq!(
@@ -382,6 +382,6 @@ fn a_square_has_eight_sides_to_fold_from_and_a_rectangle_four() {
         assert_eq!(all.len(), n_sides);
         assert_eq!(all[0].folds, folds);
     }
-    // From the diagonal a triangle looks the same on both sides.
+    // Seen from its diagonal, a triangle is symmetric.
     assert_eq!(symmetric(&folds[..1], &cloth(55)).len(), 4);
 }

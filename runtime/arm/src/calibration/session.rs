@@ -25,7 +25,7 @@ pub struct Session<'a> {
 /// What a line did.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LineOutcome {
-    /// A point was added; how it fits the earlier points, or why that is not known yet.
+    /// A point was added; how it fits the earlier points, or why that is still unknown.
     Added(String),
     /// The last point was removed.
     Undone(String),
@@ -40,8 +40,8 @@ pub enum LineOutcome {
 impl<'a> Session<'a> {
     /// Starts with existing points.
     ///
-    /// With `tool`, a line is `u,v` or `u,v,depth`, and the tool's place is read when it is entered; without, a line is
-    /// `u,v,x,y,z` or `u,v,x,y,z,depth`.
+    /// With `tool`, a line is `u,v` or `u,v,depth`, and the tool's position is read when the line is entered; without
+    /// it, a line is `u,v,x,y,z` or `u,v,x,y,z,depth`.
     pub fn new(terms: &'a Terms, pairs: Vec<Pair>, tool: Option<Box<ToolReader<'a>>>) -> Self {
         Session { terms, tool, pairs }
     }
@@ -133,9 +133,9 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Returns the pixels of a grid over the window, row by row: where points are best touched.
+/// Returns the pixels of a grid over the window, row by row: the best places to touch.
 ///
-/// The outermost are a tenth of the side from the rim, so that fingertips are seen around them.
+/// The outermost are a tenth of the side from the border, so that the fingertips around them are visible.
 pub fn grid(window: &Window, columns: u32, rows: u32) -> Vec<[f64; 2]> {
     let share = |index: u32, n: u32| match n {
         0 | 1 => 0.5,

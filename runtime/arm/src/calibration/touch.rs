@@ -1,26 +1,26 @@
 //! The tool's position after a person has guided it to a point.
 //!
-//! In: the arm's readings over a moment. Out: the tool's position, or why it cannot be used: there is no new reading, the
-//! arm still moves, or the hand is tilted. The arm is not moved.
+//! In: the arm's readings over a moment. Out: the tool's position, or why it cannot be used: there is no new reading,
+//! the arm still moves, or the hand is tilted. The arm is not moved.
 
 use crate::port::{Port, Reading};
 use nalgebra::{Isometry3, Vector3};
 
-/// How long the arm is looked at, seconds: kinova-ros reports ten times a second.
+/// How long the arm is observed, seconds: kinova-ros publishes ten times a second.
 const LOOK_S: f64 = 0.5;
 
-/// Between two looks, seconds.
+/// Time between two polls, seconds.
 const STEP_S: f64 = 0.05;
 
-/// A tool that goes farther than this meanwhile moves, metres.
+/// A tool that moves farther than this in that time is not at rest, metres.
 const REST_M: f64 = 0.000_5;
 
-/// How far the hand may be tilted from straight down, degrees. The tool's point is where the last joints of closed fingers
-/// are (kinova_description: 0.115 m to the fingers' first joint and 0.044 m on, of 0.160 m); a fingertip about as long as
-/// the part before it goes on from there, so that 4 degrees of tilt are 3 mm on the table.
+/// How far the hand may be tilted from straight down, degrees. The tool's point is at the last joints of closed fingers
+/// (kinova_description: 0.115 m to the fingers' first joint plus 0.044 m, of 0.160 m). The fingertip extends about as
+/// far again as the link before it, so 4 degrees of tilt move it by 3 mm on the table.
 const MAX_TILT_DEG: f64 = 4.0;
 
-/// Reads the tool's place, metres, base frame; says why there is none.
+/// Returns the tool's position at rest, metres, base frame; fails with the reason.
 ///
 /// - `stale_s`: the largest age of a reading, seconds.
 pub fn place_at_rest(port: &mut dyn Port, stale_s: f64) -> Result<[f64; 3], String> {

@@ -9,13 +9,13 @@ use serde::Deserialize;
 
 const MODELS: &str = include_str!("models.toml");
 
-/// A model that is not known.
+/// An unknown model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{name}` is not a model of an arm that is known: {}", .available.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "))]
 pub struct UnknownModel {
-    /// What was asked for.
+    /// The requested name.
     pub name: String,
-    /// The models that are known.
+    /// The supported models.
     pub available: Vec<String>,
 }
 
@@ -44,7 +44,7 @@ struct JointFigures {
 }
 
 impl Chain {
-    /// Returns the names of the models that are known.
+    /// Returns the names of the supported models.
     pub fn models() -> Vec<String> {
         read()
             .chain

@@ -138,7 +138,8 @@ impl Node {
         let server = discriminant(&goal);
         let same = |active: &Active| discriminant(&active.goal) == server;
         self.preempt(same, now_s, body, faults);
-        // A goal at the current pose is a question. It can neither fall short nor be aborted: such a fault waits for a motion.
+        // A goal at the current pose is a probe. It can neither fall short nor be aborted: such a fault waits for a
+        // motion.
         let is_motion = match &goal {
             Goal::Trajectory(points) => !is_near(body, points),
             Goal::ToolPose(pose) => Deviation::between(&body.tool(), pose).position_m > REACHED_M,

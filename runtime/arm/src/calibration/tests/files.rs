@@ -1,4 +1,4 @@
-//! What is kept is what is read, and what was changed is refused.
+//! Tests that calibration files round-trip, and that changed ones are refused.
 
 use super::super::file::MAX_BYTES;
 use super::*;

@@ -1,4 +1,4 @@
-//! Points as lines: of a file, and typed one after the other.
+//! Tests of points as lines: in a file, and typed one after the other.
 
 use super::*;
 use proptest::prelude::*;

@@ -1,8 +1,8 @@
-//! Each slip that people make is named.
+//! Tests that each common input mistake is named.
 
 use super::*;
 
-/// A grid with errors of a careful person, and one change.
+/// A grid with the errors of a careful person, and one change.
 fn refused(method: Method, change: impl Fn(&mut Vec<Pair>)) -> String {
     let mut noise = Noise::new(11);
     let truth = Truth::usual();
@@ -174,7 +174,8 @@ fn points_on_a_line_are_refused_as_that() {
             matches!(refusal.faults[..], [Fault::OnALine { .. }]),
             "{refusal}"
         );
-        // With one beside it, the plane is hardly better off; the pose of a camera hangs on that one.
+        // With one point beside the line, the plane is hardly better determined, and the camera's pose depends on that
+        // point alone.
         let refusal = on_a_line(10, Some([300.0, 400.0]));
         let fault = &refusal.faults[0];
         assert!(

@@ -1,4 +1,4 @@
-//! Users' files: what they replace, and what is refused.
+//! Tests of users' files: what they override, and what is rejected.
 
 use super::super::*;
 use super::find;
