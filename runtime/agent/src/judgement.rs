@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct Judgement {
     /// Whether the task was reached.
     pub reached: bool,
-    /// Why not, where it was not.
+    /// Why it was not reached, if so.
     pub why: Option<Cause>,
     /// The cause in the person's own words, if any.
     pub words: Option<String>,

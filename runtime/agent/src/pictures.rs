@@ -18,7 +18,7 @@ use image::{ImageFormat, RgbImage};
 /// The pictures of one step.
 #[derive(Clone, Debug)]
 pub struct Pictures {
-    /// The subgoals around the step, where the task has any.
+    /// The subgoals around the step, if the task has any.
     pub subgoals: Option<StepPictures>,
     /// The camera's picture.
     pub scene: RgbImage,

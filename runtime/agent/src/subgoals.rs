@@ -171,7 +171,7 @@ impl SubgoalSet {
     /// Returns the pictures around step `number`, from 0; the last step's if there are fewer, `None` if there are none
     /// at all.
     ///
-    /// Fails where the arrow cannot be drawn.
+    /// Fails if the arrow cannot be drawn.
     pub fn step(&self, number: usize) -> Result<Option<StepPictures>, VisionError> {
         if self.pictures.is_empty() {
             return Ok(None);

@@ -11,8 +11,8 @@ use fab_arm::settings::RosSettings;
 use roslibrust::ros1::{NodeError, NodeHandle};
 use std::time::{Duration, Instant};
 
-/// The topics of a server connect one after the other, goals first; wait this long after the first connection for the
-/// rest.
+/// Safety margin after a server was seen to connect to the cancellation topic; its topics connect one after the other,
+/// goals first.
 const CONNECT_SETTLE: Duration = Duration::from_millis(200);
 
 const POLL: Duration = Duration::from_millis(20);

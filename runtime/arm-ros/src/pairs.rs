@@ -31,7 +31,7 @@ pub(super) struct PairBuffer {
 #[derive(Default)]
 pub(super) struct Arrived {
     pub(super) pictures: VecDeque<(i64, Image)>,
-    /// The last rejected stamp, relative to the limit that it missed.
+    /// By how much the last rejected stamp was too old or too far ahead.
     pub(super) refused: Option<Refused>,
 }
 

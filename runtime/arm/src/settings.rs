@@ -1,7 +1,7 @@
 //! The settings of one arm over one table: a TOML file that its owner writes once.
 //!
 //! In: text. Out: [`Settings`], every number checked; an error names the key, its value and what would be right. The
-//! camera's pose is measured, and has a file of its own (`fabc calibrate`).
+//! camera's pose is measured, and stored in its own file (`fabc calibrate`).
 
 mod check;
 

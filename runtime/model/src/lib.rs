@@ -94,7 +94,7 @@ impl<'a> Models<'a> {
         }
     }
 
-    /// Returns the name for reports; both names where the roles differ.
+    /// Returns the name for reports; both names if the roles differ.
     pub fn name(&self) -> String {
         match self.vision.name() == self.text.name() {
             true => self.vision.name().to_owned(),

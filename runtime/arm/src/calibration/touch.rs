@@ -16,8 +16,8 @@ const STEP_S: f64 = 0.05;
 const REST_M: f64 = 0.000_5;
 
 /// How far the hand may be tilted from straight down, degrees. The tool's point is at the last joints of closed fingers
-/// (kinova_description: 0.115 m to the fingers' first joint plus 0.044 m, of 0.160 m). The fingertip extends about as
-/// far again as the link before it, so 4 degrees of tilt move it by 3 mm on the table.
+/// (kinova_description: 0.115 m to the fingers' first joint plus 0.044 m, of 0.160 m). The fingertip beyond it is about
+/// as long as the link before it, so 4 degrees of tilt move it by 3 mm on the table.
 const MAX_TILT_DEG: f64 = 4.0;
 
 /// Returns the tool's position at rest, metres, base frame; fails with the reason.

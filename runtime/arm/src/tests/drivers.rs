@@ -281,7 +281,7 @@ fn goals_that_are_lost_are_sent_again() {
 #[test]
 fn a_result_that_is_lost_is_replaced_by_a_look() {
     for by in By::BOTH {
-        // The message of the probe, and that of the motion.
+        // The result of the probe, and that of the motion.
         for lost_s in [0.0, ON_THE_WAY_S] {
             let mut bench = Bench::driven(by, &[(FaultKind::LostResult, lost_s)]);
             go(&mut bench).unwrap();

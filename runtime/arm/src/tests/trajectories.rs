@@ -52,7 +52,7 @@ fn a_stopped_trajectory_is_not_gone_on_with() {
 
 #[test]
 fn a_trajectory_under_a_pressed_stop_is_not_gone_on_with() {
-    // The stop is only requested, or executed by the driver; or the arm is enabled without the driver.
+    // The driver only notices the stop, or stops the arm as well; then the driver or somebody else enables it.
     for (is_stopped, by_driver) in [(false, true), (true, true), (true, false)] {
         let mut bench = Bench::driven(By::Trajectories, &[(FaultKind::PressedStop, ON_THE_WAY_S)]);
         assert_eq!(go(bench.driver()), Err(ArmError::Stopped));
