@@ -82,7 +82,8 @@ impl<A: Action> ActionClient<A> {
         Ok(id)
     }
 
-    /// Requests the cancellation of every goal of the server, whoever sent it: in actionlib, a cancellation without an id.
+    /// Requests the cancellation of every goal of the server, whoever sent it: in actionlib, a cancellation without an
+    /// id.
     pub(super) fn cancel_all(&self) -> Result<(), String> {
         publish(&self.cancels, &GoalID::default())
     }
@@ -102,8 +103,8 @@ pub(super) trait Client: Send + Sync {
     fn cancel(&self, id: &str) -> Result<(), String>;
     /// Waits until the server exists and receives from this client; `false` if the deadline comes first.
     ///
-    /// A server lists the cancellation of a goal that it never got, which has no other effect. This is the only response by
-    /// which a client of this library can tell that the server has connected to it.
+    /// A server lists the cancellation of a goal that it never got, which has no other effect. This is the only
+    /// response by which a client of this library can tell that the server has connected to it.
     fn wait_until_connected(&self, deadline: Instant) -> bool;
 }
 

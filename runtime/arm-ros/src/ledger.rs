@@ -1,7 +1,7 @@
 //! The states of the goals of one action server.
 //!
-//! In: goals that were sent, and the server's status lists and results. Out: the state of each goal. Any single message may
-//! be lost: a list repeats what a lost result reported, and an active goal that a list no longer names has ended.
+//! In: goals that were sent, and the server's status lists and results. Out: the state of each goal. Any single message
+//! may be lost: a list repeats what a lost result reported, and an active goal that a list no longer names has ended.
 
 use super::messages::actionlib_msgs::{GoalStatus, GoalStatusArray};
 use fab_arm::port::{Ending, GoalState};

@@ -1,11 +1,11 @@
 //! The ROS 1 connection: the node of kinova-ros, a joint trajectory controller, a camera's topics.
 //!
-//! In: the `[ros]` section of the settings. Out: a [`RosPort`] and a [`RosCamera`], which make no decisions. Each has its own
-//! ROS node and threads, so its methods are ordinary blocking calls. Message definitions are in `msgs/`; neither a build nor
-//! a run needs a ROS installation. Only this folder names roslibrust.
+//! In: the `[ros]` section of the settings. Out: a [`RosPort`] and a [`RosCamera`], which make no decisions. Each has
+//! its own ROS node and threads, so its methods are ordinary blocking calls. Message definitions are in `msgs/`;
+//! neither a build nor a run needs a ROS installation. Only this folder names roslibrust.
 //!
-//! Other machines find this one under `ROS_HOSTNAME`, else `ROS_IP`, else the machine's own name. The library reads these
-//! variables itself, so a `host` in the settings is only compared with the result.
+//! Other machines find this one under `ROS_HOSTNAME`, else `ROS_IP`, else the machine's own name. The library reads
+//! these variables itself, so a `host` in the settings is only compared with the result.
 
 mod connect;
 mod port;

@@ -1,7 +1,7 @@
 //! This program's ROS node, with its threads.
 //!
-//! In: the master's address. Out: a [`Link`], through which ordinary code starts asynchronous work and waits for it with a
-//! time limit.
+//! In: the master's address. Out: a [`Link`], through which ordinary code starts asynchronous work and waits for it
+//! with a time limit.
 
 use super::RosError;
 use fab_arm::settings::RosSettings;

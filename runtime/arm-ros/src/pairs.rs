@@ -1,7 +1,7 @@
 //! Pairs colour and depth pictures that arrive after a request.
 //!
-//! In: messages with stamps, in any order. Out: a colour picture with the depth nearest in time; and for rejected pictures,
-//! how far their stamps were off.
+//! In: messages with stamps, in any order. Out: a colour picture with the depth nearest in time; and for rejected
+//! pictures, how far their stamps were off.
 
 use super::messages::sensor_msgs::{CameraInfo, Image};
 use super::messages::std_msgs::Header;

@@ -1,7 +1,7 @@
 //! An arm behind ROS: the node of kinova-ros, and if the settings name one, a joint trajectory controller.
 //!
-//! In: goals, cancellations, stops. Out: the state of each goal, and the arm's readings. The driver decides what a silence or
-//! an ending means; only a goal for a silent server is refused here, because nothing would accept it.
+//! In: goals, cancellations, stops. Out: the state of each goal, and the arm's readings. The driver decides what a
+//! silence or an ending means; only a goal for a silent server is refused here, because nothing would accept it.
 
 use super::action::{ActionClient, Client};
 use super::link::Link;
@@ -14,7 +14,8 @@ use roslibrust::ros1::ServiceClient;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// How long a server may be silent before it counts as gone; actionlib's servers publish their status five times a second.
+/// How long a server may be silent before it counts as gone; actionlib's servers publish their status five times a
+/// second.
 const SILENCE: Duration = Duration::from_secs(1);
 
 /// Time limit of one service call.
@@ -121,8 +122,8 @@ impl RosPort {
         self.empty_controller()
     }
 
-    /// Cancels every trajectory, whoever sent it: `in/stop` only holds the joints, and the controller would resume once the
-    /// arm is enabled. Only this server is addressed, because a cancellation makes the others enable a stopped arm.
+    /// Cancels every trajectory, whoever sent it: `in/stop` only holds the joints, and the controller would resume once
+    /// the arm is enabled. Only this server is addressed, because a cancellation makes the others enable a stopped arm.
     fn empty_controller(&self) -> Result<(), String> {
         let trajectory = self.servers.trajectory.as_ref();
         trajectory.map_or(Ok(()), ActionClient::cancel_all)
@@ -202,9 +203,9 @@ impl Port for RosPort {
         })
     }
 
-    /// Stops repeatedly until every goal has ended, and once more: kinova-ros handles a cancelled or preempted goal with a
-    /// stop and a start, which would release a stop that came in between. For the same reason goals are cancelled only if
-    /// the service is not available.
+    /// Stops repeatedly until every goal has ended, and once more: kinova-ros handles a cancelled or preempted goal
+    /// with a stop and a start, which would release a stop that came in between. For the same reason goals are
+    /// cancelled only if the service is not available.
     fn stop(&mut self) -> Result<(), PortError> {
         let failed = |arm: &str, why: String| PortError {
             what: format!("the service `{arm}/in/stop`"),

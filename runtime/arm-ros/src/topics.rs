@@ -1,7 +1,7 @@
 //! Receives the arm's readings from its topics.
 //!
-//! In: messages. Out: [`Readings`], each value with its time of receipt. An invalid message is dropped, and the reason kept
-//! for the error if no reading arrives.
+//! In: messages. Out: [`Readings`], each value with its time of receipt. An invalid message is dropped, and the reason
+//! kept for the error if no reading arrives.
 
 use super::messages::geometry_msgs::PoseStamped;
 use super::messages::kinova_msgs::FingerPosition;

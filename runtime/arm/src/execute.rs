@@ -1,8 +1,8 @@
 //! Executes the segments of a pick and place, one after the other. Each is confirmed, logged and verified.
 //!
-//! In: segments, all checked against the limits beforehand. Out: what the fingers held, and where they closed and opened;
-//! else the error, the last verified segment, and whether the arm is verified to be stopped. On any error, and on a panic,
-//! the arm is stopped before anything else happens.
+//! In: segments, all checked against the limits beforehand. Out: what the fingers held, and where they closed and
+//! opened; else the error, the last verified segment, and whether the arm is verified to be stopped. On any error, and
+//! on a panic, the arm is stopped before anything else happens.
 
 use super::driver::{Arm, ArmError, ArmState, Halt, HandContents, Opening};
 use super::log::{ArmLog, Entry, LogError};

@@ -1,7 +1,8 @@
 //! The last run that moved an arm, recorded beside the arm's settings.
 //!
-//! In: a settings file, a run folder. Out: `NAME.last-run.json`, and whether a person must recover the arm before the next
-//! run, so that no run starts over an unfinished motion. Two settings files for one arm do not know about each other.
+//! In: a settings file, a run folder. Out: `NAME.last-run.json`, and whether a person must recover the arm before the
+//! next run, so that no run starts over an unfinished motion. Two settings files for one arm do not know about each
+//! other.
 
 use super::log::{ARM_FILE, LogError, RunState, run_state};
 use fab_base::files;

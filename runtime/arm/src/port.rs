@@ -104,7 +104,8 @@ pub trait Port {
     /// Requests the cancellation of a goal. The arm's node ends the motion and stays enabled.
     fn cancel(&mut self, goal: &GoalId) -> Result<(), PortError>;
 
-    /// Stops the arm, which then refuses motion until `start` (`in/stop`). Without that service every goal is cancelled.
+    /// Stops the arm, which then refuses motion until `start` (`in/stop`). Without that service every goal is
+    /// cancelled.
     fn stop(&mut self) -> Result<(), PortError>;
 
     /// Enables a stopped arm (`in/start`). Called only at a person's request.

@@ -1,8 +1,8 @@
 //! The segments of one pick and place, as in the paper.
 //!
-//! In: two points on the table, and the motion settings. Out: segments in order, each with its name and target. The paper:
-//! approach to 5 mm above the pick, down, grasp, up 5 mm, over, down, release, up. Distances are exact: each segment is one
-//! motion to an absolute pose, where the authors' code counts steps of 50 mm.
+//! In: two points on the table, and the motion settings. Out: segments in order, each with its name and target. The
+//! paper: approach to 5 mm above the pick, down, grasp, up 5 mm, over, down, release, up. Distances are exact: each
+//! segment is one motion to an absolute pose, where the authors' code counts steps of 50 mm.
 
 use super::driver::Opening;
 use super::kinematics::tool_down::tool_down;

@@ -1,7 +1,7 @@
 //! Maps pixels to the base frame, by either method.
 //!
-//! In: undistorted pixels, with depth if available. Out: points in the base frame, metres, and back. Finding a fit is left
-//! to `plane` and `rigid`.
+//! In: undistorted pixels, with depth if available. Out: points in the base frame, metres, and back. Finding a fit is
+//! left to `plane` and `rigid`.
 
 use super::fault::Fault;
 use super::sighting::Sighting;

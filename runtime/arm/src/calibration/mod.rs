@@ -1,10 +1,10 @@
 //! Camera calibration: maps pixels to the arm's base frame, from points that the arm touched and the camera saw.
 //!
-//! In: [`Pair`]s of a pixel and a tool position, and the [`Terms`] that they must meet. Out: a [`Calibration`], with the
-//! error of each point and how point errors propagate over the table; or a [`Refusal`] that names the mistake. A
-//! calibration is a text file with a picture beside it (`file`), detects that its camera was moved (`moved`), and provides
-//! the camera model of the square picture that tasks see (`view`). Nothing here talks to a person or reads a clock; the arm
-//! is only read, at a point to which a person guided it (`touch`).
+//! In: [`Pair`]s of a pixel and a tool position, and the [`Terms`] that they must meet. Out: a [`Calibration`], with
+//! the error of each point and how point errors propagate over the table; or a [`Refusal`] that names the mistake. A
+//! calibration is a text file with a picture beside it (`file`), detects that its camera was moved (`moved`), and
+//! provides the camera model of the square picture that tasks see (`view`). Nothing here talks to a person or reads a
+//! clock; the arm is only read, at a point to which a person guided it (`touch`).
 
 mod accuracy;
 mod fault;

@@ -1,7 +1,7 @@
 //! Detects whether the camera was moved since its calibration.
 //!
-//! In: a calibration with its reference picture, and a new shot. Out: [`Moved`]. Marks of the reference are matched in the
-//! new picture. Cloth and arm hide or move some of them, so the motion that most marks share decides.
+//! In: a calibration with its reference picture, and a new shot. Out: [`Moved`]. Marks of the reference are matched in
+//! the new picture. Cloth and arm hide or move some of them, so the motion that most marks share decides.
 
 use super::Calibration;
 use crate::rgbd::{Intrinsics, Shot};

@@ -1,7 +1,7 @@
 //! Detects common input mistakes: a mistyped point, swapped axes, millimetres instead of metres.
 //!
-//! In: points as given. Out: faults that name the point and the likely mistake. Nothing is corrected silently: a mistyped
-//! point may also have been touched wrongly.
+//! In: points as given. Out: faults that name the point and the likely mistake. Nothing is corrected silently: a
+//! mistyped point may also have been touched wrongly.
 
 use super::accuracy::{errors_mm, root_mean_square};
 use super::fault::{Fault, MAX_DEPTH_M, MAX_LIMIT_MM};

@@ -1,7 +1,7 @@
 //! The camera model of the square picture that tasks see.
 //!
-//! In: a calibration, the pose of the world frame, the window. Out: a [`Camera`]. Cutting and scaling the picture is left
-//! to the world that takes it.
+//! In: a calibration, the pose of the world frame, the window. Out: a [`Camera`]. Cutting and scaling the picture is
+//! left to the world that takes it.
 
 use super::Calibration;
 use super::fit::{Fit, height_at};

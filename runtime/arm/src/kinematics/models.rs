@@ -1,7 +1,7 @@
 //! The supported arms, read from `models.toml`.
 //!
-//! In: a model's name. Out: its [`Chain`], or the names of the supported models. `models.toml` holds the figures and the
-//! source of each; only their units are converted here.
+//! In: a model's name. Out: its [`Chain`], or the names of the supported models. `models.toml` holds the figures and
+//! the source of each; only their units are converted here.
 
 use super::chain::{Chain, JOINTS, Joint};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};

@@ -1,10 +1,11 @@
 //! The reach of a hand that points straight down.
 //!
-//! In: a point in the base frame, and heights above it that the hand must reach too. Out: joint angles at the point from
-//! which the hand can go straight up; else the point's distance from the base, the range at that height, and why the point
-//! is not reached. The last joint turns without limit, so reach does not depend on the rotation of the hand. Three
-//! conditions apply beyond the joint limits: the elbow stays above the point by more than a link's thickness, because the
-//! table lies below the point; the hand stays off the base; and the path up is straight. Other collisions are not checked.
+//! In: a point in the base frame, and heights above it that the hand must reach too. Out: joint angles at the point
+//! from which the hand can go straight up; else the point's distance from the base, the range at that height, and why
+//! the point is not reached. The last joint turns without limit, so reach does not depend on the rotation of the hand.
+//! Three conditions apply beyond the joint limits: the elbow stays above the point by more than a link's thickness,
+//! because the table lies below the point; the hand stays off the base; and the path up is straight. Other collisions
+//! are not checked.
 //!
 //! At the height of the base, the tool comes to within 0.18 m of the first axis and 0.70 m away from it (`j2n6s200`,
 //! `j2n6s300`), or 0.16 m and 0.72 m (`j2s6s200`).

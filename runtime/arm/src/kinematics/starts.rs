@@ -1,8 +1,8 @@
 //! Initial guesses for inverse kinematics, used when the arm's own posture does not lead to a pose.
 //!
-//! In: a chain and a pose. Out: postures within the limits, nearest to the pose first. A Kronecker sequence spreads them
-//! evenly over the joint angles, so the list is the same each time. The first and the last joint turn about known axes and
-//! are chosen for the pose.
+//! In: a chain and a pose. Out: postures within the limits, nearest to the pose first. A Kronecker sequence spreads
+//! them evenly over the joint angles, so the list is the same each time. The first and the last joint turn about known
+//! axes and are chosen for the pose.
 
 use super::chain::{Chain, JOINTS, METRES_PER_RAD, about_z, nearest_turn};
 use nalgebra::Isometry3;

@@ -1,10 +1,10 @@
 //! All postures in which the hand points straight down, at a given distance and height.
 //!
-//! In: a chain; the tool's distance from the first joint's axis, and its height. Out: joint angles within the limits. The
-//! list is complete but for one family, so an empty list means out of reach. With the hand down, the last joint's axis is
-//! vertical: that joint only turns the hand. The fifth joint is scanned in steps. Its angle fixes the direction of the
-//! forearm, and with that the position of the elbow. The elbow can be there if its distance from the shoulder equals the
-//! length of the upper arm: a root in one unknown.
+//! In: a chain; the tool's distance from the first joint's axis, and its height. Out: joint angles within the limits.
+//! The list is complete but for one family, so an empty list means out of reach. With the hand down, the last joint's
+//! axis is vertical: that joint only turns the hand. The fifth joint is scanned in steps. Its angle fixes the direction
+//! of the forearm, and with that the position of the elbow. The elbow can be there if its distance from the shoulder
+//! equals the length of the upper arm: a root in one unknown.
 //!
 //! One family is omitted: at the two angles of the fifth joint at which forearm and hand are parallel, both may be
 //! vertical with any angle of the fourth. It adds only positions less than 0.16 m from the axis, from which most paths

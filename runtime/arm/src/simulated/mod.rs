@@ -1,10 +1,11 @@
 //! A simulated arm that behaves like the node of the real one.
 //!
-//! In: the messages of a [`Port`], on a clock that only [`Port::wait`] advances. Out: moving joints and fingers, reports
-//! that arrive late or never, and cloth under the hand. As with kinova-ros, readings come ten times a second; a goal
-//! counts as reached within 10 mm and 2 degrees; a goal that is cancelled, preempted or stalls makes the node stop the arm
-//! and *start it again*; and a stopped arm aborts every goal, except a trajectory, which waits until the arm is enabled and
-//! is aborted after twice its duration. There are no dynamics: a motion has constant speed and ends at once.
+//! In: the messages of a [`Port`], on a clock that only [`Port::wait`] advances. Out: moving joints and fingers,
+//! reports that arrive late or never, and cloth under the hand. As with kinova-ros, readings come ten times a second; a
+//! goal counts as reached within 10 mm and 2 degrees; a goal that is cancelled, preempted or stalls makes the node stop
+//! the arm and *start it again*; and a stopped arm aborts every goal, except a trajectory, which waits until the arm is
+//! enabled and is aborted after twice its duration. There are no dynamics: a motion has constant speed and ends at
+//! once.
 
 mod body;
 mod faults;

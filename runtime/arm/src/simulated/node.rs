@@ -188,8 +188,8 @@ impl Node {
         });
     }
 
-    /// Preempts an active goal as kinova-ros does: it stops the arm and starts it again; for a trajectory it empties the
-    /// controller instead.
+    /// Preempts an active goal as kinova-ros does: it stops the arm and starts it again; for a trajectory it empties
+    /// the controller instead.
     fn preempt(
         &mut self,
         is_meant: impl Fn(&Active) -> bool,

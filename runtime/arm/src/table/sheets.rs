@@ -1,7 +1,7 @@
 //! Printed sheets around the cloth on a simulated table, which make a moved camera detectable.
 //!
-//! In: a point on the table. Out: what is printed there. The sheets are grey, so that a colour mask ignores them, and lie
-//! outside the area of a cloth in the middle of the table.
+//! In: a point on the table. Out: what is printed there. The sheets are grey, so that a colour mask ignores them, and
+//! lie outside the area of a cloth in the middle of the table.
 
 /// Centres of the sheets, metres, world frame.
 const MIDDLES_M: [[f64; 2]; 12] = [

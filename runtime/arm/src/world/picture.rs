@@ -1,7 +1,7 @@
 //! The task's square picture, cut from the camera's full picture; and the picture of the flat cloth.
 //!
-//! In: a shot in the camera's full size, or the file that the settings name. Out: the square picture of the task's camera,
-//! with its camera model. Taking pictures and detecting a moved camera are left to the world.
+//! In: a shot in the camera's full size, or the file that the settings name. Out: the square picture of the task's
+//! camera, with its camera model. Taking pictures and detecting a moved camera are left to the world.
 
 use super::Parts;
 use super::base_from_world;
