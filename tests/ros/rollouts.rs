@@ -63,7 +63,7 @@ const CASES: [(What, &str, End); 23] = [
     (Fails(Runaway), "over_pick", Stopped("workspace")),
     (Fails(PressedStop), "over", Stopped("takes no motion")),
     (Fails(PressedStop), "grasp", Stopped("takes no motion")),
-    (Fails(Silence), "over", Unverified("has not said for")),
+    (Fails(Silence), "over", Unverified("has not reported for")),
     (NodeHangs, "lift", Unverified("use the physical stop")),
     (Fails(NoPicture), "away", Failed("gave no picture")),
     (Signal("INT"), "down_to_place", Interrupted),

@@ -56,7 +56,7 @@ pub enum JournalError {
     },
     /// The repeated rollout differs from the original.
     #[error(
-        "the rollout in `{path}` cannot be gone on with, since it does not come out the same: {why}"
+        "the rollout in `{path}` cannot be resumed, because it does not repeat identically: {why}"
     )]
     Differs {
         /// The folder.

@@ -59,7 +59,7 @@ pub enum SeeError {
     },
     /// A layer shows where the last action picked, which is unknown.
     #[error(
-        "the layer `{layer}` shows where the last action picked, which is not said beside its place"
+        "the layer `{layer}` shows where the last action picked, which was not given with its place"
     )]
     NeedsPick {
         /// The layer.

@@ -1,7 +1,7 @@
 //! A camera behind ROS: colour, aligned depth and intrinsics, from three topics.
 //!
-//! In: topics. Out: pictures that were taken after the request, judged by the camera's own stamps. These are compared with
-//! this machine's clock, so a camera whose machine has another time is refused with an explanation.
+//! In: topics. Out: pictures that were taken after the request, judged by the camera's own stamps. These are compared
+//! with this machine's clock, so a camera whose machine has another time is refused with an explanation.
 
 use super::RosError;
 use super::link::{Link, bounded_wait};
@@ -93,7 +93,7 @@ impl RosCamera {
         };
         let refused = |topic: &str, refused: Refused| {
             let (by_ns, side) = match refused {
-                Refused::Old { by_ns } => (by_ns, "before the picture was asked for"),
+                Refused::Old { by_ns } => (by_ns, "before the picture was requested"),
                 Refused::Ahead { by_ns } => (by_ns, "in the future"),
             };
             let by_s = by_ns as f64 / 1e9;

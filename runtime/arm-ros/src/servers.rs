@@ -1,7 +1,7 @@
 //! The action servers of an arm's node, and the goal messages for them.
 //!
-//! In: goals in metres and radians. Out: messages in the units of kinova-ros: metres and unit quaternions, degrees, finger
-//! units; radians for trajectories. A goal that no message can represent is refused here, with a reason.
+//! In: goals in metres and radians. Out: messages in the units of kinova-ros: metres and unit quaternions, degrees,
+//! finger units; radians for trajectories. A goal that no message can represent is refused here, with a reason.
 
 use super::action::Action;
 use super::messages::actionlib_msgs::{GoalID, GoalStatus};
@@ -211,7 +211,7 @@ fn check_count(found: usize, expected: usize, what: &str) -> Result<(), String> 
 
 fn check_finite<'a>(values: impl IntoIterator<Item = &'a f64>) -> Result<(), String> {
     match values.into_iter().find(|value| !value.is_finite()) {
-        Some(value) => Err(format!("it holds `{value}`, which is no number")),
+        Some(value) => Err(format!("it holds `{value}`, which is not a number")),
         None => Ok(()),
     }
 }
@@ -255,7 +255,7 @@ mod tests {
         let faults = [
             (
                 tool_pose(&nowhere, "f").err(),
-                "it holds `NaN`, which is no number",
+                "it holds `NaN`, which is not a number",
             ),
             (
                 joint_angles(&[0.0; 5], 6).err(),
@@ -263,7 +263,7 @@ mod tests {
             ),
             (
                 joint_angles(&[1e300; 6], 6).err(),
-                "it holds `inf`, which is no number",
+                "it holds `inf`, which is not a number",
             ),
             (
                 fingers(&[0.0; 3], 2).err(),

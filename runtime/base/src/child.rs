@@ -106,7 +106,7 @@ pub enum ChildError {
         stderr: String,
     },
     /// It took too long.
-    #[error("`{command}` did not answer within {limit_s} s and was ended{stderr}")]
+    #[error("`{command}` did not answer within {limit_s} s and was killed{stderr}")]
     Silent {
         /// The command line.
         command: String,
@@ -116,9 +116,7 @@ pub enum ChildError {
         stderr: String,
     },
     /// It wrote a line longer than the limit.
-    #[error(
-        "`{command}` wrote {MAX_LINE_BYTES} bytes without the end of a line and was ended{stderr}"
-    )]
+    #[error("`{command}` wrote {MAX_LINE_BYTES} bytes without a newline and was killed{stderr}")]
     Flooded {
         /// The command line.
         command: String,
@@ -127,7 +125,7 @@ pub enum ChildError {
     },
     /// It wrote more than one line for one question.
     #[error(
-        "`{command}` wrote a line that nobody asked for, `{line}`: one answer is due for each question"
+        "`{command}` wrote an unexpected line, `{line}`: it must write one answer per question"
     )]
     Unasked {
         /// The command line.
@@ -136,7 +134,9 @@ pub enum ChildError {
         line: String,
     },
     /// Its answer is not a valid one.
-    #[error("`{command}` wrote `{line}`, which is no answer: {why}; an answer is one line of JSON")]
+    #[error(
+        "`{command}` wrote `{line}`, which is not a valid answer: {why}; an answer is one line of JSON"
+    )]
     NoAnswer {
         /// The command line.
         command: String,
@@ -521,7 +521,7 @@ mod tests {
             ),
             (
                 "echo hello",
-                "wrote `hello`, which is no answer: expected value",
+                "wrote `hello`, which is not a valid answer: expected value",
             ),
             ("exec 1>&-; sleep 60", "it closed its stdout and went on"),
             (
@@ -546,7 +546,7 @@ mod tests {
         thread::sleep(Duration::from_millis(300));
         let error = child
             .ask::<u32>(&2, SOON, &quiet)
-            .expect_err("a line nobody asked for");
+            .expect_err("an unexpected line");
         assert!(matches!(error, ChildError::Unasked { .. }), "{error}");
     }
 

@@ -44,7 +44,7 @@ pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> {
         return Err("it is a directory".to_owned());
     }
     if !information.is_file() {
-        return Err("it is no regular file".to_owned());
+        return Err("it is not a regular file".to_owned());
     }
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|error| error.to_string())?;
@@ -59,7 +59,7 @@ pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, String> {
 
 /// Reads a regular file of at most `max_bytes` of UTF-8; fails with the reason.
 pub fn read_text(path: &Path, max_bytes: u64) -> Result<String, String> {
-    String::from_utf8(read(path, max_bytes)?).map_err(|_| "it is no UTF-8 text".to_owned())
+    String::from_utf8(read(path, max_bytes)?).map_err(|_| "it is not UTF-8 text".to_owned())
 }
 
 /// Returns the line, from 1, of the byte at `offset`.

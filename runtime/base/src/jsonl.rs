@@ -95,7 +95,7 @@ impl Reader {
     pub fn open(path: &Path, max_bytes: u64) -> Result<Reader, String> {
         let information = path.metadata().map_err(|error| error.to_string())?;
         if !information.is_file() {
-            return Err("it is no regular file".to_owned());
+            return Err("it is not a regular file".to_owned());
         }
         if information.len() > max_bytes {
             return Err(format!("it is longer than the limit of {max_bytes} bytes"));
@@ -210,7 +210,7 @@ mod tests {
         let long = Reader::open(&path, 100).expect_err("a long file");
         assert_eq!(long, "it is longer than the limit of 100 bytes");
         let no_file = Reader::open(folder.path(), 100).expect_err("a folder");
-        assert_eq!(no_file, "it is no regular file");
+        assert_eq!(no_file, "it is not a regular file");
     }
 
     #[test]

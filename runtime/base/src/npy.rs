@@ -30,7 +30,7 @@ pub fn encode_floats(shape: &[u64], numbers: impl IntoIterator<Item = f32>) -> V
 /// The decoder trusts the header when it reserves memory and multiplies the shape, so a damaged or forged header must
 /// not reach it.
 pub fn check_header(bytes: &[u8]) -> Result<(), String> {
-    let cut = || "it is no .npy file, or a cut one".to_owned();
+    let cut = || "it is not a .npy file, or it is truncated".to_owned();
     if !bytes.starts_with(b"\x93NUMPY") {
         return Err("it does not begin as a .npy file does".to_owned());
     }

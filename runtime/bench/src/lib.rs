@@ -155,7 +155,8 @@ pub enum BenchError {
     },
     /// The provider refuses every call, so all further rollouts would fail the same way.
     #[error(
-        "the provider refuses to answer ({fault}); the journal in `{}` has its words. What has ended is kept, and the same `--out` goes on from there", folder.display()
+        "the provider refuses to answer ({fault}); the journal in `{}` has its message. Finished rollouts are kept, \
+         and the same `--out` continues from there", folder.display()
     )]
     Refused {
         /// The first rollout that failed this way.
@@ -165,18 +166,20 @@ pub enum BenchError {
     },
     /// An earlier part of the suite left the arm in the middle of a motion.
     #[error(
-        "the rollout in `{}` left the arm in the middle of a motion: nothing is begun before a person has looked after it; `fabc robot recover {}` says how it was left", folder.display(), folder.display()
+        "the rollout in `{}` left the arm in the middle of a motion: nothing more starts until a person has \
+         recovered it; `fabc robot recover {}` shows the state in which it was left", folder.display(), folder.display()
     )]
     LeftUnclear {
         /// The run folder.
         folder: PathBuf,
     },
     /// An arm's journal cannot be read.
-    #[error("how the arm was left is not known: {0}")]
+    #[error("the state in which the arm was left is unknown: {0}")]
     ArmLog(#[from] LogError),
     /// The suite measures something that is unknown for a real cloth.
     #[error(
-        "the suite measures `{metric}`, and of a real cloth nobody knows where its particles are: run it in the simulator or on a simulated arm; `physical` is made for a real one"
+        "the suite measures `{metric}`, which needs particle positions, and those of a real cloth are unknown: run \
+         it in the simulator or on a simulated arm; `physical` is made for a real one"
     )]
     NoParticles {
         /// The metric.

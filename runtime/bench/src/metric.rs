@@ -174,7 +174,7 @@ pub const METRICS: &[Row] = &[
         heading: "NI, picture",
         measured_on: Some(CoverageSource::Picture),
         read: |_, reading| reading.last(|step| step.line.measures.normalized_improvement),
-        about: "normalized improvement by pictures, where nobody knows the cloth's particles",
+        about: "normalized improvement by pictures, for a cloth with unknown particles",
         ..PLAIN
     },
     Row {

@@ -164,7 +164,7 @@ fn listed(manifest: &Value, task: &str) -> Result<Vec<(u64, PathBuf)>, String> {
     let all = manifest[key].as_array().map_or(&[][..], Vec::as_slice);
     if all.is_empty() {
         return Err(format!(
-            "its `{key}` are empty; right would be at least one start"
+            "its `{key}` are empty; at least one start is needed"
         ));
     }
     let mut found = Vec::new();
@@ -212,7 +212,8 @@ fn positions_in(folder: &Path) -> Result<Vec<PathBuf>, String> {
     }
     if files.is_empty() {
         return Err(
-            "it has no manifest.json and no .npy file; right would be a folder of recorded starts, or of those that `fabc sim crumple -o` writes"
+            "it has no manifest.json and no .npy file; expected a folder of recorded starts, or of those that `fabc \
+             sim crumple -o` writes"
                 .to_owned(),
         );
     }

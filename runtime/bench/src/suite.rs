@@ -204,13 +204,13 @@ impl Suite {
         for quote in &self.quotes {
             let finite = quote.spread.into_iter().chain([quote.value]);
             if !finite.into_iter().all(f64::is_finite) {
-                return wrong("quoted.value", "it is no finite number".to_owned());
+                return wrong("quoted.value", "it is not a finite number".to_owned());
             }
             quote.n.map_or(Ok(()), |n| within("quoted.n", n))?;
             if quote.statistic == Statistic::Share && !(0.0..=1.0).contains(&quote.value) {
                 return wrong(
                     "quoted.value",
-                    format!("{} is no share from 0 to 1", quote.value),
+                    format!("{} is not a share from 0 to 1", quote.value),
                 );
             }
         }
@@ -219,7 +219,8 @@ impl Suite {
             let distance = |metric: &&Metric| metric.row().fold_fraction.is_some();
             if let Some(metric) = self.metrics.iter().find(distance) {
                 let why = format!(
-                    "`{}` compares with simulated ends of the same start, and nobody knows how a cloth lies that is laid by hand",
+                    "`{}` compares with simulated ends of the same start, and the particle positions of a cloth laid \
+                     by hand are unknown",
                     metric.row().name
                 );
                 return wrong("metrics", why);

@@ -35,7 +35,7 @@ pub enum PictureError {
     },
     /// A depth picture is not grey.
     #[error(
-        "`{path}` is a picture in {found} and no depth picture; one is grey, with 255 levels a metre in 8 bits or \
+        "`{path}` is a picture in {found}, not a depth picture; those are grey, with 255 levels a metre in 8 bits or \
          with millimetres in 16"
     )]
     NotDepth {
@@ -45,7 +45,7 @@ pub enum PictureError {
         found: String,
     },
     /// The picture is too large.
-    #[error("`{path}` is {found}; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels are read")]
+    #[error("`{path}` is {found}; at most {MAX_SIDE_PX} by {MAX_SIDE_PX} pixels are accepted")]
     TooLarge {
         /// The file.
         path: PathBuf,

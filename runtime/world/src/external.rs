@@ -79,7 +79,7 @@ impl ExternalWorld {
         let folder = folder.map_err(|error| failed(error.to_string()))?;
         if folder.path().to_str().is_none() {
             return Err(failed(format!(
-                "the folder for files, `{}`, is no UTF-8, so no line can name it: set TMPDIR to another one",
+                "the folder for files, `{}`, is not UTF-8, so no line can name it: set TMPDIR to another one",
                 folder.path().display()
             )));
         }
@@ -103,7 +103,7 @@ impl ExternalWorld {
         ] {
             if value.trim().is_empty() {
                 return Err(failed(format!(
-                    "`{command}` states an empty `{key}`, and results are kept under it"
+                    "`{command}` states an empty `{key}`, and results are stored under it"
                 )));
             }
         }
@@ -245,7 +245,7 @@ impl ExternalWorld {
         let bytes = files::read(file, MAX_ARRAY_BYTES).map_err(wrong)?;
         let positions = npy::decode(&bytes).ok_or_else(|| {
             wrong(
-                "they are no .npy file of little-endian float32 numbers of shape [particles, 3]"
+                "they are not a .npy file of little-endian float32 numbers of shape [particles, 3]"
                     .to_owned(),
             )
         })?;
@@ -334,7 +334,7 @@ impl World for ExternalWorld {
             .all(|depth| depth.is_finite() && *depth >= 0.0)
         {
             return Err(wrong(
-                "a depth is negative or not finite; 0 says that there is no reading".to_owned(),
+                "a depth is negative or not finite; 0 means no reading".to_owned(),
             ));
         }
         let depths = depths.into_iter().map(|depth| depth as f32).collect();

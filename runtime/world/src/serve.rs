@@ -45,7 +45,7 @@ pub fn serve(questions: impl BufRead + Send + 'static, answers: &mut impl Write)
     while let Ok((question, interrupt)) = lines.recv() {
         let answer = match question {
             Ok(question) => served.answer(question, &interrupt),
-            Err(error) => Err(Stopped::Refused(format!("it is no question: {error}"))),
+            Err(error) => Err(Stopped::Refused(format!("it is not a question: {error}"))),
         };
         let answer = answer.unwrap_or_else(|stopped| match stopped {
             Stopped::Refused(why) => json!({ "refused": why }),
@@ -190,7 +190,7 @@ fn read(laid: &Laid) -> Result<Start, Stopped> {
     let bytes = files::read(&laid.positions, MAX_BYTES).map_err(Stopped::Refused)?;
     let positions = npy::decode(&bytes);
     let refused = || {
-        Stopped::Refused("its positions are no float32 array of shape [particles, 3]".to_owned())
+        Stopped::Refused("its positions are not a float32 array of shape [particles, 3]".to_owned())
     };
     Ok(Start {
         name: laid.name.clone(),

@@ -55,7 +55,7 @@ pub enum MakeError {
     Task(String),
     /// Too few starts led to accepted answers.
     #[error(
-        "only {made} of {wanted} demonstrations were had from {tried} starts; the last failed because {why}"
+        "only {made} of {wanted} demonstrations were made from {tried} starts; the last failed because {why}"
     )]
     TooFew {
         /// How many were made.

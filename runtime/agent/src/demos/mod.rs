@@ -101,7 +101,7 @@ pub enum DemosError {
         why: String,
     },
     /// They cannot be written in the point convention of the model.
-    #[error("the demonstrations cannot be told to this model: {why}")]
+    #[error("the demonstrations cannot be written for this model: {why}")]
     Frame {
         /// What is wrong.
         why: String,

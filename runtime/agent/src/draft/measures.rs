@@ -134,7 +134,7 @@ mod tests {
         assert!(close(height_m, 1.0) && close(fov_deg, 43.8), "{fov_deg}");
         assert_eq!(dims, [81, 65]);
         for (height_m, longer_m, told) in [
-            (None, Some(0.02), "asks for a camera"),
+            (None, Some(0.02), "needs a camera"),
             (
                 Some(0.1),
                 Some(1.2),
@@ -148,7 +148,7 @@ mod tests {
             (
                 Some(4.9),
                 None,
-                "would measure 2534 mm; right is at most 1244 mm",
+                "would measure 2534 mm; at most 1244 mm can be simulated",
             ),
         ] {
             let message = of(height_m, longer_m).unwrap_err().to_string();

@@ -294,18 +294,18 @@ fn pictures_that_show_no_fold_are_refused_with_what_would_be_right() {
             vec![&carpet, &carpet],
             "the table on `carpet.png` is not plain: ",
         ),
-        (vec![], "0 pictures show no fold; right are 2 to 101"),
+        (vec![], "0 pictures show no fold; there must be 2 to 101"),
         (
             vec![&flat],
-            "one picture shows no fold; give one more than there are steps; right are 2 to 101",
+            "one picture shows no fold; give one more than there are steps; there must be 2 to 101",
         ),
         (
             vec![&flat, &wide],
-            "`wide.png` has 224 x 200 px; right is a square",
+            "`wide.png` has 224 x 200 px; it must be a square",
         ),
         (
             vec![&tiny, &tiny],
-            "`tiny.png` has 16 x 16 px; right is a square of 32 to 2048",
+            "`tiny.png` has 16 x 16 px; it must be a square of 32 to 2048",
         ),
         (
             vec![&flat, &small],
@@ -313,7 +313,7 @@ fn pictures_that_show_no_fold_are_refused_with_what_would_be_right() {
         ),
         (
             vec![&flat, &table],
-            "no cloth is seen on `table.png`: 0 of its 50176 px",
+            "no cloth is seen on `table.png`: its largest patch unlike the colours at its border has 0 of 50176 px",
         ),
         (
             vec![&speck, &speck],

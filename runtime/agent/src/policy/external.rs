@@ -86,7 +86,7 @@ impl Policy for External {
         let folder = &std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
         if folder.to_str().is_none() {
             return Err(PolicyError::Unfit(format!(
-                "the run folder `{}` is no UTF-8, so no line can name it: name another one with `--out`",
+                "the run folder `{}` is not UTF-8, so no line can name it: choose another one with `--out`",
                 folder.display()
             )));
         }
@@ -199,7 +199,8 @@ fn read(step: &StepView<'_>, line: &str) -> Answer {
         },
         Ok(_) => unreadable(
             "grips",
-            "one of `grips` and `refuse` is due, and the answer has both or neither".to_owned(),
+            "the answer must have either `grips` or `refuse`, and it has both or neither"
+                .to_owned(),
         ),
         Err(error) => unreadable("grips", error.to_string()),
     }

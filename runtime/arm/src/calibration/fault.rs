@@ -82,8 +82,8 @@ pub enum Fault {
     },
     /// Too few points.
     #[error(
-        "{n} points at places of their own are too few: {MIN_PAIRS} are needed, since four fit whatever was typed; a \
-         grid of 4 x 4 over the table is good"
+        "{n} distinct points are too few: at least {MIN_PAIRS} are needed, because any four points fit exactly; \
+         touch a grid of 4 x 4 over the table"
     )]
     TooFew {
         /// How many there are.
@@ -91,7 +91,8 @@ pub enum Fault {
     },
     /// The rigid method lacks depth.
     #[error(
-        "the method `rigid` needs a depth at every point, and {} of {n_all} have none, the first being point {first}; the method `plane` needs none",
+        "the method `rigid` needs a depth at every point, and {} of {n_all} have none, starting with point {first}; \
+         the method `plane` needs none",
         n_without
     )]
     NoDepth {
@@ -157,8 +158,8 @@ pub enum Fault {
     },
     /// A point that contradicts the others.
     #[error(
-        "point {point} is {off_mm:.1} mm off: by the others its pixel shows {:.4}, {:.4}, {:.4}, and it was given as \
-         {:.4}, {:.4}, {:.4}; {hint}", shown_m[0], shown_m[1], shown_m[2], base_m[0], base_m[1], base_m[2]
+        "point {point} is {off_mm:.1} mm off: according to the others its pixel shows {:.4}, {:.4}, {:.4}, but it \
+         was given as {:.4}, {:.4}, {:.4}; {hint}", shown_m[0], shown_m[1], shown_m[2], base_m[0], base_m[1], base_m[2]
     )]
     Slip {
         /// Its number.
@@ -195,7 +196,7 @@ pub enum Fault {
     },
     /// The fit depends on a single point.
     #[error(
-        "without point {point} the others determine nothing: touch more points, away from their line"
+        "without point {point} the others do not determine a fit: touch more points, away from their line"
     )]
     HangsOn {
         /// Its number.
@@ -203,8 +204,8 @@ pub enum Fault {
     },
     /// The camera sees nothing that the arm reaches.
     #[error(
-        "by the points, the window shows x {:.2} to {:.2} and y {:.2} to {:.2} m, and the workspace is x {:.2} to \
-         {:.2} and y {:.2} to {:.2} m: nothing in both; are signs lost, or is the window another?",
+        "according to the points, the window shows x {:.2} to {:.2} and y {:.2} to {:.2} m, but the workspace is x \
+         {:.2} to {:.2} and y {:.2} to {:.2} m: they do not overlap; is a sign missing, or is the window wrong?",
         shown_m[0][0], shown_m[1][0], shown_m[0][1], shown_m[1][1],
         reach_m[0][0], reach_m[1][0], reach_m[0][1], reach_m[1][1]
     )]
@@ -232,20 +233,23 @@ pub enum Fault {
     },
     /// A table that is not level.
     #[error(
-        "by the heights, the table is tilted by {tilt_deg:.1} degrees against the arm's base; at most {MAX_TILT_DEG} are accepted: were the fingertips on the table at every point?"
+        "according to the heights, the table is tilted by {tilt_deg:.1} degrees against the arm's base; at most \
+         {MAX_TILT_DEG} are accepted: were the fingertips on the table at every point?"
     )]
     Tilted {
         /// The tilt, degrees.
         tilt_deg: f64,
     },
     /// Depth readings on a different scale than the arm.
-    #[error("by the depth readings the table is {scale:.3} times as large as by the arm, and at most {:.0} % are accepted: the depth or `focal_px` is wrong; the method `plane` needs neither", MAX_SCALE_OFF * 100.0)]
+    #[error("according to the depth readings the table is {scale:.3} times as large as according to the arm, and at \
+     most {:.0} % are accepted: the depth or `focal_px` is wrong; the method `plane` needs neither", MAX_SCALE_OFF * 100.0)]
     Scale {
         /// Size according to depth, divided by size according to the arm.
         scale: f64,
     },
     /// An invalid limit.
-    #[error("the limit is {limit_mm} mm; it is larger than 0 and at most {MAX_LIMIT_MM}, and {} or {} (plane, rigid) unless it is said", Method::Plane.limit_mm(), Method::Rigid.limit_mm())]
+    #[error("the limit is {limit_mm} mm; it must be larger than 0 and at most {MAX_LIMIT_MM}; the default is {} for \
+     `plane` and {} for `rigid`", Method::Plane.limit_mm(), Method::Rigid.limit_mm())]
     Limit {
         /// The limit as given.
         limit_mm: f64,

@@ -109,8 +109,7 @@ impl Calibration {
         };
         let unreadable = |why: String| wrong(path, format!("cannot be read: {why}"));
         let text = files::read_text(path, MAX_BYTES).map_err(unreadable)?;
-        let unusable =
-            |why: String| wrong(path, format!("is no calibration that can be used: {why}"));
+        let unusable = |why: String| wrong(path, format!("is not a usable calibration: {why}"));
         let (mut calibration, hash) = Calibration::parse(&text).map_err(unusable)?;
         if let Some(hash) = hash {
             let beside = Calibration::picture_beside(path);
@@ -137,7 +136,7 @@ impl Calibration {
         if !is_day(&stored.made_on) {
             let day: String = stored.made_on.chars().take(20).collect();
             return Err(format!(
-                "`made_on` is `{day}`, which is no day such as `2026-11-22`"
+                "`made_on` is `{day}`, which is not a date such as `2026-11-22`"
             ));
         }
         let method = [Method::Plane, Method::Rigid]

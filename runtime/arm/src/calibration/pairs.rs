@@ -1,7 +1,8 @@
 //! Calibration points as lines of text.
 //!
-//! In: CSV with the columns `u,v,x,y,z` and optionally `depth`, in that order or as named by a header line; comments start
-//! with `#`. Out: [`Pair`]s, or the line that is wrong. Whether the numbers are plausible is checked later, on all points.
+//! In: CSV with the columns `u,v,x,y,z` and optionally `depth`, in that order or as named by a header line; comments
+//! start with `#`. Out: [`Pair`]s, or the line that is wrong. Whether the numbers are plausible is checked later, on
+//! all points.
 
 use super::Pair;
 use fab_base::files;
@@ -133,7 +134,8 @@ impl Columns {
             let (Some(column), Some(factor)) = (column, factor) else {
                 let shown: String = name.chars().take(20).collect();
                 return Err(format!(
-                    "`{shown}` is no column; they are `u`, `v` (pixels), `x`, `y`, `z` and `depth` (metres, or such as `x_mm`)"
+                    "`{shown}` is not a column; the columns are `u`, `v` (pixels), `x`, `y`, `z` and `depth` \
+                     (metres, or such as `x_mm`)"
                 ));
             };
             if fields.iter().any(|(other, _)| *other == column) {

@@ -1,8 +1,8 @@
 //! Entry of calibration points, one at a time: a person types them, or jogs the arm to them.
 //!
-//! In: lines of text, and with an arm, its tool's position at each line. Out: a message per line with the error of the new
-//! point against the earlier ones, so that a mistake shows while the arm is still there. Reading and writing lines is left
-//! to the caller.
+//! In: lines of text, and with an arm, its tool's position at each line. Out: a message per line with the error of the
+//! new point against the earlier ones, so that a mistake shows while the arm is still there. Reading and writing lines
+//! is left to the caller.
 
 use super::fit::Solver;
 use super::pairs::{numbers, pair_of};
@@ -69,7 +69,7 @@ impl<'a> Session<'a> {
                 Some(_) => {
                     LineOutcome::Undone(format!("point {} is taken back", self.pairs.len() + 1))
                 }
-                None => LineOutcome::Invalid("there is no point to take back".to_owned()),
+                None => LineOutcome::Invalid("there is no point to undo".to_owned()),
             },
             point => match self.point(point) {
                 Ok(pair) => {
@@ -107,7 +107,7 @@ impl<'a> Session<'a> {
         let n = self.pairs.len();
         if n < MIN_FITTED {
             return format!(
-                "taken; from {} points on you are told how each fits",
+                "added; from {} points on, the fit of each new one is shown",
                 MIN_FITTED + 1
             );
         }
@@ -120,7 +120,9 @@ impl<'a> Session<'a> {
             Some(off_mm) => {
                 format!("{off_mm:.1} mm from where the {n} before it put it (`undo` takes it back)")
             }
-            None => format!("taken; the {n} before it do not say yet where it should be"),
+            None => {
+                format!("added; the {n} points before it do not yet determine where it should be")
+            }
         }
     }
 

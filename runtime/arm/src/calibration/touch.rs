@@ -58,7 +58,7 @@ pub fn place_at_rest(port: &mut dyn Port, stale_s: f64) -> Result<[f64; 3], Stri
 fn tool_reading(port: &mut dyn Port, stale_s: f64) -> Result<Reading<Isometry3<f64>>, String> {
     let now_s = port.now_s();
     let Some(tool) = port.readings().tool else {
-        return Err("the arm has not said yet where its tool is".to_owned());
+        return Err("the arm has not reported yet where its tool is".to_owned());
     };
     if now_s - tool.at_s > stale_s {
         return Err(silent(now_s - tool.at_s));
@@ -71,12 +71,12 @@ fn tool_reading(port: &mut dyn Port, stale_s: f64) -> Result<Reading<Isometry3<f
         .chain(pose.rotation.coords.iter());
     match numbers.all(|number| number.is_finite()) {
         true => Ok(tool),
-        false => Err("the arm says that its tool is at a place that is no number".to_owned()),
+        false => Err("the arm reports a tool position that is not finite".to_owned()),
     }
 }
 
 fn silent(for_s: f64) -> String {
     format!(
-        "the arm has not said for {for_s:.1} s where its tool is; its driver or the network may be down"
+        "the arm has not reported for {for_s:.1} s where its tool is; its driver or the network may be down"
     )
 }

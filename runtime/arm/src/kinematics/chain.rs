@@ -1,8 +1,8 @@
 //! A kinematic chain and its forward kinematics.
 //!
 //! In: joint angles, radians, from the base to the hand. Out: link and tool frames in the base frame, metres, and the
-//! Jacobian. Joint limits are stated here and enforced by the callers that choose angles: forward kinematics accepts any
-//! angle, because an arm may report one past its limit.
+//! Jacobian. Joint limits are stated here and enforced by the callers that choose angles: forward kinematics accepts
+//! any angle, because an arm may report one past its limit.
 
 use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector3, Vector6};
 use std::f64::consts::TAU;
@@ -46,7 +46,7 @@ pub enum BadAngles {
         found: usize,
     },
     /// One is not a valid angle.
-    #[error("the angle `{angle_rad}` of joint `{joint}` is no angle")]
+    #[error("the angle `{angle_rad}` of joint `{joint}` is not a valid angle")]
     NotAnAngle {
         /// The joint, from 1 at the base.
         joint: usize,

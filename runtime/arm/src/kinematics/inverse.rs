@@ -39,7 +39,7 @@ pub enum NoSolution {
     #[error(transparent)]
     BadAngles(#[from] BadAngles),
     /// The pose contains NaN or infinity.
-    #[error("the pose that was asked for holds a number that is none")]
+    #[error("the requested pose holds a number that is not finite")]
     NotAPose,
     /// No attempt reached the pose.
     #[error("the arm came to `{:.1}` mm and `{:.2}` degrees of the pose: {obstacle}", .distance_m * 1e3, .angle_rad.to_degrees())]
@@ -66,7 +66,7 @@ pub enum Obstacle {
     #[error("the hand cannot be turned so at that point")]
     Turn,
     /// A joint, from 1 at the base, is at its limit.
-    #[error("joint `{0}` stands at its limit")]
+    #[error("joint `{0}` is at its limit")]
     Limit(usize),
 }
 

@@ -22,7 +22,7 @@ const MAX_POINTS: f64 = 2000.0;
 pub enum NotStraight {
     /// The step is not a positive length, or so short that there would be too many points.
     #[error(
-        "a way of `{way_m}` m cannot be divided into steps of `{step_m}` m: at most 2000 steps"
+        "a path of `{way_m}` m cannot be divided into steps of `{step_m}` m: at most 2000 steps"
     )]
     Steps {
         /// Length of the path, metres.
@@ -31,7 +31,7 @@ pub enum NotStraight {
         step_m: f64,
     },
     /// The arm does not reach a point of the line.
-    #[error("after `{after_m:.3}` m of the straight way {why}")]
+    #[error("after `{after_m:.3}` m along the straight path {why}")]
     NoSolution {
         /// How far along the line, metres.
         after_m: f64,
@@ -39,7 +39,8 @@ pub enum NotStraight {
         why: NoSolution,
     },
     /// A joint would have to turn too far within one step.
-    #[error("after `{after_m:.3}` m of the straight way joint `{joint}` would turn by `{:.0}` degrees within a step, and at most `{:.0}` are let pass", .jump_rad.to_degrees(), MAX_JUMP_RAD.to_degrees())]
+    #[error("after `{after_m:.3}` m along the straight path joint `{joint}` would turn by `{:.0}` degrees in one \
+     step, and at most `{:.0}` are allowed", .jump_rad.to_degrees(), MAX_JUMP_RAD.to_degrees())]
     Jump {
         /// How far along the line, metres.
         after_m: f64,
@@ -59,7 +60,8 @@ impl Chain {
     ///
     /// - `from`, `to`: `base_from_tool` at the ends.
     /// - `near_rad`: the arm's current angles; the first point is solved from there.
-    /// - `step_m`: the largest distance between two points, metres, above 0; a rotation is divided into steps of 5 degrees.
+    /// - `step_m`: the largest distance between two points, metres, above 0; a rotation is divided into steps of 5
+    ///   degrees.
     pub fn straight(
         &self,
         from: &Isometry3<f64>,

@@ -137,7 +137,7 @@ impl Budget {
         if let Some(cap) = self.caps.calls.filter(|cap| calls >= *cap) {
             let noun = if cap == 1 { "call" } else { "calls" };
             return Err(CallRefused::Budget(format!(
-                "the cap of {cap} {noun} is reached; a higher `--max-calls` goes on from here"
+                "the cap of {cap} {noun} is reached; a higher `--max-calls` continues from here"
             )));
         }
         if let Some(cap) = self.caps.cost {
@@ -155,7 +155,8 @@ impl Budget {
             }
             if taken + at_most > cap {
                 return Err(CallRefused::Budget(format!(
-                    "the next call may cost {at_most}, and of the cap of {cap} {} is left; a higher `--max-cost` goes on from here",
+                    "the next call may cost {at_most}, and of the cap of {cap} {} is left; a higher `--max-cost` \
+                     continues from here",
                     cap.less(taken)
                 )));
             }

@@ -76,12 +76,13 @@ pub enum CallRefused {
     NotNoted(String),
     /// The call was sent, but its result could not be stored everywhere.
     #[error(
-        "an answer came and could not be kept: {0}; with room to write, `fabc resume` goes on from here"
+        "an answer came but could not be stored: {0}; once there is room to write, `fabc resume` continues from here"
     )]
     NotKept(String),
     /// A completed step's answer is no longer there.
     #[error(
-        "a step that is done put a question whose answer is not in the ledger of calls: the ledger, the subgoal pictures, the facts about the model or the task changed since; nothing was sent"
+        "a completed step asks a question whose answer is not in the ledger of calls: the ledger, the subgoal \
+         pictures, the facts about the model or the task changed since; nothing was sent"
     )]
     Lost,
 }

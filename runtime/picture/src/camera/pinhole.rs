@@ -62,7 +62,7 @@ impl Pinhole {
         if error > ROTATION_TOLERANCE || turn.determinant() < 0.0 || pose[3] != [0.0, 0.0, 0.0, 1.0]
         {
             return Err(
-                "`world_from_camera` is no pose: its upper left has to be a rotation, its last row 0, 0, 0, 1"
+                "`world_from_camera` is not a pose: its upper left must be a rotation, its last row 0, 0, 0, 1"
                     .to_owned(),
             );
         }

@@ -17,9 +17,7 @@ pub struct Date {
 
 /// A text that is not a date.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{0}` is no date; write one such as `2026-11-20`, or `2026-11` where the day is not known"
-)]
+#[error("`{0}` is not a date; write one such as `2026-11-20`, or `2026-11` if the day is unknown")]
 pub struct NoDate(String);
 
 impl Date {

@@ -32,7 +32,7 @@ pub enum CatalogueError {
         why: String,
     },
     /// A model name is not in the form PROVIDER:NAME.
-    #[error("`{0}` is no model; write PROVIDER:NAME, with a name of at most {max} bytes on one line", max = file::MAX_NAME)]
+    #[error("`{0}` is not a model; write PROVIDER:NAME, with a name of at most {max} bytes on one line", max = file::MAX_NAME)]
     NoModel(String),
     /// There is no such provider.
     #[error("there is no provider `{name}`{near}; there is {among}", near = meant(near.as_deref()))]

@@ -107,7 +107,7 @@ impl Catalogue {
             let (name, other) = lost;
             return Err(wrong(
                 1,
-                format!("`{name}` has the models of `{other}`, which is no provider"),
+                format!("`{name}` has the models of `{other}`, which is not a provider"),
             ));
         }
         for At { line, entry } in read.models {

@@ -118,7 +118,7 @@ impl fmt::Display for Notice {
             Notice::PriceChanges { on } => write!(f, "its price changes on {on}"),
             Notice::PriceUnknown => f.write_str("its price is not known"),
             Notice::CoordinatesUnknown => f.write_str(
-                "it is not known how it says where something is in a picture: `fabc probe` finds out",
+                "it is not known how it states positions in a picture: `fabc probe` finds out",
             ),
             Notice::Unlisted { near: Some(near) } => {
                 write!(f, "no entry fits its id; did you mean `{near}`?")

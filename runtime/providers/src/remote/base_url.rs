@@ -26,16 +26,20 @@ pub struct BaseUrl(Url);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BaseUrlError {
     /// It cannot be parsed, or is not an HTTP address.
-    #[error("the base URL is none; one looks like `http://localhost:8000/v1` or `https://host/v1`")]
+    #[error(
+        "the base URL is not valid; it must look like `http://localhost:8000/v1` or `https://host/v1`"
+    )]
     NoUrl,
     /// It contains a user name or password.
     #[error(
-        "the base URL carries a user name or password, which would end in logs; leave it out, and give the key by the environment or the file of keys"
+        "the base URL carries a user name or password, which would end up in logs; leave it out, and give the key in \
+         the environment or in the file of keys"
     )]
     UserInformation,
     /// Its query seems to contain a key.
     #[error(
-        "the base URL's query seems to carry a key, which would end in logs; leave it out, and give the key by the environment or the file of keys"
+        "the base URL's query seems to carry a key, which would end up in logs; leave it out, and give the key in \
+         the environment or in the file of keys"
     )]
     KeyInQuery,
 }

@@ -29,7 +29,7 @@ pub struct Key {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum KeyError {
     /// It cannot be sent in a request.
-    #[error("the value of `{name}` is no key: {why}")]
+    #[error("the value of `{name}` is not a valid key: {why}")]
     Malformed {
         /// Name of the variable or the entry.
         name: String,

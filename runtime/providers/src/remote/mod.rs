@@ -120,7 +120,7 @@ impl Remote {
         if name != named || redactor.text(endpoint.as_str()) != endpoint.as_str() {
             return Err(SetupError {
                 model: name,
-                why: "a key stands in its name or its base URL; leave it out there".to_owned(),
+                why: "its name or its base URL contains a key; leave it out".to_owned(),
             });
         }
         let proxy = if settings.base_url.is_loopback() {

@@ -52,7 +52,7 @@ fn turn(mut turn: Fields, names: &Names) -> Result<Message, Refusal> {
         "system" | "developer" => Speaker::System,
         "user" => Speaker::User,
         "assistant" => Speaker::Assistant,
-        _ => return Err(turn.wrong("role", "is none of system, developer, user and assistant")),
+        _ => return Err(turn.wrong("role", "must be system, developer, user or assistant")),
     };
     let path = turn.path("content");
     let parts = match turn.required("content")? {
@@ -116,13 +116,13 @@ fn png(address: &str, path: &str) -> Result<Png, Refusal> {
         Some((start, encoded)) if start.eq_ignore_ascii_case(START) => encoded,
         _ => {
             return Err(wrong(
-                "is no PNG in base64; it has to begin with `data:image/png;base64,`",
+                "is not a PNG in base64; it must begin with `data:image/png;base64,`",
             ));
         }
     };
     let bytes = STANDARD
         .decode(encoded)
-        .map_err(|_| wrong("is no base64"))?;
+        .map_err(|_| wrong("is not base64"))?;
     match png::size(&bytes) {
         Some([width, height]) if width.max(height) <= png::MAX_SIDE_PX => Ok(Png::new(bytes)),
         Some([width, height]) => {
@@ -131,7 +131,7 @@ fn png(address: &str, path: &str) -> Result<Png, Refusal> {
                 "is {width} by {height} pixels; at most {most} by {most} are taken"
             )))
         }
-        None => Err(wrong("is no PNG picture")),
+        None => Err(wrong("is not a PNG picture")),
     }
 }
 

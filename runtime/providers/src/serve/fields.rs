@@ -25,7 +25,10 @@ impl Fields {
         let path = path.into();
         match value {
             Value::Object(left) => Ok(Fields::new(format!("{path}."), left)),
-            _ => Err(Refusal::of(path.as_str(), format!("`{path}` is no object"))),
+            _ => Err(Refusal::of(
+                path.as_str(),
+                format!("`{path}` is not an object"),
+            )),
         }
     }
 
@@ -47,7 +50,7 @@ impl Fields {
     pub(super) fn text(&mut self, name: &str) -> Result<String, Refusal> {
         match self.required(name)? {
             Value::String(text) => Ok(text),
-            _ => Err(self.wrong(name, "is no string")),
+            _ => Err(self.wrong(name, "is not a string")),
         }
     }
 
@@ -66,7 +69,7 @@ impl Fields {
             .filter(|number| (least..=most).contains(number));
         number
             .map(Some)
-            .ok_or_else(|| self.wrong(name, &format!("is no number from {least} to {most}")))
+            .ok_or_else(|| self.wrong(name, &format!("is not a number from {least} to {most}")))
     }
 
     /// Takes an integer from `least` up.
@@ -76,7 +79,7 @@ impl Fields {
         };
         let number = value.as_u64().and_then(|number| u32::try_from(number).ok());
         let number = number.filter(|number| *number >= least);
-        let rule = format!("is no whole number from {least} to {}", u32::MAX);
+        let rule = format!("is not a whole number from {least} to {}", u32::MAX);
         number.map(Some).ok_or_else(|| self.wrong(name, &rule))
     }
 
@@ -139,7 +142,7 @@ pub(super) fn schema(mut format: Fields, inner: Option<&str>) -> Result<Option<V
             };
             let schema = described.required("schema")?;
             if !schema.is_object() {
-                return Err(described.wrong("schema", "is no object"));
+                return Err(described.wrong("schema", "is not an object"));
             }
             // Strictness has no effect: no answer here is constrained by the schema.
             described.finish(&["name", "description", "strict"])?;

@@ -194,8 +194,8 @@ async fn try_answer<F: Form>(
         let _place = place;
         let body = match serde_json::from_slice(&body) {
             Ok(Value::Object(body)) => body,
-            Ok(_) => return Err(Refusal::wrong("the body is no JSON object")),
-            Err(error) => return Err(Refusal::wrong(format!("the body is no JSON: {error}"))),
+            Ok(_) => return Err(Refusal::wrong("the body is not a JSON object")),
+            Err(error) => return Err(Refusal::wrong(format!("the body is not JSON: {error}"))),
         };
         let model = served.model.as_ref();
         let mut fields = Fields::new("", body);

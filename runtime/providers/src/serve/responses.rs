@@ -24,7 +24,7 @@ impl Form for Responses {
         let instructions = match fields.take("instructions") {
             None => None,
             Some(Value::String(text)) => Some(text),
-            Some(_) => return Err(fields.wrong("instructions", "is no string")),
+            Some(_) => return Err(fields.wrong("instructions", "is not a string")),
         };
         let mut messages = match fields.required("input")? {
             Value::String(text) => vec![Message::text(Speaker::User, text)],

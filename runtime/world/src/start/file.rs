@@ -75,7 +75,7 @@ pub enum StartError {
     },
     /// The file is not a `.npy` file of floating-point numbers.
     #[error(
-        "the start `{path}` is not a usable .npy file: {why}; right would be float32 or float64 of shape (particles, 3)"
+        "the start `{path}` is not a usable .npy file: {why}; expected float32 or float64 of shape (particles, 3)"
     )]
     NotPositions {
         /// The file.
@@ -84,7 +84,7 @@ pub enum StartError {
         why: String,
     },
     /// The array's shape is wrong.
-    #[error("the start `{path}` has shape {found}; right would be {wanted}")]
+    #[error("the start `{path}` has shape {found}; expected {wanted}")]
     Shape {
         /// The file.
         path: PathBuf,
@@ -263,7 +263,7 @@ fn frame_in_manifest(manifest: &Path, start: &Path) -> Result<StartFrame, StartE
                 (count("dimx"), count("dimy"), number("spacing_m"))
             else {
                 let why =
-                    "the start's entry lacks dimx, dimy or spacing_m, or one is no such number";
+                    "the start's entry lacks dimx, dimy or spacing_m, or one of them is not valid";
                 return Err(wrong(why.to_owned()));
             };
             let grid = Grid {

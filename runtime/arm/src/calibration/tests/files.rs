@@ -100,7 +100,7 @@ fn what_was_changed_is_refused() {
             "day",
             "2026-11-22",
             "2026-13-22",
-            "no day such as `2026-11-22`",
+            "not a date such as `2026-11-22`",
         ),
         (
             "method",

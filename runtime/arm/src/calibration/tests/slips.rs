@@ -72,7 +72,7 @@ fn each_slip_is_named() {
                     it.base_m[1] *= -1.0;
                 })
             },
-            "nothing in both; are signs lost",
+            "they do not overlap; is a sign missing",
         ),
         (
             "millimetres",
@@ -95,11 +95,7 @@ fn each_slip_is_named() {
             |it| it[4].base_m = it[4].base_m.map(|m| m * 1000.0),
             "point 5 is at",
         ),
-        (
-            "few",
-            |it| it.truncate(7),
-            "7 points at places of their own are too few",
-        ),
+        ("few", |it| it.truncate(7), "7 distinct points are too few"),
         (
             "the same",
             |it| {
@@ -128,7 +124,7 @@ fn slips_of_depth_are_named() {
         (
             "none",
             |it| it[3].depth_m = None,
-            "needs a depth at every point, and 1 of 16 have none, the first being point 4",
+            "needs a depth at every point, and 1 of 16 have none, starting with point 4",
         ),
         (
             "millimetres",

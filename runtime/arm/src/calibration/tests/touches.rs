@@ -112,16 +112,16 @@ fn a_place_that_is_none_is_refused_with_its_values() {
     for (read, words) in [
         (
             read(0.0, 0.0, |_| down(AT_M)),
-            "the arm has not said yet where its tool is",
+            "the arm has not reported yet where its tool is",
         ),
         (
             read(5.0, 3.0, |_| down(AT_M)),
-            "the arm has not said for 2.0 s where its tool is",
+            "the arm has not reported for 2.0 s where its tool is",
         ),
         // The last reading is recent enough when the point is entered, and no other follows.
         (
             read(5.0, 4.8, |_| down(AT_M)),
-            "the arm has not said for 0.7 s where its tool is",
+            "the arm has not reported for 0.7 s where its tool is",
         ),
         (
             read(5.0, forever, moving(0.02)),
@@ -141,7 +141,7 @@ fn a_place_that_is_none_is_refused_with_its_values() {
         ),
         (
             read(5.0, forever, |_| down([f64::NAN, 0.0, 0.0])),
-            "a place that is no number",
+            "a tool position that is not finite",
         ),
     ] {
         let why = read.expect_err(words);

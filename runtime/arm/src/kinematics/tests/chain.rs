@@ -77,7 +77,9 @@ fn what_are_no_angles_is_refused() {
         angles[2] = bad;
         let error = chain.jacobian(&angles).unwrap_err();
         assert!(
-            error.to_string().ends_with("of joint `3` is no angle"),
+            error
+                .to_string()
+                .ends_with("of joint `3` is not a valid angle"),
             "{error}"
         );
     }

@@ -104,7 +104,7 @@ fn a_refusal_says_what_was_reached() {
         obstacle: Obstacle::Limit(3),
     };
     let said =
-        "the arm came to `12.3` mm and `5.73` degrees of the pose: joint `3` stands at its limit";
+        "the arm came to `12.3` mm and `5.73` degrees of the pose: joint `3` is at its limit";
     assert_eq!(error.to_string(), said);
 }
 

@@ -34,7 +34,7 @@ pub(super) fn words(message: &Message) -> Result<String, Unfit> {
             Speaker::Assistant => "the model",
         };
         Unfit(format!(
-            "a picture stands in a turn of {speaker}, and only the user's can hold one"
+            "there is a picture in a turn of {speaker}, and only the user's can hold one"
         ))
     })?;
     Ok(texts.join(BETWEEN))
@@ -57,7 +57,7 @@ pub(super) fn framed(messages: &[Message]) -> Result<(Option<String>, &[Message]
     refuse_no_question(turns)?;
     if turns.iter().any(is_frame) {
         return Err(Unfit(
-            "a system message stands after the first question, and its interface has no place for it".to_owned(),
+            "there is a system message after the first question, and its interface has no place for it".to_owned(),
         ));
     }
     let texts = frame.iter().map(words).collect::<Result<Vec<_>, _>>()?;
