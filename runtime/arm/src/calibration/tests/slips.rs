@@ -102,7 +102,7 @@ fn each_slip_is_named() {
                 let one = it[0];
                 it.iter_mut().skip(3).for_each(|it| *it = one)
             },
-            "3 points at places",
+            "3 distinct points",
         ),
         (
             "no number",
