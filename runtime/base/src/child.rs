@@ -526,7 +526,7 @@ mod tests {
             ("exec 1>&-; sleep 60", "it closed its stdout and went on"),
             (
                 "yes x | tr -d '\\n'",
-                "wrote 1048576 bytes without the end of a line",
+                "wrote 1048576 bytes without a newline",
             ),
         ] {
             let error = asked(script, SOON).expect_err(script).to_string();
